@@ -1,0 +1,70 @@
+"""Outputs that are whole or absent: written beside their place, then renamed into it."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from overview_dsp.errors import InputError, OutputError
+
+_DISK_ERRORS = {errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EFBIG}
+
+
+def output_error(path: Path, error: OSError) -> InputError | OutputError:
+    """The one-line error for a failed write: the disk's fault (exit 1) or the caller's (exit 2)."""
+    reason = error.strerror or str(error) or type(error).__name__
+    if error.errno in _DISK_ERRORS:
+        return OutputError(f"{path}: {reason}; nothing was left behind, free some space and retry")
+    return InputError(f"{path}: can't be written ({reason}); choose a folder you may write to")
+
+
+@contextlib.contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary path beside `path`; rename it into place on success, delete it otherwise.
+
+    The temporary name keeps the suffix, so a writer that looks at it chooses the same format.
+
+    Raises
+    ------
+    InputError
+        The folder doesn't exist or can't be written.
+    OutputError
+        The disk is full or broken.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise InputError(f"{target}: is a folder; name a file in it")
+    try:
+        handle, name = tempfile.mkstemp(
+            prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
+        )
+    except OSError as error:
+        raise output_error(target, error) from error
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        with open(temporary, "rb") as written:
+            os.fsync(written.fileno())
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(temporary, 0o666 & ~umask)
+        os.replace(temporary, target)
+    except OSError as error:
+        raise output_error(target, error) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def make_folder(path: str | os.PathLike[str]) -> Path:
+    """Make a folder for outputs, with its parents; InputError if that can't be."""
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise output_error(folder, error) from error
+    return folder

@@ -1,0 +1,28 @@
+"""Conversions between the units people write and the units the physics uses."""
+
+from __future__ import annotations
+
+import math
+
+HALF_TURN = math.pi
+"""The input angle of the whole timeline, rad (the paper's 180 degrees)."""
+
+
+def db_to_gain(db: float) -> float:
+    """Amplitude ratio of a level in dB."""
+    return float(10.0 ** (db / 20.0))
+
+
+def gain_to_db(gain: float) -> float:
+    """Level in dB of an amplitude ratio; minus infinity for 0."""
+    return 20.0 * math.log10(gain) if gain > 0.0 else -math.inf
+
+
+def clock_text(seconds: float) -> str:
+    """`1:02:03.4`-style text of a duration in seconds, without leading zero fields."""
+    sign = "-" if seconds < 0 else ""
+    tenths = round(abs(seconds) * 10)
+    minutes, tenths = divmod(tenths, 600)
+    hours, minutes = divmod(minutes, 60)
+    rest = f"{tenths // 10:02d}.{tenths % 10}"
+    return f"{sign}{hours}:{minutes:02d}:{rest}" if hours else f"{sign}{minutes}:{rest}"
