@@ -1,0 +1,104 @@
+"""Checks of single values, each failing with one line that names what, the value and the range."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import re
+import reprlib
+from collections.abc import Iterator
+
+import numpy as np
+
+from overview_dsp.errors import InputError
+
+KIND_MAX_LENGTH = 64
+"""Longest event kind, characters: a kind is a name a preset looks up, not a sentence."""
+
+TIME_HINT = "times are finite seconds from 0 to the timeline's duration"
+"""How an error line about a time ends."""
+
+_KIND = re.compile(r"[a-z0-9_]+", re.ASCII)
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = 60
+
+
+def shown(value: object) -> str:
+    """Short, printable text of any value for an error line (escapes what a terminal can't show)."""
+    if isinstance(value, float | np.floating):
+        return repr(float(value))
+    try:
+        return _REPR.repr(value)
+    except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
+        return f"a {type(value).__name__} too large to show"
+
+
+@contextlib.contextmanager
+def located(place: str) -> Iterator[None]:
+    """Put `place` (with its own punctuation) before any InputError raised inside."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{place}{error}") from error
+
+
+def number(value: object, what: str, hint: str = "give a finite number") -> float:
+    """Return `value` as a finite float.
+
+    Parameters
+    ----------
+    value
+        Any object; Python and numpy ints and floats pass, booleans and text don't.
+    what
+        The name the error line begins with.
+    hint
+        What is allowed and what to try, the end of the error line.
+
+    Raises
+    ------
+    InputError
+        Not a number, NaN, infinite or beyond the range of a float.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        raise InputError(f"{what} is {shown(value)}, not a number; {hint}")
+    try:
+        result = float(value)
+    except OverflowError:
+        result = math.inf
+    if not math.isfinite(result):
+        raise InputError(f"{what} is {result!r}, not a finite number; {hint}")
+    return result
+
+
+def positive(value: object, what: str, hint: str = "give a finite number above 0") -> float:
+    """Return `value` as a finite float above 0 (errors as `number`)."""
+    result = number(value, what, hint)
+    if result <= 0.0:
+        raise InputError(f"{what} is {result!r}, not above 0; {hint}")
+    return result
+
+
+def text(value: object, what: str) -> str:
+    """Return `value` if it is text that can be written to a file; InputError otherwise."""
+    if not isinstance(value, str):
+        raise InputError(f"{what} is {shown(value)}, not text; give a string")
+    try:
+        value.encode()
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"{what} holds half a character (a lone surrogate) at position {error.start}: "
+            f"{shown(value)}; write valid Unicode text"
+        ) from error
+    return value
+
+
+def kind(value: object, what: str = "kind") -> str:
+    """Return `value` if it is an event kind: 1 to 64 of a-z, 0-9 and _; InputError otherwise."""
+    if isinstance(value, str) and _KIND.fullmatch(value) and len(value) <= KIND_MAX_LENGTH:
+        return value
+    tried = re.sub(r"[^a-z0-9]+", "_", value.lower()).strip("_") if isinstance(value, str) else ""
+    example = tried[:KIND_MAX_LENGTH] or "goal"
+    raise InputError(
+        f"{what} is {shown(value)}; a kind is 1 to {KIND_MAX_LENGTH} characters of a-z, 0-9 and _; "
+        f"try '{example}'"
+    )

@@ -1,0 +1,76 @@
+"""An event, and events in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from overview_dsp.errors import InputError
+from overview_dsp.timeline import checks
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happens at one moment.
+
+    Parameters
+    ----------
+    time_s
+        Seconds from the timeline's start, finite, >= 0.
+    kind
+        What it is, for a preset to look up: 1 to 64 characters of a-z, 0-9 and _ (`near_miss`).
+    label
+        Words for a person.
+    weight
+        How strong, relative to others of its kind; finite, > 0, 1 = ordinary.
+
+    Raises
+    ------
+    InputError
+        A value outside these ranges; the line begins with the field's name.
+    """
+
+    time_s: float
+    kind: str
+    label: str = ""
+    weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        time_s = checks.number(self.time_s, "time_s", checks.TIME_HINT)
+        if time_s < 0.0:
+            raise InputError(f"time_s is {time_s!r}, before the start; {checks.TIME_HINT}")
+        object.__setattr__(self, "time_s", time_s)
+        checks.kind(self.kind)
+        checks.text(self.label, "label")
+        weight = checks.positive(
+            self.weight, "weight", "a weight is a finite number above 0, 1 = ordinary"
+        )
+        object.__setattr__(self, "weight", weight)
+
+
+def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
+    """Return events by time, equal times in the order given.
+
+    Raises
+    ------
+    InputError
+        One is after the end, or has the time, kind and label of another.
+    """
+    if not isinstance(events, tuple | list) or not all(isinstance(e, Event) for e in events):
+        raise InputError(f"events is {checks.shown(events)}; give a tuple of Event")
+    ordered: tuple[Event, ...] = tuple(sorted(events, key=lambda event: event.time_s))
+    if ordered and ordered[-1].time_s > duration_s:
+        late = ordered[-1]
+        raise InputError(
+            f"the {late.kind} at {late.time_s!r} s is after the end of the timeline "
+            f"(duration_s {duration_s!r}); {checks.TIME_HINT}"
+        )
+    seen: set[tuple[float, str, str]] = set()
+    for event in ordered:
+        key = (event.time_s, event.kind, event.label)
+        if key in seen:
+            raise InputError(
+                f"the {event.kind} at {event.time_s!r} s with label {checks.shown(event.label)} is "
+                "there twice; remove one, or give them different labels"
+            )
+        seen.add(key)
+    return ordered

@@ -1,0 +1,65 @@
+"""Gaps: the spans of a timeline without data."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.timeline import checks
+
+Gaps = tuple[tuple[float, float], ...]
+"""Spans (start_s, end_s), sorted, not overlapping."""
+
+
+def sorted_gaps(gaps: object, duration_s: float) -> Gaps:
+    """Return gaps by their start.
+
+    Raises
+    ------
+    InputError
+        One isn't a pair 0 <= start < end <= duration_s, or two overlap.
+    """
+    hint = "a gap is (start_s, end_s) with 0 <= start < end <= duration"
+    if not isinstance(gaps, tuple | list):
+        raise InputError(f"gaps is {checks.shown(gaps)}, not a list; {hint}")
+    pairs: list[tuple[float, float]] = []
+    for i, gap in enumerate(gaps):
+        if not isinstance(gap, tuple | list) or len(gap) != 2:
+            raise InputError(f"gaps[{i}] is {checks.shown(gap)}, not a pair; {hint}")
+        start, end = (checks.number(edge, f"gaps[{i}][{j}]", hint) for j, edge in enumerate(gap))
+        if not 0.0 <= start < end <= duration_s:
+            raise InputError(
+                f"gaps[{i}] reaches from {start!r} to {end!r} s in a timeline of {duration_s!r} s; "
+                f"{hint}"
+            )
+        pairs.append((start, end))
+    pairs.sort()
+    for before, after in itertools.pairwise(pairs):
+        if after[0] < before[1]:
+            raise InputError(
+                f"the gaps {before} and {after} overlap; merge them into "
+                f"({before[0]!r}, {max(before[1], after[1])!r})"
+            )
+    return tuple(pairs)
+
+
+def in_gap(gaps: Gaps, at: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which of the times `at`, shape (n,), lie inside a gap, its two ends excluded."""
+    if not gaps:
+        return np.zeros(at.shape, dtype=np.bool_)
+    starts, ends = np.array(gaps, dtype=np.float64).T
+    # the last gap that starts before a time is the only one that can hold it
+    index = np.searchsorted(starts, at, side="left") - 1
+    return np.asarray((index >= 0) & (at < ends[index]), dtype=np.bool_)
+
+
+def cut_gaps(gaps: Gaps, start: float, end: float) -> Gaps:
+    """Return what of the gaps lies between `start` and `end`, on a time axis that begins there."""
+    return tuple(
+        (max(low, start) - start, min(high, end) - start)
+        for low, high in gaps
+        if low < end and high > start
+    )

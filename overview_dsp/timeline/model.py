@@ -1,0 +1,200 @@
+"""The one Timeline every reader produces: events, an intensity curve, gaps, and where they're from.
+
+All values are checked on construction, so that whoever holds a `Timeline` need not check again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.timeline import checks
+from overview_dsp.timeline.event import Event, sorted_events
+from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
+from overview_dsp.timeline.intensity import Intensity
+from overview_dsp.units import clock_text
+
+__all__ = ["Event", "Intensity", "Timeline"]
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """What happened, in order, and how intense it was.
+
+    Parameters
+    ----------
+    title
+        Words for a person.
+    duration_s
+        Length in seconds, finite, > 0. Every time lies in [0, duration_s].
+    events
+        In any order; kept sorted by time, those of equal time in the order given. Two events of
+        the same time, kind and label are an error; a foul and its card at one time are not.
+    intensity
+        The curve, or None. Either events or an intensity must be there.
+    gaps
+        Spans (start_s, end_s) without data, start < end, not overlapping; kept sorted. Inside a
+        gap the curve counts as missing, points that lie in it too.
+    provenance
+        Where the data are from and what was derived from what.
+    notes
+        What a person should know about them (warnings of the reader).
+
+    Raises
+    ------
+    InputError
+        A broken invariant, in one line that names it.
+    """
+
+    title: str
+    duration_s: float
+    events: tuple[Event, ...] = ()
+    intensity: Intensity | None = None
+    gaps: tuple[tuple[float, float], ...] = ()
+    provenance: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        checks.text(self.title, "title")
+        checks.text(self.provenance, "provenance")
+        duration_s = checks.positive(
+            self.duration_s, "duration_s", "a duration is a finite number of seconds above 0"
+        )
+        object.__setattr__(self, "duration_s", duration_s)
+        notes = tuple(checks.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
+        object.__setattr__(self, "notes", notes)
+        object.__setattr__(self, "events", sorted_events(self.events, duration_s))
+        object.__setattr__(self, "gaps", sorted_gaps(self.gaps, duration_s))
+        if self.intensity is not None and self.intensity.time_s[-1] > duration_s:
+            last = len(self.intensity.time_s) - 1
+            raise InputError(
+                f"intensity.time_s[{last}] is {float(self.intensity.time_s[last])!r}, after the "
+                f"end of the timeline (duration_s {duration_s!r}); {checks.TIME_HINT}"
+            )
+        if not self.events and self.intensity is None:
+            raise InputError(
+                "the timeline has neither events nor an intensity; give one of them or both"
+            )
+
+    def intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return the curve's value at `times` (s, any shape), in the curve's unit.
+
+        Straight between the points and exact at them. 0 where there is no curve: before the first
+        point and after the last, inside a gap (its ends excluded), for a timeline without
+        intensity, and for NaN. A curve of one point has that value over the whole timeline.
+        """
+        at = np.asarray(times, dtype=np.float64)
+        flat = at.reshape(-1)  # a scalar too: boolean indexing needs an axis
+        return np.where(self._has_data(flat), self._curve_at(flat), 0.0).reshape(at.shape)
+
+    def normalised_intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Return the curve at `times` (s, any shape) on a scale of 0 to 1.
+
+        If all points (outside gaps) lie within [0, 1] already, values are taken as they are, a
+        constant too. Otherwise the smallest becomes 0 and the largest 1, and a constant curve 0.
+        0 where there is no curve, as `intensity_at`.
+        """
+        at = np.asarray(times, dtype=np.float64)
+        flat = at.reshape(-1)
+        low, span = self._scale
+        if span == 0.0:
+            return np.zeros(at.shape, dtype=np.float64)
+        scaled = np.clip((self._curve_at(flat) - low) / span, 0.0, 1.0)
+        return np.where(self._has_data(flat), scaled, 0.0).reshape(at.shape)
+
+    def kinds(self) -> dict[str, int]:
+        """Return how many events of each kind there are, in order of first appearance."""
+        counts: dict[str, int] = {}
+        for event in self.events:
+            counts[event.kind] = counts.get(event.kind, 0) + 1
+        return counts
+
+    def event(self, kind: str, number: int) -> Event:
+        """Return the event number `number` (from 1, in time order) of a kind: `event("goal", 1)`.
+
+        Raises
+        ------
+        InputError
+            No event of that kind, or not so many; the line says which and how many there are.
+        """
+        found = [event for event in self.events if event.kind == kind]
+        if not found:
+            there = ", ".join(self.kinds()) or "no events at all"
+            raise InputError(
+                f"the timeline has no event of kind {checks.shown(kind)}; it has {there}"
+            )
+        if not 1 <= number <= len(found):
+            raise InputError(
+                f"there is no {kind} number {number}; the timeline has {len(found)}: "
+                f"give 1 to {len(found)}"
+            )
+        return found[number - 1]
+
+    def window(self, start_s: float, end_s: float) -> Timeline:
+        """Return the part from `start_s` to `end_s` as a timeline of its own, starting at 0.
+
+        Events at the two ends belong to it. The curve is cut with interpolated end points, so it
+        has the same value at the same moment; gaps are cut likewise. A part in which nothing is
+        known (no event, no curve) becomes a flat curve of 0 with a note, since its emptiness is
+        what a hand should feel. The title stays; a note names the part.
+
+        Raises
+        ------
+        InputError
+            Not 0 <= start_s < end_s <= duration_s.
+        """
+        hint = f"give 0 <= start < end <= {self.duration_s!r} seconds"
+        start = checks.number(start_s, "window start", hint)
+        end = checks.number(end_s, "window end", hint)
+        if not 0.0 <= start < end <= self.duration_s:
+            raise InputError(
+                f"the window from {start!r} to {end!r} s is empty or outside the timeline; {hint}"
+            )
+        events = tuple(
+            replace(event, time_s=event.time_s - start)
+            for event in self.events
+            if start <= event.time_s <= end
+        )
+        intensity = self.intensity.cut(start, end) if self.intensity is not None else None
+        notes = (*self.notes, f"the part from {clock_text(start)} to {clock_text(end)}")
+        if not events and intensity is None:
+            unit = self.intensity.unit if self.intensity is not None else ""
+            intensity = Intensity(np.zeros(1), np.zeros(1), unit)
+            notes = (*notes, "nothing happens in this part: no event, no curve")
+        return replace(
+            self,
+            duration_s=end - start,
+            events=events,
+            intensity=intensity,
+            gaps=cut_gaps(self.gaps, start, end),
+            notes=notes,
+        )
+
+    def _curve_at(self, at: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.zeros(at.shape) if self.intensity is None else self.intensity.at(at)
+
+    def _has_data(self, at: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return where the curve covers `at`, shape (n,)."""
+        if self.intensity is None:
+            return np.zeros(at.shape, dtype=np.bool_)
+        first, last = self.intensity.time_s[0], self.intensity.time_s[-1]
+        if self.intensity.is_constant:
+            first, last = 0.0, self.duration_s
+        covered = (at >= first) & (at <= last) & ~in_gap(self.gaps, at)
+        return np.asarray(covered, dtype=np.bool_)
+
+    @cached_property
+    def _scale(self) -> tuple[float, float]:
+        """Return the value that becomes 0 and the span that becomes 1."""
+        if self.intensity is None:
+            return 0.0, 0.0
+        value = self.intensity.value
+        if not self.intensity.is_constant:
+            known = value[self._has_data(self.intensity.time_s)]
+            value = known if known.size else value  # every point may lie in a gap
+        low, high = float(value.min()), float(value.max())
+        return (0.0, 1.0) if low >= 0.0 and high <= 1.0 else (low, high - low)

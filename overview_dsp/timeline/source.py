@@ -1,0 +1,206 @@
+"""A file being looked at: read once, decoded once, parsed once, whichever readers ask."""
+
+from __future__ import annotations
+
+import codecs
+import json
+import os
+import stat
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from overview_dsp.errors import InputError
+from overview_dsp.timeline import checks
+
+MAX_TEXT_BYTES = 256 * 1024 * 1024
+"""Largest text file (JSON, CSV) that is read; parsed, it takes several times that in memory."""
+
+HEAD_BYTES = 65_536
+"""How much of a file the readers see before one of them claims it."""
+
+_BOMS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    # UTF-32 first: its mark begins with UTF-16's
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+
+
+@dataclass(frozen=True)
+class LoadOptions:
+    """What a caller may add to a file; each format says which options it takes.
+
+    Parameters
+    ----------
+    duration_s
+        Length of the timeline, for a file that doesn't hold it.
+    """
+
+    duration_s: float | None = None
+
+    def given(self) -> frozenset[str]:
+        """Return the names of the options that were set."""
+        return frozenset(name for name, value in vars(self).items() if value is not None)
+
+
+def shown_path(path: str | os.PathLike[str]) -> str:
+    """Return printable text of a path, bytes that aren't UTF-8 escaped."""
+    return os.fsencode(path).decode("utf-8", "backslashreplace")
+
+
+def decode_text(data: bytes, where: str) -> str:
+    """Decode UTF-8 (with or without a byte order mark) or UTF-16/32 with one; InputError if not."""
+    encoding = next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{where}: byte {error.start} isn't {error.encoding} text ({error.reason}); save the "
+            "file as UTF-8"
+        ) from error
+
+
+def parse_json(text: str, where: str) -> object:
+    """Parse JSON text into Python objects, failing with a place and never with a traceback.
+
+    NaN and Infinity literals and numbers beyond a float become floats that aren't finite: the
+    reader that knows the place of each value refuses them there. A key given twice in an object
+    is an error, since which of the two is meant can't be known.
+
+    Raises
+    ------
+    InputError
+        Broken or cut-off JSON (line and column), a key given twice, nesting too deep to follow.
+    """
+
+    def whole(digits: str) -> int | float:
+        # Python refuses to make ints of more than 4300 digits; a float of them is infinite
+        return int(digits) if len(digits) < 400 else float(digits)
+
+    def unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        table = dict(pairs)
+        if len(table) != len(pairs):
+            keys = [key for key, _ in pairs]
+            twice = next(key for key in keys if keys.count(key) > 1)
+            raise InputError(f"{where}: the key {checks.shown(twice)} is given twice; remove one")
+        return table
+
+    try:
+        document: object = json.loads(text, parse_int=whole, object_pairs_hook=unique)
+    except json.JSONDecodeError as error:
+        cut = error.pos >= len(text.rstrip()) or error.msg.startswith("Unterminated")
+        advice = "the file seems cut off: get it again" if cut else "correct it there"
+        raise InputError(
+            f"{where}: broken JSON at line {error.lineno}, column {error.colno} ({error.msg}); "
+            f"{advice}"
+        ) from error
+    except RecursionError as error:
+        raise InputError(
+            f"{where}: JSON nested too deep to read; a timeline needs four levels"
+        ) from error
+    except MemoryError as error:
+        raise InputError(
+            f"{where}: too large for this machine's memory; cut it into parts"
+        ) from error
+    return document
+
+
+@dataclass(frozen=True)
+class Source:
+    """A regular, non-empty file.
+
+    Parameters
+    ----------
+    path
+        Where it is.
+    size
+        Bytes.
+    head
+        Its first bytes, up to `HEAD_BYTES`, for telling the format.
+    """
+
+    path: Path
+    size: int
+    head: bytes
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str]) -> Source:
+        """Look at a file.
+
+        Raises
+        ------
+        InputError
+            Missing, a folder or device, empty, unreadable.
+        """
+        where = shown_path(path)
+        try:
+            status = os.stat(path)
+            if stat.S_ISDIR(status.st_mode):
+                raise InputError(f"{where}: is a folder; name a file in it")
+            if not stat.S_ISREG(status.st_mode):
+                raise InputError(f"{where}: isn't a regular file; save the data to a file first")
+            with open(path, "rb") as stream:
+                head = stream.read(HEAD_BYTES)
+        except InputError:  # a ValueError too
+            raise
+        except FileNotFoundError as error:
+            raise InputError(f"{where}: no such file; check the path") from error
+        except PermissionError as error:
+            raise InputError(f"{where}: no permission to read it; ask for it or copy it") from error
+        except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+            reason = getattr(error, "strerror", None) or str(error)
+            raise InputError(f"{where}: can't be read ({reason}); check the path") from error
+        if not head:
+            raise InputError(f"{where}: is empty; check how it was made, or get it again")
+        return cls(Path(path), status.st_size, head)
+
+    @property
+    def where(self) -> str:
+        """The path, printable: what an error line begins with."""
+        return shown_path(self.path)
+
+    @property
+    def stem(self) -> str:
+        """The file's name without its suffix: the title where the file holds none."""
+        return Path(shown_path(self.path.name)).stem
+
+    @cached_property
+    def head_text(self) -> str | None:
+        """The head as text, None for binary data."""
+        encoding = next((name for mark, name in _BOMS if self.head.startswith(mark)), "utf-8")
+        decoder = codecs.getincrementaldecoder(encoding)()
+        try:
+            # not final: the head may end inside a character
+            text = decoder.decode(self.head, final=self.size <= len(self.head))
+        except UnicodeDecodeError:
+            return None
+        return None if "\0" in text else text
+
+    @property
+    def looks_like_json(self) -> bool:
+        """True if the file is text whose first character is a bracket JSON begins with."""
+        return self.head_text is not None and self.head_text.lstrip()[:1] in ("{", "[")
+
+    @cached_property
+    def text(self) -> str:
+        """The whole file as text; InputError if too large or not text."""
+        if self.size > MAX_TEXT_BYTES:
+            raise InputError(
+                f"{self.where}: {self.size / 2**20:.0f} MB, more than the "
+                f"{MAX_TEXT_BYTES // 2**20} MB that are read; cut it into parts or keep fewer "
+                "points"
+            )
+        try:
+            with open(self.path, "rb") as stream:
+                data = stream.read(MAX_TEXT_BYTES + 1)
+        except OSError as error:
+            raise InputError(f"{self.where}: can't be read ({error.strerror})") from error
+        return decode_text(data, self.where)
+
+    @cached_property
+    def json(self) -> object:
+        """The file parsed as JSON; errors as `parse_json`."""
+        return parse_json(self.text, self.where)

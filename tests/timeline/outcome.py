@@ -1,0 +1,25 @@
+"""The only two ways a reader may end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from overview_dsp.errors import InputError
+from overview_dsp.timeline import Timeline
+
+
+def timeline_or_one_line(decode: Callable[[], Timeline]) -> Timeline | None:
+    """Return the Timeline, or None if there was an InputError of one printable line instead.
+
+    Any other exception, and any other return value, fails the test.
+    """
+    try:
+        timeline = decode()
+    except InputError as error:
+        words = str(error)
+    else:
+        assert isinstance(timeline, Timeline)
+        return timeline
+    assert words.encode()
+    assert "\n" not in words
+    return None

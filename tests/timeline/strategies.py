@@ -1,0 +1,44 @@
+"""Hypothesis strategies for timelines."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import strategies as st
+
+from overview_dsp.timeline import Event, Intensity, Timeline
+
+TEXT = st.text(st.characters(exclude_categories=("Cs",)), max_size=12)
+KINDS = st.from_regex(r"[a-z0-9_]{1,12}", fullmatch=True)
+
+
+@st.composite
+def timelines(draw: st.DrawFn) -> Timeline:
+    """Any valid timeline, of up to a dozen events, points and gaps."""
+    duration_s = draw(st.floats(1e-3, 1e6))
+    times = st.floats(0.0, duration_s)
+    events = draw(
+        st.lists(
+            st.builds(Event, times, KINDS, TEXT, st.floats(1e-6, 1e6)),
+            max_size=12,
+            unique_by=lambda event: (event.time_s, event.kind, event.label),
+        )
+    )
+    points = draw(st.lists(times, min_size=0 if events else 1, max_size=12, unique=True))
+    intensity = None
+    if points:
+        value = st.floats(-1e6, 1e6) if draw(st.booleans()) else st.floats(0.0, 1.0)
+        intensity = Intensity(
+            np.array(sorted(points)),
+            np.array([draw(value) for _ in points]),
+            draw(TEXT),
+        )
+    edges = sorted(draw(st.lists(times, max_size=8, unique=True)))
+    return Timeline(
+        title=draw(TEXT),
+        duration_s=duration_s,
+        events=tuple(events),
+        intensity=intensity,
+        gaps=tuple(zip(edges[::2], edges[1::2], strict=False)),
+        provenance=draw(TEXT),
+        notes=tuple(draw(st.lists(TEXT, max_size=3))),
+    )
