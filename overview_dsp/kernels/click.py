@@ -1,0 +1,95 @@
+"""Friction clicks: a bank of modal resonators for each event kind, struck by the torque released.
+
+A mode is a damped rotation, z[n+1] = z[n] * r * exp(i w), heard as its imaginary part. A strike at
+a fraction of a sample turns the new rotation by the time that is left of the sample, so an onset is
+placed exactly and the sampled mode is that of continuous time:
+
+    z += level * gain * exp((ln r + i w) * rest),    rest = samples from strike to next sample
+
+A sine starts at zero, so its spectrum falls by 12 dB an octave and little folds back. Modes above
+0.49 of the sample rate are left out by the coefficients. A kind rings for a counted number of
+samples (to -160 dB) and is then exactly zero.
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.elementary import cos_turns, exp, power, sin_turns
+
+
+@point
+def strike(m, w, slot, event, omega, sample, fraction):
+    """Log that an event is passed `fraction` of a sample after time `sample`, at omega1 (rad/s)."""
+    torque = m[slot + layout.SLOT_RELEASE + event] * abs(omega)
+    hardness = torque * m[layout.C_STRIKE_TORQUE]
+    level = 0.0
+    if hardness > 1e-12:
+        level = power(hardness, m[layout.C_STRIKE_EXPONENT])
+        # harder strikes approach full level smoothly
+        level = level / (1.0 + level)
+    at = w[layout.M_STRIKES] % layout.STRIKE_LOG
+    m[layout.LOG_TIME + at] = float(sample) + fraction
+    w[layout.LOG_SAMPLE + at] = sample
+    w[layout.LOG_EVENT + at] = event
+    m[layout.LOG_TORQUE + at] = torque
+    m[layout.LOG_LEVEL + at] = level
+    w[layout.M_STRIKES] += 1
+
+
+@point
+def excite(m, w, at):
+    """Give the strike at log entry `at` to the modes of its kind."""
+    slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
+    kind = w[slot + layout.SLOT_KIND + w[layout.LOG_EVENT + at]]
+    modes = w[slot + layout.KIND_MODES + kind]
+    if modes == 0:
+        return
+    if w[layout.BANK_LEFT + kind] == 0:
+        w[layout.RINGING_KIND + w[layout.RINGING]] = kind
+        w[layout.RINGING] += 1
+    w[layout.BANK_LEFT + kind] = w[slot + layout.KIND_RING + kind]
+    w[layout.BANK_MODES + kind] = modes
+    level = m[layout.LOG_LEVEL + at]
+    rest = float(w[layout.LOG_SAMPLE + at]) + 1.0 - m[layout.LOG_TIME + at]
+    first = kind * layout.MAX_MODES
+    for j in range(first, first + modes):
+        turns = m[slot + layout.MODE_TURNS + j] * rest
+        amplitude = (
+            level * m[slot + layout.MODE_GAIN + j] * exp(m[slot + layout.MODE_DECAY + j] * rest)
+        )
+        m[layout.BANK_RE + j] += amplitude * cos_turns(turns)
+        m[layout.BANK_IM + j] += amplitude * sin_turns(turns)
+        m[layout.BANK_COS + j] = m[slot + layout.MODE_COS + j]
+        m[layout.BANK_SIN + j] = m[slot + layout.MODE_SIN + j]
+
+
+@point
+def ring(m, w):
+    """One sample of everything that rings; the state then stands one sample later."""
+    total = 0.0
+    i = 0
+    while i < w[layout.RINGING]:
+        kind = w[layout.RINGING_KIND + i]
+        first = kind * layout.MAX_MODES
+        last = first + w[layout.BANK_MODES + kind]
+        for j in range(first, last):
+            re = m[layout.BANK_RE + j]
+            im = m[layout.BANK_IM + j]
+            total += im
+            c = m[layout.BANK_COS + j]
+            s = m[layout.BANK_SIN + j]
+            m[layout.BANK_RE + j] = c * re - s * im
+            m[layout.BANK_IM + j] = s * re + c * im
+        w[layout.BANK_LEFT + kind] -= 1
+        if w[layout.BANK_LEFT + kind] == 0:
+            for j in range(first, first + layout.MAX_MODES):
+                m[layout.BANK_RE + j] = 0.0
+                m[layout.BANK_IM + j] = 0.0
+            w[layout.RINGING] -= 1
+            w[layout.RINGING_KIND + i] = w[layout.RINGING_KIND + w[layout.RINGING]]
+        else:
+            i += 1
+    return total

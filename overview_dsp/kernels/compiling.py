@@ -1,0 +1,80 @@
+"""How kernels are compiled: one policy for all of them."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import platformdirs
+
+# numba sets its options as attributes at run time
+_config: Any = numba.config
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+OPTIONS: dict[str, Any] = {
+    # Python's model would raise, print and take the GIL on a division by zero
+    "error_model": "numpy",
+    "boundscheck": False,
+    # reordered or fused arithmetic would differ between runners
+    "fastmath": False,
+    "nogil": True,
+}
+
+
+def sources_digest() -> str:
+    """Digest of every kernel source file: numba's cache watches only a function's own file."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.name.encode())
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder() -> Path:
+    """The folder of compiled kernels: `NUMBA_CACHE_DIR` if set, else the user's cache folder."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    root = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("overview-dsp"))
+    return root / f"kernels-{sources_digest()}"
+
+
+def is_compiled() -> bool:
+    """Whether machine code for these sources is already on disk (else the first use compiles)."""
+    folder = cache_folder()
+    return folder.is_dir() and any(folder.rglob("*.nbc"))
+
+
+def point(function: Function) -> Function:
+    """Compile a function that is called from other kernels; LLVM inlines the small ones."""
+    compiled: Function = numba.njit(forceinline=True, **OPTIONS)(function)
+    return compiled
+
+
+def entry(function: Function) -> Function:
+    """Compile a function that Python calls, and keep its machine code on disk."""
+    before = _config.CACHE_DIR
+    folder = cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        cache = os.access(folder, os.W_OK)
+    except OSError:
+        cache = False
+    if not cache:
+        warnings.warn(
+            f"{folder}: can't keep compiled kernels there, so each start compiles anew; "
+            "set NUMBA_CACHE_DIR to a folder you may write to",
+            RuntimeWarning,
+            stacklevel=3,
+        )
+    try:
+        # numba takes the folder at decoration; other users of numba keep theirs
+        _config.CACHE_DIR = str(folder)
+        compiled: Function = numba.njit(cache=cache, **OPTIONS)(function)
+    finally:
+        _config.CACHE_DIR = before
+    return compiled

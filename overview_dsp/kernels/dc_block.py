@@ -1,0 +1,22 @@
+"""DC blocker: a zero at 0 Hz and a pole just beside it.
+
+    y = x - x_before + r * y_before,    r = exp(-2 pi * 20 Hz / sample_rate)
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels.compiling import point
+
+CORNER_HZ = 20.0  # below hearing and below the tactor's band
+SILENCE = 1e-9
+
+
+@point
+def block_dc(x, x_before, y_before, pole):
+    """One sample; exactly zero once input and output have died away."""
+    y = x - x_before + pole * y_before
+    if x == 0.0 and abs(y) < SILENCE:
+        y = 0.0
+    return y

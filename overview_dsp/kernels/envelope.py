@@ -1,0 +1,47 @@
+"""From torque to the vibration's amplitude: threshold, compression, rise and decay.
+
+    t = max(0, |torque| / full - gate)
+    c = t**p
+    a = c (27 + c**2)/(27 + 9 c**2)       compressed, bending to 1 like tanh (its Pade form)
+    h = max(a, h + decay * (a - h))       peak follower: a spike shorter than the skin needs lasts
+    e = two one-pole low-passes of h      keeps the vibration's sidebands near its carrier
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.elementary import power
+
+FAINTEST = 1e-12  # of the full torque: below it, a torque has no amplitude
+SILENCE = 1e-7  # an amplitude at -140 dBFS, below the last bit of 24: from here it is zero
+
+
+@point
+def compress(torque, scale, gate, exponent):
+    """Amplitude in [0, 1] of a torque (N m); without branches, so that it vectorises."""
+    t = abs(torque) * scale - gate
+    # a NaN fails the comparison and is silent
+    felt = t > FAINTEST
+    c = power(t if felt else 1.0, exponent)
+    c = min(c, 3.0) if felt else 0.0
+    squared = c * c
+    return c * (27.0 + squared) / (27.0 + 9.0 * squared)
+
+
+@point
+def follow(amplitude, follower, e1, e2, decay, rise):
+    """One sample of follower and low-passes; exactly zero once inaudible."""
+    if amplitude > follower:
+        follower = amplitude
+    else:
+        follower = follower + decay * (amplitude - follower)
+    if amplitude == 0.0 and follower < SILENCE:
+        follower = 0.0
+    e1 = e1 + rise * (follower - e1)
+    e2 = e2 + rise * (e1 - e2)
+    if follower == 0.0 and e1 + e2 < SILENCE:
+        e1 = 0.0
+        e2 = 0.0
+    return follower, e1, e2

@@ -1,0 +1,183 @@
+"""The one memory block: where each coefficient, state, ring, meter and surface slot lies.
+
+The block is one 8-byte-aligned run of `TOTAL` float64 columns, seen three ways: `m` (float64),
+`w` (int64: counters, indices, times) and `u` (uint64: random state). It is the engine's memory
+offline, PortAudio's user data live and the heap image in the browser, so every offset is a
+compile-time constant. `reset` (in `block.py`) writes every column between `STATE` and
+`TOTAL_STATE`; coefficients, rings and surface slots survive it.
+
+Units: the disk's angle is kept as a place on the surface table (cells, 0 to `CELLS` for the whole
+timeline) and its speed in cells a sample, so that the angle is the table's index.
+"""
+
+from __future__ import annotations
+
+# --- capacities -----------------------------------------------------------------------------
+CELLS = 16384  # surface table: cells of the whole half turn; CELLS + 1 points
+MAX_EVENTS = CELLS  # a slot's events: one a cell
+MAX_KINDS = 32  # event kinds with clicks of their own
+MAX_MODES = 6  # modal resonators of a kind
+SOURCES = 6  # touch, twist, serial, OSC, MIDI, remote: this order settles ties
+RING = 4096  # control events waiting, a source (a power of two)
+HOST_RING = 1024  # parameter and surface events waiting
+STRIKE_LOG = 16384  # strikes kept until they are read
+SLOTS = 3  # surfaces: active, fading from, being written
+COEFFS = 32
+CHUNK = 64  # samples that pass from one stage to the next at a time
+
+# --- coefficients that glide (float64), see coefficients.py ----------------------------------
+COEFF = 0
+(
+    C_SPRING_HELD,  # (k1 + k2) / J * dt**2, cells a sample**2 a cell
+    C_SPRING_FREE,  # k1 / J * dt**2
+    C_INERTIA,  # J / dt, N m s/rad
+    C_THETA,  # cells -> theta1, rad
+    C_OMEGA,  # cells a sample -> omega1, rad/s
+    C_SMOOTH,  # the input smoother's one-pole coefficient
+    C_TORQUE,  # 1 / the tactor's full torque, rad/(N m)
+    C_GATE,  # torque below which nothing vibrates, of the full torque
+    C_EXPONENT,  # the tactor's compression
+    C_DECAY,  # the envelope's fall, a sample
+    C_RISE,  # the envelope's rise, a sample
+    C_CARRIER,  # carrier turns a sample
+    C_TACTOR_GAIN,
+    C_CLICK_GAIN,
+    C_STRIKE_TORQUE,  # 1 / the torque of a full strike
+    C_STRIKE_EXPONENT,
+    C_TEXTURE_GAIN,
+    C_TEXTURE_CUTOFF,  # one-pole coefficient per rad/s of omega1
+    C_CEILING,
+    C_DC_POLE,
+) = range(COEFF, COEFF + 20)
+TARGET = COEFF + COEFFS
+STEP = TARGET + COEFFS
+GLIDE_LEFT = STEP + COEFFS  # w: samples left of each glide
+SETTINGS = GLIDE_LEFT + COEFFS
+
+# --- settings that don't glide (w) -----------------------------------------------------------
+(
+    S_GLIDE,  # w: samples of a parameter's glide
+    S_FADE,  # w: samples of a surface's crossfade
+    S_RELEASE_RETURNS,  # w: 1 = shaft 2 stays on release and theta2 falls to 0
+    S_CLICK_CHANNEL,  # w: output channel of the clicks, -1 = none
+    S_TACTOR_CHANNEL,  # w: output channel of the tactor, -1 = none
+    S_SEED,  # u: random state at reset
+    S_SAMPLE_RATE,  # Hz
+) = range(SETTINGS, SETTINGS + 7)
+
+# --- state: everything `reset` clears ---------------------------------------------------------
+STATE = SETTINGS + 8
+(
+    CLOCK,  # w: samples since reset
+    X,  # disk 1, cells
+    V,  # disk 1, cells a sample
+    INPUT,  # smoother: its target theta2, cells
+    SMOOTH_1,  # smoother: first pole, cells
+    SMOOTH_2,  # smoother: second pole = the theta2 in use, cells
+    TOUCHING,  # w: 1 = shaft 2 engaged
+    HOLDER,  # w: source that holds the disk, -1 = none
+    TOUCH_COUNT,  # w: engagements so far: who touched last
+    NEXT_EVENT,  # w: events of the active surface below the disk
+    ACTIVE_SLOT,  # w
+    FADING_SLOT,  # w: slot faded from, -1 = none
+    FADE_LEFT,  # w: samples left of the crossfade
+    FOLLOWER,  # tactor: peak follower
+    ENVELOPE_1,
+    ENVELOPE_2,
+    PHASE,  # tactor: carrier, turns
+    TACTOR_DC_IN,
+    TACTOR_DC_OUT,
+    TEXTURE,
+    CLICK_DC_IN,
+    CLICK_DC_OUT,
+    NOISE,  # u
+    RINGING,  # w: number of kinds that sound
+) = range(STATE, STATE + 24)
+SOURCE_TOUCHING = STATE + 32  # w: of each source
+SOURCE_TOUCHED_AT = SOURCE_TOUCHING + SOURCES  # w: TOUCH_COUNT when it last touched
+SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # cells
+RINGING_KIND = SOURCE_THETA2 + SOURCES  # w: the RINGING first entries name the kinds that sound
+BANK_LEFT = RINGING_KIND + MAX_KINDS  # w: samples until a kind is silent
+BANK_MODES = BANK_LEFT + MAX_KINDS  # w: modes of a kind when struck
+BANK_RE = BANK_MODES + MAX_KINDS  # modal state, kind by kind
+BANK_IM = BANK_RE + MAX_KINDS * MAX_MODES
+BANK_COS = BANK_IM + MAX_KINDS * MAX_MODES  # rotation loaded at the strike
+BANK_SIN = BANK_COS + MAX_KINDS * MAX_MODES
+METERS = BANK_SIN + MAX_KINDS * MAX_MODES
+
+# --- meters (cleared by reset) ----------------------------------------------------------------
+(
+    M_BLOCKS,  # w
+    M_LATE,  # w: control events that came after their sample
+    M_REJECTED,  # w: control events with a theta2 that is not finite
+    M_CLAMPED,  # w: control events with a theta2 outside [0, pi]
+    M_RESETS,  # w: blocks silenced because the state was not finite
+    M_LIMITED,  # w: samples bent by the limiter
+    M_STRIKES,  # w: strikes so far
+    M_PEAK_CLICK,  # of the last block
+    M_PEAK_TACTOR,  # of the last block
+    M_TORQUE,  # last
+    M_ENVELOPE,  # last
+    M_FRICTION,  # last
+    M_SILENT,  # w: samples since the last one that was not zero on both channels
+) = range(METERS, METERS + 13)
+TOTAL_STATE = METERS + 16
+
+# --- rings: written by the control thread, read by the audio thread ----------------------------
+RING_WRITTEN = TOTAL_STATE  # w: events ever written, a source
+RING_READ = RING_WRITTEN + SOURCES  # w: events ever read, a source
+HOST_WRITTEN = RING_READ + SOURCES  # w
+HOST_READ = HOST_WRITTEN + 1  # w
+STRIKES_READ = HOST_READ + 1  # w: strikes the reader has taken (of M_STRIKES)
+RING_TIME = STRIKES_READ + 1  # w: sample, -1 = as soon as possible
+RING_THETA2 = RING_TIME + SOURCES * RING  # rad
+RING_TOUCHING = RING_THETA2 + SOURCES * RING  # w
+HOST_TIME = RING_TOUCHING + SOURCES * RING  # w: sample, -1 = as soon as possible
+HOST_WHAT = HOST_TIME + HOST_RING  # w: a coefficient, or one of the commands below
+HOST_VALUE = HOST_WHAT + HOST_RING
+COMMAND_SURFACE = -1  # value: slot to crossfade to
+COMMAND_RELEASE_RETURNS = -2  # value: 0 or 1
+LOG_TIME = HOST_VALUE + HOST_RING  # strike log: sample with its fraction
+LOG_EVENT = LOG_TIME + STRIKE_LOG  # w: index in the surface's event table
+LOG_TORQUE = LOG_EVENT + STRIKE_LOG  # torque released, N m
+LOG_LEVEL = LOG_TORQUE + STRIKE_LOG  # strike amplitude after compression
+LOG_SAMPLE = LOG_LEVEL + STRIKE_LOG  # w: the sample the strike falls in
+STRIKES_SOUNDED = LOG_SAMPLE + STRIKE_LOG  # w: strikes the modal bank has taken (of M_STRIKES)
+SCRATCH = STRIKES_SOUNDED + 1  # columns between the stages, one chunk long
+D_TORQUE = SCRATCH  # from the disk
+D_OMEGA = D_TORQUE + CHUNK
+D_PHASE = D_OMEGA + CHUNK
+D_AMPLITUDE = D_PHASE + CHUNK  # from the shaping
+D_SINE = D_AMPLITUDE + CHUNK
+D_GRAIN = D_SINE + CHUNK
+SURFACES = D_GRAIN + CHUNK
+
+# --- a surface slot, relative to its start -----------------------------------------------------
+SLOT_EVENTS = 0  # w: number of events
+SLOT_TABLE = 8  # friction and its slope to the next point, interleaved, CELLS + 1 pairs
+SLOT_PLACE = SLOT_TABLE + 2 * (CELLS + 1)  # where each event strikes, cells, ascending
+SLOT_RELEASE = SLOT_PLACE + MAX_EVENTS  # friction that lets go there, N m s/rad
+SLOT_KIND = SLOT_RELEASE + MAX_EVENTS  # w: kind of each event
+KIND_MODES = SLOT_KIND + MAX_EVENTS  # w: modes of each kind
+KIND_RING = KIND_MODES + MAX_KINDS  # w: samples a kind rings
+MODE_COS = KIND_RING + MAX_KINDS  # r cos w: rotation and decay a sample
+MODE_SIN = MODE_COS + MAX_KINDS * MAX_MODES
+MODE_TURNS = MODE_SIN + MAX_KINDS * MAX_MODES  # turns a sample
+MODE_DECAY = MODE_TURNS + MAX_KINDS * MAX_MODES  # ln of the decay a sample
+MODE_GAIN = MODE_DECAY + MAX_KINDS * MAX_MODES
+SLOT_SIZE = (MODE_GAIN + MAX_KINDS * MAX_MODES + 7) // 8 * 8
+TOTAL = SURFACES + SLOTS * SLOT_SIZE
+
+# --- trace: columns of one frame ----------------------------------------------------------------
+TRACE_COLUMNS = (
+    "time",
+    "theta2",
+    "touching",
+    "theta1",
+    "omega1",
+    "cursor",
+    "friction",
+    "torque",
+    "envelope",
+)
+TRACE = len(TRACE_COLUMNS)

@@ -1,0 +1,28 @@
+"""Limiter: nothing below its knee is changed, nothing passes the ceiling.
+
+    y = x                                                        |x| <= knee
+    y = sign(x) * (knee + (top - knee) * tanh((|x| - knee)/(top - knee)))    above
+
+Memoryless and odd: no latency, no DC. `knee` is 6 dB below the ceiling.
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.elementary import tanh
+
+KNEE = 0.5  # of the ceiling
+TOP = 0.999999  # of the ceiling: rounding to float32 can't pass it
+
+
+@point
+def limit(x, ceiling):
+    """x held under the ceiling."""
+    knee = KNEE * ceiling
+    if abs(x) <= knee:
+        return x
+    room = TOP * ceiling - knee
+    y = knee + room * tanh((abs(x) - knee) / room)
+    return y if x > 0.0 else -y

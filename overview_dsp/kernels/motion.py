@@ -1,0 +1,118 @@
+"""First stage: the hand moves the disk over the surface; its torque, and every event it passes.
+
+This is the chain that can't be shortened: each sample's place decides the next sample's friction.
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.click import strike
+from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.smoother import smooth
+from overview_dsp.kernels.tactor import advance
+from overview_dsp.kernels.two_disk import midpoint_speed
+
+RAD_PER_CELL = 3.141592653589793 / layout.CELLS
+PER_CELL = 1.0 / layout.CELLS
+FAR = 1e300  # cells: beyond any place
+RETREAT = 1e-6  # cells: how far the disk must go back before an event counts as passed again
+STANDSTILL = 1e-150  # cells and cells a sample: smaller would become denormal
+
+
+@point
+def move(m, w, frames, trace, at, traced):
+    """Move the disk for one chunk; writes the D_TORQUE, D_OMEGA and D_PHASE columns and strikes.
+
+    `at` is the trace index of the chunk's first frame.
+    """
+    # the compiler must suppose that columns of `m` alias, so the state is kept in locals
+    x = m[layout.X]
+    v = m[layout.V]
+    y1 = m[layout.SMOOTH_1]
+    y2 = m[layout.SMOOTH_2]
+    phase = m[layout.PHASE]
+    clock = w[layout.CLOCK]
+    fading = w[layout.FADE_LEFT]
+    following = w[layout.NEXT_EVENT]
+
+    target = m[layout.INPUT]
+    smoothing = m[layout.C_SMOOTH]
+    carrier = m[layout.C_CARRIER]
+    held = w[layout.TOUCHING]
+    inertia = m[layout.C_INERTIA]
+    spring = m[layout.C_SPRING_HELD] if held == 1 else m[layout.C_SPRING_FREE]
+    denominator = inertia * (2.0 + 0.5 * spring)
+    to_theta = m[layout.C_THETA]
+    to_omega = m[layout.C_OMEGA]
+    sample_rate = m[layout.S_SAMPLE_RATE]
+
+    slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
+    table = slot + layout.SLOT_TABLE
+    old_table = table
+    if fading > 0:
+        old_table = layout.SURFACES + w[layout.FADING_SLOT] * layout.SLOT_SIZE + layout.SLOT_TABLE
+    per_fade = 1.0 / float(w[layout.S_FADE])
+    places = slot + layout.SLOT_PLACE
+    events = w[slot + layout.SLOT_EVENTS]
+    above = m[places + following] if following < events else FAR
+    below = m[places + following - 1] - RETREAT if following > 0 else -FAR
+
+    friction = 0.0
+    for n in range(frames):
+        y1, y2 = smooth(target, y1, y2, smoothing)
+        ahead = x + 0.5 * v
+        friction = friction_at(m, table, ahead)
+        if fading > 0:
+            before = friction_at(m, old_table, ahead)
+            friction = friction + (before - friction) * (float(fading) * per_fade)
+            fading -= 1
+        rest = y2 if held == 1 else 0.0
+        middle = midpoint_speed(x, v, rest, spring, inertia, denominator, friction)
+        was = x
+        x = x + middle
+        v = 2.0 * middle - v
+        if abs(v) < STANDSTILL:
+            v = 0.0
+        if abs(x) < STANDSTILL:
+            x = 0.0
+        omega = middle * to_omega
+        phase = advance(phase, carrier)
+        m[layout.D_TORQUE + n] = friction * omega
+        m[layout.D_OMEGA + n] = omega
+        m[layout.D_PHASE + n] = phase
+
+        while x >= above:
+            strike(m, w, slot, following, omega, clock + n, (above - was) / (x - was))
+            following += 1
+            below = above - RETREAT
+            above = m[places + following] if following < events else FAR
+        while x < below:
+            following -= 1
+            above = m[places + following]
+            fraction = (was - above) / (was - x) if was > above else 0.0
+            strike(m, w, slot, following, omega, clock + n, fraction)
+            below = m[places + following - 1] - RETREAT if following > 0 else -FAR
+
+        if traced:
+            trace[at] = float(clock + n + 1) / sample_rate
+            trace[at + 1] = y2 * RAD_PER_CELL
+            trace[at + 2] = float(held)
+            trace[at + 3] = x * to_theta
+            trace[at + 4] = v * to_omega
+            trace[at + 5] = x * PER_CELL
+            trace[at + 6] = friction
+            trace[at + 7] = friction * omega
+            at += layout.TRACE
+
+    m[layout.X] = x
+    m[layout.V] = v
+    m[layout.SMOOTH_1] = y1
+    m[layout.SMOOTH_2] = y2
+    m[layout.PHASE] = phase
+    w[layout.FADE_LEFT] = fading
+    w[layout.NEXT_EVENT] = following
+    m[layout.M_TORQUE] = m[layout.D_TORQUE + frames - 1]
+    m[layout.M_FRICTION] = friction

@@ -1,0 +1,28 @@
+"""Second stage: what each sample of torque is worth, sample by sample alone.
+
+No sample here needs its neighbour, so the compiler does several at once.
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.elementary import sin_turns
+from overview_dsp.kernels.envelope import compress
+from overview_dsp.kernels.texture import grain_level
+
+
+@point
+def shape(m, frames):
+    """Fill the D_AMPLITUDE, D_SINE and D_GRAIN columns of one chunk from the disk's columns."""
+    scale = m[layout.C_TORQUE]
+    gate = m[layout.C_GATE]
+    exponent = m[layout.C_EXPONENT]
+    gain = m[layout.C_TEXTURE_GAIN]
+    for n in range(frames):
+        torque = m[layout.D_TORQUE + n]
+        m[layout.D_AMPLITUDE + n] = compress(torque, scale, gate, exponent)
+        m[layout.D_SINE + n] = sin_turns(m[layout.D_PHASE + n])
+        m[layout.D_GRAIN + n] = grain_level(torque, m[layout.D_OMEGA + n], gain)
