@@ -1,0 +1,88 @@
+"""A preset in words: every parameter with its value, range and meaning."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.parameters import PARAMETERS, Value, is_close_default
+
+
+def _text(value: Value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else value
+
+
+def character(preset: Preset) -> dict[str, float]:
+    """What the disk's numbers amount to on the bare surface.
+
+    Undamped frequency held and let go (Hz), damping ratios (1 = critical), and the time constant
+    of the recoil once it creeps (s).
+    """
+    number = preset.number
+    inertia, k1, k2 = number("disk.inertia"), number("disk.k1"), number("disk.k2")
+    b = number("surface.friction")
+    return {
+        "held_hz": math.sqrt((k1 + k2) / inertia) / (2.0 * math.pi),
+        "held_damping": b / (2.0 * math.sqrt((k1 + k2) * inertia)),
+        "free_hz": math.sqrt(k1 / inertia) / (2.0 * math.pi),
+        "free_damping": b / (2.0 * math.sqrt(k1 * inertia)),
+        "recoil_s": b / k1,
+    }
+
+
+def _kind_line(name: str, kind: Kind) -> str:
+    width = f"{kind.width_percent:g} %" if kind.width_percent else f"{kind.width_ms:g} ms"
+    modes = ", ".join(f"{mode.frequency_hz:g} Hz {mode.decay_ms:g} ms" for mode in kind.modes)
+    return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {kind.shape:<13}  {modes or 'no click'}"
+
+
+def describe(preset: Preset) -> str:
+    """The preset as a page of text; a star marks what differs from the default."""
+    lines = [f"{preset.name}: {preset.title}", preset.description, ""]
+    section = ""
+    for id, known in PARAMETERS.items():
+        if id.split(".")[0] != section:
+            section = id.split(".")[0]
+            lines.append(f"[{section}]")
+        value = preset.values[id]
+        star = " " if is_close_default(known, value) else "*"
+        shown = f"{_text(value)} {known.unit}".strip()
+        lines.append(f" {star}{known.key:<18} {shown:<20} ({known.allowed}) {known.doc}")
+    facts = character(preset)
+    lines += [
+        "",
+        f"On the bare surface: held {facts['held_hz']:.2f} Hz, damping {facts['held_damping']:.2f};"
+        f" let go {facts['free_hz']:.2f} Hz, damping {facts['free_damping']:.2f}, "
+        f"recoil {facts['recoil_s']:.2f} s.",
+        "",
+        "[kinds]        height     width  shape          click",
+        *(_kind_line(name, kind) for name, kind in preset.kinds.items()),
+    ]
+    return "\n".join(lines)
+
+
+def describe_json(preset: Preset) -> dict[str, Any]:
+    """The preset, its ranges and its character as plain data."""
+    return {
+        "name": preset.name,
+        "title": preset.title,
+        "description": preset.description,
+        "parameters": {
+            id: {
+                "value": preset.values[id],
+                "unit": known.unit,
+                "allowed": known.allowed,
+                "default": known.default,
+                "doc": known.doc,
+            }
+            for id, known in PARAMETERS.items()
+        },
+        "character": character(preset),
+        "kinds": {
+            name: {**vars(kind), "modes": [vars(mode) for mode in kind.modes]}
+            for name, kind in preset.kinds.items()
+        },
+    }

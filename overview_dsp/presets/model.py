@@ -1,0 +1,90 @@
+"""A preset: how a surface feels and sounds, and what each kind of event does to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+from overview_dsp.errors import InputError
+from overview_dsp.presets.parameters import PARAMETERS, Value, parameter
+
+DEFAULT_KIND = "default"
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A modal resonator of a click: frequency (Hz), time to -60 dB (ms), level (dB)."""
+
+    frequency_hz: float
+    decay_ms: float
+    gain_db: float = 0.0
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What an event kind does to the surface, and how it clicks.
+
+    `height` is in bare surfaces (x `surface.friction`); exactly one of the widths is given, at half
+    height: `width_percent` of the timeline or `width_ms` of the data's time.
+    """
+
+    height: float
+    width_percent: float | None = None
+    width_ms: float | None = None
+    shape: str = "gaussian"
+    gain_db: float = 0.0
+    modes: tuple[Mode, ...] = ()
+
+    def __post_init__(self) -> None:
+        if (self.width_percent is None) == (self.width_ms is None):
+            raise InputError("give exactly one of width_percent and width_ms")
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named set of parameter values and event kinds; values not given are the table's defaults.
+
+    Attributes
+    ----------
+    name, title, description : str
+    values : mapping of parameter id to value
+        Complete: every id of the parameter table.
+    kinds : mapping of event kind to Kind
+        Always has `default`, which serves kinds the preset doesn't name.
+    """
+
+    name: str
+    title: str
+    description: str
+    values: Mapping[str, Value]
+    kinds: Mapping[str, Kind] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        values: dict[str, Value] = {}
+        for id, known in PARAMETERS.items():
+            assert known.default is not None
+            values[id] = known.default
+        for id, value in self.values.items():
+            values[id] = parameter(id).check(value)
+        if DEFAULT_KIND not in self.kinds:
+            raise InputError(
+                f"preset {self.name!r} has no kinds.{DEFAULT_KIND}; "
+                "add it, for events of a kind it doesn't name"
+            )
+        object.__setattr__(self, "values", MappingProxyType(values))
+        object.__setattr__(self, "kinds", MappingProxyType(dict(self.kinds)))
+
+    def number(self, id: str) -> float:
+        """The value of a numeric parameter."""
+        value = self.values[id]
+        assert isinstance(value, float)
+        return value
+
+    def with_values(self, **changes: Value) -> Preset:
+        """This preset with other values; ids are written with `__` for the dot."""
+        return self.with_changes({id.replace("__", "."): value for id, value in changes.items()})
+
+    def with_changes(self, changes: Mapping[str, Value]) -> Preset:
+        """This preset with other values, by parameter id."""
+        return replace(self, values={**self.values, **changes})

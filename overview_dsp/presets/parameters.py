@@ -1,0 +1,353 @@
+"""The one parameter table: id, unit, range, default and a sentence for everything a person sets.
+
+Files, command line, page, engine and tests all read this table, so none of them can disagree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+from overview_dsp.errors import InputError
+
+Value = float | bool | str
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One thing a person sets.
+
+    `choices` is empty for numbers; a flag's choices are False and True. `surface` marks what is
+    part of the friction table: changing it makes a new surface.
+    """
+
+    id: str
+    default: Value | None
+    low: float = 0.0
+    high: float = 0.0
+    unit: str = ""
+    doc: str = ""
+    choices: tuple[Value, ...] = ()
+    scale: Literal["linear", "log"] = "linear"
+    surface: bool = False
+
+    @property
+    def key(self) -> str:
+        """The last part of the id: the key in a preset file's section."""
+        return self.id.rpartition(".")[2]
+
+    @property
+    def allowed(self) -> str:
+        """What a value may be, in words."""
+        if self.choices:
+            return " or ".join(
+                str(choice).lower() if isinstance(choice, bool) else f'"{choice}"'
+                for choice in self.choices
+            )
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{self.low:g} to {self.high:g}{unit}"
+
+    def check(self, value: object) -> Value:
+        """The value in the parameter's own type.
+
+        Raises
+        ------
+        InputError
+            Wrong type, not a number, or outside the range; nothing is clamped.
+        """
+        if self.choices:
+            if isinstance(self.choices[0], bool) != isinstance(value, bool) or (
+                value not in self.choices
+            ):
+                raise InputError(f"{self.id} = {value!r} is not allowed; it is {self.allowed}")
+            return value
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"{self.id} = {value!r} is not a number; it is {self.allowed}")
+        number = float(value)
+        # written so that NaN fails
+        if not self.low <= number <= self.high:
+            raise InputError(f"{self.id} = {number:g} is out of range; it is {self.allowed}")
+        return number
+
+
+def _number(
+    id: str,
+    default: float | None,
+    low: float,
+    high: float,
+    unit: str,
+    doc: str,
+    scale: Literal["linear", "log"] = "linear",
+    surface: bool = False,
+) -> Parameter:
+    return Parameter(id, default, low, high, unit, doc, (), scale, surface)
+
+
+def _flag(id: str, doc: str) -> Parameter:
+    return Parameter(id, False, 0.0, 1.0, "", doc, (False, True))
+
+
+PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
+    {
+        parameter.id: parameter
+        for parameter in (
+            # --- the disk ---------------------------------------------------------------------
+            _number(
+                "disk.inertia",
+                1e-4,
+                1e-6,
+                1e-2,
+                "kg·m²",
+                "Moment of inertia of disk 1: more makes it slower, and freer between events.",
+                "log",
+            ),
+            _number(
+                "disk.k1",
+                2.5e-3,
+                1e-5,
+                1.0,
+                "N·m/rad",
+                "Stiffness of shaft 1, to the ground: more makes it recoil faster.",
+                "log",
+            ),
+            _number(
+                "disk.k2",
+                1.75e-2,
+                1e-5,
+                10.0,
+                "N·m/rad",
+                "Stiffness of shaft 2, to the finger: more makes the disk follow more closely.",
+                "log",
+            ),
+            Parameter(
+                "disk.release",
+                "recoil",
+                doc="What letting go does: shaft 2 lets go too and disk 1 recoils, or it stays and "
+                "the finger's angle returns to 0.",
+                choices=("recoil", "return"),
+            ),
+            _number(
+                "input.smoothing_ms",
+                4.0,
+                0.5,
+                50.0,
+                "ms",
+                "Time constant of each of the input smoother's two poles; its latency is twice it.",
+                "log",
+            ),
+            # --- the surface ------------------------------------------------------------------
+            _number(
+                "surface.friction",
+                2e-3,
+                1e-6,
+                1e-1,
+                "N·m·s/rad",
+                "Friction of the bare surface (the paper's B where nothing happens).",
+                "log",
+                surface=True,
+            ),
+            _number(
+                "surface.ambience",
+                1.0,
+                0.0,
+                20.0,
+                "x",
+                "Friction added where the intensity curve is at its top, in bare surfaces.",
+                surface=True,
+            ),
+            # --- the tactor -------------------------------------------------------------------
+            _number(
+                "tactor.frequency_hz",
+                250.0,
+                40.0,
+                1000.0,
+                "Hz",
+                "Carrier frequency of the vibration; a C2 tactor's resonance is at 250 Hz.",
+                "log",
+            ),
+            _number("tactor.gain_db", 0.0, -60.0, 12.0, "dB", "Level of the vibration."),
+            _flag("tactor.mute", "Silences the vibration."),
+            _number(
+                "tactor.full_torque_mnm",
+                60.0,
+                0.1,
+                10_000.0,
+                "mN·m",
+                "Torque that is felt as full vibration.",
+                "log",
+            ),
+            _number(
+                "tactor.compression",
+                0.6,
+                0.3,
+                1.0,
+                "",
+                "Exponent from torque to amplitude: 1 is faithful, less brings weak torque nearer.",
+            ),
+            _number(
+                "tactor.threshold_db",
+                -80.0,
+                -140.0,
+                -30.0,
+                "dB",
+                "Torque below which nothing vibrates, against the full torque.",
+            ),
+            _number(
+                "tactor.rise_ms",
+                1.5,
+                0.2,
+                20.0,
+                "ms",
+                "Time constant of each of the two poles that round the vibration's edges.",
+                "log",
+            ),
+            _number(
+                "tactor.decay_ms",
+                12.0,
+                1.0,
+                200.0,
+                "ms",
+                "Time constant with which a spike of torque dies away on the skin.",
+                "log",
+            ),
+            # --- the clicks -------------------------------------------------------------------
+            _number("click.gain_db", 0.0, -60.0, 12.0, "dB", "Level of the clicks and texture."),
+            _flag("click.mute", "Silences the clicks and texture."),
+            _number(
+                "click.full_torque_mnm",
+                60.0,
+                0.1,
+                10_000.0,
+                "mN·m",
+                "Torque released by an event that is heard as a full strike (6 dB below the top).",
+                "log",
+            ),
+            _number(
+                "click.compression",
+                0.5,
+                0.3,
+                1.0,
+                "",
+                "Exponent from released torque to the strike's amplitude.",
+            ),
+            _number(
+                "texture.gain_db",
+                -30.0,
+                -90.0,
+                12.0,
+                "dB",
+                "Level of the surface's grain at a friction power of 1 mW.",
+            ),
+            _number(
+                "texture.brightness_hz",
+                1500.0,
+                50.0,
+                20_000.0,
+                "Hz",
+                "Cutoff of the grain at 1 rad/s of disk 1; it follows the speed.",
+                "log",
+            ),
+            # --- the output -------------------------------------------------------------------
+            _number(
+                "output.ceiling_db",
+                -1.0,
+                -40.0,
+                -1.0,
+                "dBFS",
+                "Level that no peak passes, on either channel.",
+            ),
+        )
+    }
+)
+"""Every parameter of a preset that is not an event kind's, by id."""
+
+SHAPES = ("gaussian", "raised_cosine", "ramp_up", "ramp_down", "plateau")
+
+KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
+    {
+        parameter.id: parameter
+        for parameter in (
+            _number(
+                "height",
+                4.0,
+                0.0,
+                1000.0,
+                "x",
+                "Friction at the event's top, in bare surfaces.",
+                surface=True,
+            ),
+            _number(
+                "width_percent",
+                None,
+                0.03,
+                20.0,
+                "%",
+                "Width at half height, of the whole timeline: the same feel at any zoom.",
+                "log",
+                surface=True,
+            ),
+            _number(
+                "width_ms",
+                None,
+                1.0,
+                1e12,
+                "ms",
+                "Width at half height, in the data's own time: it grows as the hand zooms in.",
+                "log",
+                surface=True,
+            ),
+            Parameter(
+                "shape",
+                "gaussian",
+                doc="The friction's course over the event.",
+                choices=SHAPES,
+                surface=True,
+            ),
+            _number("gain_db", 0.0, -60.0, 12.0, "dB", "Level of the kind's click.", surface=True),
+        )
+    }
+)
+"""An event kind's parameters, by key."""
+
+MODE_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
+    {
+        parameter.id: parameter
+        for parameter in (
+            _number(
+                "frequency_hz", None, 20.0, 20_000.0, "Hz", "Frequency of the mode.", "log", True
+            ),
+            _number("decay_ms", None, 1.0, 5000.0, "ms", "Time to fall by 60 dB.", "log", True),
+            _number("gain_db", 0.0, -60.0, 0.0, "dB", "Level of the mode.", surface=True),
+        )
+    }
+)
+"""A modal resonator's parameters, by key."""
+
+
+def parameter(id: str) -> Parameter:
+    """The parameter with that id; InputError with the nearest name if there is none."""
+    found = PARAMETERS.get(id)
+    if found is None:
+        raise InputError(f"no parameter is called {id!r}{did_you_mean(id, PARAMETERS)}")
+    return found
+
+
+def did_you_mean(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
+    """A hint with the nearest known name, or all of them when they are few."""
+    import difflib
+
+    near = difflib.get_close_matches(name, list(known), 1, 0.6)
+    if near:
+        return f"; did you mean {near[0]!r}?"
+    names = list(known)
+    return f"; known: {', '.join(names)}" if len(names) <= 16 else ""
+
+
+def is_close_default(parameter: Parameter, value: Value) -> bool:
+    """Whether a value is the parameter's default, to rounding."""
+    if isinstance(parameter.default, float) and isinstance(value, float):
+        return math.isclose(parameter.default, value, rel_tol=1e-12, abs_tol=0.0)
+    return parameter.default == value
