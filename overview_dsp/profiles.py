@@ -1,0 +1,94 @@
+"""Friction profiles: what an event of each shape looks like on the surface.
+
+A profile is 1 at its top, and its width is its full width at half that height. `distance` is the
+place minus the event's, in the width's unit; the timeline runs towards positive distances.
+
+| shape | course |
+|---|---|
+| gaussian | exp(-4 ln2 (d/w)**2) |
+| raised_cosine | (1 + cos(pi d/w))/2 for abs(d) < w |
+| ramp_up | rises in a line from d = -15/8 w, falls off within w/8 after the event |
+| ramp_down | ramp_up seen from the other end |
+| plateau | 1 for abs(d) < 0.4 w, raised-cosine edges to 0 at 0.6 w |
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SPAN_LEVEL = 0.1
+"""A profile's span is where it exceeds this part of its height."""
+
+_RISE = 15.0 / 8.0  # so that rise/2 + fall/2 is one width at half height
+_FALL = 1.0 / 8.0
+_FLAT = 0.4
+_FOOT = 0.6
+
+
+def _gaussian(d: Array) -> Array:
+    return np.exp(-4.0 * math.log(2.0) * d * d)
+
+
+def _raised_cosine(d: Array) -> Array:
+    return np.where(np.abs(d) < 1.0, 0.5 + 0.5 * np.cos(np.pi * d), 0.0)
+
+
+def _ramp_up(d: Array) -> Array:
+    return np.clip(np.minimum(1.0 + d / _RISE, 1.0 - d / _FALL), 0.0, 1.0)
+
+
+def _ramp_down(d: Array) -> Array:
+    return _ramp_up(-d)
+
+
+def _plateau(d: Array) -> Array:
+    edge = np.clip((np.abs(d) - _FLAT) / (_FOOT - _FLAT), 0.0, 1.0)
+    return 0.5 + 0.5 * np.cos(np.pi * edge)
+
+
+_SHAPES: dict[str, Callable[[Array], Array]] = {
+    "gaussian": _gaussian,
+    "raised_cosine": _raised_cosine,
+    "ramp_up": _ramp_up,
+    "ramp_down": _ramp_down,
+    "plateau": _plateau,
+}
+
+_COSINE_SPAN = math.acos(2.0 * SPAN_LEVEL - 1.0) / math.pi
+_SPANS: dict[str, tuple[float, float]] = {
+    "gaussian": (-(half := math.sqrt(math.log(1.0 / SPAN_LEVEL) / (4.0 * math.log(2.0)))), half),
+    "raised_cosine": (-_COSINE_SPAN, _COSINE_SPAN),
+    "ramp_up": (-_RISE * (1.0 - SPAN_LEVEL), _FALL * (1.0 - SPAN_LEVEL)),
+    "ramp_down": (-_FALL * (1.0 - SPAN_LEVEL), _RISE * (1.0 - SPAN_LEVEL)),
+    "plateau": (
+        -(foot := _FLAT + (_FOOT - _FLAT) * _COSINE_SPAN),
+        foot,
+    ),
+}
+
+REACH = 2.0
+"""No profile reaches further than this many widths (a gaussian is below 2e-5 there)."""
+
+
+def profile(shape: str, distance: Array, width: float) -> Array:
+    """The profile's value, 0 to 1, at each distance from the event.
+
+    Parameters
+    ----------
+    shape : one of `presets.parameters.SHAPES`
+    distance : float64 array, in the same unit as `width`
+    width : full width at half height, > 0
+    """
+    return _SHAPES[shape](distance / width)
+
+
+def span(shape: str, width: float) -> tuple[float, float]:
+    """Where the profile exceeds a tenth of its height: distances from the event, (first, last)."""
+    first, last = _SPANS[shape]
+    return first * width, last * width

@@ -1,0 +1,175 @@
+"""Timeline + preset -> surface: the friction table B(phi) and the event table.
+
+    B = friction * (1 + ambience * intensity) + max over events of height * weight * profile
+
+The intensity is the timeline's curve scaled to 0..1. Overlapping profiles combine by their maximum,
+so that none is drowned in a sum and each stays findable; every event keeps a strike of its own.
+
+An event strikes at its place. One nearer than half its width to an end of the timeline strikes half
+its width from that end, where its profile lets the disk go: a hand can pass it there.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
+from overview_dsp.profiles import REACH, profile, span
+
+if TYPE_CHECKING:
+    from overview_dsp.timeline import Timeline
+
+CELLS = 16384
+"""Cells of the table; `kernels.layout.CELLS` is the same number (a test holds them together)."""
+
+MAX_EVENTS = CELLS
+MIN_WIDTH_CELLS = 4.0
+"""A profile narrower than this would fall between the table's points."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface with friction, ready for the engine.
+
+    Attributes
+    ----------
+    friction : float64 (CELLS + 1,)
+        B at equal steps of the surface angle phi from 0 to pi, N m s/rad; > 0.
+    place : float64 (events,)
+        Cursor (0..1) at which each event strikes, ascending.
+    release : float64 (events,)
+        Friction that lets go there, N m s/rad.
+    kind : int64 (events,)
+        Index into `kind_names`.
+    event : int64 (events,)
+        Index into the timeline's events.
+    span : float64 (events, 2)
+        Cursor from and to: where the event's profile exceeds a tenth of its height; without end
+        (-inf, inf) where that reaches an end of the timeline.
+    kind_names, kind_modes : tuples
+        Event kinds with their clicks; a mode's gain includes its kind's.
+    """
+
+    friction: NDArray[np.float64]
+    place: NDArray[np.float64]
+    release: NDArray[np.float64]
+    kind: NDArray[np.int64]
+    event: NDArray[np.int64]
+    span: NDArray[np.float64]
+    kind_names: tuple[str, ...]
+    kind_modes: tuple[tuple[Mode, ...], ...]
+
+    def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
+        """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
+        x = np.clip(np.asarray(phi, dtype=np.float64) / math.pi, 0.0, 1.0) * CELLS
+        return np.interp(x, np.arange(CELLS + 1, dtype=np.float64), self.friction)
+
+    def in_span(
+        self, cursor: NDArray[np.float64], events: NDArray[np.bool_] | None = None
+    ) -> NDArray[np.bool_]:
+        """Whether each cursor lies in the span of any event (or of any of the marked ones)."""
+        spans = self.span if events is None else self.span[events]
+        inside = np.zeros(np.shape(cursor), dtype=bool)
+        for first, last in spans:
+            inside |= (cursor >= first) & (cursor <= last)
+        return inside
+
+
+def _width_cells(kind: Kind, name: str, duration_s: float) -> float:
+    if kind.width_percent is not None:
+        return kind.width_percent / 100.0 * CELLS
+    assert kind.width_ms is not None
+    cells = kind.width_ms / 1000.0 / duration_s * CELLS
+    if cells < MIN_WIDTH_CELLS:
+        warnings.warn(
+            f"kinds.{name}: {kind.width_ms:g} ms of {duration_s:g} s is narrower than the surface "
+            f"resolves; widened to {MIN_WIDTH_CELLS / CELLS * duration_s * 1000.0:.3g} ms",
+            OverviewWarning,
+            stacklevel=4,
+        )
+        return MIN_WIDTH_CELLS
+    return min(cells, float(CELLS))
+
+
+def build_surface(timeline: Timeline, preset: Preset) -> Surface:
+    """The surface of a timeline under a preset.
+
+    Warns (OverviewWarning) of event kinds the preset doesn't name; they take its `default`.
+
+    Raises
+    ------
+    InputError
+        More events than the surface has cells.
+    """
+    if len(timeline.events) > MAX_EVENTS:
+        raise InputError(
+            f"{timeline.title or 'the timeline'}: {len(timeline.events)} events; "
+            f"a surface holds up to {MAX_EVENTS}, use a shorter window"
+        )
+    cells = np.arange(CELLS + 1, dtype=np.float64)
+    bare = preset.number("surface.friction")
+    intensity = timeline.normalised_intensity_at(cells * (timeline.duration_s / CELLS))
+    ambient = bare * (1.0 + preset.number("surface.ambience") * intensity)
+
+    unknown = sorted({event.kind for event in timeline.events} - set(preset.kinds))
+    if unknown:
+        warnings.warn(
+            f"preset {preset.name!r} has no {', '.join(unknown)}: felt as its "
+            f"{DEFAULT_KIND!r}; it names {', '.join(preset.kinds)}",
+            OverviewWarning,
+            stacklevel=2,
+        )
+    names = tuple(preset.kinds)
+    count = len(timeline.events)
+    place = np.zeros(count)
+    release = np.zeros(count)
+    kind_index = np.zeros(count, dtype=np.int64)
+    spans = np.zeros((count, 2))
+    raised = np.zeros(CELLS + 1)
+    widths = {
+        name: _width_cells(kind, name, timeline.duration_s) for name, kind in preset.kinds.items()
+    }
+    for i, event in enumerate(timeline.events):
+        name = event.kind if event.kind in preset.kinds else DEFAULT_KIND
+        kind, width = preset.kinds[name], widths[name]
+        centre = event.time_s / timeline.duration_s * CELLS
+        height = bare * kind.height * event.weight
+        low = max(0, math.floor(centre - REACH * width))
+        high = min(CELLS, math.ceil(centre + REACH * width)) + 1
+        bump = height * profile(kind.shape, cells[low:high] - centre, width)
+        np.maximum(raised[low:high], bump, out=raised[low:high])
+        margin = min(width, CELLS) / 2.0
+        place[i] = min(max(centre, margin), CELLS - margin)
+        release[i] = height * profile(kind.shape, np.array([place[i] - centre]), width)[0]
+        first, last = span(kind.shape, width)
+        # past an end the look-up stays at the end, and with it in the event
+        spans[i] = (
+            centre + first if centre + first > 0.0 else -math.inf,
+            centre + last if centre + last < CELLS else math.inf,
+        )
+        kind_index[i] = names.index(name)
+
+    order = np.argsort(place, kind="stable")
+    return Surface(
+        friction=ambient + raised,
+        place=place[order] / CELLS,
+        release=release[order],
+        kind=kind_index[order],
+        event=order.astype(np.int64),
+        span=spans[order] / CELLS,
+        kind_names=names,
+        kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
+    )
+
+
+def _modes(kind: Kind) -> tuple[Mode, ...]:
+    return tuple(
+        Mode(mode.frequency_hz, mode.decay_ms, mode.gain_db + kind.gain_db) for mode in kind.modes
+    )
