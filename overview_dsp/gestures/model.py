@@ -1,0 +1,75 @@
+"""A gesture: what one hand does, as control events in time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Gesture:
+    """Control events of one hand, in order of time.
+
+    Attributes
+    ----------
+    time_s : float64 (events,)
+        From the gesture's start, never decreasing, >= 0.
+    theta2 : float64 (events,)
+        Input angle, rad; 0 = start of the timeline, pi = its end.
+    touching : bool (events,)
+        Whether the hand holds on.
+    duration_s : float
+        When the gesture is over, at or after its last event.
+
+    Raises
+    ------
+    InputError
+        Times that go back or are not finite, arrays of different lengths.
+    """
+
+    time_s: NDArray[np.float64]
+    theta2: NDArray[np.float64]
+    touching: NDArray[np.bool_]
+    duration_s: float
+
+    def __post_init__(self) -> None:
+        time_s = np.array(self.time_s, dtype=np.float64)
+        theta2 = np.array(self.theta2, dtype=np.float64)
+        touching = np.array(self.touching, dtype=bool)
+        if not len(time_s) == len(theta2) == len(touching):
+            raise InputError("a gesture's time, theta2 and touching must be equally long")
+        if len(time_s) and (not np.isfinite(time_s).all() or time_s[0] < 0.0):
+            raise InputError("a gesture's times must be finite and not negative")
+        back = np.flatnonzero(np.diff(time_s) < 0.0)
+        if len(back):
+            first = int(back[0]) + 1
+            raise InputError(
+                f"the gesture's time goes back at event {first + 1}: "
+                f"{time_s[first]:g} s after {time_s[first - 1]:g} s"
+            )
+        last = float(time_s[-1]) if len(time_s) else 0.0
+        if not last <= self.duration_s < math.inf:
+            raise InputError(
+                f"the gesture's duration {self.duration_s:g} s ends before its last event"
+            )
+        for name, array in (("time_s", time_s), ("theta2", theta2), ("touching", touching)):
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def __add__(self, other: Gesture) -> Gesture:
+        """This gesture, then the other."""
+        return Gesture(
+            np.concatenate([self.time_s, other.time_s + self.duration_s]),
+            np.concatenate([self.theta2, other.theta2]),
+            np.concatenate([self.touching, other.touching]),
+            self.duration_s + other.duration_s,
+        )
+
+    def stamps(self, sample_rate: float) -> NDArray[np.int64]:
+        """The sample of each event: the nearest to its time."""
+        return np.rint(self.time_s * sample_rate).astype(np.int64)

@@ -1,0 +1,59 @@
+"""Gesture SPEC, as typed on the command line: `sweep:4+rest:2+tap:0.8:1.5`, or a take's path."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from overview_dsp.errors import InputError
+from overview_dsp.gestures.model import Gesture
+from overview_dsp.gestures.scripts import rest, sweep, tap
+from overview_dsp.gestures.take import load_gesture
+
+FORMS = (
+    "sweep:SECONDS[:FROM:TO], tap:POSITION[:HOLD_SECONDS], rest:SECONDS, or a take's path (.csv)"
+)
+_MAKERS: dict[str, Callable[..., Gesture]] = {"sweep": sweep, "tap": tap, "rest": rest}
+_COUNTS = {"sweep": (1, 3), "tap": (1, 2), "rest": (1,)}
+
+
+def parse_gesture(spec: str) -> Gesture:
+    """The gesture of a SPEC; parts are joined with `+`.
+
+    Raises
+    ------
+    InputError
+        A part that is not understood: names it and the allowed forms.
+    """
+    # a take's path may hold any character, a plus too
+    if Path(spec).suffix.lower() == ".csv" and Path(spec).exists():
+        return load_gesture(spec)
+    gesture: Gesture | None = None
+    for part in spec.split("+"):
+        piece = _part(part.strip())
+        gesture = piece if gesture is None else gesture + piece
+    assert gesture is not None
+    return gesture
+
+
+def _part(text: str) -> Gesture:
+    name, *arguments = text.split(":")
+    if name not in _COUNTS:
+        if Path(text).suffix.lower() == ".csv":
+            return load_gesture(text)
+        raise InputError(f"gesture {text!r} is not understood; it is {FORMS}")
+    if len(arguments) not in _COUNTS[name]:
+        raise InputError(f"gesture {text!r} has {len(arguments)} numbers; it is {FORMS}")
+    numbers = [_number(argument, text) for argument in arguments]
+    return _MAKERS[name](*numbers)
+
+
+def _number(text: str, part: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(f"gesture {part!r}: {text!r} is not a number; it is {FORMS}") from None
+    if not math.isfinite(value):
+        raise InputError(f"gesture {part!r}: {text} is not finite; it is {FORMS}")
+    return value
