@@ -1,0 +1,105 @@
+"""overView DSP: feel a timeline.
+
+Temporal data becomes a surface with friction; a disk on a spring is pulled over it by the hand;
+its torque is heard as friction clicks and felt as a 250 Hz vibration.
+
+    import overview_dsp as ov
+
+    timeline = ov.load_timeline("match.json")
+    result = ov.render(timeline, ov.load_preset("football"), ov.sweep(4.0))
+    result.save("out.wav")
+
+Importing this package compiles nothing and needs no sound card: what needs numba is imported when
+it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from overview_dsp.errors import (
+    InputError,
+    NotPreparedError,
+    OutputError,
+    OverviewError,
+    OverviewWarning,
+)
+from overview_dsp.gestures import (
+    Gesture,
+    load_gesture,
+    parse_gesture,
+    rest,
+    save_gesture,
+    sweep,
+    tap,
+)
+from overview_dsp.presets import PARAMETERS, Kind, Mode, Parameter, Preset, bundled_names
+from overview_dsp.presets.library import load_preset
+from overview_dsp.surface import Surface, build_surface
+from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline, save_timeline
+
+if TYPE_CHECKING:
+    from overview_dsp.engine import Engine, Meters, Setting, Strikes
+    from overview_dsp.rendering import Result, Trace, render, render_to_file
+
+__version__ = "0.1.0"
+
+_LATE = {
+    "Engine": "engine",
+    "Meters": "engine",
+    "Setting": "engine",
+    "Strikes": "engine",
+    "Result": "rendering",
+    "Trace": "rendering",
+    "render": "rendering",
+    "render_to_file": "rendering",
+}
+
+__all__ = [
+    "PARAMETERS",
+    "Engine",
+    "Event",
+    "Gesture",
+    "InputError",
+    "Intensity",
+    "Kind",
+    "Meters",
+    "Mode",
+    "NotPreparedError",
+    "OutputError",
+    "OverviewError",
+    "OverviewWarning",
+    "Parameter",
+    "Preset",
+    "Result",
+    "Setting",
+    "Strikes",
+    "Surface",
+    "Timeline",
+    "Trace",
+    "build_surface",
+    "bundled_names",
+    "load_gesture",
+    "load_preset",
+    "load_timeline",
+    "parse_gesture",
+    "render",
+    "render_to_file",
+    "rest",
+    "save_gesture",
+    "save_timeline",
+    "sweep",
+    "tap",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = import_module(f"{__name__}.{_LATE[name]}")
+    return getattr(module, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

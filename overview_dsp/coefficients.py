@@ -1,0 +1,95 @@
+"""Parameters become coefficients: what a person sets, turned into what the kernel multiplies by.
+
+Every exponential and sine here is the kernels' own, so that two machines derive the same bits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from overview_dsp.kernels import elementary, layout
+from overview_dsp.kernels.dc_block import CORNER_HZ
+from overview_dsp.presets.model import Mode, Preset
+from overview_dsp.units import db_to_gain
+
+_exp2 = elementary.plain(elementary.exp2)
+_sin_turns = elementary.plain(elementary.sin_turns)
+
+MODE_LIMIT = 0.49
+"""Modes above this part of the sample rate are left out: they would fold back."""
+
+RING_DB = 160.0
+"""A click is exactly zero once it has fallen by this much."""
+
+GLIDE_S = 0.02
+"""How long a parameter takes to reach a new value."""
+
+FADE_S = 0.03
+"""How long one surface takes to give way to another."""
+
+_MILLIWATT = 1e-3
+
+
+def _exp(x: float) -> float:
+    return float(_exp2(x * elementary.LOG2_E))
+
+
+def one_pole(time_constant_s: float, sample_rate: float) -> float:
+    """Coefficient a of y += a * (x - y) with that time constant."""
+    return 1.0 - _exp(-1.0 / (time_constant_s * sample_rate))
+
+
+def coefficients(preset: Preset, sample_rate: float) -> dict[int, float]:
+    """Every gliding coefficient, by its column in the memory block."""
+    number = preset.number
+    dt = 1.0 / sample_rate
+    inertia, k1, k2 = number("disk.inertia"), number("disk.k1"), number("disk.k2")
+    to_theta1 = math.pi / layout.CELLS * (k2 / (k1 + k2))
+    tactor_gain = 0.0 if preset.values["tactor.mute"] else db_to_gain(number("tactor.gain_db"))
+    click_gain = 0.0 if preset.values["click.mute"] else db_to_gain(number("click.gain_db"))
+    # white noise has its power in half the sample rate, the grain's low-pass keeps a fixed band
+    grain = math.sqrt(3.0 * sample_rate / 48_000.0) / math.sqrt(_MILLIWATT)
+    return {
+        layout.C_SPRING_HELD: (k1 + k2) / inertia * dt * dt,
+        layout.C_SPRING_FREE: k1 / inertia * dt * dt,
+        layout.C_INERTIA: inertia / dt,
+        layout.C_THETA: to_theta1,
+        layout.C_OMEGA: to_theta1 * sample_rate,
+        layout.C_SMOOTH: one_pole(number("input.smoothing_ms") * 1e-3, sample_rate),
+        layout.C_TORQUE: 1e3 / number("tactor.full_torque_mnm"),
+        layout.C_GATE: db_to_gain(number("tactor.threshold_db")),
+        layout.C_EXPONENT: number("tactor.compression"),
+        layout.C_DECAY: one_pole(number("tactor.decay_ms") * 1e-3, sample_rate),
+        layout.C_RISE: one_pole(number("tactor.rise_ms") * 1e-3, sample_rate),
+        layout.C_CARRIER: number("tactor.frequency_hz") * dt,
+        layout.C_TACTOR_GAIN: tactor_gain,
+        layout.C_CLICK_GAIN: click_gain,
+        layout.C_STRIKE_TORQUE: 1e3 / number("click.full_torque_mnm"),
+        layout.C_STRIKE_EXPONENT: number("click.compression"),
+        layout.C_TEXTURE_GAIN: db_to_gain(number("texture.gain_db")) * grain,
+        layout.C_TEXTURE_CUTOFF: 2.0 * math.pi * number("texture.brightness_hz") * dt,
+        layout.C_CEILING: db_to_gain(number("output.ceiling_db")),
+        layout.C_DC_POLE: _exp(-2.0 * math.pi * CORNER_HZ * dt),
+    }
+
+
+def mode_coefficients(mode: Mode, sample_rate: float) -> Mapping[int, float] | None:
+    """A modal resonator's columns, relative to its place in the bank; None if it folds back."""
+    turns = mode.frequency_hz / sample_rate
+    if turns > MODE_LIMIT:
+        return None
+    decay = -math.log(1000.0) / (mode.decay_ms * 1e-3 * sample_rate)
+    radius = _exp(decay)
+    return {
+        layout.MODE_COS: radius * float(_sin_turns(turns + 0.25)),
+        layout.MODE_SIN: radius * float(_sin_turns(turns)),
+        layout.MODE_TURNS: turns,
+        layout.MODE_DECAY: decay,
+        layout.MODE_GAIN: db_to_gain(mode.gain_db),
+    }
+
+
+def ring_samples(mode: Mode, sample_rate: float) -> int:
+    """Samples until a mode has fallen by `RING_DB`."""
+    return max(1, math.ceil(RING_DB / 60.0 * mode.decay_ms * 1e-3 * sample_rate))

@@ -1,0 +1,549 @@
+"""The engine: prepare, control, process, reset; the one seam where objects become arrays."""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.coefficients import (
+    FADE_S,
+    GLIDE_S,
+    coefficients,
+    mode_coefficients,
+    ring_samples,
+)
+from overview_dsp.errors import InputError, NotPreparedError, OverviewError, OverviewWarning
+from overview_dsp.kernels import block, layout
+from overview_dsp.kernels.compiling import is_compiled
+from overview_dsp.kernels.noise import seed_state
+from overview_dsp.kernels.smoother import latency
+from overview_dsp.presets.model import Kind, Mode, Preset
+from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS, Parameter, Value
+from overview_dsp.surface import Surface, build_surface
+from overview_dsp.tail import tail_seconds
+
+if TYPE_CHECKING:
+    from overview_dsp.timeline import Timeline
+
+MIN_SAMPLE_RATE = 1_000.0
+MAX_SAMPLE_RATE = 768_000.0
+CARRIER_LIMIT = 0.45
+TRACE_COLUMNS = layout.TRACE_COLUMNS
+SOURCES = ("touch", "twist", "serial", "osc", "midi", "remote")
+"""Hands that may hold the disk; their order settles ties at the same sample."""
+
+__all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes", "is_compiled"]
+
+_NO_TRACE = np.zeros(0)
+_AS_SOON_AS_POSSIBLE = -1
+
+
+@dataclass(frozen=True)
+class Setting(Parameter):
+    """A parameter with the value it has now."""
+
+    value: Value = 0.0
+
+
+@dataclass(frozen=True)
+class Meters:
+    """What the audio side reports, as of the last block.
+
+    Counters since `reset`: `blocks`, `late_events` (came after their sample), `rejected_events`
+    (theta2 not finite: the hand stays where it was), `clamped_events` (theta2 outside [0, pi]),
+    `dropped_events` (a full ring), `resets` (blocks silenced because the state was not finite),
+    `limited_samples`, `strikes`. Levels: `peak_click`, `peak_tactor` of the last block (linear),
+    `torque` (N m), `friction` (N m s/rad), `envelope`, `cursor` (0..1). `silent_samples`: since the
+    last sample that was not zero.
+    """
+
+    blocks: int
+    late_events: int
+    rejected_events: int
+    clamped_events: int
+    dropped_events: int
+    resets: int
+    limited_samples: int
+    strikes: int
+    peak_click: float
+    peak_tactor: float
+    torque: float
+    friction: float
+    envelope: float
+    cursor: float
+    touching: bool
+    silent_samples: int
+
+
+@dataclass(frozen=True)
+class Strikes:
+    """Events passed by the disk, in order.
+
+    `time_s` (with its fraction of a sample), `event` (index into the timeline's events), `torque`
+    (released, N m), `level` (amplitude after compression): arrays of equal length.
+    """
+
+    time_s: NDArray[np.float64]
+    event: NDArray[np.int64]
+    torque: NDArray[np.float64]
+    level: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+
+class Engine:
+    """A preset on a timeline, as a block processor with control events.
+
+    Thread: `process` belongs to the audio thread, everything else to one control thread.
+    """
+
+    def __init__(self, preset: Preset, timeline: Timeline, *, seed: int = 0) -> None:
+        """Build the surface; nothing is allocated or compiled until `prepare`."""
+        self._preset = preset
+        self._timeline = timeline
+        self._seed = seed
+        self._surface = build_surface(timeline, preset)
+        self._sample_rate = 0.0
+        self._max_block_size = 0
+        self._dropped = 0
+
+    # --- life -----------------------------------------------------------------------------------
+
+    def prepare(self, sample_rate: float = 48_000, max_block_size: int = 512) -> None:
+        """Allocate for a sample rate (Hz, 1 000 to 768 000) and a largest block (frames).
+
+        May be called again with other values; then everything is as new, parameters kept.
+
+        Raises
+        ------
+        InputError
+            A rate out of range or too low for the carrier, or a block size below 1.
+        """
+        rate = float(sample_rate)
+        if not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
+            raise InputError(
+                f"sample rate {sample_rate:g} Hz is out of range; "
+                f"it is {MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
+            )
+        self._check_carrier(self._preset, rate)
+        if max_block_size < 1:
+            raise InputError(f"max_block_size = {max_block_size}; it is at least 1 frame")
+        self._sample_rate = rate
+        self._max_block_size = int(max_block_size)
+        self._m = np.zeros(layout.TOTAL)
+        self._w = self._m.view(np.int64)
+        self._u = self._m.view(np.uint64)
+        self._w[layout.S_GLIDE] = max(1, round(GLIDE_S * rate))
+        self._w[layout.S_FADE] = max(1, round(FADE_S * rate))
+        self._w[layout.S_CLICK_CHANNEL] = 0
+        self._w[layout.S_TACTOR_CHANNEL] = 1
+        self._m[layout.S_SAMPLE_RATE] = rate
+        self._u[layout.S_SEED] = seed_state(self._seed)
+        self.reset()
+
+    def reset(self) -> None:
+        """As new, with the same parameters, surface and seed; waiting events are dropped."""
+        self._require_prepared()
+        for column, value in coefficients(self._preset, self._sample_rate).items():
+            self._m[column] = value
+            self._w[layout.GLIDE_LEFT + column] = 0
+        self._w[layout.S_RELEASE_RETURNS] = self._preset.values["disk.release"] == "return"
+        self._w[layout.ACTIVE_SLOT] = 0
+        self._write_surface(0, self._surface)
+        block.reset(self._m, self._w, self._u)
+        self._slot_surfaces = [self._surface] * layout.SLOTS
+        self._dropped = 0
+
+    # --- control thread -------------------------------------------------------------------------
+
+    def control(
+        self,
+        theta2: float,
+        touching: bool,
+        sample_time: int | None = None,
+        source: str = "touch",
+    ) -> None:
+        """A hand's event: its angle (rad, 0 to pi) and whether it holds on.
+
+        `sample_time` counts samples since reset; None means as soon as possible. A theta2 that is
+        not finite or is out of range is counted in the meters. A full ring drops the event and
+        counts it.
+        """
+        self._require_prepared()
+        if source not in SOURCES:
+            raise InputError(f"no source is called {source!r}; known: {', '.join(SOURCES)}")
+        ring = SOURCES.index(source)
+        written = int(self._w[layout.RING_WRITTEN + ring])
+        if written - int(self._w[layout.RING_READ + ring]) >= layout.RING:
+            if self._dropped == 0:
+                warnings.warn(
+                    f"control event dropped: {layout.RING} of source {source!r} wait already; "
+                    "process a block first",
+                    OverviewWarning,
+                    stacklevel=2,
+                )
+            self._dropped += 1
+            return
+        at = ring * layout.RING + written % layout.RING
+        self._w[layout.RING_TIME + at] = _stamp(sample_time)
+        self._m[layout.RING_THETA2 + at] = theta2
+        self._w[layout.RING_TOUCHING + at] = 1 if touching else 0
+        self._w[layout.RING_WRITTEN + ring] = written + 1
+
+    def set(self, id: str, value: Value, sample_time: int | None = None) -> None:
+        """Change a parameter; it glides for 20 ms from the stamped sample.
+
+        `id` is one of the parameter table (`tactor.gain_db`) or of an event kind
+        (`kinds.goal.height`); what belongs to the friction table makes a new surface, crossfaded.
+
+        Raises
+        ------
+        InputError
+            No such parameter, or a value that is not allowed; nothing is changed.
+        """
+        preset = self._with_value(id, value)
+        if self._sample_rate:
+            self._check_carrier(preset, self._sample_rate)
+        known = PARAMETERS.get(id)
+        if known is None or known.surface:
+            surface = build_surface(self._timeline, preset)
+            if self._sample_rate:
+                self.set_surface(surface, sample_time)
+            else:
+                self._surface = surface
+        elif self._sample_rate:
+            before = coefficients(self._preset, self._sample_rate)
+            after = coefficients(preset, self._sample_rate)
+            changes: list[tuple[int, float]] = [
+                (column, target) for column, target in after.items() if target != before[column]
+            ]
+            if id == "disk.release":
+                changes.append((layout.COMMAND_RELEASE_RETURNS, float(value == "return")))
+            self._push_host(changes, sample_time)
+        self._preset = preset
+
+    def set_surface(self, surface: Surface, sample_time: int | None = None) -> None:
+        """Crossfade to another surface (new data, a zoom, a preset) in 30 ms.
+
+        Raises
+        ------
+        OverviewError
+            Two surfaces are waiting or fading already: process a block first.
+        """
+        self._require_prepared()
+        taken = {int(self._w[layout.ACTIVE_SLOT])}
+        if self._w[layout.FADE_LEFT] > 0:
+            taken.add(int(self._w[layout.FADING_SLOT]))
+        for index in range(int(self._w[layout.HOST_READ]), int(self._w[layout.HOST_WRITTEN])):
+            at = index % layout.HOST_RING
+            if self._w[layout.HOST_WHAT + at] == layout.COMMAND_SURFACE:
+                taken.add(int(self._m[layout.HOST_VALUE + at]))
+        free = [slot for slot in range(layout.SLOTS) if slot not in taken]
+        if not free:
+            raise OverviewError("two surfaces wait or fade already; process a block, then set it")
+        self._write_surface(free[0], surface)
+        self._push_host([(layout.COMMAND_SURFACE, float(free[0]))], sample_time)
+        self._slot_surfaces[free[0]] = surface
+        self._surface = surface
+
+    def set_channels(self, click: int | None = 0, tactor: int | None = 1) -> None:
+        """Choose the output channels (from 0; None = nowhere). Others are silent."""
+        self._require_prepared()
+        self._w[layout.S_CLICK_CHANNEL] = -1 if click is None else click
+        self._w[layout.S_TACTOR_CHANNEL] = -1 if tactor is None else tactor
+
+    # --- audio thread ---------------------------------------------------------------------------
+
+    def process(self, out: NDArray[np.float32], trace: NDArray[np.float64] | None = None) -> None:
+        """Overwrite `out`, float32 (frames, channels), with the next block.
+
+        `trace`, float64 (frames, 9) if given, gets the columns of `TRACE_COLUMNS`.
+
+        Raises
+        ------
+        NotPreparedError
+            Before `prepare`, or more frames than prepared; nothing was processed.
+        InputError
+            An array of the wrong type, shape or order.
+        """
+        self._require_prepared()
+        if (
+            not isinstance(out, np.ndarray)
+            or out.dtype != np.float32
+            or out.ndim != 2
+            or not out.flags.c_contiguous
+            or not out.flags.writeable
+        ):
+            raise InputError("out must be a writable, C-ordered float32 array (frames, channels)")
+        frames, channels = out.shape
+        if frames > self._max_block_size:
+            raise NotPreparedError(
+                f"a block of {frames} frames; the engine is prepared for up to "
+                f"{self._max_block_size}, call prepare(max_block_size={frames})"
+            )
+        needed = max(self._w[layout.S_CLICK_CHANNEL], self._w[layout.S_TACTOR_CHANNEL]) + 1
+        if channels < needed:
+            raise InputError(f"out has {channels} channels; the channel map needs {needed}")
+        if trace is None:
+            flat, traced = _NO_TRACE, False
+        else:
+            if (
+                trace.dtype != np.float64
+                or trace.shape != (frames, layout.TRACE)
+                or not trace.flags.c_contiguous
+            ):
+                raise InputError(
+                    f"trace must be a C-ordered float64 array ({frames}, {layout.TRACE})"
+                )
+            flat, traced = trace.reshape(-1), True
+        block.process(self._m, self._w, self._u, out.reshape(-1), frames, channels, flat, traced)
+
+    # --- what it says of itself -------------------------------------------------------------------
+
+    @property
+    def preset(self) -> Preset:
+        """The preset with the values set since."""
+        return self._preset
+
+    @property
+    def surface(self) -> Surface:
+        """The surface set last."""
+        return self._surface
+
+    @property
+    def sample_rate(self) -> float:
+        """Hz; 0 before `prepare`."""
+        return self._sample_rate
+
+    @property
+    def sample_time(self) -> int:
+        """Samples processed since reset: the stamp of the next sample."""
+        self._require_prepared()
+        return int(self._w[layout.CLOCK])
+
+    @property
+    def parameters(self) -> Mapping[str, Setting]:
+        """Every parameter with its range, unit, default, sentence and present value, by id."""
+        return {
+            id: Setting(
+                **{item.name: getattr(known, item.name) for item in fields(Parameter)},
+                value=self._preset.values[id],
+            )
+            for id, known in PARAMETERS.items()
+        }
+
+    @property
+    def meters(self) -> Meters:
+        """Counters and levels as of the last block."""
+        self._require_prepared()
+        m, w = self._m, self._w
+        return Meters(
+            blocks=int(w[layout.M_BLOCKS]),
+            late_events=int(w[layout.M_LATE]),
+            rejected_events=int(w[layout.M_REJECTED]),
+            clamped_events=int(w[layout.M_CLAMPED]),
+            dropped_events=self._dropped,
+            resets=int(w[layout.M_RESETS]),
+            limited_samples=int(w[layout.M_LIMITED]),
+            strikes=int(w[layout.M_STRIKES]),
+            peak_click=float(m[layout.M_PEAK_CLICK]),
+            peak_tactor=float(m[layout.M_PEAK_TACTOR]),
+            torque=float(m[layout.M_TORQUE]),
+            friction=float(m[layout.M_FRICTION]),
+            envelope=float(m[layout.M_ENVELOPE]),
+            cursor=float(m[layout.X]) / layout.CELLS,
+            touching=bool(w[layout.TOUCHING]),
+            silent_samples=int(w[layout.M_SILENT]),
+        )
+
+    @property
+    def latency_samples(self) -> int:
+        """How many samples the disk's input lags a moving hand (a tap is not delayed)."""
+        self._require_prepared()
+        return round(latency(float(self._m[layout.C_SMOOTH])))
+
+    @property
+    def tail_seconds(self) -> float:
+        """Within how long after the last event of any hand the output is exactly zero."""
+        return tail_seconds(self._preset, self._surface)
+
+    def take_strikes(self) -> Strikes:
+        """The strikes since the last call (up to the log's 16384 latest)."""
+        self._require_prepared()
+        total = int(self._w[layout.M_STRIKES])
+        first = max(int(self._w[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
+        self._w[layout.STRIKES_READ] = total
+        at = np.arange(first, total) % layout.STRIKE_LOG
+        surface = self._slot_surfaces[int(self._w[layout.ACTIVE_SLOT])]
+        return Strikes(
+            time_s=self._m[layout.LOG_TIME + at] / self._sample_rate,
+            event=surface.event[self._w[layout.LOG_EVENT + at]],
+            torque=self._m[layout.LOG_TORQUE + at],
+            level=self._m[layout.LOG_LEVEL + at],
+        )
+
+    def tactor_of(self, torque: NDArray[np.float64]) -> NDArray[np.float32]:
+        """The tactor channel that a torque signal (N m, one value a frame) gives from rest."""
+        self._require_prepared()
+        out = np.zeros(len(torque), dtype=np.float32)
+        block.tactor_stage(self._m, np.ascontiguousarray(torque, dtype=np.float64), out)
+        return out
+
+    # --- state ------------------------------------------------------------------------------------
+
+    def save_state(self) -> bytes:
+        """Parameters, event kinds and seed as bytes; the same engine gives the same bytes."""
+        preset = self._preset
+        state = {
+            "overview_state": 1,
+            "name": preset.name,
+            "title": preset.title,
+            "description": preset.description,
+            "values": dict(preset.values),
+            "kinds": {
+                name: {**vars(kind), "modes": [vars(mode) for mode in kind.modes]}
+                for name, kind in preset.kinds.items()
+            },
+            "seed": self._seed,
+        }
+        return json.dumps(state, indent=1, ensure_ascii=False).encode()
+
+    def load_state(self, state: bytes) -> None:
+        """Take over a saved state; InputError, and nothing changed, if it isn't one."""
+        try:
+            data = json.loads(state.decode())
+            if data["overview_state"] != 1:
+                raise InputError(f"a state of version {data['overview_state']!r}; this reads 1")
+            preset = Preset(
+                data["name"],
+                data["title"],
+                data["description"],
+                data["values"],
+                {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
+            )
+            seed = int(data["seed"])
+        except InputError:
+            raise
+        except (UnicodeDecodeError, ValueError, RecursionError) as error:
+            raise InputError(f"not a saved state: {error}") from None
+        except (KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"not a saved state: {type(error).__name__} {error}") from None
+        if self._sample_rate:
+            self._check_carrier(preset, self._sample_rate)
+        surface = build_surface(self._timeline, preset)
+        self._preset, self._surface, self._seed = preset, surface, seed
+        if self._sample_rate:
+            self._u[layout.S_SEED] = seed_state(seed)
+            self.reset()
+
+    # --- inside -----------------------------------------------------------------------------------
+
+    def _require_prepared(self) -> None:
+        if not self._sample_rate:
+            raise NotPreparedError("the engine is not prepared; call prepare(sample_rate=...)")
+
+    @staticmethod
+    def _check_carrier(preset: Preset, sample_rate: float) -> None:
+        frequency = preset.number("tactor.frequency_hz")
+        if not frequency < CARRIER_LIMIT * sample_rate:
+            raise InputError(
+                f"tactor.frequency_hz = {frequency:g} is too high for {sample_rate:g} Hz; "
+                f"it must stay below {CARRIER_LIMIT * sample_rate:g} Hz"
+            )
+
+    def _with_value(self, id: str, value: Value) -> Preset:
+        if not id.startswith("kinds."):
+            return self._preset.with_changes({id: value})
+        parts = id.split(".")
+        if len(parts) != 3 or parts[1] not in self._preset.kinds:
+            raise InputError(
+                f"no parameter is called {id!r}; an event kind's is kinds.KIND.KEY, "
+                f"with KIND one of {', '.join(self._preset.kinds)}"
+            )
+        _, kind_name, key = parts
+        if key not in KIND_PARAMETERS:
+            raise InputError(
+                f"no parameter is called {id!r}; an event kind has {', '.join(KIND_PARAMETERS)}"
+            )
+        changes: dict[str, Any] = {key: replace(KIND_PARAMETERS[key], id=id).check(value)}
+        if key.startswith("width_"):
+            changes = {"width_percent": None, "width_ms": None, **changes}
+        kind = replace(self._preset.kinds[kind_name], **changes)
+        return replace(self._preset, kinds={**self._preset.kinds, kind_name: kind})
+
+    def _push_host(self, changes: list[tuple[int, float]], sample_time: int | None) -> None:
+        written = int(self._w[layout.HOST_WRITTEN])
+        waiting = written - int(self._w[layout.HOST_READ])
+        if waiting + len(changes) > layout.HOST_RING:
+            raise OverviewError(
+                f"{waiting} parameter changes wait already; process a block, then set more"
+            )
+        stamp = _stamp(sample_time)
+        for index, (what, value) in enumerate(changes, written):
+            at = index % layout.HOST_RING
+            self._w[layout.HOST_TIME + at] = stamp
+            self._w[layout.HOST_WHAT + at] = what
+            self._m[layout.HOST_VALUE + at] = value
+        # published last, so that the audio thread sees all of a change or nothing
+        self._w[layout.HOST_WRITTEN] = written + len(changes)
+
+    def _write_surface(self, slot: int, surface: Surface) -> None:
+        m, w = self._m, self._w
+        base = layout.SURFACES + slot * layout.SLOT_SIZE
+        table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
+        table[0::2] = surface.friction
+        table[1:-1:2] = np.diff(surface.friction)
+        table[-1] = 0.0
+        count = len(surface.place)
+        w[base + layout.SLOT_EVENTS] = count
+        m[base + layout.SLOT_PLACE :][:count] = surface.place * layout.CELLS
+        m[base + layout.SLOT_RELEASE :][:count] = surface.release
+        w[base + layout.SLOT_KIND :][:count] = surface.kind
+        for kind, modes in enumerate(surface.kind_modes):
+            heard: list[tuple[Mode, Mapping[int, float]]] = []
+            for mode in modes:
+                columns = mode_coefficients(mode, self._sample_rate)
+                if columns is not None:
+                    heard.append((mode, columns))
+            w[base + layout.KIND_MODES + kind] = len(heard)
+            longest = max((ring_samples(mode, self._sample_rate) for mode, _ in heard), default=0)
+            w[base + layout.KIND_RING + kind] = longest
+            for index, (_, columns) in enumerate(heard):
+                for column, value in columns.items():
+                    m[base + column + kind * layout.MAX_MODES + index] = value
+
+
+def _stamp(sample_time: int | None) -> int:
+    if sample_time is None:
+        return _AS_SOON_AS_POSSIBLE
+    if not math.isfinite(sample_time) or sample_time < 0:
+        raise InputError(f"sample_time = {sample_time}; it counts samples since reset, from 0")
+    return int(sample_time)
+
+
+def _kind_of(name: str, data: dict[str, Any]) -> Kind:
+    values = {}
+    for key, known in KIND_PARAMETERS.items():
+        value = data[key]
+        absent = value is None and key.startswith("width_")
+        values[key] = None if absent else replace(known, id=f"kinds.{name}.{key}").check(value)
+    from overview_dsp.presets.parameters import MODE_PARAMETERS
+
+    modes = tuple(
+        Mode(
+            **{
+                key: replace(known, id=f"kinds.{name}.modes.{key}").check(mode[key])
+                for key, known in MODE_PARAMETERS.items()
+            }  # type: ignore[arg-type]
+        )
+        for mode in data["modes"]
+    )
+    return Kind(modes=modes, **values)  # type: ignore[arg-type]

@@ -1,0 +1,265 @@
+"""Offline: a timeline, a preset and a gesture, block by block to arrays or to disk."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.engine import TRACE_COLUMNS, Engine, Strikes
+from overview_dsp.errors import InputError
+from overview_dsp.gestures import Gesture
+from overview_dsp.presets.model import Preset
+from overview_dsp.sound_file import save_sound
+from overview_dsp.timeline import Timeline
+
+BLOCK = 4096
+LONGEST_TAIL_S = 30.0
+REST_S = 0.05
+"""The disk has come to rest when both channels have been exactly zero for so long."""
+
+Tail = Literal["rest", "none"] | float
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Block:
+    """One rendered block: samples float32 (frames, 2), trace float64 (frames, 9) or None."""
+
+    samples: NDArray[np.float32]
+    trace: NDArray[np.float64] | None
+    strikes: Strikes
+
+
+class Trace(Mapping[str, NDArray[np.float64]]):
+    """The trace's columns, float64, one value a frame: `trace.torque` or `trace["torque"]`.
+
+    time (s, frame end), theta2 (rad, the smoothed value used), touching (0 or 1), theta1 (rad) and
+    omega1 (rad/s) at the frame's end, cursor, friction (N m s/rad, the B used), torque (N m,
+    friction times the step's mean omega1), envelope (the tactor's amplitude).
+    """
+
+    time: NDArray[np.float64]
+    theta2: NDArray[np.float64]
+    touching: NDArray[np.float64]
+    theta1: NDArray[np.float64]
+    omega1: NDArray[np.float64]
+    cursor: NDArray[np.float64]
+    friction: NDArray[np.float64]
+    torque: NDArray[np.float64]
+    envelope: NDArray[np.float64]
+
+    def __init__(self, table: NDArray[np.float64]) -> None:
+        """`table` is float64 (frames, 9) in the order of `TRACE_COLUMNS`."""
+        for index, name in enumerate(TRACE_COLUMNS):
+            setattr(self, name, np.ascontiguousarray(table[:, index]))
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """A column by its name."""
+        if name not in TRACE_COLUMNS:
+            raise KeyError(name)
+        column: NDArray[np.float64] = getattr(self, name)
+        return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(TRACE_COLUMNS)
+
+    def __len__(self) -> int:
+        return len(TRACE_COLUMNS)
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A rendered gesture.
+
+    Attributes
+    ----------
+    samples : float32 (frames, 2)
+        Click, tactor.
+    sample_rate : float
+        Hz.
+    trace : Trace or None
+        What the disk did, one value a frame.
+    strikes : Strikes
+        The events passed.
+    engine : Engine
+        As it stands after the gesture: surface, meters, parameters.
+    """
+
+    samples: NDArray[np.float32]
+    sample_rate: float
+    trace: Trace | None
+    strikes: Strikes
+    engine: Engine
+
+    def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
+        """Write the samples to a sound file; the suffix says the format (WAV, FLAC, ...)."""
+        save_sound(path, self.samples, self.sample_rate, subtype)
+
+
+def tail_of(text: str) -> Tail:
+    """The tail a person typed: rest, none, or seconds."""
+    if text == "rest":
+        return "rest"
+    if text == "none":
+        return "none"
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    if not 0.0 <= seconds <= 24 * 3600.0:
+        raise InputError(f"tail {text!r} is not understood; it is rest, none or seconds from 0")
+    return seconds
+
+
+def blocks(
+    engine: Engine,
+    gesture: Gesture,
+    tail: Tail = "rest",
+    trace: bool = True,
+    progress: Progress | None = None,
+) -> Iterator[Block]:
+    """Play a gesture through a prepared engine, block by block, in constant memory.
+
+    `progress` is told the part done, 0 to 1. The blocks' arrays are their reader's to keep.
+    """
+    rate = engine.sample_rate
+    stamps = gesture.stamps(rate)
+    length = max(round(gesture.duration_s * rate), int(stamps[-1]) + 1 if len(stamps) else 0)
+    if tail == "none":
+        end = most = length
+    elif tail == "rest":
+        end, most = length, length + round(LONGEST_TAIL_S * rate)
+    else:
+        end = most = length + round(tail * rate)
+    quiet = round(REST_S * rate)
+    start, fed = engine.sample_time, 0
+    done = 0
+    while done < most:
+        frames = min(BLOCK, most - done)
+        ahead = int(np.searchsorted(stamps, done + frames))
+        # a ring holds 4096 events; a denser take is fed in shorter blocks
+        if ahead - fed > 4000:
+            ahead = fed + 4000
+            frames = max(1, int(stamps[ahead]) - done)
+        for i in range(fed, ahead):
+            engine.control(
+                float(gesture.theta2[i]), bool(gesture.touching[i]), start + int(stamps[i])
+            )
+        fed = ahead
+        samples = np.empty((frames, 2), dtype=np.float32)
+        table = np.empty((frames, len(TRACE_COLUMNS))) if trace else None
+        engine.process(samples, table)
+        done += frames
+        silent = engine.meters.silent_samples
+        finished = tail == "rest" and done > end and silent >= quiet
+        if finished:
+            # the end doesn't depend on how the gesture was cut into blocks
+            extra = min(silent - quiet, done - end, frames)
+            samples = samples[: frames - extra]
+            table = table[: frames - extra] if table is not None else None
+        yield Block(samples, table, engine.take_strikes())
+        if progress:
+            progress(min(1.0, done / max(1, end)))
+        if finished:
+            return
+
+
+def render(
+    timeline: Timeline,
+    preset: Preset,
+    gesture: Gesture,
+    sample_rate: float = 48_000,
+    seed: int = 0,
+    *,
+    tail: Tail = "rest",
+    trace: bool = True,
+) -> Result:
+    """Render a gesture to arrays.
+
+    `tail` is "rest" (on until the disk has come to rest, at most 30 s), "none" or seconds.
+    The same arguments give the same bits on every machine.
+
+    Raises
+    ------
+    InputError
+        A sample rate out of range, or parameters that don't fit it.
+    """
+    engine = Engine(preset, timeline, seed=seed)
+    engine.prepare(sample_rate, BLOCK)
+    rendered = list(blocks(engine, gesture, tail, trace))
+    samples = np.concatenate([block.samples for block in rendered])
+    table = np.concatenate([b.trace for b in rendered if b.trace is not None]) if trace else None
+    strikes = join_strikes([block.strikes for block in rendered])
+    return Result(
+        samples, engine.sample_rate, Trace(table) if table is not None else None, strikes, engine
+    )
+
+
+def join_strikes(parts: list[Strikes]) -> Strikes:
+    """Strikes of consecutive blocks as one."""
+    return Strikes(
+        np.concatenate([part.time_s for part in parts]),
+        np.concatenate([part.event for part in parts]),
+        np.concatenate([part.torque for part in parts]),
+        np.concatenate([part.level for part in parts]),
+    )
+
+
+def render_to_file(
+    timeline: Timeline,
+    preset: Preset,
+    gesture: Gesture,
+    path: str | os.PathLike[str],
+    sample_rate: float = 48_000,
+    seed: int = 0,
+    *,
+    tail: Tail = "rest",
+    subtype: str | None = None,
+    trace_path: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> Rendered:
+    """Render a gesture to a sound file, and its trace to a .npz or .csv, in constant memory.
+
+    Both files are whole or absent.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `render`; an unknown format, an unwritable place, a full disk.
+    """
+    from overview_dsp.sound_file import SoundWriter
+    from overview_dsp.trace_file import TraceWriter
+
+    engine = Engine(preset, timeline, seed=seed)
+    engine.prepare(sample_rate, BLOCK)
+    peaks = np.zeros(2)
+    strikes = 0
+    with (
+        SoundWriter(Path(path), engine.sample_rate, subtype) as sound,
+        TraceWriter(Path(trace_path) if trace_path is not None else None) as traced,
+    ):
+        for block in blocks(engine, gesture, tail, trace_path is not None, progress):
+            sound.write(block.samples)
+            if block.trace is not None:
+                traced.write(block.trace)
+            peaks = np.maximum(peaks, np.abs(block.samples).max(axis=0, initial=0.0))
+            strikes += len(block.strikes)
+        frames, note = sound.frames, sound.note
+    return Rendered(frames / engine.sample_rate, tuple(peaks.tolist()), strikes, note, engine)
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """What was written: duration (s), peak of click and tactor (linear), strikes, format note."""
+
+    duration_s: float
+    peaks: tuple[float, ...]
+    strikes: int
+    note: str
+    engine: Engine
