@@ -1,0 +1,123 @@
+"""Felt level: what the tactor channel gives a finger, stroke by stroke and event by event.
+
+Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk:
+from touching down to letting go (out), or from letting go until the disk is back (recoil). An event
+is felt while the disk is within its span (where its profile exceeds a tenth of its height): its
+level is the highest of the windows that overlap that time. Windows that overlap no event's span are
+the event-free rest of the stroke; its level is their median.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.surface import Surface
+
+WINDOW_S = 0.010
+JUST_NOTICEABLE_DB = 2.5
+"""One step of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
+
+BACK_AT = 0.01
+"""A recoil ends where the cursor is back to this."""
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Frames `start` to `stop` of a trace; `name` is "out" or "recoil"."""
+
+    name: str
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeFeel:
+    """What one stroke feels like.
+
+    Attributes
+    ----------
+    stroke : Stroke
+    event_free_db : float
+        Median level of the windows outside every event's span, dB.
+    event_db : float64 (events,)
+        Highest level at each event of the surface's table, dB; NaN if it wasn't passed.
+    rise : float64 (events,)
+        Steepest rise of the torque's size at each event, N m/s; NaN if it wasn't passed.
+    """
+
+    stroke: Stroke
+    event_free_db: float
+    event_db: NDArray[np.float64]
+    rise: NDArray[np.float64]
+
+
+def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
+    """The strokes of a trace, from its touching and cursor columns."""
+    held = touching > 0.5
+    edges = np.flatnonzero(np.diff(held)) + 1
+    bounds = [0, *edges.tolist(), len(held)]
+    found = []
+    for start, stop in itertools.pairwise(bounds):
+        if held[start]:
+            found.append(Stroke("out", start, stop))
+        elif start > 0:
+            back = np.flatnonzero(cursor[start:stop] <= BACK_AT)
+            end = start + int(back[0]) + 1 if len(back) else stop
+            if end - start > 1:
+                found.append(Stroke("recoil", start, end))
+    return found
+
+
+def window_db(
+    signal: NDArray[np.float32], sample_rate: float, hop_s: float = WINDOW_S
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Level of each window: first frames (int64) and dB (-200 for silence), `hop_s` apart."""
+    length = round(WINDOW_S * sample_rate)
+    hop = max(1, round(hop_s * sample_rate))
+    starts = np.arange(0, max(0, len(signal) - length) + 1, hop)
+    energy = np.concatenate([[0.0], np.cumsum(signal.astype(np.float64) ** 2)])
+    mean = (energy[np.minimum(starts + length, len(signal))] - energy[starts]) / length
+    return starts, 10.0 * np.log10(np.maximum(mean, 1e-20))
+
+
+def stroke_feel(
+    stroke: Stroke,
+    surface: Surface,
+    columns: Mapping[str, NDArray[np.float64]],
+    tactor: NDArray[np.float32],
+    sample_rate: float,
+    hop_s: float = WINDOW_S,
+) -> StrokeFeel:
+    """Measure one stroke.
+
+    Parameters
+    ----------
+    columns : the trace (`cursor` and `torque` are used)
+    tactor : float32 (frames,), the tactor channel of the same render
+    """
+    cursor = columns["cursor"][stroke.start : stroke.stop]
+    torque = np.abs(columns["torque"][stroke.start : stroke.stop])
+    starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, hop_s)
+    length = round(WINDOW_S * sample_rate)
+    within = np.concatenate([[0], np.cumsum(surface.in_span(cursor))])
+    occupied = within[np.minimum(starts + length, len(cursor))] - within[starts] > 0
+    free = level[~occupied]
+    slope = np.diff(torque, prepend=torque[:1]) * sample_rate
+    count = len(surface.place)
+    event_db, rise = np.full(count, np.nan), np.full(count, np.nan)
+    for i, (first, last) in enumerate(surface.span):
+        inside = np.flatnonzero((cursor >= first) & (cursor <= last))
+        place = surface.place[i]
+        passed = cursor.min(initial=1.0) < place <= cursor.max(initial=0.0)
+        if not len(inside) or not passed:
+            continue
+        overlapping = (starts + length > inside[0]) & (starts <= inside[-1])
+        if overlapping.any():
+            event_db[i] = level[overlapping].max()
+        rise[i] = slope[inside].max()
+    return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)
