@@ -1,0 +1,101 @@
+"""The command line: one command a file, each imported only when it is called."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from importlib import import_module
+from typing import Any, NoReturn
+
+import click
+
+from overview_dsp.errors import OverviewError, OverviewWarning
+
+# name: (module, the line in the list of commands)
+COMMANDS = {
+    "demo": ("demo", "The bundled match: sounds, pictures, and what to listen for."),
+    "render": ("render", "Play a gesture over a timeline into a sound file."),
+    "presets": ("presets", "List, show and check presets."),
+    "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
+    "bench": ("bench", "Measure how fast the engine runs here."),
+}
+
+
+class Commands(click.Group):
+    """The group of all commands, which imports one only when it is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """In the order of the table, the main job first."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return the command; None if there is none of that name."""
+        if cmd_name not in COMMANDS:
+            return None
+        command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
+@click.group(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Start with: overview demo",
+)
+@click.version_option(package_name="overview-dsp", message="overview %(version)s")
+@click.option("--debug", is_flag=True, help="Show a traceback when something fails.")
+def app(debug: bool) -> None:
+    """Feel a timeline: any temporal data as friction, heard as clicks and felt as vibration."""
+
+
+def _fail(message: str, code: int) -> NoReturn:
+    click.echo(f"error: {' '.join(message.split())}", err=True)
+    sys.exit(code)
+
+
+def _note(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: Any = None,
+    line: str | None = None,
+) -> None:
+    if issubclass(category, OverviewWarning):
+        click.echo(f"note: {message}", err=True)
+
+
+def main() -> NoReturn:
+    """Run the command line; a person's mistake is one line and exit code 2, never a traceback."""
+    debug = "--debug" in sys.argv[1:2]
+    warnings.simplefilter("always", OverviewWarning)
+    warnings.showwarning = _note
+    try:
+        code = app.main(prog_name="overview", standalone_mode=False)
+    except OverviewError as error:
+        if debug:
+            raise
+        _fail(str(error), error.exit_code)
+    except click.UsageError as error:
+        path = error.ctx.command_path if error.ctx else "overview"
+        _fail(f"{error.format_message()} (see {path} --help)", 2)
+    except click.ClickException as error:
+        _fail(error.format_message(), error.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        _fail("stopped; nothing was left behind", 130)
+    except BrokenPipeError:
+        sys.exit(0)
+    except Exception as error:
+        if debug:
+            raise
+        _fail(
+            f"{type(error).__name__}: {error} (a fault of this program, please report it; "
+            "overview --debug ... shows where)",
+            1,
+        )
+    sys.exit(code if isinstance(code, int) else 0)

@@ -1,0 +1,96 @@
+"""`overview render`: a gesture over a timeline, into a sound file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.gestures.spec import FORMS
+
+
+@click.command(
+    name="render",
+    epilog="Example: overview render match.json --gesture sweep:4 -o match.wav --trace match.npz",
+)
+@click.argument("timeline")
+@click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@click.option("--gesture", default="sweep:4", show_default=True, help=FORMS + "; + joins parts.")
+@click.option("-o", "--out", default="out.wav", show_default=True, help="WAV, FLAC, ... by suffix.")
+@click.option("--trace", help="Also write what the disk did, to a .npz or .csv file.")
+@click.option("--sample-rate", default=48_000.0, show_default=True, help="Hz, 1000 to 768000.")
+@click.option("--subtype", help="How samples are stored: PCM_16, PCM_24, FLOAT, ...")
+@click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
+@click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
+@click.option("--window", nargs=2, type=float, metavar="START END", help="Only that part, s.")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def command(
+    timeline: str,
+    preset: str,
+    gesture: str,
+    out: str,
+    trace: str | None,
+    sample_rate: float,
+    subtype: str | None,
+    seed: int,
+    tail: str,
+    window: tuple[float, float] | None,
+    as_json: bool,
+) -> None:
+    """Play a gesture over TIMELINE into a sound file: left = clicks, right = tactor.
+
+    TIMELINE is any supported file, told by its content, or the bundled match
+    (world-cup-final-2018).
+    """
+    from overview_dsp.gestures import parse_gesture
+    from overview_dsp.presets import load_preset
+    from overview_dsp.rendering import render_to_file, tail_of
+    from overview_dsp.timeline import load_timeline
+    from overview_dsp.units import clock_text, gain_to_db
+
+    data = load_timeline(timeline)
+    if window:
+        data = data.window(*window)
+    chosen = load_preset(preset)
+    movement = parse_gesture(gesture)
+    rest = tail_of(tail)
+    announce_compile()
+    with progress_bar(f"rendering {Path(out).name}") as tell:
+        done = render_to_file(
+            data,
+            chosen,
+            movement,
+            out,
+            sample_rate,
+            seed,
+            tail=rest,
+            subtype=subtype,
+            trace_path=trace,
+            progress=tell,
+        )
+    click_db, tactor_db = (round(gain_to_db(peak), 1) if peak else None for peak in done.peaks)
+    if as_json:
+        print_json(
+            {
+                "file": out,
+                "trace": trace,
+                "title": data.title,
+                "duration_s": done.duration_s,
+                "strikes": done.strikes,
+                "peak_click_dbfs": click_db,
+                "peak_tactor_dbfs": tactor_db,
+                "format": done.note,
+            }
+        )
+        return
+    click.echo(
+        f"{out}: {clock_text(done.duration_s)}, {done.strikes} strikes, "
+        f"peaks {_level(click_db)} click and {_level(tactor_db)} tactor, {done.note}"
+    )
+    if trace:
+        click.echo(f"{trace}: what the disk did, one row a frame")
+
+
+def _level(db: float | None) -> str:
+    return "silent" if db is None else f"{db:.1f} dBFS"

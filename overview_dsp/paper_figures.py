@@ -1,0 +1,48 @@
+"""The paper's figures 4, 5 and 6, drawn from this program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from overview_dsp.files import make_folder
+from overview_dsp.gestures import sweep, tap
+from overview_dsp.plots import plot_strokes, plot_timeline, save_figure
+from overview_dsp.presets.model import Preset
+from overview_dsp.rendering import Result, render
+from overview_dsp.timeline import Timeline
+
+FAST_S, SLOW_S = 1.0, 4.0
+TAP_AT, TAP_HOLD_S = 1.0, 1.5
+
+
+def renders(timeline: Timeline, preset: Preset) -> dict[str, Result]:
+    """The three gestures of the paper: a fast sweep, a slow sweep and a tap."""
+    return {
+        "fast sweep": render(timeline, preset, sweep(FAST_S)),
+        "slow sweep": render(timeline, preset, sweep(SLOW_S)),
+        "tap": render(timeline, preset, tap(TAP_AT, TAP_HOLD_S)),
+    }
+
+
+def draw(timeline: Timeline, results: dict[str, Result], folder: str | Path) -> list[Path]:
+    """Draw figures 4, 5 and 6 into a folder, PNG and SVG; the files."""
+    out = make_folder(folder)
+    fast, slow = results["fast sweep"], results["slow sweep"]
+    sweeps = plot_strokes(
+        [
+            (f"fast sweep, {FAST_S:g} s", fast),
+            (f"slow sweep, {SLOW_S:g} s", slow),
+        ],
+        timeline,
+        f"{timeline.title}: sweeps and recoil",
+    )
+    taps = plot_strokes(
+        [(f"tap at {TAP_AT:g}, held {TAP_HOLD_S:g} s", results["tap"])],
+        timeline,
+        f"{timeline.title}: a tap",
+    )
+    return [
+        *save_figure(plot_timeline(timeline), out / "figure-4"),
+        *save_figure(sweeps, out / "figure-5"),
+        *save_figure(taps, out / "figure-6"),
+    ]

@@ -1,0 +1,196 @@
+"""The pictures: the timeline (the paper's figure 4), sweeps (figure 5) and a tap (figure 6).
+
+Colours are Okabe and Ito's, which colour-blind eyes tell apart; event kinds differ in shape too.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.files import whole_file
+from overview_dsp.rendering import Result
+from overview_dsp.timeline import Timeline
+from overview_dsp.units import HALF_TURN
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+GREY = "#767676"
+
+# kind: (marker, face colour, words); the paper's goals are blue, its cards yellow and red
+KIND_STYLE: dict[str, tuple[str, str, str]] = {
+    "goal": ("o", BLUE, "goal"),
+    "own_goal": ("h", SKY, "own goal"),
+    "near_miss": ("^", GREEN, "near miss"),
+    "yellow_card": ("s", YELLOW, "yellow card"),
+    "red_card": ("D", VERMILION, "red card"),
+    "foul": ("x", GREY, "foul"),
+    "period": ("|", BLACK, "start or end of a half"),
+}
+_OTHER = ("P", PURPLE)
+_POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
+
+
+def _style(kind: str) -> tuple[str, str, str]:
+    return KIND_STYLE.get(kind, (*_OTHER, kind.replace("_", " ")))
+
+
+def _figure(width: float, height: float) -> Figure:
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def _tidy(axes: Axes) -> None:
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def extremes(
+    x: NDArray[np.float64], y: NDArray[np.float64], points: int = _POINTS
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A curve with fewer points and the same extremes: the lowest and highest of each step."""
+    if len(x) <= 2 * points:
+        return x, y
+    edges = np.linspace(0, len(x), points + 1).astype(int)[:-1]
+    low, high = np.minimum.reduceat(y, edges), np.maximum.reduceat(y, edges)
+    return np.repeat(x[edges], 2), np.column_stack([low, high]).ravel()
+
+
+def plot_timeline(timeline: Timeline) -> Figure:
+    """The intensity curve with its events, as in the paper's figure 4."""
+    figure = _figure(9.0, 3.6)
+    axes = figure.subplots()
+    minutes = timeline.duration_s > 600.0
+    scale = 60.0 if minutes else 1.0
+    times = np.linspace(0.0, timeline.duration_s, 4001)
+    curve = timeline.normalised_intensity_at(times)
+    axes.fill_between(times / scale, curve, color="#e8eef4", zorder=1)
+    axes.plot(times / scale, curve, color=GREY, linewidth=1.2, zorder=2)
+    for kind in sorted(
+        timeline.kinds(),
+        key=lambda kind: list(KIND_STYLE).index(kind) if kind in KIND_STYLE else len(KIND_STYLE),
+    ):
+        marker, colour, words = _style(kind)
+        at = np.array([event.time_s for event in timeline.events if event.kind == kind])
+        height = timeline.normalised_intensity_at(at)
+        goal = kind in ("goal", "own_goal")
+        axes.scatter(
+            at / scale,
+            height,
+            s=90 if goal else 46,
+            marker=marker,
+            color=colour,
+            edgecolors=None if marker in "x|" else BLACK,
+            linewidths=1.6 if marker in "x|" else 0.7,
+            label=f"{words} ({len(at)})",
+            zorder=4 if goal else 3,
+        )
+    for event in timeline.events:
+        if event.kind in ("goal", "own_goal") and event.label:
+            axes.annotate(
+                event.label.split(" ")[0],
+                (
+                    event.time_s / scale,
+                    float(timeline.normalised_intensity_at(np.array([event.time_s]))[0]),
+                ),
+                xytext=(0, 8),
+                textcoords="offset points",
+                ha="center",
+                fontsize=8,
+            )
+    axes.set_xlim(0.0, timeline.duration_s / scale)
+    axes.set_ylim(0.0, 1.18)
+    axes.set_xlabel("time of play, min" if minutes else "time, s")
+    axes.set_ylabel("intensity")
+    axes.set_title(timeline.title, loc="left", fontsize=10)
+    _tidy(axes)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+    return figure
+
+
+def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: str) -> Figure:
+    """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6)."""
+    figure = _figure(5.2 * len(results) + 0.6, 7.6)
+    grid: Any = figure.subplots(4, len(results), sharex="col", sharey="row", squeeze=False)
+    for column, (name, result) in enumerate(results):
+        trace = result.trace
+        assert trace is not None
+        # the last part of the recoil is all alike
+        shown = trace.time <= _end_of_interest(trace.time, trace.cursor)
+        time, held = trace.time[shown], trace.touching[shown] > 0.5
+        axes: list[Axes] = list(grid[:, column])
+        rows = (
+            (trace.torque[shown] * 1e3, "(a) torque, mN·m", BLUE),
+            (trace.friction[shown] * 1e3, "(b) friction B, mN·m·s/rad", VERMILION),
+            (trace.cursor[shown] * HALF_TURN, "(c) disk 1 on the surface, rad", BLACK),
+            (np.where(held, trace.theta2[shown], 0.0), "(d) disk 2, the hand, rad", GREEN),
+        )
+        for ax, (values, label, colour) in zip(axes, rows, strict=True):
+            ax.plot(*extremes(time, values), color=colour, linewidth=1.0)
+            if column == 0:
+                ax.set_ylabel(label)
+            _tidy(ax)
+            if not held.all():
+                release = float(time[np.flatnonzero(held)[-1]])
+                ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
+        _mark_strikes(axes[0], result, timeline, float(time[-1]))
+        axes[0].set_title(name, fontsize=10)
+        axes[-1].set_xlabel("time, s (dashed: the finger lets go)")
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11)
+    return figure
+
+
+def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> float:
+    away = np.flatnonzero(cursor > 0.01)
+    return float(time[away[-1]]) + 0.3 if len(away) else float(time[-1])
+
+
+def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) -> None:
+    low, high = axes.get_ylim()
+    top = high + 0.06 * (high - low)
+    for kind, (marker, colour, words) in KIND_STYLE.items():
+        at = [
+            time
+            for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True)
+            if timeline.events[event].kind == kind and time <= end
+        ]
+        if not at or kind in ("foul", "period"):
+            continue
+        axes.scatter(
+            at,
+            np.full(len(at), top),
+            s=26,
+            marker=marker,
+            color=colour,
+            edgecolors=BLACK,
+            linewidths=0.5,
+            label=words,
+            clip_on=False,
+            zorder=4,
+        )
+    axes.legend(loc="upper right", ncols=2, frameon=False, fontsize=7)
+
+
+def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:
+    """Write a figure as PNG and as SVG; the files, whole or absent."""
+    import matplotlib
+
+    written = []
+    # no date and fixed ids: the same figure gives the same bytes
+    with matplotlib.rc_context({"svg.hashsalt": "overview", "svg.fonttype": "none"}):
+        for suffix, metadata in ((".png", {"Software": None}), (".svg", {"Date": None})):
+            path = Path(f"{os.fspath(stem)}{suffix}")
+            with whole_file(path) as temporary:
+                figure.savefig(temporary, dpi=150, metadata=metadata)
+            written.append(path)
+    return written
