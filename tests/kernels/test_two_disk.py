@@ -1,0 +1,222 @@
+"""The disk: analytic truths, the energy ledger, order of convergence, a second opinion."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+import overview_dsp as ov
+from overview_dsp.kernels import elementary
+from overview_dsp.kernels.two_disk import midpoint_speed
+from overview_dsp.surface import CELLS
+from tests.examples import INERTIA, K1, K2, plain_preset, timeline_of, with_friction
+
+step = elementary.plain(midpoint_speed)
+
+
+def ledger(trace, preset):
+    """Residual of the contract's energy identity, each step, of (E0 + E1 + |work terms|)."""
+    inertia, k1, k2 = (preset.number(f"disk.{name}") for name in ("inertia", "k1", "k2"))
+    held = trace.touching
+    k = k1 + held * k2
+    theta0 = np.concatenate([[0.0], trace.theta1[:-1]])
+    omega0 = np.concatenate([[0.0], trace.omega1[:-1]])
+    dt = trace.time[0]
+    # the energy a step begins with is booked with that step's own springs: letting go or taking
+    # hold between two steps changes it by k2 theta1**2 / 2
+    before = inertia * omega0**2 / 2 + k * theta0**2 / 2
+    after = inertia * trace.omega1**2 / 2 + k * trace.theta1**2 / 2
+    mean = (omega0 + trace.omega1) / 2
+    lost = dt * trace.friction * mean**2
+    given_ = dt * held * k2 * trace.theta2 * mean
+    scale = before + after + lost + np.abs(given_)
+    return (after - before + lost - given_) / np.where(scale > 0.0, scale, 1.0)
+
+
+def played(preset, events, seconds, sample_rate=48_000.0, surface=None):
+    """Trace of control events (time_s, theta2, touching) on a bare surface."""
+    engine = ov.Engine(preset, timeline_of())
+    frames = round(seconds * sample_rate)
+    engine.prepare(sample_rate, frames)
+    if surface is not None:
+        engine.set_surface(surface(engine.surface))
+        engine.reset()
+    for time, theta2, touching in events:
+        engine.control(theta2, touching, round(time * sample_rate))
+    out = np.zeros((frames, 2), dtype=np.float32)
+    table = np.zeros((frames, 9))
+    engine.process(out, table)
+    from overview_dsp.rendering import Trace
+
+    return Trace(table)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    frictions=st.lists(st.floats(0.0, 10.0), min_size=2, max_size=30),
+    dt=st.floats(1e-7, 1.0),
+    inertia=st.floats(1e-6, 1e-2),
+    k1=st.floats(1e-5, 1.0),
+    k2=st.floats(1e-5, 10.0),
+    hands=st.lists(st.tuples(st.booleans(), st.floats(0.0, math.pi)), min_size=2, max_size=30),
+)
+def test_every_step_keeps_the_energy_ledger_for_any_friction_and_any_step(
+    frictions, dt, inertia, k1, k2, hands
+):
+    theta, omega = 0.0, 0.0
+    scale = k2 / (k1 + k2)  # theta1 = scale * place
+    for b, (touching, theta2) in zip(frictions, hands, strict=False):
+        k = k1 + touching * k2
+        spring = k / inertia * dt * dt
+        place, speed = theta / scale, omega / scale * dt
+        middle = step(
+            place,
+            speed,
+            theta2 if touching else 0.0,
+            spring,
+            inertia / dt,
+            inertia / dt * (2.0 + 0.5 * spring),
+            b,
+        )
+        theta_after = (place + middle) * scale
+        omega_after = (2.0 * middle - speed) * scale / dt
+        mean = middle * scale / dt
+        before = inertia * omega**2 / 2 + k * theta**2 / 2
+        after = inertia * omega_after**2 / 2 + k * theta_after**2 / 2
+        lost, given_ = dt * b * mean**2, dt * touching * k2 * theta2 * mean
+        size = before + after + lost + abs(given_)
+        assert abs(after - before + lost - given_) <= 1e-12 * size
+        if not touching:
+            assert after <= before * (1.0 + 1e-12)
+        theta, omega = theta_after, omega_after
+
+
+def test_a_whole_gesture_keeps_the_ledger_touched_released_and_touched_again(match, football):
+    gesture = ov.sweep(1.0) + ov.rest(0.4) + ov.tap(0.7, 0.5) + ov.rest(0.2) + ov.tap(0.2, 0.3)
+    trace = ov.render(match, football, gesture, tail=1.0).trace
+    assert len(np.unique(trace.touching)) == 2
+    assert np.abs(ledger(trace, football)).max() <= 1e-12
+
+
+@pytest.mark.parametrize(("touching", "k"), [(True, K1 + K2), (False, K1)])
+def test_natural_frequency_is_that_of_the_spring_and_the_disk(touching, k):
+    preset = plain_preset(surface__friction=1e-6)
+    events = [(0.0, math.pi, True)] + ([] if touching else [(0.2, math.pi, False)])
+    trace = played(preset, events, 12.0)
+    start = 0 if touching else round(0.2 * 48_000)
+    swing = trace.theta1[start:] - (K2 * math.pi / (K1 + K2) if touching else 0.0)
+    time = trace.time[start:]
+    ups = np.flatnonzero((swing[:-1] < 0) & (swing[1:] >= 0))
+    crossings = time[ups] - swing[ups] * np.diff(time)[ups] / (swing[ups + 1] - swing[ups])
+    frequency = (len(crossings) - 1) / (crossings[-1] - crossings[0])
+    assert frequency == pytest.approx(math.sqrt(k / INERTIA) / (2 * math.pi), rel=1e-3)
+
+
+def test_a_finger_held_still_settles_exactly_on_the_place_it_points_at():
+    trace = played(plain_preset(), [(0.0, 1.0, True)], 6.0)
+    assert trace.theta1[-1] == pytest.approx(K2 / (K1 + K2), rel=1e-3)
+    assert trace.cursor[-1] == pytest.approx(1.0 / math.pi, rel=1e-9)
+
+
+def test_recoil_falls_with_the_time_constant_of_friction_and_shaft_1():
+    b = 1e-2  # far overdamped: B/k1 = 5 s, and the fast pole dies in J/B = 10 ms
+    trace = played(plain_preset(surface__friction=b), [(0.0, 2.0, True), (8.0, 2.0, False)], 14.0)
+    first, second = np.searchsorted(trace.time, [9.0, 13.0])
+    tau = 4.0 / math.log(trace.theta1[first] / trace.theta1[second])
+    slow = 2 * INERTIA / (b - math.sqrt(b * b - 4 * K1 * INERTIA))
+    assert tau == pytest.approx(slow, rel=1e-3)
+    assert tau == pytest.approx(b / K1, rel=3e-3)
+
+
+def test_a_free_disk_spins_down_with_inertia_over_friction():
+    # a spring too weak to matter: v falls by exp(-B/J t)
+    preset = plain_preset(disk__k1=1e-5, disk__k2=10.0, surface__friction=1e-3)
+    trace = played(preset, [(0.0, math.pi / 2, True), (0.004, math.pi / 2, False)], 0.4)
+    start, stop = np.searchsorted(trace.time, [0.006, 0.206])
+    fall = math.log(abs(trace.omega1[start] / trace.omega1[stop]))
+    assert fall == pytest.approx(0.2 * 1e-3 / INERTIA, rel=0.05)
+
+
+def smooth_friction(surface):
+    place = np.arange(CELLS + 1) / CELLS
+    return with_friction(surface, 1e-3 * (1.5 + np.sin(3.0 * np.pi * place)))
+
+
+def smooth_path(sample_rate, seconds=0.6):
+    """The disk's angle when the kernel's own step follows an analytic friction and input."""
+    dt = 1.0 / sample_rate
+    spring = (K1 + K2) / INERTIA * dt * dt
+    scale = INERTIA / dt
+    x = v = 0.0
+    for n in range(round(seconds * sample_rate)):
+        hand = 1.5 * (1.0 - math.cos(2.0 * math.pi * (n + 0.5) * dt))
+        b = 1e-3 * (1.5 + math.sin(3.0 * (x + 0.5 * v)))
+        middle = step(x, v, hand, spring, scale, scale * (2.0 + 0.5 * spring), b)
+        x, v = x + middle, 2.0 * middle - v
+    return x
+
+
+def test_the_step_is_of_second_order():
+    reference = smooth_path(64_000)
+    coarse, fine = (abs(smooth_path(rate) - reference) for rate in (1_000, 2_000))
+    # the reference's own error is 1/1024 of the finer one's
+    assert math.log2(coarse / fine) >= 1.9
+
+
+@pytest.mark.parametrize(
+    ("name", "gesture", "seconds"),
+    [
+        ("fast sweep and recoil", ov.sweep(1.0), 3.5),
+        ("slow sweep", ov.sweep(3.0), 3.3),
+        ("tap and recoil", ov.tap(0.9, 0.8), 2.5),
+    ],
+)
+def test_the_disk_agrees_with_a_high_order_solver(match, football, name, gesture, seconds):
+    result = ov.render(match, football, gesture, tail=max(0.0, seconds - gesture.duration_s))
+    trace, preset, table = result.trace, football, result.engine.surface.friction
+    inertia, k1, k2 = (preset.number(f"disk.{part}") for part in ("inertia", "k1", "k2"))
+    dt = 1.0 / result.sample_rate
+    released = int(np.flatnonzero(trace.touching > 0.5)[-1]) + 1
+    middles = trace.time - dt / 2
+    cells_per_rad = (k1 + k2) / k2 * CELLS / math.pi
+
+    def friction(theta):
+        x = min(max(theta * cells_per_rad, 0.0), float(CELLS))
+        i = min(int(x), CELLS - 1)
+        return table[i] + (x - i) * (table[i + 1] - table[i])
+
+    def motion(t, state, k, pull):
+        at = t / dt - 0.5
+        i = min(max(int(at), 0), released - 2)
+        hand = trace.theta2[i] + (at - i) * (trace.theta2[i + 1] - trace.theta2[i])
+        theta, omega = state
+        return omega, (-k * theta - friction(theta) * omega + pull * hand) / inertia
+
+    state, worst = (0.0, 0.0), 0.0
+    for start, stop, k, pull in (
+        (0, released, k1 + k2, k2),
+        (released, len(trace.time), k1, 0.0),
+    ):
+        if stop <= start:
+            continue
+        at = np.append(trace.time[start:stop:24], trace.time[stop - 1])
+        solution = solve_ivp(
+            motion,
+            (trace.time[start] - dt, trace.time[stop - 1]),
+            state,
+            method="DOP853",
+            rtol=1e-10,
+            atol=1e-12,
+            t_eval=np.unique(at),
+            args=(k, pull),
+        )
+        mine = np.interp(solution.t, trace.time, trace.theta1)
+        worst = max(worst, np.abs(solution.y[0] - mine).max())
+        state = (solution.y[0][-1], solution.y[1][-1])
+    assert len(middles) == len(trace.time)
+    assert worst <= 1e-4, name
