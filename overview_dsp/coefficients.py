@@ -25,6 +25,12 @@ RING_DB = 160.0
 GLIDE_S = 0.02
 """How long a parameter takes to reach a new value."""
 
+APPROACH_S = 0.2
+"""Time constant with which the speed of the arriving disk is forgotten: it may stick that long."""
+
+GRAIN_S = 0.05
+"""Time constant of the grain's level: many small contacts don't start at once."""
+
 FADE_S = 0.03
 """How long one surface takes to give way to another."""
 
@@ -70,6 +76,8 @@ def coefficients(preset: Preset, sample_rate: float) -> dict[int, float]:
         layout.C_TEXTURE_GAIN: db_to_gain(number("texture.gain_db")) * grain,
         layout.C_TEXTURE_CUTOFF: 2.0 * math.pi * number("texture.brightness_hz") * dt,
         layout.C_CEILING: db_to_gain(number("output.ceiling_db")),
+        layout.C_GRAIN: one_pole(GRAIN_S, sample_rate),
+        layout.C_FORGET: _exp(-dt / APPROACH_S),
         layout.C_DC_POLE: _exp(-2.0 * math.pi * CORNER_HZ * dt),
     }
 

@@ -1,5 +1,11 @@
 """Friction clicks: a bank of modal resonators for each event kind, struck by the torque released.
 
+An event's friction turns the speed of the arriving disk into torque; when the disk passes it, or
+breaks loose from it after sticking there, that torque is released:
+
+    torque = (the event's own friction) * (highest |omega1| of late, forgotten within 0.2 s)
+    level  = c / (1 + c),   c = (torque / full)**p
+
 A mode is a damped rotation, z[n+1] = z[n] * r * exp(i w), heard as its imaginary part. A strike at
 a fraction of a sample turns the new rotation by the time that is left of the sample, so an onset is
 placed exactly and the sampled mode is that of continuous time:
@@ -21,9 +27,12 @@ from overview_dsp.kernels.elementary import cos_turns, exp, power, sin_turns
 
 
 @point
-def strike(m, w, slot, event, omega, sample, fraction):
-    """Log that an event is passed `fraction` of a sample after time `sample`, at omega1 (rad/s)."""
-    torque = m[slot + layout.SLOT_RELEASE + event] * abs(omega)
+def strike(m, w, slot, event, approach, sample, fraction):
+    """Log that an event is passed `fraction` of a sample after time `sample`.
+
+    `approach` is the speed the disk came with, rad/s.
+    """
+    torque = m[slot + layout.SLOT_RELEASE + event] * approach
     hardness = torque * m[layout.C_STRIKE_TORQUE]
     level = 0.0
     if hardness > 1e-12:

@@ -50,8 +50,13 @@ def is_compiled() -> bool:
 
 
 def point(function: Function) -> Function:
-    """Compile a function that is called from other kernels; LLVM inlines the small ones."""
-    compiled: Function = numba.njit(forceinline=True, **OPTIONS)(function)
+    """Compile a function for other kernels to call: inlined, with no door to Python.
+
+    Python calls its plain form, `function.py_func`.
+    """
+    compiled: Function = numba.njit(
+        forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS
+    )(function)
     return compiled
 
 

@@ -48,7 +48,9 @@ COEFF = 0
     C_TEXTURE_CUTOFF,  # one-pole coefficient per rad/s of omega1
     C_CEILING,
     C_DC_POLE,
-) = range(COEFF, COEFF + 20)
+    C_GRAIN,  # the grain's level smoothing, a sample
+    C_FORGET,  # how fast the disk's approach speed is forgotten, a sample
+) = range(COEFF, COEFF + 22)
 TARGET = COEFF + COEFFS
 STEP = TARGET + COEFFS
 GLIDE_LEFT = STEP + COEFFS  # w: samples left of each glide
@@ -69,6 +71,7 @@ SETTINGS = GLIDE_LEFT + COEFFS
 STATE = SETTINGS + 8
 (
     CLOCK,  # w: samples since reset
+    APPROACH,  # highest recent |omega1|, rad/s
     X,  # disk 1, cells
     V,  # disk 1, cells a sample
     INPUT,  # smoother: its target theta2, cells
@@ -87,12 +90,13 @@ STATE = SETTINGS + 8
     PHASE,  # tactor: carrier, turns
     TACTOR_DC_IN,
     TACTOR_DC_OUT,
-    TEXTURE,
+    GRAIN,  # texture: its level
+    TEXTURE,  # texture: the low-pass
     CLICK_DC_IN,
     CLICK_DC_OUT,
     NOISE,  # u
     RINGING,  # w: number of kinds that sound
-) = range(STATE, STATE + 24)
+) = range(STATE, STATE + 26)
 SOURCE_TOUCHING = STATE + 32  # w: of each source
 SOURCE_TOUCHED_AT = SOURCE_TOUCHING + SOURCES  # w: TOUCH_COUNT when it last touched
 SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # cells

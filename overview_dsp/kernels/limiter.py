@@ -11,7 +11,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.elementary import tanh
+from overview_dsp.kernels.elementary import tanh_positive
 
 KNEE = 0.5  # of the ceiling
 TOP = 0.999999  # of the ceiling: rounding to float32 can't pass it
@@ -24,5 +24,5 @@ def limit(x, ceiling):
     if abs(x) <= knee:
         return x
     room = TOP * ceiling - knee
-    y = knee + room * tanh((abs(x) - knee) / room)
+    y = knee + room * tanh_positive((abs(x) - knee) / room)
     return y if x > 0.0 else -y

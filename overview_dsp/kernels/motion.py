@@ -34,6 +34,7 @@ def move(m, w, frames, trace, at, traced):
     y1 = m[layout.SMOOTH_1]
     y2 = m[layout.SMOOTH_2]
     phase = m[layout.PHASE]
+    approach = m[layout.APPROACH]
     clock = w[layout.CLOCK]
     fading = w[layout.FADE_LEFT]
     following = w[layout.NEXT_EVENT]
@@ -41,6 +42,7 @@ def move(m, w, frames, trace, at, traced):
     target = m[layout.INPUT]
     smoothing = m[layout.C_SMOOTH]
     carrier = m[layout.C_CARRIER]
+    forget = m[layout.C_FORGET]
     held = w[layout.TOUCHING]
     inertia = m[layout.C_INERTIA]
     spring = m[layout.C_SPRING_HELD] if held == 1 else m[layout.C_SPRING_FREE]
@@ -79,13 +81,14 @@ def move(m, w, frames, trace, at, traced):
         if abs(x) < STANDSTILL:
             x = 0.0
         omega = middle * to_omega
+        approach = max(abs(omega), approach * forget)
         phase = advance(phase, carrier)
         m[layout.D_TORQUE + n] = friction * omega
         m[layout.D_OMEGA + n] = omega
         m[layout.D_PHASE + n] = phase
 
         while x >= above:
-            strike(m, w, slot, following, omega, clock + n, (above - was) / (x - was))
+            strike(m, w, slot, following, approach, clock + n, (above - was) / (x - was))
             following += 1
             below = above - RETREAT
             above = m[places + following] if following < events else FAR
@@ -93,7 +96,7 @@ def move(m, w, frames, trace, at, traced):
             following -= 1
             above = m[places + following]
             fraction = (was - above) / (was - x) if was > above else 0.0
-            strike(m, w, slot, following, omega, clock + n, fraction)
+            strike(m, w, slot, following, approach, clock + n, fraction)
             below = m[places + following - 1] - RETREAT if following > 0 else -FAR
 
         if traced:
@@ -112,6 +115,7 @@ def move(m, w, frames, trace, at, traced):
     m[layout.SMOOTH_1] = y1
     m[layout.SMOOTH_2] = y2
     m[layout.PHASE] = phase
+    m[layout.APPROACH] = approach
     w[layout.FADE_LEFT] = fading
     w[layout.NEXT_EVENT] = following
     m[layout.M_TORQUE] = m[layout.D_TORQUE + frames - 1]

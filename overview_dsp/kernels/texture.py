@@ -1,6 +1,7 @@
 """The surface's grain: noise that grows with the friction's power and brightens with speed.
 
-    level = gain * sqrt(|torque * omega1|)        as in the elasto-plastic model's noise term
+    target = gain * sqrt(|torque * omega1|)       as in the elasto-plastic model's noise term
+    level += a * (target - level)                 50 ms: many small contacts don't start at once
     y    += a * (level * noise - y),  a = c/(1 + c),  c = cutoff * (|omega1| + SLOWEST)
 
 sqrt(force * speed) is the noise term of SDT's friction model (Avanzini, Serafin, Rocchesso 2005);
@@ -21,9 +22,15 @@ SLOWEST = 0.05  # rad/s: the filter of a resting disk still forgets
 
 @point
 def grain_level(torque, omega, gain):
-    """Level of the noise at a torque (N m) and a speed (rad/s); exactly zero once inaudible."""
-    level = gain * sqrt(abs(torque * omega))
-    return level if level > QUIET else 0.0
+    """Level the noise heads for at a torque (N m) and a speed (rad/s)."""
+    return gain * sqrt(abs(torque * omega))
+
+
+@point
+def spread(target, level, a):
+    """One sample of the level's smoothing; exactly zero once inaudible."""
+    level = level + a * (target - level)
+    return level if level > QUIET else (0.0 if target < QUIET else level)
 
 
 @point

@@ -12,7 +12,7 @@ from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.envelope import follow
 from overview_dsp.kernels.limiter import KNEE, limit
 from overview_dsp.kernels.noise import next_state, white
-from overview_dsp.kernels.texture import colour
+from overview_dsp.kernels.texture import colour, spread
 
 
 @point
@@ -25,6 +25,7 @@ def sound(m, w, u, out, start, frames, channels, trace, traced):
     tactor_out = m[layout.TACTOR_DC_OUT]
     click_in = m[layout.CLICK_DC_IN]
     click_out = m[layout.CLICK_DC_OUT]
+    level = m[layout.GRAIN]
     grain = m[layout.TEXTURE]
     noise = u[layout.NOISE]
     silent = w[layout.M_SILENT]
@@ -38,6 +39,7 @@ def sound(m, w, u, out, start, frames, channels, trace, traced):
     rise = m[layout.C_RISE]
     tactor_gain = m[layout.C_TACTOR_GAIN]
     click_gain = m[layout.C_CLICK_GAIN]
+    spreading = m[layout.C_GRAIN]
     cutoff = m[layout.C_TEXTURE_CUTOFF]
     ceiling = m[layout.C_CEILING]
     dc_pole = m[layout.C_DC_POLE]
@@ -52,7 +54,7 @@ def sound(m, w, u, out, start, frames, channels, trace, traced):
         tactor_in = wave
         tactor = limit(tactor_out, ceiling)
 
-        level = m[layout.D_GRAIN + n]
+        level = spread(m[layout.D_GRAIN + n], level, spreading)
         rough = 0.0
         if level > 0.0:
             noise = next_state(noise)
@@ -93,6 +95,7 @@ def sound(m, w, u, out, start, frames, channels, trace, traced):
     m[layout.TACTOR_DC_OUT] = tactor_out
     m[layout.CLICK_DC_IN] = click_in
     m[layout.CLICK_DC_OUT] = click_out
+    m[layout.GRAIN] = level
     m[layout.TEXTURE] = grain
     u[layout.NOISE] = noise
     w[layout.M_SILENT] = silent

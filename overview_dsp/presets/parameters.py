@@ -97,7 +97,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             # --- the disk ---------------------------------------------------------------------
             _number(
                 "disk.inertia",
-                1e-4,
+                2e-5,
                 1e-6,
                 1e-2,
                 "kg·m²",
@@ -106,7 +106,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "disk.k1",
-                2.5e-3,
+                1.5e-3,
                 1e-5,
                 1.0,
                 "N·m/rad",
@@ -115,7 +115,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "disk.k2",
-                1.75e-2,
+                4.3e-3,
                 1e-5,
                 10.0,
                 "N·m/rad",
@@ -141,7 +141,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             # --- the surface ------------------------------------------------------------------
             _number(
                 "surface.friction",
-                2e-3,
+                3.1e-4,
                 1e-6,
                 1e-1,
                 "N·m·s/rad",
@@ -151,7 +151,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "surface.ambience",
-                1.0,
+                0.6,
                 0.0,
                 20.0,
                 "x",
@@ -172,7 +172,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             _flag("tactor.mute", "Silences the vibration."),
             _number(
                 "tactor.full_torque_mnm",
-                60.0,
+                90.0,
                 0.1,
                 10_000.0,
                 "mN·m",
@@ -181,7 +181,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "tactor.compression",
-                0.6,
+                0.72,
                 0.3,
                 1.0,
                 "",
@@ -197,7 +197,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "tactor.rise_ms",
-                1.5,
+                1.8,
                 0.2,
                 20.0,
                 "ms",
@@ -206,7 +206,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "tactor.decay_ms",
-                12.0,
+                9.0,
                 1.0,
                 200.0,
                 "ms",
@@ -214,11 +214,11 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "log",
             ),
             # --- the clicks -------------------------------------------------------------------
-            _number("click.gain_db", 0.0, -60.0, 12.0, "dB", "Level of the clicks and texture."),
+            _number("click.gain_db", -4.0, -60.0, 12.0, "dB", "Level of the clicks and texture."),
             _flag("click.mute", "Silences the clicks and texture."),
             _number(
                 "click.full_torque_mnm",
-                60.0,
+                90.0,
                 0.1,
                 10_000.0,
                 "mN·m",
@@ -235,7 +235,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "texture.gain_db",
-                -30.0,
+                -50.0,
                 -90.0,
                 12.0,
                 "dB",
