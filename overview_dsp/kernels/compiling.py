@@ -54,9 +54,12 @@ def point(function: Function) -> Function:
 
     Python calls its plain form, `function.py_func`.
     """
-    compiled: Function = numba.njit(
-        forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS
-    )(function)
+    inlined: dict[str, Any] = {
+        "forceinline": True,
+        "no_cpython_wrapper": True,
+        "no_cfunc_wrapper": True,
+    }
+    compiled: Function = numba.njit(**OPTIONS, **inlined)(function)
     return compiled
 
 

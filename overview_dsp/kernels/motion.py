@@ -19,7 +19,7 @@ RAD_PER_CELL = 3.141592653589793 / layout.CELLS
 PER_CELL = 1.0 / layout.CELLS
 FAR = 1e300  # cells: beyond any place
 RETREAT = 1e-6  # cells: how far the disk must go back before an event counts as passed again
-STANDSTILL = 1e-150  # cells and cells a sample: smaller would become denormal
+STANDSTILL = 1e-150  # cells, cells a sample, rad/s: smaller would become denormal
 
 
 @point
@@ -82,6 +82,8 @@ def move(m, w, frames, trace, at, traced):
             x = 0.0
         omega = middle * to_omega
         approach = max(abs(omega), approach * forget)
+        if approach < STANDSTILL:
+            approach = 0.0
         phase = advance(phase, carrier)
         m[layout.D_TORQUE + n] = friction * omega
         m[layout.D_OMEGA + n] = omega

@@ -14,12 +14,15 @@ from __future__ import annotations
 
 from overview_dsp.kernels.compiling import point
 
+STILL = 1e-150  # cells: smaller would become denormal; places are never negative
+
 
 @point
 def smooth(target, y1, y2, a):
     """One sample: the two poles after it."""
     y1 = y1 + a * (target - y1)
-    return y1, y2 + a * (y1 - y2)
+    y2 = y2 + a * (y1 - y2)
+    return y1 if y1 > STILL else 0.0, y2 if y2 > STILL else 0.0
 
 
 def latency(a: float) -> float:
