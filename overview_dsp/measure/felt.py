@@ -75,13 +75,16 @@ def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[
 
 def window_db(
     signal: NDArray[np.float32], sample_rate: float, hop_s: float = WINDOW_S
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Level of each window: first frames (int64) and dB (-200 for silence), `hop_s` apart."""
-    length = round(WINDOW_S * sample_rate)
-    hop = max(1, round(hop_s * sample_rate))
-    starts = np.arange(0, max(0, len(signal) - length) + 1, hop)
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Level of each window: where it starts (frames) and dB (-200 for silence), `hop_s` apart.
+
+    Windows begin and end between samples where they must, so that rates can be compared.
+    """
+    length, hop = WINDOW_S * sample_rate, hop_s * sample_rate
+    starts = np.arange(0.0, max(0.0, len(signal) - length) + 0.5, hop)
     energy = np.concatenate([[0.0], np.cumsum(signal.astype(np.float64) ** 2)])
-    mean = (energy[np.minimum(starts + length, len(signal))] - energy[starts]) / length
+    frames = np.arange(len(energy), dtype=np.float64)
+    mean = (np.interp(starts + length, frames, energy) - np.interp(starts, frames, energy)) / length
     return starts, 10.0 * np.log10(np.maximum(mean, 1e-20))
 
 
@@ -103,9 +106,11 @@ def stroke_feel(
     cursor = columns["cursor"][stroke.start : stroke.stop]
     torque = np.abs(columns["torque"][stroke.start : stroke.stop])
     starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, hop_s)
-    length = round(WINDOW_S * sample_rate)
+    length = WINDOW_S * sample_rate
     within = np.concatenate([[0], np.cumsum(surface.in_span(cursor))])
-    occupied = within[np.minimum(starts + length, len(cursor))] - within[starts] > 0
+    first_frame = np.floor(starts).astype(np.int64)
+    last_frame = np.minimum(np.ceil(starts + length).astype(np.int64), len(cursor))
+    occupied = within[last_frame] - within[first_frame] > 0
     free = level[~occupied]
     slope = np.diff(torque, prepend=torque[:1]) * sample_rate
     count = len(surface.place)

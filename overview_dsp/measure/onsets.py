@@ -64,7 +64,7 @@ def find_onsets(
     reach = round(MERGE_S / step)
     found_times: list[float] = []
     found_levels: list[float] = []
-    for edge in edges:
+    for edge in edges.tolist():
         first = max(0, edge - gap - 2)
         steepest = first + int(np.argmax(slope[first : edge + gap + 2]))
         strength = float(level[steepest : steepest + reach].max())
