@@ -61,7 +61,8 @@ class Meters:
     `dropped_events` (a full ring), `resets` (blocks silenced because the state was not finite),
     `limited_samples`, `strikes`. Levels: `peak_click`, `peak_tactor` of the last block (linear),
     `torque` (N m), `friction` (N m s/rad), `envelope`, `cursor` (0..1). `silent_samples`: since the
-    last sample that was not zero.
+    last sample that was not zero. `still_samples`: since the disk was last more than a thousandth
+    of the timeline away from where its springs rest.
     """
 
     blocks: int
@@ -80,6 +81,7 @@ class Meters:
     cursor: float
     touching: bool
     silent_samples: int
+    still_samples: int
 
 
 @dataclass(frozen=True)
@@ -362,6 +364,7 @@ class Engine:
             cursor=float(m[layout.X]) / layout.CELLS,
             touching=bool(w[layout.TOUCHING]),
             silent_samples=int(w[layout.M_SILENT]),
+            still_samples=int(w[layout.M_STILL]),
         )
 
     @property

@@ -13,7 +13,7 @@ from overview_dsp.units import HALF_TURN
 CONTROL_RATE = 200.0
 """Control events a second of a scripted movement."""
 
-ARRIVAL_S = 0.3
+ARRIVAL_S = 0.5
 """How long a sweep rests at its end before it lets go: the disk lags the finger and must arrive."""
 
 LONGEST_S = 24 * 3600.0
@@ -34,7 +34,7 @@ def _seconds(value: float, what: str, zero: bool = False) -> float:
 
 
 def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
-    """Touch down at `start`, move steadily to `end` in `seconds`, rest 0.3 s, let go.
+    """Touch down at `start`, move steadily to `end` in `seconds`, rest 0.5 s, let go.
 
     Positions are 0 (start of the timeline) to 1 (its end).
     """

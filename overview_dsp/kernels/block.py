@@ -39,7 +39,8 @@ def clear(m, w, u):
     for i in range(layout.STATE, layout.TOTAL_STATE):
         w[i] = 0
     w[layout.STRIKES_READ] = 0
-    w[layout.STRIKES_SOUNDED] = 0
+    for number in range(layout.CONTACT):
+        w[layout.STRIKES_SOUNDED + number] = 0
     w[layout.HOLDER] = -1
     w[layout.FADING_SLOT] = -1
     w[layout.ACTIVE_SLOT] = slot

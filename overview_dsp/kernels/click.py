@@ -10,11 +10,13 @@ A mode is a damped rotation, z[n+1] = z[n] * r * exp(i w), heard as its imaginar
 a fraction of a sample turns the new rotation by the time that is left of the sample, so an onset is
 placed exactly and the sampled mode is that of continuous time:
 
-    z += level * gain * exp((ln r + i w) * rest),    rest = samples from strike to next sample
+    z += level * gain * exp((ln r + i w) * rest),    rest = samples from blow to next sample
 
-A sine starts at zero, so its spectrum falls by 12 dB an octave and little folds back. Modes above
-0.49 of the sample rate are left out by the coefficients. A kind rings for a counted number of
-samples (to -160 dB) and is then exactly zero.
+One blow would start a sine in full, and its spectrum, falling by 12 dB an octave, would fold back.
+A strike is a short contact instead: a raised cosine of four samples, given as eight blows half a
+sample apart. That is a low-pass in continuous time, with its null at half the sample rate; what
+folds back stays below -60 dB. Modes above 0.49 of the sample rate are left out by the coefficients. A kind rings for a counted number of samples (to
+-160 dB) and is then exactly zero.
 
 Thread: audio.
 """
@@ -24,6 +26,8 @@ from __future__ import annotations
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.elementary import cos_turns, exp, power, sin_turns
+
+BLOW_SPACING = 0.5  # samples
 
 
 @point
@@ -41,7 +45,6 @@ def strike(m, w, slot, event, approach, sample, fraction):
         level = level / (1.0 + level)
     at = w[layout.M_STRIKES] % layout.STRIKE_LOG
     m[layout.LOG_TIME + at] = float(sample) + fraction
-    w[layout.LOG_SAMPLE + at] = sample
     w[layout.LOG_EVENT + at] = event
     m[layout.LOG_TORQUE + at] = torque
     m[layout.LOG_LEVEL + at] = level
@@ -49,8 +52,14 @@ def strike(m, w, slot, event, approach, sample, fraction):
 
 
 @point
-def excite(m, w, at):
-    """Give the strike at log entry `at` to the modes of its kind."""
+def blow_weight(number):
+    """Part of a strike that is in one blow: sin(pi (number + 1/2)/8)**2 / 4; they add up to 1."""
+    return 0.125 - 0.125 * cos_turns((float(number) + 0.5) * (1.0 / layout.CONTACT))
+
+
+@point
+def blow(m, w, at, number, rest):
+    """Give blow `number` of the strike at log entry `at`, `rest` samples old, to its kind's modes."""
     slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     kind = w[slot + layout.SLOT_KIND + w[layout.LOG_EVENT + at]]
     modes = w[slot + layout.KIND_MODES + kind]
@@ -61,8 +70,7 @@ def excite(m, w, at):
         w[layout.RINGING] += 1
     w[layout.BANK_LEFT + kind] = w[slot + layout.KIND_RING + kind]
     w[layout.BANK_MODES + kind] = modes
-    level = m[layout.LOG_LEVEL + at]
-    rest = float(w[layout.LOG_SAMPLE + at]) + 1.0 - m[layout.LOG_TIME + at]
+    level = m[layout.LOG_LEVEL + at] * blow_weight(number)
     first = kind * layout.MAX_MODES
     for j in range(first, first + modes):
         turns = m[slot + layout.MODE_TURNS + j] * rest
@@ -73,6 +81,19 @@ def excite(m, w, at):
         m[layout.BANK_IM + j] += amplitude * sin_turns(turns)
         m[layout.BANK_COS + j] = m[slot + layout.MODE_COS + j]
         m[layout.BANK_SIN + j] = m[slot + layout.MODE_SIN + j]
+
+
+@point
+def sound_strikes(m, w, sample):
+    """Give every blow that falls before the end of `sample` to the modes."""
+    for number in range(layout.CONTACT):
+        while w[layout.STRIKES_SOUNDED + number] < w[layout.M_STRIKES]:
+            at = w[layout.STRIKES_SOUNDED + number] % layout.STRIKE_LOG
+            rest = float(sample + 1) - (m[layout.LOG_TIME + at] + float(number) * BLOW_SPACING)
+            if rest < 0.0:
+                break
+            blow(m, w, at, number, rest)
+            w[layout.STRIKES_SOUNDED + number] += 1
 
 
 @point

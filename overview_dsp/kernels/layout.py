@@ -20,6 +20,7 @@ MAX_MODES = 6  # modal resonators of a kind
 SOURCES = 6  # touch, twist, serial, OSC, MIDI, remote: this order settles ties
 RING = 4096  # control events waiting, a source (a power of two)
 HOST_RING = 1024  # parameter and surface events waiting
+CONTACT = 8  # blows of one strike
 STRIKE_LOG = 16384  # strikes kept until they are read
 SLOTS = 3  # surfaces: active, fading from, being written
 COEFFS = 32
@@ -124,7 +125,8 @@ METERS = BANK_SIN + MAX_KINDS * MAX_MODES
     M_ENVELOPE,  # last
     M_FRICTION,  # last
     M_SILENT,  # w: samples since the last one that was not zero on both channels
-) = range(METERS, METERS + 13)
+    M_STILL,  # w: samples since the disk was last away from where its springs rest
+) = range(METERS, METERS + 14)
 TOTAL_STATE = METERS + 16
 
 # --- rings: written by the control thread, read by the audio thread ----------------------------
@@ -145,9 +147,8 @@ LOG_TIME = HOST_VALUE + HOST_RING  # strike log: sample with its fraction
 LOG_EVENT = LOG_TIME + STRIKE_LOG  # w: index in the surface's event table
 LOG_TORQUE = LOG_EVENT + STRIKE_LOG  # torque released, N m
 LOG_LEVEL = LOG_TORQUE + STRIKE_LOG  # strike amplitude after compression
-LOG_SAMPLE = LOG_LEVEL + STRIKE_LOG  # w: the sample the strike falls in
-STRIKES_SOUNDED = LOG_SAMPLE + STRIKE_LOG  # w: strikes the modal bank has taken (of M_STRIKES)
-SCRATCH = STRIKES_SOUNDED + 1  # columns between the stages, one chunk long
+STRIKES_SOUNDED = LOG_LEVEL + STRIKE_LOG  # w: strikes the bank has taken, a blow of CONTACT
+SCRATCH = STRIKES_SOUNDED + CONTACT  # columns between the stages, one chunk long
 D_TORQUE = SCRATCH  # from the disk
 D_OMEGA = D_TORQUE + CHUNK
 D_PHASE = D_OMEGA + CHUNK

@@ -19,6 +19,7 @@ RAD_PER_CELL = 3.141592653589793 / layout.CELLS
 PER_CELL = 1.0 / layout.CELLS
 FAR = 1e300  # cells: beyond any place
 RETREAT = 1e-6  # cells: how far the disk must go back before an event counts as passed again
+NEAR_REST = layout.CELLS / 1000.0  # cells
 STANDSTILL = 1e-150  # cells, cells a sample, rad/s: smaller would become denormal
 
 
@@ -36,6 +37,7 @@ def move(m, w, frames, trace, at, traced):
     phase = m[layout.PHASE]
     approach = m[layout.APPROACH]
     clock = w[layout.CLOCK]
+    still = w[layout.M_STILL]
     fading = w[layout.FADE_LEFT]
     following = w[layout.NEXT_EVENT]
 
@@ -75,6 +77,7 @@ def move(m, w, frames, trace, at, traced):
         middle = midpoint_speed(x, v, rest, spring, inertia, denominator, friction)
         was = x
         x = x + middle
+        still = still + 1 if abs(x - rest) < NEAR_REST else 0
         v = 2.0 * middle - v
         if abs(v) < STANDSTILL:
             v = 0.0
@@ -118,6 +121,7 @@ def move(m, w, frames, trace, at, traced):
     m[layout.SMOOTH_2] = y2
     m[layout.PHASE] = phase
     m[layout.APPROACH] = approach
+    w[layout.M_STILL] = still
     w[layout.FADE_LEFT] = fading
     w[layout.NEXT_EVENT] = following
     m[layout.M_TORQUE] = m[layout.D_TORQUE + frames - 1]

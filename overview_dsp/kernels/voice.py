@@ -6,7 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.click import excite, ring
+from overview_dsp.kernels.click import ring, sound_strikes
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.envelope import follow
@@ -60,12 +60,8 @@ def sound(m, w, u, out, start, frames, channels, trace, traced):
             noise = next_state(noise)
             rough = level * white(noise)
         grain = colour(rough, grain, m[layout.D_OMEGA + n], cutoff)
-        while w[layout.STRIKES_SOUNDED] < strikes:
-            at = w[layout.STRIKES_SOUNDED] % layout.STRIKE_LOG
-            if w[layout.LOG_SAMPLE + at] > clock + n:
-                break
-            excite(m, w, at)
-            w[layout.STRIKES_SOUNDED] += 1
+        if w[layout.STRIKES_SOUNDED + layout.CONTACT - 1] < strikes:
+            sound_strikes(m, w, clock + n)
         clicks = grain
         if w[layout.RINGING] > 0:
             clicks = clicks + ring(m, w)
