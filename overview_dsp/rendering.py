@@ -20,8 +20,12 @@ from overview_dsp.timeline import Timeline
 
 BLOCK = 4096
 LONGEST_TAIL_S = 30.0
+MAX_TAIL_S = 24 * 3600.0
+FED_AHEAD = 4000
+"""Control events that may wait in the engine: its ring holds 4096."""
+
 REST_S = 0.05
-"""The disk has come to rest when both channels have been exactly zero for so long."""
+"""At rest: for so long the disk is where its springs want it and both channels are zero."""
 
 Tail = Literal["rest", "none"] | float
 Progress = Callable[[float], None]
@@ -109,12 +113,25 @@ def tail_of(text: str) -> Tail:
     if text == "none":
         return "none"
     try:
-        seconds = float(text)
+        return checked_tail(float(text))
     except ValueError:
-        seconds = -1.0
-    if not 0.0 <= seconds <= 24 * 3600.0:
-        raise InputError(f"tail {text!r} is not understood; it is rest, none or seconds from 0")
-    return seconds
+        raise _no_tail(text) from None
+
+
+def checked_tail(tail: Tail) -> Tail:
+    """The tail, if it is one; InputError otherwise."""
+    if tail == "rest" or tail == "none":
+        return tail
+    # written so that NaN fails
+    if isinstance(tail, str | bool) or not 0.0 <= tail <= MAX_TAIL_S:
+        raise _no_tail(tail)
+    return float(tail)
+
+
+def _no_tail(given: object) -> InputError:
+    return InputError(
+        f"tail {given!r} is not understood; it is rest, none or seconds, 0 to {MAX_TAIL_S:g}"
+    )
 
 
 def blocks(
@@ -128,6 +145,7 @@ def blocks(
 
     `progress` is told the part done, 0 to 1. The blocks' arrays are their reader's to keep.
     """
+    tail = checked_tail(tail)
     rate = engine.sample_rate
     stamps = gesture.stamps(rate)
     length = max(round(gesture.duration_s * rate), int(stamps[-1]) + 1 if len(stamps) else 0)
@@ -143,9 +161,10 @@ def blocks(
     while done < most:
         frames = min(BLOCK, most - done)
         ahead = int(np.searchsorted(stamps, done + frames))
-        # a ring holds 4096 events; a denser take is fed in shorter blocks
-        if ahead - fed > 4000:
-            ahead = fed + 4000
+        waiting = max(0, fed - int(np.searchsorted(stamps, done)))
+        # a denser take is fed in shorter blocks
+        if ahead - fed > FED_AHEAD - waiting:
+            ahead = fed + FED_AHEAD - waiting
             frames = max(1, int(stamps[ahead]) - done)
         for i in range(fed, ahead):
             engine.control(
@@ -156,13 +175,14 @@ def blocks(
         table = np.empty((frames, len(TRACE_COLUMNS))) if trace else None
         engine.process(samples, table)
         done += frames
-        silent = engine.meters.silent_samples
-        finished = tail == "rest" and done > end and silent >= quiet
+        meters = engine.meters
+        at_rest = min(meters.silent_samples, meters.still_samples, done - end)
+        finished = tail == "rest" and at_rest >= quiet
         if finished:
-            # the end doesn't depend on how the gesture was cut into blocks
-            extra = min(silent - quiet, done - end, frames)
-            samples = samples[: frames - extra]
-            table = table[: frames - extra] if table is not None else None
+            # cut where rest was reached: the end doesn't depend on the blocks
+            kept = frames - (at_rest - quiet)
+            samples = samples[:kept]
+            table = table[:kept] if table is not None else None
         yield Block(samples, table, engine.take_strikes())
         if progress:
             progress(min(1.0, done / max(1, end)))
@@ -192,13 +212,14 @@ def render(
     """
     engine = Engine(preset, timeline, seed=seed)
     engine.prepare(sample_rate, BLOCK)
-    rendered = list(blocks(engine, gesture, tail, trace))
-    samples = np.concatenate([block.samples for block in rendered])
-    table = np.concatenate([b.trace for b in rendered if b.trace is not None]) if trace else None
-    strikes = join_strikes([block.strikes for block in rendered])
-    return Result(
-        samples, engine.sample_rate, Trace(table) if table is not None else None, strikes, engine
+    nothing = Block(
+        np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes()
     )
+    rendered = [nothing, *blocks(engine, gesture, tail, trace)]
+    samples = np.concatenate([block.samples for block in rendered])
+    table = np.concatenate([b.trace for b in rendered if b.trace is not None])
+    strikes = join_strikes([block.strikes for block in rendered])
+    return Result(samples, engine.sample_rate, Trace(table) if trace else None, strikes, engine)
 
 
 def join_strikes(parts: list[Strikes]) -> Strikes:
@@ -250,6 +271,9 @@ def render_to_file(
                 traced.write(block.trace)
             peaks = np.maximum(peaks, np.abs(block.samples).max(axis=0, initial=0.0))
             strikes += len(block.strikes)
+        # both, before either appears: a full disk leaves none of the two
+        sound.finish()
+        traced.finish()
         frames, note = sound.frames, sound.note
     return Rendered(frames / engine.sample_rate, tuple(peaks.tolist()), strikes, note, engine)
 
