@@ -1,0 +1,69 @@
+"""The felt level against signals whose level is known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from overview_dsp.measure.felt import Stroke, stroke_feel, strokes, window_db
+from overview_dsp.surface import build_surface
+from tests.examples import preset_with, timeline_of
+
+RATE = 8000.0
+
+
+def test_a_full_scale_sine_has_minus_3_db():
+    sine = np.sin(2 * np.pi * 250.0 * np.arange(8000) / RATE).astype(np.float32)
+    starts, level = window_db(sine, RATE)
+    assert len(starts) == 100
+    assert level == pytest.approx(-3.01, abs=0.2)
+
+
+def test_silence_has_the_lowest_level_and_no_warning():
+    _, level = window_db(np.zeros(800, dtype=np.float32), RATE)
+    assert np.all(level == -200.0)
+
+
+def test_windows_may_begin_between_samples():
+    rate = 22_050.0
+    ramp = np.linspace(0.0, 1.0, 22_050).astype(np.float32)
+    starts, level = window_db(ramp, rate)
+    middle = (starts + 0.005 * rate) / rate
+    assert level[20:] == pytest.approx(20 * np.log10(middle[20:]), abs=0.05)
+
+
+def test_strokes_are_told_by_touch_and_end_where_the_disk_is_back():
+    touching = np.array([0, 0, 1, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0], dtype=float)
+    cursor = np.array([0, 0, 0.1, 0.3, 0.5, 0.3, 0.1, 0.005, 0.001, 0.2, 0.4, 0.3, 0.2])
+    assert strokes(touching, cursor) == [
+        Stroke("out", 2, 5),
+        Stroke("recoil", 5, 8),
+        Stroke("out", 9, 11),
+        Stroke("recoil", 11, 13),
+    ]
+
+
+def test_an_event_gets_its_own_level_and_the_rest_its_median():
+    surface = build_surface(timeline_of(50.0), preset_with(height=5.0, width=4.0))
+    frames = 8000
+    cursor = np.linspace(0.0, 1.0, frames)
+    inside = (cursor > surface.span[0, 0]) & (cursor < surface.span[0, 1])
+    tactor = np.sin(2 * np.pi * 250.0 * np.arange(frames) / RATE) * np.where(inside, 0.5, 0.05)
+    columns = {"cursor": cursor, "torque": np.where(inside, 2.0, 1.0)}
+    feel = stroke_feel(Stroke("out", 0, frames), surface, columns, tactor.astype(np.float32), RATE)
+    assert feel.event_free_db == pytest.approx(20 * math.log10(0.05) - 3.01, abs=0.1)
+    assert feel.event_db[0] == pytest.approx(20 * math.log10(0.5) - 3.01, abs=0.1)
+    assert feel.rise[0] == pytest.approx(1.0 * RATE)
+
+
+def test_an_event_that_was_not_passed_has_no_level():
+    surface = build_surface(timeline_of(20.0, 90.0), preset_with())
+    cursor = np.linspace(0.0, 0.5, 4000)
+    columns = {"cursor": cursor, "torque": np.ones(4000)}
+    feel = stroke_feel(
+        Stroke("out", 0, 4000), surface, columns, np.ones(4000, dtype=np.float32), RATE
+    )
+    assert np.isfinite(feel.event_db[0])
+    assert np.isnan(feel.event_db[1])
