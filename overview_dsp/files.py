@@ -36,11 +36,15 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         The disk is full or broken.
     """
     target = Path(path)
-    if target.is_dir():
+    if "\0" in str(target):
+        raise InputError(f"{str(target)!r}: can't be written (a zero byte in the name)")
+    # os.path: a name that is too long is no folder, where pathlib raises
+    if os.path.isdir(target):
         raise InputError(f"{target}: is a folder; name a file in it")
     try:
+        # the stem is left out: with it, a name that fits its folder could become too long
         handle, name = tempfile.mkstemp(
-            prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
+            prefix=".overview-", suffix=target.suffix, dir=target.parent
         )
     except OSError as error:
         raise output_error(target, error) from error

@@ -35,12 +35,20 @@ KIND_STYLE: dict[str, tuple[str, str, str]] = {
     "foul": ("x", GREY, "foul"),
     "period": ("|", BLACK, "start or end of a half"),
 }
-_OTHER = ("P", PURPLE)
+# of kinds that have no style of their own, one after the other
+_OTHER_MARKERS = "Pv*X<>pd8"
 _POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
 
 
-def _style(kind: str) -> tuple[str, str, str]:
-    return KIND_STYLE.get(kind, (*_OTHER, kind.replace("_", " ")))
+def styles_of(timeline: Timeline) -> dict[str, tuple[str, str, str]]:
+    """The style of each kind of a timeline: the known ones first, the others by name."""
+    kinds = timeline.kinds()
+    known = {kind: style for kind, style in KIND_STYLE.items() if kind in kinds}
+    others = sorted(set(kinds) - set(known))
+    return known | {
+        kind: (_OTHER_MARKERS[index % len(_OTHER_MARKERS)], PURPLE, kind.replace("_", " "))
+        for index, kind in enumerate(others)
+    }
 
 
 def _figure(width: float, height: float) -> Figure:
@@ -76,11 +84,7 @@ def plot_timeline(timeline: Timeline) -> Figure:
     curve = timeline.normalised_intensity_at(times)
     axes.fill_between(times / scale, curve, color="#e8eef4", zorder=1)
     axes.plot(times / scale, curve, color=GREY, linewidth=1.2, zorder=2)
-    for kind in sorted(
-        timeline.kinds(),
-        key=lambda kind: list(KIND_STYLE).index(kind) if kind in KIND_STYLE else len(KIND_STYLE),
-    ):
-        marker, colour, words = _style(kind)
+    for kind, (marker, colour, words) in styles_of(timeline).items():
         at = np.array([event.time_s for event in timeline.events if event.kind == kind])
         height = timeline.normalised_intensity_at(at)
         goal = kind in ("goal", "own_goal")
@@ -114,7 +118,8 @@ def plot_timeline(timeline: Timeline) -> Figure:
     axes.set_ylabel("intensity")
     axes.set_title(timeline.title, loc="left", fontsize=10)
     _tidy(axes)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+    if timeline.events:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
     return figure
 
 
@@ -130,23 +135,30 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
         time, held = trace.time[shown], trace.touching[shown] > 0.5
         axes: list[Axes] = list(grid[:, column])
         rows = (
-            (trace.torque[shown] * 1e3, "(a) torque, mN·m", BLUE),
-            (trace.friction[shown] * 1e3, "(b) friction B, mN·m·s/rad", VERMILION),
-            (trace.cursor[shown] * HALF_TURN, "(c) disk 1 on the surface, rad", BLACK),
-            (np.where(held, trace.theta2[shown], 0.0), "(d) disk 2, the hand, rad", GREEN),
+            (trace.torque[shown] * 1e3, "(a) torque\nmN·m", BLUE),
+            (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", VERMILION),
+            (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", BLACK),
+            (np.where(held, trace.theta2[shown], 0.0), "(d) disk 2, the hand\nrad", GREEN),
         )
         for ax, (values, label, colour) in zip(axes, rows, strict=True):
             ax.plot(*extremes(time, values), color=colour, linewidth=1.0)
             if column == 0:
                 ax.set_ylabel(label)
             _tidy(ax)
-            if not held.all():
+            if held.any() and not held.all():
                 release = float(time[np.flatnonzero(held)[-1]])
                 ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
-        axes[0].set_title(name, fontsize=10)
+        axes[0].set_title(name, fontsize=10, pad=14)
+        # linear within 1 mN·m, logarithmic beyond: the surface and its goals in one view
+        axes[0].set_yscale("symlog", linthresh=1.0)
         axes[-1].set_xlabel("time, s (dashed: the finger lets go)")
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    if handles:
+        figure.legend(
+            handles, labels, loc="outside lower center", ncols=6, frameon=False, fontsize=8
+        )
     return figure
 
 
@@ -156,9 +168,9 @@ def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> 
 
 
 def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) -> None:
-    low, high = axes.get_ylim()
-    top = high + 0.06 * (high - low)
-    for kind, (marker, colour, words) in KIND_STYLE.items():
+    # a row of marks just above the axes
+    above = axes.get_xaxis_transform()
+    for kind, (marker, colour, words) in styles_of(timeline).items():
         at = [
             time
             for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True)
@@ -168,7 +180,8 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
             continue
         axes.scatter(
             at,
-            np.full(len(at), top),
+            np.full(len(at), 1.03),
+            transform=above,
             s=26,
             marker=marker,
             color=colour,
@@ -178,7 +191,6 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
             clip_on=False,
             zorder=4,
         )
-    axes.legend(loc="upper right", ncols=2, frameon=False, fontsize=7)
 
 
 def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:

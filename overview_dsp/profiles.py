@@ -9,7 +9,7 @@ place minus the event's, in the width's unit; the timeline runs towards positive
 | raised_cosine | (1 + cos(pi d/w))/2 for abs(d) < w |
 | ramp_up | rises in a line from d = -15/8 w, falls off within w/8 after the event |
 | ramp_down | ramp_up seen from the other end |
-| plateau | 1 for abs(d) < 0.4 w, raised-cosine edges to 0 at 0.6 w |
+| plateau | exp(-ln2 (2d/w)**10): a flat top with steep, smooth edges |
 """
 
 from __future__ import annotations
@@ -27,8 +27,6 @@ SPAN_LEVEL = 0.1
 
 _RISE = 15.0 / 8.0  # so that rise/2 + fall/2 is one width at half height
 _FALL = 1.0 / 8.0
-_FLAT = 0.4
-_FOOT = 0.6
 
 
 def _gaussian(d: Array) -> Array:
@@ -48,8 +46,7 @@ def _ramp_down(d: Array) -> Array:
 
 
 def _plateau(d: Array) -> Array:
-    edge = np.clip((np.abs(d) - _FLAT) / (_FOOT - _FLAT), 0.0, 1.0)
-    return 0.5 + 0.5 * np.cos(np.pi * edge)
+    return np.exp(-math.log(2.0) * (2.0 * d) ** 10)
 
 
 _SHAPES: dict[str, Callable[[Array], Array]] = {
@@ -66,10 +63,7 @@ _SPANS: dict[str, tuple[float, float]] = {
     "raised_cosine": (-_COSINE_SPAN, _COSINE_SPAN),
     "ramp_up": (-_RISE * (1.0 - SPAN_LEVEL), _FALL * (1.0 - SPAN_LEVEL)),
     "ramp_down": (-_FALL * (1.0 - SPAN_LEVEL), _RISE * (1.0 - SPAN_LEVEL)),
-    "plateau": (
-        -(foot := _FLAT + (_FOOT - _FLAT) * _COSINE_SPAN),
-        foot,
-    ),
+    "plateau": (-(foot := 0.5 * math.log2(1.0 / SPAN_LEVEL) ** 0.1), foot),
 }
 
 REACH = 2.0

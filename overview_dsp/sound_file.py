@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -15,8 +17,11 @@ from overview_dsp.errors import InputError, OutputError
 from overview_dsp.files import output_error, whole_file
 
 DEFAULT_SUBTYPE = "PCM_24"
-_DITHERED_BITS = {"PCM_S8": 8, "PCM_U8": 8, "PCM_16": 16}
+_BITS = {"PCM_S8": 8, "PCM_U8": 8, "PCM_16": 16, "ALAC_16": 16, "PCM_24": 24, "PCM_32": 32}
+_DITHERED_BITS = 16
+_SYSTEM_ERROR = 2  # libsndfile's SF_ERR_SYSTEM
 _DITHER_SEED = 1
+_PIECE = 4096  # frames written at a time: libsndfile's Ogg encoder overflows its stack on long ones
 
 
 def _format_of(path: Path, subtype: str | None) -> tuple[str, str]:
@@ -25,7 +30,8 @@ def _format_of(path: Path, subtype: str | None) -> tuple[str, str]:
     known = soundfile.available_formats()
     name = path.suffix[1:].upper()
     name = {"AIF": "AIFF", "OGA": "OGG", "OPUS": "OGG"}.get(name, name)
-    if name not in known or name == "RAW":
+    # RAW has no header to say what it is; SD2 puts half of itself into a second file
+    if name not in known or name in ("RAW", "SD2"):
         some = "wav, flac, aiff, ogg, caf, w64, rf64"
         raise InputError(f"{path}: no sound format is called {path.suffix!r}; use {some}")
     allowed = soundfile.available_subtypes(name)
@@ -49,29 +55,32 @@ class SoundWriter:
 
     def __init__(self, path: Path, sample_rate: float, subtype: str | None = None) -> None:
         """Choose the format; InputError if there is none, or a rate a file can't hold."""
-        if sample_rate != int(sample_rate):
+        if not math.isfinite(sample_rate) or sample_rate != int(sample_rate):
+            near = round(sample_rate) if math.isfinite(sample_rate) else 48_000
             raise InputError(
-                f"{path}: a file's sample rate is a whole number, not {sample_rate:g} Hz; "
-                f"use {round(sample_rate)}"
+                f"{path}: a file's sample rate is a whole number, not {sample_rate:.15g} Hz; "
+                f"use {near}"
             )
         self.path = path
         self.frames = 0
         self._rate = int(sample_rate)
         self._format, self._subtype = _format_of(path, subtype)
-        self._bits = _DITHERED_BITS.get(self._subtype)
+        self._bits = _BITS.get(self._subtype, 0)
+        self._dithered = 0 < self._bits <= _DITHERED_BITS
         self._random = np.random.default_rng(_DITHER_SEED)
         self._stack = contextlib.ExitStack()
-        dither = f"TPDF dither at {self._bits} bits" if self._bits else "no dither"
+        dither = f"TPDF dither at {self._bits} bits" if self._dithered else "no dither"
         self.note = f"{self._format} {self._subtype}, {dither}"
         self._file: Any = None
 
     def __enter__(self) -> SoundWriter:
         import soundfile
 
-        temporary = self._stack.enter_context(whole_file(self.path))
-        try:
-            self._file = self._stack.enter_context(
-                soundfile.SoundFile(
+        # an error on the way leaves by the inner stack, which takes the temporary file with it
+        with contextlib.ExitStack() as stack:
+            temporary = stack.enter_context(whole_file(self.path))
+            try:
+                self._file = soundfile.SoundFile(
                     str(temporary),
                     "w",
                     samplerate=self._rate,
@@ -79,32 +88,73 @@ class SoundWriter:
                     subtype=self._subtype,
                     format=self._format,
                 )
-            )
-        except soundfile.LibsndfileError as error:
-            self._stack.close()
-            temporary.unlink(missing_ok=True)
-            raise InputError(f"{self.path}: {error.error_string}") from None
+            except soundfile.LibsndfileError as error:
+                if error.code == _SYSTEM_ERROR:
+                    raise self._disk_error(error) from None
+                reason = error.error_string.removeprefix("Error : ").strip(" .")
+                raise InputError(
+                    f"{self.path}: {self._format} {self._subtype} can't hold 2 channels at "
+                    f"{self._rate} Hz ({reason}); use wav or flac, or another sample rate"
+                ) from None
+            stack.push(self._close)
+            self._stack = stack.pop_all()
         return self
 
     def write(self, samples: NDArray[np.float32]) -> None:
         """Append float32 (frames, 2)."""
+        data = self._rounded(samples) if self._bits else samples
+        with self._disk_errors():
+            self._file.write(data)
+        self.frames += len(samples)
+
+    def _rounded(self, samples: NDArray[np.float32]) -> NDArray[Any]:
+        """Samples as whole steps in the upper bits of int16 or int32.
+
+        libsndfile would round them down: half a step of constant offset.
+        """
+        steps = samples.astype(np.float64) * 2.0 ** (self._bits - 1)
+        if self._dithered:
+            # drawn frame by frame, so that the blocks it comes in change nothing
+            noise = self._random.random((*samples.shape, 2))
+            steps += np.where(samples == 0.0, 0.0, noise[..., 0] - noise[..., 1])
+        top = 2.0 ** (self._bits - 1)
+        whole = np.clip(np.rint(steps), -top, top - 1.0)
+        width = 16 if self._dithered else 32
+        return (whole * 2.0 ** (width - self._bits)).astype(f"i{width // 8}")
+
+    def finish(self) -> None:
+        """Write what still waits in buffers: after this, the disk had room for all of it."""
+        if self._file is not None:
+            file, self._file = self._file, None
+            with self._disk_errors():
+                file.close()
+
+    def _close(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self.finish()
+            return
+        # the file is thrown away: what else goes wrong with it doesn't matter
+        with contextlib.suppress(OutputError, InputError):
+            self.finish()
+
+    @contextlib.contextmanager
+    def _disk_errors(self) -> Iterator[None]:
         import soundfile
 
-        data: NDArray[Any] = samples
-        if self._bits:
-            step = 2.0 ** (1 - self._bits)
-            noise = self._random.random((2, *samples.shape))
-            data = samples + np.where(samples == 0.0, 0.0, (noise[0] - noise[1]) * step)
         try:
-            self._file.write(data)
-        except soundfile.LibsndfileError as error:
-            raise OutputError(
-                f"{self.path}: {error.error_string.strip(' .')}; nothing was left behind, "
-                "free some space and retry"
-            ) from None
+            yield
+        # soundfile asserts that all frames were written
+        except (soundfile.LibsndfileError, AssertionError) as error:
+            raise self._disk_error(error) from None
         except OSError as error:
             raise output_error(self.path, error) from None
-        self.frames += len(samples)
+
+    def _disk_error(self, error: Exception) -> OutputError:
+        reason = str(getattr(error, "error_string", "")).strip(" .") or "fewer bytes written"
+        return OutputError(
+            f"{self.path}: the disk is full or broken ({reason}); nothing was left behind, "
+            "free some space and retry"
+        )
 
     def __exit__(
         self,
@@ -123,4 +173,5 @@ def save_sound(
 ) -> None:
     """Write float32 (frames, 2) to a sound file."""
     with SoundWriter(Path(path), sample_rate, subtype) as sound:
-        sound.write(samples)
+        for first in range(0, len(samples), _PIECE):
+            sound.write(samples[first : first + _PIECE])

@@ -26,10 +26,13 @@ from overview_dsp.profiles import REACH, profile, span
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
 
-CELLS = 16384
+CELLS = 65536
 """Cells of the table; `kernels.layout.CELLS` is the same number (a test holds them together)."""
 
-MAX_EVENTS = CELLS
+MAX_EVENTS = 16384
+MAX_FRICTION = 1e6
+"""No event is higher, N m s/rad, however great its weight: ten million bare surfaces' friction."""
+
 MIN_WIDTH_CELLS = 4.0
 """A profile narrower than this would fall between the table's points."""
 
@@ -133,21 +136,34 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     kind_index = np.zeros(count, dtype=np.int64)
     spans = np.zeros((count, 2))
     raised = np.zeros(CELLS + 1)
+    felt = {event.kind if event.kind in preset.kinds else DEFAULT_KIND for event in timeline.events}
     widths = {
-        name: _width_cells(kind, name, timeline.duration_s) for name, kind in preset.kinds.items()
+        name: _width_cells(kind, name, timeline.duration_s)
+        for name, kind in preset.kinds.items()
+        if name in felt
     }
     for i, event in enumerate(timeline.events):
         name = event.kind if event.kind in preset.kinds else DEFAULT_KIND
         kind, width = preset.kinds[name], widths[name]
         centre = event.time_s / timeline.duration_s * CELLS
         height = bare * kind.height * event.weight
+        if height > MAX_FRICTION:
+            warnings.warn(
+                f"{name} at {event.time_s:g} s: weight {event.weight:g} makes more friction than "
+                f"a surface holds; lowered to {MAX_FRICTION:g} N·m·s/rad",
+                OverviewWarning,
+                stacklevel=2,
+            )
+            height = MAX_FRICTION
         low = max(0, math.floor(centre - REACH * width))
         high = min(CELLS, math.ceil(centre + REACH * width)) + 1
         bump = height * profile(kind.shape, cells[low:high] - centre, width)
         np.maximum(raised[low:high], bump, out=raised[low:high])
         margin = min(width, CELLS) / 2.0
         place[i] = min(max(centre, margin), CELLS - margin)
-        release[i] = height * profile(kind.shape, np.array([place[i] - centre]), width)[0]
+        there = profile(kind.shape, np.array([place[i] - centre]), width)[0]
+        # a ramp that falls towards its end of the timeline is over half a width from it
+        release[i] = height * max(there, 0.5)
         first, last = span(kind.shape, width)
         # past an end the look-up stays at the end, and with it in the event
         spans[i] = (

@@ -34,33 +34,33 @@ class TraceWriter:
         self._columns: list[IO[bytes]] = []
         self._target: Path | None = None
         self._frames = 0
+        self._finished = False
 
     def __enter__(self) -> TraceWriter:
         if self._path is None:
             return self
-        self._target = self._stack.enter_context(whole_file(self._path))
-        try:
-            if self._path.suffix.lower() == ".csv":
-                # closed in __exit__
-                text = self._stack.enter_context(open(self._target, "wb"))
-                text.write((",".join(TRACE_COLUMNS) + "\n").encode())
-                self._columns = [text]
-            else:
-                self._columns = [
-                    self._stack.enter_context(
-                        tempfile.TemporaryFile(dir=self._path.parent)  # noqa: SIM115
-                    )
-                    for _ in TRACE_COLUMNS
-                ]
-        except OSError as error:
-            self._stack.close()
-            self._target.unlink(missing_ok=True)
-            raise output_error(self._path, error) from None
+        # an error on the way leaves by the inner stack, which takes the temporary files with it
+        with contextlib.ExitStack() as stack:
+            self._target = stack.enter_context(whole_file(self._path))
+            try:
+                if self._path.suffix.lower() == ".csv":
+                    text = stack.enter_context(open(self._target, "wb"))
+                    text.write((",".join(TRACE_COLUMNS) + "\n").encode())
+                    self._columns = [text]
+                else:
+                    self._columns = [
+                        stack.enter_context(tempfile.TemporaryFile(dir=self._path.parent))
+                        for _ in TRACE_COLUMNS
+                    ]
+            except OSError as error:
+                raise output_error(self._path, error) from None
+            stack.push(self._close)
+            self._stack = stack.pop_all()
         return self
 
     def write(self, table: NDArray[np.float64]) -> None:
         """Append float64 (frames, 9)."""
-        if self._path is None:
+        if self._path is None or not len(table):
             return
         self._frames += len(table)
         try:
@@ -72,6 +72,23 @@ class TraceWriter:
                     file.write(np.ascontiguousarray(table[:, column]).tobytes())
         except OSError as error:
             raise output_error(self._path, error) from None
+
+    def finish(self) -> None:
+        """Write what still waits: after this, the disk had room for all of it."""
+        if self._path is None or self._finished:
+            return
+        self._finished = True
+        try:
+            if self._path.suffix.lower() == ".npz":
+                self._pack()
+            else:
+                self._columns[0].flush()
+        except OSError as error:
+            raise output_error(self._path, error) from None
+
+    def _close(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self.finish()
 
     def _pack(self) -> None:
         assert self._target is not None
@@ -90,12 +107,4 @@ class TraceWriter:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if self._path is None:
-            return
-        if kind is None and self._path.suffix.lower() == ".npz":
-            try:
-                self._pack()
-            except OSError as failed:
-                self._stack.__exit__(type(failed), failed, failed.__traceback__)
-                raise output_error(self._path, failed) from None
         self._stack.__exit__(kind, error, traceback)

@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 
 import click
 
+from overview_dsp import __version__
 from overview_dsp.errors import OverviewError, OverviewWarning
 
 # name: (module, the line in the list of commands)
@@ -47,7 +48,7 @@ class Commands(click.Group):
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Start with: overview demo",
 )
-@click.version_option(package_name="overview-dsp", message="overview %(version)s")
+@click.version_option(__version__, message="overview %(version)s")
 @click.option("--debug", is_flag=True, help="Show a traceback when something fails.")
 def app(debug: bool) -> None:
     """Feel a timeline: any temporal data as friction, heard as clicks and felt as vibration."""
@@ -81,6 +82,10 @@ def main() -> NoReturn:
         if debug:
             raise
         _fail(str(error), error.exit_code)
+    except click.exceptions.NoArgsIsHelpError as error:
+        # a group without a command: its help, as it is
+        click.echo(error.format_message(), err=True)
+        sys.exit(2)
     except click.UsageError as error:
         path = error.ctx.command_path if error.ctx else "overview"
         _fail(f"{error.format_message()} (see {path} --help)", 2)
@@ -90,6 +95,11 @@ def main() -> NoReturn:
         _fail("stopped; nothing was left behind", 130)
     except BrokenPipeError:
         sys.exit(0)
+    except OSError as error:
+        if debug:
+            raise
+        what = error.filename if error.filename is not None else "the output"
+        _fail(f"{what}: {error.strerror or error}", 1)
     except Exception as error:
         if debug:
             raise

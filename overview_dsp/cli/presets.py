@@ -7,7 +7,7 @@ import click
 from overview_dsp.cli.common import print_json
 
 
-@click.group(name="presets")
+@click.group(name="presets", epilog="Example: overview presets show football")
 def command() -> None:
     """Read and check presets."""
 
@@ -46,19 +46,26 @@ def show(preset: str, as_json: bool) -> None:
 
 @command.command(epilog="Example: overview presets check my-preset.toml")
 @click.argument("presets", nargs=-1, required=True)
-def check(presets: tuple[str, ...]) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def check(presets: tuple[str, ...], as_json: bool) -> None:
     """Check PRESETS (names or .toml files): file, line, key and range of the first fault."""
     from overview_dsp.errors import InputError
     from overview_dsp.presets import load_preset
 
     faults = []
+    report = []
     for name in presets:
         try:
             preset = load_preset(name)
         except InputError as error:
             faults.append(str(error))
+            report.append({"preset": name, "valid": False, "error": str(error)})
             continue
-        click.echo(f"{name}: valid, {len(preset.kinds)} event kinds")
+        report.append({"preset": name, "valid": True, "kinds": list(preset.kinds)})
+        if not as_json:
+            click.echo(f"{name}: valid, {len(preset.kinds)} event kinds")
+    if as_json:
+        print_json(report)
     for fault in faults[:-1]:
         click.echo(f"error: {fault}", err=True)
     if faults:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
+
+LONGEST_S = 7 * 24 * 3600.0
+"""No gesture is longer: a time beyond it is a slip of the pen, and would render for ever."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +55,15 @@ class Gesture:
                 f"{time_s[first]:g} s after {time_s[first - 1]:g} s"
             )
         last = float(time_s[-1]) if len(time_s) else 0.0
-        if not last <= self.duration_s < math.inf:
+        if not last <= LONGEST_S or not 0.0 <= self.duration_s <= LONGEST_S:
             raise InputError(
-                f"the gesture's duration {self.duration_s:g} s ends before its last event"
+                f"the gesture's duration {max(last, self.duration_s):g} s is out of range; "
+                f"it is 0 to {LONGEST_S:g} s"
+            )
+        if self.duration_s < last:
+            raise InputError(
+                f"the gesture's duration {self.duration_s:g} s ends before its last event, "
+                f"at {last:g} s"
             )
         for name, array in (("time_s", time_s), ("theta2", theta2), ("touching", touching)):
             array.flags.writeable = False

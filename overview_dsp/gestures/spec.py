@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -27,7 +28,7 @@ def parse_gesture(spec: str) -> Gesture:
         A part that is not understood: names it and the allowed forms.
     """
     # a take's path may hold any character, a plus too
-    if Path(spec).suffix.lower() == ".csv" and Path(spec).exists():
+    if Path(spec).suffix.lower() == ".csv" and os.path.exists(spec):
         return load_gesture(spec)
     gesture: Gesture | None = None
     for part in spec.split("+"):

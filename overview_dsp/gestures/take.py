@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import csv
 import math
+import os
+import stat
+from array import array
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from overview_dsp.errors import InputError
 from overview_dsp.files import whole_file
-from overview_dsp.gestures.model import Gesture
+from overview_dsp.gestures.model import LONGEST_S, Gesture
 
 COLUMNS = ("time_s", "theta2_rad", "touching")
 _TOUCH = {"1": True, "true": True, "0": False, "false": False}
@@ -26,12 +30,23 @@ def load_gesture(path: str | Path) -> Gesture:
     """
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        # a pipe or a device would be waited for
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise InputError(f"{path}: is not a file; a take is a CSV file")
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            return _read(file, path)
     except OSError as error:
         raise InputError(f"{path}: can't be read ({error.strerror})") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not UTF-8 text (byte {error.start}); a take is CSV") from None
-    rows = csv.reader(text.splitlines())
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not UTF-8 text; a take is CSV") from None
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{str(path)!r}: can't be read ({error})") from None
+
+
+def _read(file: TextIO, path: Path) -> Gesture:
+    rows = csv.reader(file)
     try:
         header = [name.strip() for name in next(rows)]
     except StopIteration:
@@ -44,38 +59,46 @@ def load_gesture(path: str | Path) -> Gesture:
             f"{path}:1: no column {', '.join(missing)}; a take has {', '.join(COLUMNS)}"
         )
     at = [header.index(name) for name in COLUMNS]
-    events: list[tuple[float, float, bool]] = []
+    # arrays: an hour's take in tuples would fill half a gigabyte
+    times, angles, touches = array("d"), array("d"), array("b")
+    event = (0.0, 0.0, False)
     try:
         for row in rows:
             if not row or not any(cell.strip() for cell in row):
                 continue
-            events.append(_event(row, at, events, f"{path}:{rows.line_num}"))
+            event = _event(row, at, event[0], f"{path}:{rows.line_num}")
+            times.append(event[0])
+            angles.append(event[1])
+            touches.append(event[2])
     except csv.Error as error:
         raise InputError(f"{path}:{rows.line_num}: not CSV: {error}") from None
-    if not events:
+    if not times:
         raise InputError(f"{path}: no events; a take has one control event a line")
-    if events[-1][2]:
+    if event[2]:
         # a gesture ends with a release
-        events.append((events[-1][0], events[-1][1], False))
-    time_s, theta2, touching = zip(*events, strict=True)
-    return Gesture(np.array(time_s), np.array(theta2), np.array(touching), events[-1][0])
+        times.append(event[0])
+        angles.append(event[1])
+        touches.append(False)
+    return Gesture(np.array(times), np.array(angles), np.array(touches, dtype=bool), times[-1])
 
 
-def _event(
-    row: list[str], at: list[int], before: list[tuple[float, float, bool]], place: str
-) -> tuple[float, float, bool]:
+def _event(row: list[str], at: list[int], before: float, place: str) -> tuple[float, float, bool]:
     if len(row) <= max(at):
         raise InputError(f"{place}: {len(row)} cells; the header needs {max(at) + 1}")
     time_s = _number(row[at[0]], f"{place}: time_s")
     theta2 = _number(row[at[1]], f"{place}: theta2_rad")
     touching = _TOUCH.get(row[at[2]].strip().lower())
     if touching is None:
-        raise InputError(f"{place}: touching = {row[at[2]].strip()!r}; it is 0 or 1")
+        raise InputError(f"{place}: touching = {row[at[2]].strip()[:60]!r}; it is 0 or 1")
     if time_s < 0.0:
         raise InputError(f"{place}: time_s = {time_s:g} is negative; a take starts at 0")
-    if before and time_s < before[-1][0]:
+    if time_s > LONGEST_S:
         raise InputError(
-            f"{place}: time_s goes back, {time_s:g} after {before[-1][0]:g}; sort the take by time"
+            f"{place}: time_s = {time_s:g} is out of range; it is 0 to {LONGEST_S:g} s"
+        )
+    if time_s < before:
+        raise InputError(
+            f"{place}: time_s goes back, {time_s:g} after {before:g}; sort the take by time"
         )
     if not -1e-9 <= theta2 <= math.pi + 1e-9:
         raise InputError(f"{place}: theta2_rad = {theta2:g} is out of range; it is 0 to pi")
@@ -86,18 +109,23 @@ def _number(text: str, what: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise InputError(f"{what} = {text.strip()!r} is not a number") from None
+        raise InputError(f"{what} = {text.strip()[:60]!r} is not a number") from None
     if not math.isfinite(value):
         raise InputError(f"{what} = {text.strip()} is not finite")
     return value
 
 
 def save_gesture(gesture: Gesture, path: str | Path) -> None:
-    """Write a gesture as a take; numbers keep every bit."""
+    """Write a gesture as a take; numbers keep every bit.
+
+    A rest at the end is kept by a last line that repeats the state at the gesture's end.
+    """
+    events = list(zip(gesture.time_s, gesture.theta2, gesture.touching, strict=True))
+    _, theta2, touching = events[-1] if events else (0.0, 0.0, False)
+    if not events or events[-1][0] < gesture.duration_s:
+        events.append((np.float64(gesture.duration_s), theta2, touching))
     with whole_file(path) as temporary, open(temporary, "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
-        for time_s, theta2, touching in zip(
-            gesture.time_s, gesture.theta2, gesture.touching, strict=True
-        ):
+        for time_s, theta2, touching in events:
             writer.writerow([repr(float(time_s)), repr(float(theta2)), int(touching)])

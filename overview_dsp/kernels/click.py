@@ -14,9 +14,9 @@ placed exactly and the sampled mode is that of continuous time:
 
 One blow would start a sine in full, and its spectrum, falling by 12 dB an octave, would fold back.
 A strike is a short contact instead: a raised cosine of four samples, given as eight blows half a
-sample apart. That is a low-pass in continuous time, with its null at half the sample rate; what
-folds back stays below -60 dB. Modes above 0.49 of the sample rate are left out by the coefficients. A kind rings for a counted number of samples (to
--160 dB) and is then exactly zero.
+sample apart. That is a low-pass in continuous time with its null at half the sample rate; what
+folds back stays below -60 dB. Modes above 0.49 of the sample rate are left out by the
+coefficients. A kind rings for a counted number of samples (to -160 dB) and is then exactly zero.
 
 Thread: audio.
 """
@@ -59,7 +59,7 @@ def blow_weight(number):
 
 @point
 def blow(m, w, at, number, rest):
-    """Give blow `number` of the strike at log entry `at`, `rest` samples old, to its kind's modes."""
+    """Give blow `number` of the strike at log entry `at` to its modes, `rest` samples late."""
     slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     kind = w[slot + layout.SLOT_KIND + w[layout.LOG_EVENT + at]]
     modes = w[slot + layout.KIND_MODES + kind]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from overview_dsp.errors import InputError
@@ -38,9 +39,10 @@ def preset_path(name: str | Path) -> Path:
         return bundled_folder() / (text + SUFFIX)
     path = Path(text)
     if path.suffix == SUFFIX or path.parent != Path("."):
-        if path.is_file():
+        # os.path: a name that is too long is no file, where pathlib raises
+        if os.path.isfile(path):
             return path
-        what = "is a folder" if path.is_dir() else "no such file"
+        what = "is a folder" if os.path.isdir(path) else "no such file"
         raise InputError(f"{path}: {what}; give a preset's .toml file or one of the bundled names")
     raise InputError(
         f"no preset is called {text!r}{did_you_mean(text, bundled_names())} "
@@ -64,7 +66,7 @@ def load_preset(name: str | Path) -> Preset:
     if data is None:
         raise InputError(f"{path}: larger than {MAX_BYTES:,} bytes; a preset is a short TOML file")
     try:
-        text = data.decode()
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
             f"{path}: not UTF-8 text (byte {error.start}); a preset is a TOML file"

@@ -7,7 +7,15 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from overview_dsp.errors import InputError
-from overview_dsp.presets.parameters import PARAMETERS, Value, parameter
+from overview_dsp.presets.parameters import (
+    KIND_PARAMETERS,
+    MAX_KINDS,
+    MAX_MODES,
+    MODE_PARAMETERS,
+    PARAMETERS,
+    Value,
+    parameter,
+)
 
 DEFAULT_KIND = "default"
 
@@ -39,6 +47,16 @@ class Kind:
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):
             raise InputError("give exactly one of width_percent and width_ms")
+        for key, known in KIND_PARAMETERS.items():
+            value = getattr(self, key)
+            if value is not None or not key.startswith("width_"):
+                object.__setattr__(self, key, known.check(value))
+        if len(self.modes) > MAX_MODES:
+            raise InputError(f"{len(self.modes)} modes; a kind has up to {MAX_MODES}")
+        for index, mode in enumerate(self.modes):
+            for key, known in MODE_PARAMETERS.items():
+                replace(known, id=f"modes.{index}.{key}").check(getattr(mode, key))
+        object.__setattr__(self, "modes", tuple(self.modes))
 
 
 @dataclass(frozen=True)
@@ -67,6 +85,10 @@ class Preset:
             values[id] = known.default
         for id, value in self.values.items():
             values[id] = parameter(id).check(value)
+        if len(self.kinds) > MAX_KINDS:
+            raise InputError(
+                f"preset {self.name!r} has {len(self.kinds)} event kinds; up to {MAX_KINDS}"
+            )
         if DEFAULT_KIND not in self.kinds:
             raise InputError(
                 f"preset {self.name!r} has no kinds.{DEFAULT_KIND}; "

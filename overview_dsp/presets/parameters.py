@@ -6,6 +6,7 @@ Files, command line, page, engine and tests all read this table, so none of them
 from __future__ import annotations
 
 import math
+import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -14,6 +15,13 @@ from typing import Literal
 from overview_dsp.errors import InputError
 
 Value = float | bool | str
+
+MAX_KINDS = 32
+MAX_MODES = 6
+"""Event kinds of a preset and modes of a kind: what the engine has room for."""
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 60
 
 
 @dataclass(frozen=True)
@@ -59,14 +67,18 @@ class Parameter:
             Wrong type, not a number, or outside the range; nothing is clamped.
         """
         if self.choices:
-            if isinstance(self.choices[0], bool) != isinstance(value, bool) or (
-                value not in self.choices
+            if not isinstance(value, bool | str) or (
+                isinstance(self.choices[0], bool) != isinstance(value, bool)
+                or value not in self.choices
             ):
-                raise InputError(f"{self.id} = {value!r} is not allowed; it is {self.allowed}")
+                raise InputError(f"{self.id} = {shown(value)} is not allowed; it is {self.allowed}")
             return value
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{self.id} = {value!r} is not a number; it is {self.allowed}")
-        number = float(value)
+            raise InputError(f"{self.id} = {shown(value)} is not a number; it is {self.allowed}")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf if value > 0 else -math.inf
         # written so that NaN fails
         if not self.low <= number <= self.high:
             raise InputError(f"{self.id} = {number:g} is out of range; it is {self.allowed}")
@@ -344,6 +356,14 @@ def did_you_mean(name: str, known: Mapping[str, object] | tuple[str, ...]) -> st
         return f"; did you mean {near[0]!r}?"
     names = list(known)
     return f"; known: {', '.join(names)}" if len(names) <= 16 else ""
+
+
+def shown(value: object) -> str:
+    """A value as an error line shows it: short, on one line, whatever it is."""
+    try:
+        return _SHORT.repr(value)
+    except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
+        return f"a {type(value).__name__} too large to show"
 
 
 def is_close_default(parameter: Parameter, value: Value) -> bool:

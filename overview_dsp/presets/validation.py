@@ -14,15 +14,16 @@ from overview_dsp.errors import InputError
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
+    MAX_KINDS,
+    MAX_MODES,
     MODE_PARAMETERS,
     PARAMETERS,
     Parameter,
     did_you_mean,
+    shown,
 )
 
 SCHEMA = 1
-MAX_KINDS = 32
-MAX_MODES = 6
 HEADER_KEYS = ("schema", "title", "description")
 _STRICT = pydantic.ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -51,7 +52,7 @@ def preset_model() -> type[pydantic.BaseModel]:
         sections.setdefault(section, {})[key] = _field(known)
     fields: dict[str, Any] = {
         # an alias: pydantic has a method of the file's name for it
-        "schema_version": (Literal[1], pydantic.Field(..., alias="schema")),
+        "schema_version": (int, pydantic.Field(..., alias="schema", ge=SCHEMA, le=SCHEMA)),
         "title": (str, ...),
         "description": (str, ...),
     }
@@ -80,7 +81,7 @@ def line_of(text: str, path: Iterable[str | int]) -> int | None:
     best: tuple[int, int] | None = None
     table: list[str | int] = []
     counts: dict[tuple[str | int, ...], int] = {}
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(text.split("\n"), 1):
         bare = line.strip()
         header = re.match(r"(\[\[?)\s*([^\]]+?)\s*\]", bare)
         assigned = re.match(r"([A-Za-z0-9_\-.\"']+)\s*=", bare)
@@ -124,7 +125,8 @@ def _parameter_at(path: tuple[str | int, ...]) -> Parameter | None:
 
 def _explain(error: Mapping[str, Any]) -> str:
     path = tuple(part for part in error["loc"] if part != "function-plain")
-    name = ".".join(str(part) for part in path)
+    # a quoted key may hold anything
+    name = ".".join(t if (t := str(part)).isprintable() else repr(t) for part in path)
     given = error.get("input")
     if error["type"] == "extra_forbidden":
         hint = did_you_mean(str(path[-1]), _known_keys(path[:-1]))
@@ -134,12 +136,12 @@ def _explain(error: Mapping[str, Any]) -> str:
         return f"{name} is missing" + (f"; it is {known.allowed}" if known else "")
     if known:
         if error["type"] in ("greater_than_equal", "less_than_equal", "finite_number"):
-            return f"{name} = {given} is out of range; it is {known.allowed}"
-        return f"{name} = {given!r} is not allowed; it is {known.allowed}"
+            return f"{name} = {shown(given)} is out of range; it is {known.allowed}"
+        return f"{name} = {shown(given)} is not allowed; it is {known.allowed}"
     if error["type"] == "too_long":
         return f"{name}: {error['msg']}"
     if name == "schema":
-        return f"schema = {given!r} is not known; this version reads schema = {SCHEMA}"
+        return f"schema = {shown(given)} is not known; this version reads schema = {SCHEMA}"
     return f"{name}: {error['msg']}"
 
 
@@ -154,7 +156,8 @@ def parse_preset(text: str, name: str, source: str) -> Preset:
     """
     try:
         data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    # ValueError: not TOML, and an integer of thousands of digits
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: not TOML: {error}") from None
     try:
         checked = preset_model().model_validate(data)

@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import json
+import os
+
+import numpy as np
+import pytest
+import soundfile
+
+import overview_dsp as ov
+
+from .running import MATCH, QUICK, overview, overview_process
+
+
+def test_render_writes_what_ov_render_gives(folder, match, football):
+    outcome = overview(
+        *("render", MATCH, "--gesture", "sweep:0.2+tap:0.5:0.1", "--sample-rate", "8000"),
+        *("--seed", "3", "--subtype", "FLOAT", "-o", "a.wav", "--trace", "a.npz"),
+    )
+    assert outcome.code == 0, outcome.err
+    gesture = ov.sweep(0.2) + ov.tap(0.5, 0.1)
+    result = ov.render(match, football, gesture, 8000, 3)
+    samples, rate = soundfile.read(folder / "a.wav", dtype="float32")
+    assert rate == 8000
+    assert np.array_equal(samples, result.samples)
+    with np.load(folder / "a.npz") as trace:
+        assert result.trace is not None
+        for name, column in result.trace.items():
+            assert np.array_equal(trace[name], column)
+    assert sorted(os.listdir(folder)) == ["a.npz", "a.wav"]
+
+
+def test_render_says_what_it_wrote(folder):
+    outcome = overview("render", MATCH, *QUICK, "-o", "a.flac", "--trace", "a.csv")
+    lines = outcome.out.splitlines()
+    assert lines[0].startswith("a.flac: 0:00.1, ")
+    assert "dBFS click" in lines[0]
+    assert "FLAC PCM_24, no dither" in lines[0]
+    assert lines[1].startswith("a.csv: ")
+    assert outcome.errors == []
+
+
+def test_dither_is_told_for_sixteen_bits(folder):
+    outcome = overview("render", MATCH, *QUICK, "--subtype", "pcm_16")
+    assert "WAV PCM_16, TPDF dither at 16 bits" in outcome.out
+
+
+def test_the_report_is_json_and_true(folder):
+    outcome = overview("render", MATCH, *QUICK, "--trace", "t.csv", "--json")
+    report = json.loads(outcome.out)
+    samples, rate = soundfile.read(folder / "out.wav")
+    assert report["file"] == "out.wav"
+    assert report["trace"] == "t.csv"
+    assert report["duration_s"] == len(samples) / rate
+    peaks = 20.0 * np.log10(np.abs(samples).max(axis=0))
+    assert report["peak_click_dbfs"] == pytest.approx(peaks[0], abs=0.06)
+    assert report["peak_tactor_dbfs"] == pytest.approx(peaks[1], abs=0.06)
+
+
+def test_silence_is_told_as_silence_and_not_as_minus_infinity(folder):
+    quiet = ("--gesture", "rest:0.1", "--sample-rate", "8000", "--tail", "none")
+    assert "silent click and silent tactor" in overview("render", MATCH, *quiet).out
+    report = json.loads(overview("render", MATCH, *quiet, "--json").out)
+    assert report["peak_click_dbfs"] is None
+
+
+def test_a_window_is_a_part_of_the_timeline(folder, match, football):
+    outcome = overview("render", MATCH, *QUICK, "--window", 600, 1200.5, "--subtype", "FLOAT")
+    assert outcome.code == 0, outcome.err
+    part = match.window(600.0, 1200.5)
+    result = ov.render(part, football, ov.tap(0.2, 0.05), 8000, tail=0.05)
+    samples, _ = soundfile.read(folder / "out.wav", dtype="float32")
+    assert np.array_equal(samples, result.samples)
+
+
+def test_a_take_and_a_preset_file_are_given_by_their_paths(folder):
+    ov.save_gesture(ov.sweep(0.1), folder / "take.csv")
+    from overview_dsp.presets.library import preset_path
+
+    (folder / "mine.toml").write_bytes(preset_path("football").read_bytes())
+    arguments = ("--sample-rate", "8000", "--tail", "0", "--subtype", "FLOAT")
+    for number, given in enumerate(
+        [("sweep:0.1", "football"), ("take.csv", "mine.toml")],
+    ):
+        outcome = overview(
+            *("render", MATCH, "--gesture", given[0], "--preset", given[1]),
+            *("-o", f"{number}.wav", *arguments),
+        )
+        assert outcome.code == 0, outcome.err
+    one, _ = soundfile.read("0.wav")
+    other, _ = soundfile.read("1.wav")
+    assert np.array_equal(one, other)
+
+
+def test_unknown_kinds_are_a_note_and_no_error(folder):
+    (folder / "e.csv").write_text("time_s,kind\n1,goal\n2,streaker\n3,goal\n")
+    outcome = overview("render", "e.csv", *QUICK)
+    assert outcome.code == 0
+    notes = [line for line in outcome.err.splitlines() if line.startswith("note: ")]
+    assert any("streaker" in note for note in notes)
+    assert outcome.errors == []
+
+
+def test_it_works_as_a_process_of_its_own(folder):
+    outcome = overview_process("render", MATCH, *QUICK, "--json", cwd=folder)
+    assert outcome.code == 0, outcome.err
+    assert json.loads(outcome.out)["file"] == "out.wav"
+    assert os.listdir(folder) == ["out.wav"]
+
+
+def test_figures_writes_six_pictures_and_names_them(folder):
+    (folder / "e.csv").write_text("time_s,kind\n1,goal\n2,foul\n3,goal\n")
+    report = json.loads(overview("figures", "--timeline", "e.csv", "--out", "p", "--json").out)
+    assert len(report["files"]) == 6
+    for name in report["files"]:
+        assert (folder / name).stat().st_size > 1000
+
+
+def test_the_demo_writes_three_sounds_and_the_pictures(folder):
+    outcome = overview("demo", "--out", "d", "--json")
+    assert outcome.code == 0, outcome.err
+    report = json.loads(outcome.out)
+    for sound in report["sounds"]:
+        assert soundfile.info(sound["file"]).duration == pytest.approx(sound["duration_s"])
+        assert sound["listen_for"]
+    assert [sound["gesture"] for sound in report["sounds"]] == ["fast sweep", "slow sweep", "tap"]
+    files = {sound["file"] for sound in report["sounds"]} | set(report["pictures"])
+    assert {os.path.join("d", name) for name in os.listdir("d")} == files

@@ -1,0 +1,138 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import overview_dsp as ov
+from overview_dsp.gestures.scripts import ARRIVAL_S
+
+PLACES = st.floats(0.0, 1.0)
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.floats(1e-3, 20.0), PLACES, PLACES)
+def test_a_sweep_moves_steadily_from_one_place_to_the_other_and_lets_go(seconds, start, end):
+    gesture = ov.sweep(seconds, start, end)
+    moving = gesture.time_s <= seconds
+    assert gesture.touching[:-1].all()
+    assert not gesture.touching[-1]
+    assert gesture.time_s[0] == 0.0
+    assert gesture.time_s[moving][-1] == seconds
+    assert gesture.theta2[0] == start * math.pi
+    assert gesture.theta2[moving][-1] == pytest.approx(end * math.pi, abs=1e-12)
+    # it rests where it arrived, so that the disk can follow
+    assert gesture.duration_s == gesture.time_s[-1] == pytest.approx(seconds + ARRIVAL_S)
+    assert gesture.theta2[-1] == gesture.theta2[-2]
+    line = start + (end - start) * gesture.time_s[moving] / seconds
+    assert np.allclose(gesture.theta2[moving], line * math.pi, atol=1e-9)
+    assert gesture.theta2.min() >= 0.0
+    assert gesture.theta2.max() <= math.pi
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.floats(1e-3, 20.0))
+def test_a_moving_hand_gives_at_least_a_hundred_control_events_a_second(seconds):
+    moving = ov.sweep(seconds).time_s[:-1]
+    assert np.diff(moving).max() <= 0.01 + 1e-9
+
+
+@settings(deadline=None, max_examples=50)
+@given(PLACES, st.floats(1e-3, 100.0))
+def test_a_tap_is_one_step_held_and_let_go(position, hold):
+    gesture = ov.tap(position, hold)
+    assert gesture.time_s.tolist() == [0.0, hold]
+    assert gesture.theta2.tolist() == [position * math.pi] * 2
+    assert gesture.touching.tolist() == [True, False]
+    assert gesture.duration_s == hold
+
+
+def test_a_tap_is_the_same_step_wherever_the_hand_was_before():
+    before = ov.sweep(0.1, 0.3, 0.9) + ov.rest(0.1)
+    joined = before + ov.tap(0.5, 0.2)
+    assert np.array_equal(joined.theta2[-2:], ov.tap(0.5, 0.2).theta2)
+
+
+def test_a_rest_is_nothing_for_a_while():
+    gesture = ov.rest(2.5)
+    assert len(gesture.time_s) == 0
+    assert gesture.duration_s == 2.5
+    assert ov.rest(0.0).duration_s == 0.0
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: ov.sweep(0.0), "sweep's duration"),
+        (lambda: ov.sweep(-1.0), "more than 0"),
+        (lambda: ov.sweep(math.nan), "nan"),
+        (lambda: ov.sweep(math.inf), "inf"),
+        (lambda: ov.sweep(1e9), "86400"),
+        (lambda: ov.sweep(1.0, -0.1), "sweep's start"),
+        (lambda: ov.sweep(1.0, 0.0, 1.1), "sweep's end"),
+        (lambda: ov.sweep(1.0, math.nan), "0 .start. to 1 .end."),
+        (lambda: ov.tap(1.5), "tap's position"),
+        (lambda: ov.tap(0.5, 0.0), "tap's hold"),
+        (lambda: ov.rest(-0.5), "rest"),
+        (lambda: ov.rest(math.nan), "rest"),
+    ],
+)
+def test_a_movement_out_of_range_is_one_line_with_the_range(make, words):
+    with pytest.raises(ov.InputError, match=words) as error:
+        make()
+    assert "\n" not in str(error.value)
+
+
+def test_joined_gestures_follow_one_another():
+    first, second = ov.sweep(0.5), ov.tap(0.8, 0.25)
+    both = first + ov.rest(1.0) + second
+    count = len(first.time_s)
+    assert np.array_equal(both.time_s[:count], first.time_s)
+    assert np.array_equal(both.time_s[count:], second.time_s + (first.duration_s + 1.0))
+    assert np.array_equal(both.theta2, np.concatenate([first.theta2, second.theta2]))
+    assert both.duration_s == pytest.approx(first.duration_s + 1.0 + 0.25)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"time_s": [0.0, 2.0, 1.0]}, "goes back at event 3: 1 s after 2 s"),
+        ({"time_s": [-1.0, 0.0, 1.0]}, "not negative"),
+        ({"time_s": [0.0, math.nan, 1.0]}, "finite"),
+        ({"time_s": [0.0, 1.0, 1e300]}, "0 to 604800"),
+        ({"theta2": [0.0]}, "equally long"),
+        ({"duration_s": 0.5}, "before its last event"),
+        ({"duration_s": math.nan}, "out of range"),
+        ({"duration_s": math.inf}, "out of range"),
+    ],
+)
+def test_a_gesture_that_cannot_be_is_one_line(changes, words):
+    good = {
+        "time_s": [0.0, 1.0, 1.0],
+        "theta2": [0.0, 1.0, 1.0],
+        "touching": [True, True, False],
+        "duration_s": 3.0,
+    }
+    ov.Gesture(**good)
+    with pytest.raises(ov.InputError, match=words):
+        ov.Gesture(**{**good, **changes})
+
+
+def test_a_gesture_keeps_its_own_copy_that_cannot_be_changed():
+    times = np.array([0.0, 1.0])
+    gesture = ov.Gesture(times, np.zeros(2), np.array([True, False]), 1.0)
+    times[1] = 0.5
+    assert gesture.time_s[1] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        gesture.theta2[0] = 1.0
+
+
+@settings(deadline=None)
+@given(st.integers(0, 10**9), st.sampled_from([1000, 8000, 44_100, 48_000, 192_000]))
+def test_an_event_falls_on_the_sample_nearest_to_its_time(sample, rate):
+    sample %= 3600 * rate
+    gesture = ov.Gesture(np.array([sample / rate]), np.zeros(1), np.zeros(1, bool), 3600.0)
+    assert gesture.stamps(rate).tolist() == [sample]

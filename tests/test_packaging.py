@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import overview_dsp as ov
+
+ROOT = Path(__file__).resolve().parents[1]
+LATE = ("numba", "llvmlite", "sounddevice", "serial", "matplotlib", "soundfile", "scipy")
+
+
+def python(code: str, folder: Path, path: Path = ROOT, **variables: str) -> str:
+    """What a fresh interpreter prints that finds the package in `path` and stands in `folder`."""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(path), **variables},
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+FIND = """
+import json, warnings
+import overview_dsp as ov
+warnings.simplefilter("error")
+timeline = ov.load_timeline("world-cup-final-2018")
+preset = ov.load_preset("football")
+surface = ov.build_surface(timeline, preset)
+print(json.dumps([ov.__file__, ov.bundled_names(), timeline.title, surface.friction.sum()]))
+"""
+
+
+def test_importing_the_package_imports_nothing_heavy_and_no_device(tmp_path):
+    names = json.loads(
+        python("import sys, json, overview_dsp; print(json.dumps(list(sys.modules)))", tmp_path)
+    )
+    assert "overview_dsp" in names
+    assert not {name.partition(".")[0] for name in names} & set(LATE)
+
+
+def test_a_timeline_a_preset_and_a_gesture_need_no_compiler(tmp_path):
+    code = (
+        "import sys\n"
+        "for name in ('numba', 'sounddevice', 'serial', 'matplotlib'): sys.modules[name] = None\n"
+        f"{FIND}\nov.parse_gesture('sweep:1+tap:0.5')\n"
+    )
+    assert "football" in python(code, tmp_path)
+
+
+def test_rendering_needs_neither_a_sound_card_nor_a_serial_port(tmp_path):
+    code = """
+import sys
+for name in ("sounddevice", "serial", "matplotlib"):
+    sys.modules[name] = None
+import overview_dsp as ov
+timeline = ov.Timeline("t", 10.0, (ov.Event(5.0, "goal"),), None)
+result = ov.render(timeline, ov.load_preset("football"), ov.tap(0.8, 0.1), 8000)
+result.save("a.wav")
+print(len(result.samples))
+"""
+    assert int(python(code, tmp_path)) > 800
+    assert os.listdir(tmp_path) == ["a.wav"]
+
+
+def test_every_public_name_is_there():
+    for name in ov.__all__:
+        assert getattr(ov, name) is not None
+    assert len(set(ov.__all__)) == len(ov.__all__)
+    assert set(ov.__all__) <= set(dir(ov))
+
+
+def test_the_public_names_are_the_contracts():
+    wanted = (
+        "load_timeline load_preset load_gesture sweep tap render Engine Timeline Preset Gesture"
+    )
+    assert set(wanted.split()) <= set(ov.__all__)
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="rendr"):
+        ov.rendr  # noqa: B018
+
+
+def test_render_is_the_function_after_its_module_was_imported():
+    importlib.import_module("overview_dsp.rendering")
+    importlib.import_module("overview_dsp.engine")
+    assert callable(ov.render)
+    assert ov.render.__module__ == "overview_dsp.rendering"
+    assert ov.Engine.__module__ == "overview_dsp.engine"
+
+
+def test_the_package_says_that_it_is_typed():
+    assert (Path(ov.__file__).parent / "py.typed").is_file()
+
+
+def test_the_checkout_finds_its_presets_and_its_match_from_any_folder(tmp_path):
+    where, names, title, _ = json.loads(python(FIND, tmp_path))
+    assert Path(where).is_relative_to(ROOT)
+    assert sorted(names) == sorted(path.stem for path in (ROOT / "presets").glob("*.toml"))
+    assert title
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A folder into which a wheel of this tree is installed."""
+    if importlib.util.find_spec("hatchling") is None:
+        pytest.skip("needs hatchling to build a wheel: pip install hatchling")
+    folder = tmp_path_factory.mktemp("wheel")
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--no-input"]
+    for arguments in (
+        ["wheel", str(ROOT), "--no-deps", "--no-build-isolation", "-w", str(folder)],
+        ["install", "--no-deps", "--no-index", "--target", str(folder / "site")],
+    ):
+        wheels = [str(path) for path in folder.glob("*.whl")]
+        done = subprocess.run(
+            [*pip, *arguments, *wheels],
+            capture_output=True,
+            text=True,
+            check=False,
+            # in this checkout the build would find itself
+            cwd=folder,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+    return folder / "site"
+
+
+def test_a_wheel_finds_its_presets_and_its_match_from_any_folder(installed, tmp_path):
+    where, names, title, friction = json.loads(python(FIND, tmp_path, installed))
+    assert Path(where).is_relative_to(installed)
+    checkout = json.loads(python(FIND, tmp_path))
+    assert [names, title, friction] == checkout[1:]
+
+
+def test_a_wheel_has_the_command_line_and_renders(installed, tmp_path):
+    assert (installed / "bin").is_dir() or (installed / "Scripts").is_dir()
+    python(
+        "import sys; sys.argv[1:] = 'render world-cup-final-2018 --gesture tap:0.5:0.01 "
+        "--sample-rate 1000 --tail none'.split()\n"
+        "from overview_dsp.cli import main\n"
+        "main()",
+        tmp_path,
+        installed,
+        # ten samples: compiling would take longer
+        NUMBA_DISABLE_JIT="1",
+    )
+    assert os.listdir(tmp_path) == ["out.wav"]
+
+
+def test_a_wheel_holds_the_package_and_nothing_else(installed):
+    names = {path.name for path in installed.iterdir()} - {"bin", "Scripts"}
+    assert len(names) == 2
+    assert "overview_dsp" in names
+    assert any(name.endswith(".dist-info") for name in names)

@@ -1,0 +1,192 @@
+from __future__ import annotations
+
+import io
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import overview_dsp as ov
+from overview_dsp.paper_figures import draw, renders
+from overview_dsp.plots import (
+    KIND_STYLE,
+    extremes,
+    plot_strokes,
+    plot_timeline,
+    save_figure,
+    styles_of,
+)
+
+from .examples import preset_with, timeline_of
+
+FIGURES = ("figure-4", "figure-5", "figure-6")
+
+
+@pytest.fixture(scope="module")
+def results(match, football):
+    return renders(match, football)
+
+
+@pytest.fixture(scope="module")
+def drawn(match, results, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pictures")
+    return folder, draw(match, results, folder)
+
+
+def small_match() -> ov.Timeline:
+    """One event of every kind the plots know, and two they don't."""
+    kinds = [*KIND_STYLE, "comet", "meteor"]
+    events = tuple(ov.Event(10.0 + 8.0 * i, kind, f"{kind} x") for i, kind in enumerate(kinds))
+    return ov.Timeline("every kind", 100.0, events, None)
+
+
+def test_the_papers_figures_are_written_as_png_and_svg(drawn):
+    folder, files = drawn
+    assert [path.name for path in files] == [f"{f}.{s}" for f in FIGURES for s in ("png", "svg")]
+    assert sorted(os.listdir(folder)) == sorted(path.name for path in files)
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_picture_decodes_and_is_not_blank(drawn, name):
+    from matplotlib.image import imread
+
+    pixels = imread(drawn[0] / f"{name}.png")
+    assert pixels.ndim == 3
+    assert min(pixels.shape[:2]) > 300
+    grey = pixels[:, :, :3].mean(axis=2)
+    assert 0.01 < np.mean(grey < 0.9) < 0.9
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_drawing_is_well_formed_and_has_its_words_as_text(drawn, name):
+    from xml.etree import ElementTree
+
+    root = ElementTree.parse(drawn[0] / f"{name}.svg").getroot()
+    assert root.tag.endswith("svg")
+    words = " ".join("".join(element.itertext()) for element in root.iter())
+    expected = {
+        "figure-4": ("World Cup", "goal", "foul", "intensity"),
+        "figure-5": ("fast sweep", "slow sweep", "torque", "disk 1", "disk 2", "friction"),
+        "figure-6": ("tap", "torque", "disk 1", "disk 2", "friction"),
+    }
+    for word in expected[name]:
+        assert word in words
+
+
+def test_the_same_figures_give_the_same_bytes(drawn, match, results, tmp_path):
+    for first, second in zip(drawn[1], draw(match, results, tmp_path), strict=True):
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_event_kinds_differ_by_the_shape_of_their_marker_and_not_by_colour_alone():
+    styles = styles_of(small_match())
+    assert set(styles) == {*KIND_STYLE, "comet", "meteor"}
+    markers = [marker for marker, _, _ in styles.values()]
+    assert len(set(markers)) == len(markers)
+    words = [text for _, _, text in styles.values()]
+    assert len(set(words)) == len(words)
+
+
+def shapes_of(axes) -> dict[str, bytes]:
+    """The outline of the marker of each entry of the legend."""
+    return {
+        str(collection.get_label()): collection.get_paths()[0].vertices.tobytes()
+        for collection in axes.collections
+        if not str(collection.get_label()).startswith("_")
+    }
+
+
+def test_every_kind_of_the_timeline_is_drawn_with_a_shape_of_its_own():
+    figure = plot_timeline(small_match())
+    (axes,) = figure.axes
+    shapes = shapes_of(axes)
+    assert len(shapes) == len(KIND_STYLE) + 2
+    assert len(set(shapes.values())) == len(shapes)
+    legend = axes.get_legend()
+    assert legend is not None
+    assert {text.get_text() for text in legend.get_texts()} == set(shapes)
+
+
+def test_the_timelines_events_are_where_they_happen():
+    figure = plot_timeline(small_match())
+    (axes,) = figure.axes
+    drawn = sorted(
+        float(x)
+        for collection in axes.collections
+        for x in np.asarray(collection.get_offsets())[:, 0]
+        if not str(collection.get_label()).startswith("_")
+    )
+    assert drawn == [event.time_s for event in small_match().events]
+
+
+def test_strikes_are_marked_by_kind_at_their_times():
+    timeline = small_match()
+    preset = preset_with(height=20.0)
+    kinds = {**preset.kinds, **dict.fromkeys(timeline.kinds(), preset.kinds["default"])}
+    result = ov.render(timeline, replace(preset, kinds=kinds), ov.sweep(0.4), 8000)
+    figure = plot_strokes([("a sweep", result)], timeline, "a title")
+    shapes = shapes_of(figure.axes[0])
+    assert {"goal", "comet", "meteor"} <= set(shapes)
+    assert len(set(shapes.values())) == len(shapes)
+    goals = next(c for c in figure.axes[0].collections if c.get_label() == "goal")
+    struck = result.strikes.time_s[
+        [timeline.events[event].kind == "goal" for event in result.strikes.event]
+    ]
+    assert np.asarray(goals.get_offsets())[:, 0].tolist() == struck.tolist()
+
+
+@pytest.mark.parametrize(
+    ("timeline", "gesture"),
+    [
+        (timeline_of(), ov.tap(0.5, 0.1)),
+        (timeline_of(50.0), ov.rest(0.1)),
+        (timeline_of(50.0), ov.tap(0.0, 0.1)),
+    ],
+    ids=["no events", "no touch", "no movement"],
+)
+def test_a_gesture_on_which_nothing_happens_can_be_drawn(timeline, gesture, recwarn, tmp_path):
+    result = ov.render(timeline, preset_with(), gesture, 8000)
+    save_figure(plot_strokes([("nothing", result)], timeline, "nothing"), tmp_path / "a")
+    assert not recwarn.list
+
+
+def test_a_timeline_without_events_or_without_a_curve_can_be_drawn(recwarn):
+    for timeline in (timeline_of(), timeline_of(3.0)):
+        plot_timeline(timeline).savefig(io.BytesIO())
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize("stem", ["no/a", "file/a"])
+def test_a_picture_that_cannot_be_written_is_one_line(tmp_path, stem):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ov.InputError, match="can't be written") as error:
+        save_figure(plot_timeline(timeline_of()), tmp_path / stem)
+    assert "\n" not in str(error.value)
+    assert os.listdir(tmp_path) == ["file"]
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    hnp.arrays(np.float64, st.integers(0, 400), elements=st.floats(-1e9, 1e9)),
+    st.integers(1, 60),
+)
+def test_a_curve_with_fewer_points_keeps_its_lowest_and_its_highest(values, points):
+    at = np.arange(len(values), dtype=np.float64)
+    x, y = extremes(at, values, points)
+    assert len(x) == len(y) <= max(len(values), 2 * points)
+    if len(values):
+        assert (y.min(), y.max()) == (values.min(), values.max())
+        assert (np.diff(x) >= 0.0).all()
+        # nothing is moved by more than a step
+        step = max(1.0, len(values) / points)
+        for place, value in zip(x, y, strict=True):
+            assert np.abs(at[values == value] - place).min() <= step
+
+
+def test_a_short_curve_is_left_as_it_is():
+    x, y = np.arange(20.0), np.sin(np.arange(20.0))
+    assert extremes(x, y, 10) == (x, y)
