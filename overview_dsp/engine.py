@@ -257,8 +257,19 @@ class Engine:
         self._surface = surface
 
     def set_channels(self, click: int | None = 0, tactor: int | None = 1) -> None:
-        """Choose the output channels (from 0; None = nowhere). Others are silent."""
+        """Choose the output channels (from 0; None = nowhere). Others are silent.
+
+        Raises
+        ------
+        InputError
+            A negative channel, or one channel for both.
+        """
         self._require_prepared()
+        for channel in (click, tactor):
+            if channel is not None and channel < 0:
+                raise InputError(f"channel {channel}; channels count from 0, None is nowhere")
+        if click is not None and click == tactor:
+            raise InputError(f"clicks and tactor can't share channel {click}; give each its own")
         self._w[layout.S_CLICK_CHANNEL] = -1 if click is None else click
         self._w[layout.S_TACTOR_CHANNEL] = -1 if tactor is None else tactor
 

@@ -54,7 +54,7 @@ def styles_of(timeline: Timeline) -> dict[str, tuple[str, str, str]]:
 def _figure(width: float, height: float) -> Figure:
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height), layout="constrained")
+    return Figure(figsize=(width, height))
 
 
 def _tidy(axes: Axes) -> None:
@@ -116,6 +116,7 @@ def plot_timeline(timeline: Timeline) -> Figure:
     axes.set_ylim(0.0, 1.18)
     axes.set_xlabel("time of play, min" if minutes else "time, s")
     axes.set_ylabel("intensity")
+    figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
     axes.set_title(timeline.title, loc="left", fontsize=10)
     _tidy(axes)
     if timeline.events:
@@ -152,13 +153,19 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
         axes[0].set_title(name, fontsize=10, pad=14)
         # linear within 1 mN·m, logarithmic beyond: the surface and its goals in one view
         axes[0].set_yscale("symlog", linthresh=1.0)
+        # plain numbers: powers of ten would go through the slow setting of formulas
+        axes[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
         axes[-1].set_xlabel("time, s (dashed: the finger lets go)")
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11)
+    # margins by hand: finding them takes longer than drawing
+    inch = 1.0 / (5.2 * len(results) + 0.6)
+    figure.subplots_adjust(
+        left=0.95 * inch, right=1.0 - 0.15 * inch, top=0.89, bottom=0.1, wspace=0.06, hspace=0.12
+    )
+    figure.align_ylabels(grid[:, 0])
+    figure.suptitle(title, x=0.1 * inch, ha="left", fontsize=11)
     handles, labels = grid[0, 0].get_legend_handles_labels()
     if handles:
-        figure.legend(
-            handles, labels, loc="outside lower center", ncols=6, frameon=False, fontsize=8
-        )
+        figure.legend(handles, labels, loc="lower center", ncols=6, frameon=False, fontsize=8)
     return figure
 
 

@@ -161,6 +161,20 @@ def test_channels_can_be_mapped_to_a_four_channel_pad(match, football):
     assert np.all(four[:, :3] == 0.0)
 
 
+def test_two_channels_may_be_swapped_but_not_shared(match, football):
+    engine = prepared(football, match)
+    reference = prepared(football, match)
+    engine.set_channels(click=1, tactor=0)
+    for one in (engine, reference):
+        one.control(2.0, True)
+    outs = [run(one, 2000)[0] for one in (engine, reference)]
+    assert np.array_equal(outs[0], outs[1][:, ::-1])
+    with pytest.raises(ov.InputError, match="share"):
+        engine.set_channels(click=1, tactor=1)
+    engine.set_channels(click=None, tactor=0)
+    assert np.all(run(engine, 500)[0][:, 1] == 0.0)
+
+
 # --- control --------------------------------------------------------------------------------------
 
 

@@ -16,6 +16,7 @@ from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
 from overview_dsp.kernels.limiter import limit
 from overview_dsp.kernels.motion import move
+from overview_dsp.kernels.output import emit
 from overview_dsp.kernels.shaping import shape
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.voice import sound
@@ -28,7 +29,9 @@ def run(m, w, u, out, channels, start, stop, trace, traced):
         frames = min(stop - start, layout.CHUNK)
         move(m, w, frames, trace, start * layout.TRACE, traced)
         shape(m, frames)
-        sound(m, w, u, out, start, frames, channels, trace, traced)
+        sound(m, w, u, frames, trace, start * layout.TRACE, traced)
+        emit(m, w, out, start, frames, channels)
+        w[layout.CLOCK] += frames
         start += frames
 
 

@@ -157,7 +157,10 @@ D_PHASE = D_OMEGA + CHUNK
 D_AMPLITUDE = D_PHASE + CHUNK  # from the shaping
 D_SINE = D_AMPLITUDE + CHUNK
 D_GRAIN = D_SINE + CHUNK
-SURFACES = D_GRAIN + CHUNK
+D_COLOUR = D_GRAIN + CHUNK
+D_CLICK = D_COLOUR + CHUNK  # from the voice
+D_TACTOR = D_CLICK + CHUNK
+SURFACES = D_TACTOR + CHUNK
 
 # --- a surface slot, relative to its start -----------------------------------------------------
 SLOT_EVENTS = 0  # w: number of events

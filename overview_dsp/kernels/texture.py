@@ -34,10 +34,16 @@ def spread(target, level, a):
 
 
 @point
-def colour(x, y, omega, cutoff):
-    """One sample of the speed-dependent low-pass; exactly zero once it has died away."""
+def brightness(omega, cutoff):
+    """The low-pass's coefficient at a speed (rad/s)."""
     c = cutoff * (abs(omega) + SLOWEST)
-    y = y + (x - y) * (c / (1.0 + c))
+    return c / (1.0 + c)
+
+
+@point
+def colour(x, y, a):
+    """One sample of the low-pass; exactly zero once it has died away."""
+    y = y + (x - y) * a
     if x == 0.0 and abs(y) < QUIET:
         y = 0.0
     return y
