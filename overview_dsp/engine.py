@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import json
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.coefficients import (
-    FADE_S,
-    GLIDE_S,
-    coefficients,
-    mode_coefficients,
-    ring_samples,
-)
+from overview_dsp.coefficients import FADE_S, GLIDE_S, coefficients
 from overview_dsp.errors import InputError, NotPreparedError, OverviewError, OverviewWarning
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
-from overview_dsp.presets.model import Kind, Mode, Preset
+from overview_dsp.meters import Meters, Setting, Strikes
+from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS, Parameter, Value
+from overview_dsp.saved_state import decode_state, encode_state
 from overview_dsp.surface import Surface, build_surface
+from overview_dsp.surface_slot import write_surface
 from overview_dsp.tail import tail_seconds
 
 if TYPE_CHECKING:
@@ -43,62 +39,6 @@ __all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes",
 
 _NO_TRACE = np.zeros(0)
 _AS_SOON_AS_POSSIBLE = -1
-
-
-@dataclass(frozen=True)
-class Setting(Parameter):
-    """A parameter with the value it has now."""
-
-    value: Value = 0.0
-
-
-@dataclass(frozen=True)
-class Meters:
-    """What the audio side reports, as of the last block.
-
-    Counters since `reset`: `blocks`, `late_events` (came after their sample), `rejected_events`
-    (theta2 not finite: the hand stays where it was), `clamped_events` (theta2 outside [0, pi]),
-    `dropped_events` (a full ring), `resets` (blocks silenced because the state was not finite),
-    `limited_samples`, `strikes`. Levels: `peak_click`, `peak_tactor` of the last block (linear),
-    `torque` (N m), `friction` (N m s/rad), `envelope`, `cursor` (0..1). `silent_samples`: since the
-    last sample that was not zero. `still_samples`: since the disk was last more than a thousandth
-    of the timeline away from where its springs rest.
-    """
-
-    blocks: int
-    late_events: int
-    rejected_events: int
-    clamped_events: int
-    dropped_events: int
-    resets: int
-    limited_samples: int
-    strikes: int
-    peak_click: float
-    peak_tactor: float
-    torque: float
-    friction: float
-    envelope: float
-    cursor: float
-    touching: bool
-    silent_samples: int
-    still_samples: int
-
-
-@dataclass(frozen=True)
-class Strikes:
-    """Events passed by the disk, in order.
-
-    `time_s` (with its fraction of a sample), `event` (index into the timeline's events), `torque`
-    (released, N m), `level` (amplitude after compression): arrays of equal length.
-    """
-
-    time_s: NDArray[np.float64]
-    event: NDArray[np.int64]
-    torque: NDArray[np.float64]
-    level: NDArray[np.float64]
-
-    def __len__(self) -> int:
-        return len(self.time_s)
 
 
 class Engine:
@@ -159,7 +99,7 @@ class Engine:
             self._w[layout.GLIDE_LEFT + column] = 0
         self._w[layout.S_RELEASE_RETURNS] = self._preset.values["disk.release"] == "return"
         self._w[layout.ACTIVE_SLOT] = 0
-        self._write_surface(0, self._surface)
+        write_surface(self._m, 0, self._surface, self._sample_rate)
         block.reset(self._m, self._w, self._u)
         self._slot_surfaces = [self._surface] * layout.SLOTS
         self._dropped = 0
@@ -251,7 +191,7 @@ class Engine:
         free = [slot for slot in range(layout.SLOTS) if slot not in taken]
         if not free:
             raise OverviewError("two surfaces wait or fade already; process a block, then set it")
-        self._write_surface(free[0], surface)
+        write_surface(self._m, free[0], surface, self._sample_rate)
         self._push_host([(layout.COMMAND_SURFACE, float(free[0]))], sample_time)
         self._slot_surfaces[free[0]] = surface
         self._surface = surface
@@ -415,41 +355,11 @@ class Engine:
 
     def save_state(self) -> bytes:
         """Parameters, event kinds and seed as bytes; the same engine gives the same bytes."""
-        preset = self._preset
-        state = {
-            "overview_state": 1,
-            "name": preset.name,
-            "title": preset.title,
-            "description": preset.description,
-            "values": dict(preset.values),
-            "kinds": {
-                name: {**vars(kind), "modes": [vars(mode) for mode in kind.modes]}
-                for name, kind in preset.kinds.items()
-            },
-            "seed": self._seed,
-        }
-        return json.dumps(state, indent=1, ensure_ascii=False).encode()
+        return encode_state(self._preset, self._seed)
 
     def load_state(self, state: bytes) -> None:
         """Take over a saved state; InputError, and nothing changed, if it isn't one."""
-        try:
-            data = json.loads(state.decode())
-            if data["overview_state"] != 1:
-                raise InputError(f"a state of version {data['overview_state']!r}; this reads 1")
-            preset = Preset(
-                data["name"],
-                data["title"],
-                data["description"],
-                data["values"],
-                {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
-            )
-            seed = int(data["seed"])
-        except InputError:
-            raise
-        except (UnicodeDecodeError, ValueError, RecursionError) as error:
-            raise InputError(f"not a saved state: {error}") from None
-        except (KeyError, TypeError, AttributeError) as error:
-            raise InputError(f"not a saved state: {type(error).__name__} {error}") from None
+        preset, seed = decode_state(state)
         if self._sample_rate:
             self._check_carrier(preset, self._sample_rate)
         surface = build_surface(self._timeline, preset)
@@ -509,31 +419,6 @@ class Engine:
         # published last, so that the audio thread sees all of a change or nothing
         self._w[layout.HOST_WRITTEN] = written + len(changes)
 
-    def _write_surface(self, slot: int, surface: Surface) -> None:
-        m, w = self._m, self._w
-        base = layout.SURFACES + slot * layout.SLOT_SIZE
-        table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
-        table[0::2] = surface.friction
-        table[1:-1:2] = np.diff(surface.friction)
-        table[-1] = 0.0
-        count = len(surface.place)
-        w[base + layout.SLOT_EVENTS] = count
-        m[base + layout.SLOT_PLACE :][:count] = surface.place * layout.CELLS
-        m[base + layout.SLOT_RELEASE :][:count] = surface.release
-        w[base + layout.SLOT_KIND :][:count] = surface.kind
-        for kind, modes in enumerate(surface.kind_modes):
-            heard: list[tuple[Mode, Mapping[int, float]]] = []
-            for mode in modes:
-                columns = mode_coefficients(mode, self._sample_rate)
-                if columns is not None:
-                    heard.append((mode, columns))
-            w[base + layout.KIND_MODES + kind] = len(heard)
-            longest = max((ring_samples(mode, self._sample_rate) for mode, _ in heard), default=0)
-            w[base + layout.KIND_RING + kind] = longest
-            for index, (_, columns) in enumerate(heard):
-                for column, value in columns.items():
-                    m[base + column + kind * layout.MAX_MODES + index] = value
-
 
 def _stamp(sample_time: int | None) -> int:
     if sample_time is None:
@@ -541,23 +426,3 @@ def _stamp(sample_time: int | None) -> int:
     if not math.isfinite(sample_time) or sample_time < 0:
         raise InputError(f"sample_time = {sample_time}; it counts samples since reset, from 0")
     return int(sample_time)
-
-
-def _kind_of(name: str, data: dict[str, Any]) -> Kind:
-    values = {}
-    for key, known in KIND_PARAMETERS.items():
-        value = data[key]
-        absent = value is None and key.startswith("width_")
-        values[key] = None if absent else replace(known, id=f"kinds.{name}.{key}").check(value)
-    from overview_dsp.presets.parameters import MODE_PARAMETERS
-
-    modes = tuple(
-        Mode(
-            **{
-                key: replace(known, id=f"kinds.{name}.modes.{key}").check(mode[key])
-                for key, known in MODE_PARAMETERS.items()
-            }  # type: ignore[arg-type]
-        )
-        for mode in data["modes"]
-    )
-    return Kind(modes=modes, **values)  # type: ignore[arg-type]

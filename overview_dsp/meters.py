@@ -1,0 +1,66 @@
+"""What the engine says of itself: parameters with their values, meters, strikes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.presets.parameters import Parameter, Value
+
+
+@dataclass(frozen=True)
+class Setting(Parameter):
+    """A parameter with the value it has now."""
+
+    value: Value = 0.0
+
+
+@dataclass(frozen=True)
+class Meters:
+    """What the audio side reports, as of the last block.
+
+    Counters since `reset`: `blocks`, `late_events` (came after their sample), `rejected_events`
+    (theta2 not finite: the hand stays where it was), `clamped_events` (theta2 outside [0, pi]),
+    `dropped_events` (a full ring), `resets` (blocks silenced because the state was not finite),
+    `limited_samples`, `strikes`. Levels: `peak_click`, `peak_tactor` of the last block (linear),
+    `torque` (N m), `friction` (N m s/rad), `envelope`, `cursor` (0..1). `silent_samples`: since the
+    last sample that was not zero. `still_samples`: since the disk was last more than a thousandth
+    of the timeline away from where its springs rest.
+    """
+
+    blocks: int
+    late_events: int
+    rejected_events: int
+    clamped_events: int
+    dropped_events: int
+    resets: int
+    limited_samples: int
+    strikes: int
+    peak_click: float
+    peak_tactor: float
+    torque: float
+    friction: float
+    envelope: float
+    cursor: float
+    touching: bool
+    silent_samples: int
+    still_samples: int
+
+
+@dataclass(frozen=True)
+class Strikes:
+    """Events passed by the disk, in order.
+
+    `time_s` (with its fraction of a sample), `event` (index into the timeline's events), `torque`
+    (released, N m), `level` (amplitude after compression): arrays of equal length.
+    """
+
+    time_s: NDArray[np.float64]
+    event: NDArray[np.int64]
+    torque: NDArray[np.float64]
+    level: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.time_s)

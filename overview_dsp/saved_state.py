@@ -1,0 +1,72 @@
+"""The engine's saved state: parameters, event kinds and seed as bytes, and back."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+from overview_dsp.errors import InputError
+from overview_dsp.presets.model import Kind, Mode, Preset
+from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
+
+
+def encode_state(preset: Preset, seed: int) -> bytes:
+    """The state as UTF-8 JSON; the same values give the same bytes."""
+    state = {
+        "overview_state": 1,
+        "name": preset.name,
+        "title": preset.title,
+        "description": preset.description,
+        "values": dict(preset.values),
+        "kinds": {
+            name: {**vars(kind), "modes": [vars(mode) for mode in kind.modes]}
+            for name, kind in preset.kinds.items()
+        },
+        "seed": seed,
+    }
+    return json.dumps(state, indent=1, ensure_ascii=False).encode()
+
+
+def decode_state(state: bytes) -> tuple[Preset, int]:
+    """Preset and seed of a saved state; InputError if it isn't one."""
+    try:
+        data = json.loads(state.decode())
+        if data["overview_state"] != 1:
+            raise InputError(f"a state of version {data['overview_state']!r}; this reads 1")
+        name, title, description = (data[key] for key in ("name", "title", "description"))
+        if not all(isinstance(text, str) for text in (name, title, description)):
+            raise InputError("not a saved state: name, title and description are texts")
+        preset = Preset(
+            name,
+            title,
+            description,
+            data["values"],
+            {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
+        )
+        seed = int(data["seed"])
+    except InputError:
+        raise
+    except (ValueError, OverflowError, RecursionError) as error:
+        raise InputError(f"not a saved state: {error}") from None
+    except (KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"not a saved state: {type(error).__name__} {error}") from None
+    return preset, seed
+
+
+def _kind_of(name: str, data: dict[str, Any]) -> Kind:
+    values = {}
+    for key, known in KIND_PARAMETERS.items():
+        value = data[key]
+        absent = value is None and key.startswith("width_")
+        values[key] = None if absent else replace(known, id=f"kinds.{name}.{key}").check(value)
+    modes = tuple(
+        Mode(
+            **{
+                key: replace(known, id=f"kinds.{name}.modes.{key}").check(mode[key])
+                for key, known in MODE_PARAMETERS.items()
+            }  # type: ignore[arg-type]
+        )
+        for mode in data["modes"]
+    )
+    return Kind(modes=modes, **values)  # type: ignore[arg-type]
