@@ -181,13 +181,16 @@ class Engine:
             Two surfaces are waiting or fading already: process a block first.
         """
         self._require_prepared()
+        # an audio thread may begin a waiting crossfade while we look: the active slot is read
+        # before and after, and what waits before what fades, so that none is overlooked
         taken = {int(self._w[layout.ACTIVE_SLOT])}
-        if self._w[layout.FADE_LEFT] > 0:
-            taken.add(int(self._w[layout.FADING_SLOT]))
         for index in range(int(self._w[layout.HOST_READ]), int(self._w[layout.HOST_WRITTEN])):
             at = index % layout.HOST_RING
             if self._w[layout.HOST_WHAT + at] == layout.COMMAND_SURFACE:
                 taken.add(int(self._m[layout.HOST_VALUE + at]))
+        if self._w[layout.FADE_LEFT] > 0:
+            taken.add(int(self._w[layout.FADING_SLOT]))
+        taken.add(int(self._w[layout.ACTIVE_SLOT]))
         free = [slot for slot in range(layout.SLOTS) if slot not in taken]
         if not free:
             raise OverviewError("two surfaces wait or fade already; process a block, then set it")
@@ -270,6 +273,12 @@ class Engine:
     def surface(self) -> Surface:
         """The surface set last."""
         return self._surface
+
+    @property
+    def memory(self) -> NDArray[np.float64]:
+        """The memory block of `kernels.layout`: for an audio stream that runs the kernel itself."""
+        self._require_prepared()
+        return self._m
 
     @property
     def sample_rate(self) -> float:

@@ -18,6 +18,7 @@ COMMANDS = {
     "render": ("render", "Play a gesture over a timeline into a sound file."),
     "presets": ("presets", "List, show and check presets."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
+    "devices": ("devices", "List the audio outputs, and what is missing."),
     "bench": ("bench", "Measure how fast the engine runs here."),
 }
 

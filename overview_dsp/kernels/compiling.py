@@ -27,6 +27,10 @@ OPTIONS: dict[str, Any] = {
 }
 
 
+# a C function has no interpreter to give up
+_C_OPTIONS = {key: value for key, value in OPTIONS.items() if key != "nogil"}
+
+
 def sources_digest() -> str:
     """Digest of every kernel source file: numba's cache watches only a function's own file."""
     digest = hashlib.sha256(numba.__version__.encode())
@@ -65,6 +69,15 @@ def point(function: Function) -> Function:
 
 def entry(function: Function) -> Function:
     """Compile a function that Python calls, and keep its machine code on disk."""
+    return _kept(function, lambda cache: numba.njit(cache=cache, **OPTIONS))
+
+
+def native(signature: Any, function: Callable[..., Any]) -> Any:
+    """Compile a C function (`.address`), and keep its machine code on disk."""
+    return _kept(function, lambda cache: numba.cfunc(signature, cache=cache, **_C_OPTIONS))
+
+
+def _kept(function: Any, compiler: Callable[[bool], Any]) -> Any:
     before = _config.CACHE_DIR
     folder = cache_folder()
     try:
@@ -82,7 +95,6 @@ def entry(function: Function) -> Function:
     try:
         # numba takes the folder at decoration; other users of numba keep theirs
         _config.CACHE_DIR = str(folder)
-        compiled: Function = numba.njit(cache=cache, **OPTIONS)(function)
+        return compiler(cache)(function)
     finally:
         _config.CACHE_DIR = before
-    return compiled

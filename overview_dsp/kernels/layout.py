@@ -160,7 +160,23 @@ D_GRAIN = D_SINE + CHUNK
 D_COLOUR = D_GRAIN + CHUNK
 D_CLICK = D_COLOUR + CHUNK  # from the voice
 D_TACTOR = D_CLICK + CHUNK
-SURFACES = D_TACTOR + CHUNK
+LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
+(
+    L_CHANNELS,  # w: output channels of the stream
+    L_STOP,  # w: 1 = end the stream after this block
+    L_CALLBACKS,  # w
+    L_FRAMES,  # w: frames delivered
+    L_UNDERFLOWS,  # w: callbacks that were told of an output underflow
+    L_LATE,  # w: callbacks that took longer than their own frames last
+    L_LONGEST,  # longest callback, s
+    L_SECONDS,  # w: clock_gettime's two fields
+    L_NANOSECONDS,  # w
+) = range(LIVE, LIVE + 9)
+BUSY_BINS = 96
+L_BUSY = LIVE + 16  # w: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
+BINS_AN_OCTAVE = 4
+SHORTEST_S = 1e-7
+SURFACES = L_BUSY + BUSY_BINS
 
 # --- a surface slot, relative to its start -----------------------------------------------------
 SLOT_EVENTS = 0  # w: number of events

@@ -1,0 +1,83 @@
+"""PortAudio's own callback: the block driver behind a C function, without the interpreter.
+
+It never takes the GIL, so whatever Python does, the sound goes on. PortAudio's user data is the
+memory block itself; its lifetime is the stream's to guard (`live/`).
+
+Thread: audio (the callback), main (`native_callback`).
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from typing import Any
+
+import numba
+import numpy as np
+from numba import types
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.block import process
+from overview_dsp.kernels.compiling import native, point
+from overview_dsp.kernels.elementary import log2
+
+# PortAudio's unsigned long: 32 bits on Windows, 64 elsewhere
+_UNSIGNED_LONG = types.uint32 if sys.platform == "win32" else types.uint64
+_int32: Any = types.int32
+SIGNATURE = _int32(
+    types.voidptr, types.voidptr, _UNSIGNED_LONG, types.voidptr, _UNSIGNED_LONG, types.voidptr
+)
+OUTPUT_UNDERFLOW = 4  # paOutputUnderflow
+CONTINUE, COMPLETE = 0, 1  # paContinue, paComplete
+MONOTONIC = 1  # CLOCK_MONOTONIC, on Linux
+HAS_CLOCK = sys.platform == "linux"
+
+carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
+_external: Any = types.ExternalFunction
+_clock_gettime = _external("clock_gettime", _int32(types.int32, types.uintp))
+
+
+@point
+def now(w):
+    """Seconds of the monotonic clock; 0 where there is none."""
+    if HAS_CLOCK:
+        _clock_gettime(MONOTONIC, w[layout.L_SECONDS : layout.L_SECONDS + 2].ctypes.data)
+        return float(w[layout.L_SECONDS]) + float(w[layout.L_NANOSECONDS]) * 1e-9
+    return 0.0
+
+
+@point
+def note_busy(m, w, seconds, frames):
+    """Book how long a callback took."""
+    if seconds > m[layout.L_LONGEST]:
+        m[layout.L_LONGEST] = seconds
+    if seconds * m[layout.S_SAMPLE_RATE] > float(frames):
+        w[layout.L_LATE] += 1
+    where = 0
+    if seconds > layout.SHORTEST_S:
+        octaves = log2(seconds * (1.0 / layout.SHORTEST_S))
+        where = min(int(octaves * layout.BINS_AN_OCTAVE), layout.BUSY_BINS - 1)
+    w[layout.L_BUSY + where] += 1
+
+
+def _callback(unused, output, frame_count, time_info, flags, user):
+    m = carray(user, (layout.TOTAL,), np.float64)
+    w = carray(user, (layout.TOTAL,), np.int64)
+    u = carray(user, (layout.TOTAL,), np.uint64)
+    started = now(w)
+    frames = np.int64(frame_count)
+    channels = w[layout.L_CHANNELS]
+    out = carray(output, (frames * channels,), np.float32)
+    process(m, w, u, out, frames, channels, m, False)
+    w[layout.L_CALLBACKS] += 1
+    w[layout.L_FRAMES] += frames
+    if flags & OUTPUT_UNDERFLOW:
+        w[layout.L_UNDERFLOWS] += 1
+    note_busy(m, w, now(w) - started, frames)
+    return COMPLETE if w[layout.L_STOP] == 1 else CONTINUE
+
+
+@cache
+def native_callback():
+    """The compiled callback; its `.address` is a `PaStreamCallback *`. Compiles on first use."""
+    return native(SIGNATURE, _callback)

@@ -1,0 +1,1 @@
+"""Live: the only place that opens devices."""

@@ -1,0 +1,210 @@
+"""The native callback through a real PortAudio stream on a headless JACK server."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from tests.live import jack_server
+
+pytestmark = pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
+
+GESTURE = ov.rest(1.0) + ov.tap(0.95, 0.7)
+PLAY = """
+import json, sys, time
+import jack
+import numpy as np
+import overview_dsp as ov
+from overview_dsp.live.portaudio import OutputStream
+
+path, block, kind, seconds = sys.argv[1], int(sys.argv[2]), sys.argv[3], float(sys.argv[4])
+engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
+engine.prepare(48_000, 8192)
+stream = OutputStream(engine, device="system", block_size=block, callback=kind)
+gesture = ov.rest(1.0) + ov.tap(0.95, 0.7)  # the recorder is on by then
+for stamp, theta2, touching in zip(gesture.stamps(48_000), gesture.theta2, gesture.touching):
+    engine.control(float(theta2), bool(touching), int(stamp))
+stream.start()
+client = jack.Client("recorder")
+ports = [client.inports.register(name) for name in ("click", "tactor")]
+heard = np.zeros((round(seconds * 48_000), 2), dtype=np.float32)
+state = {"at": 0, "xruns": 0}
+
+@client.set_process_callback
+def record(frames):
+    at = state["at"]
+    count = min(frames, len(heard) - at)
+    for channel, port in enumerate(ports):
+        heard[at : at + count, channel] = port.get_array()[:count]
+    state["at"] = at + count
+
+@client.set_xrun_callback
+def count(delay):
+    state["xruns"] += 1
+
+with client:
+    for channel, port in enumerate(ports):
+        client.connect(f"PortAudio:out_{channel}", port)
+    while state["at"] < len(heard):
+        time.sleep(0.02)
+meters = stream.meters
+stream.close()
+np.save(path, heard)
+print(json.dumps({**vars(meters), "late_events": engine.meters.late_events, **state}))
+"""
+
+
+def aligned(recorded, expected):
+    """The recording from where the expected sound starts, by the first sample that is not zero."""
+    first = int(np.flatnonzero(recorded.any(axis=1))[0])
+    begin = int(np.flatnonzero(expected.any(axis=1))[0])
+    late = first - begin
+    # the recorder may have begun after the stream did
+    padded = np.concatenate([np.zeros((max(0, -late), 2), dtype=np.float32), recorded])
+    return padded[max(0, late) :][: len(expected)]
+
+
+@pytest.mark.parametrize("block", [64, 256, 1024])
+def test_what_is_heard_is_the_offline_render_sample_for_sample(match, football, tmp_path, block):
+    expected = ov.render(match, football, GESTURE, tail=1.0, trace=False).samples
+    path = tmp_path / "heard.npy"
+    for _ in range(5):  # a run in which the machine lost a period is repeated
+        # the server's period is long, so that the recorder (in Python) keeps up; PortAudio cuts it
+        with jack_server.Server(period=512) as server:
+            report = json.loads(server.run(PLAY, path, block, "native", 4.0))
+        heard = aligned(np.load(path), expected)
+        if report["underflows"] == 0 and report["xruns"] == 0:
+            break
+    assert report["late_events"] == 0
+    assert np.array_equal(heard, expected)
+
+
+def test_the_python_callback_plays_the_same(match, football, tmp_path):
+    expected = ov.render(match, football, GESTURE, tail=1.0, trace=False).samples
+    path = tmp_path / "heard.npy"
+    for _ in range(5):
+        with jack_server.Server(period=512) as server:
+            server.run(PLAY, path, 256, "python", 4.0)
+        heard = aligned(np.load(path), expected)
+        # player and recorder share an interpreter here: periods are lost, and the run repeated
+        if np.array_equal(heard, expected):
+            break
+    assert np.array_equal(heard, expected)
+
+
+HELD = """
+import ctypes, json, sys, time
+import overview_dsp as ov
+from overview_dsp.live.portaudio import OutputStream
+
+engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
+engine.prepare(48_000, 8192)
+with OutputStream(engine, device="system", block_size=256, callback="native") as stream:
+    engine.control(2.0, True)
+    time.sleep(0.5)
+    before = stream.meters.callbacks
+    ctypes.PyDLL(None).usleep(2_000_000)  # one C call that keeps the interpreter locked
+    during = stream.meters.callbacks - before
+    print(json.dumps({"during": during, "due": 2.0 * 48_000 / 256}))
+"""
+
+
+def test_blocks_go_on_while_a_c_call_holds_the_interpreter_for_two_seconds():
+    with jack_server.Server(period=256) as server:
+        report = json.loads(server.run(HELD))
+    assert report["during"] >= 0.99 * report["due"]
+
+
+OPEN_AND_CLOSE = """
+import gc, json, os, threading
+import overview_dsp as ov
+from overview_dsp.live.portaudio import OutputStream
+
+engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
+engine.prepare(48_000, 8192)
+
+def state():
+    gc.collect()
+    fields = dict(line.split(":", 1) for line in open("/proc/self/status"))
+    return {
+        "files": len(os.listdir("/proc/self/fd")),
+        "threads": int(fields["Threads"]),
+        "kb": int(fields["VmRSS"].split()[0]),
+    }
+
+def cycle(times):
+    for _ in range(times):
+        stream = OutputStream(engine, device="system", block_size=256)
+        stream.start()
+        stream.close()
+
+cycle(10)
+before = state()
+cycle(int(__import__("sys").argv[1]))
+print(json.dumps([before, state()]))
+"""
+
+
+def test_opening_and_closing_leaks_nothing():
+    with jack_server.Server(period=256) as server:
+        before, after = json.loads(server.run(OPEN_AND_CLOSE, 40))
+    assert after["files"] == before["files"]
+    assert after["threads"] == before["threads"]
+    assert after["kb"] <= before["kb"] + 2000
+
+
+DROPPED = """
+import gc, time
+import overview_dsp as ov
+from overview_dsp.live import portaudio
+
+engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
+engine.prepare(48_000, 8192)
+portaudio.OutputStream(engine, device="system", block_size=256).start()
+del engine
+gc.collect()
+time.sleep(0.5)
+(stream,) = portaudio._RUNNING
+print(stream.meters.callbacks)
+"""
+
+
+def test_a_stream_that_everyone_forgot_plays_on_safely():
+    with jack_server.Server(period=256) as server:
+        assert int(server.run(DROPPED)) > 20
+
+
+DEVICES = """
+import sys
+from overview_dsp.cli import main
+sys.argv = ["overview", "devices", "--json"]
+main()
+"""
+
+
+def test_devices_lists_the_server_with_its_channels():
+    with jack_server.Server(period=256) as server:
+        found = json.loads(server.run(DEVICES))
+    assert any(output["name"] == "system" and output["channels"] == 2 for output in found)
+
+
+UNKNOWN = """
+import overview_dsp as ov
+from overview_dsp.live.portaudio import OutputStream
+engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
+engine.prepare(48_000, 512)
+try:
+    OutputStream(engine, device="nowhere")
+except ov.InputError as error:
+    print(error)
+"""
+
+
+def test_an_unknown_device_is_one_line():
+    with jack_server.Server(period=256) as server:
+        text = server.run(UNKNOWN)
+    assert text.count("\n") == 1
+    assert "nowhere" in text
