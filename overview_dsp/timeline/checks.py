@@ -7,6 +7,7 @@ import math
 import re
 import reprlib
 from collections.abc import Iterator
+from datetime import datetime, timedelta
 
 import numpy as np
 
@@ -102,3 +103,18 @@ def kind(value: object, what: str = "kind") -> str:
         f"{what} is {shown(value)}; a kind is 1 to {KIND_MAX_LENGTH} characters of a-z, 0-9 and _; "
         f"try '{example}'"
     )
+
+
+def moment(value: object, duration_s: float, what: str = "start") -> None:
+    """Refuse a start that is no calendar moment or whose end lies outside the calendar."""
+    if value is None:
+        return
+    if not isinstance(value, datetime):
+        raise InputError(f"{what} is {shown(value)}, not a date and time; give one or leave it out")
+    try:
+        value + timedelta(seconds=duration_s)
+    except OverflowError as error:
+        raise InputError(
+            f"{what} {value.isoformat()} and {duration_s!r} s end after the year 9999; "
+            "leave the start out"
+        ) from error

@@ -66,7 +66,17 @@ BUNDLED: dict[str, str] = {"world-cup-final-2018": "world_cup_final_2018.json"}
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
-def load_timeline(path: str | os.PathLike[str], duration_s: float | None = None) -> Timeline:
+def load_timeline(
+    path: str | os.PathLike[str],
+    duration_s: float | None = None,
+    *,
+    value: str | None = None,
+    time: str | None = None,
+    map: str | None = None,
+    rate: float | None = None,
+    match: str | None = None,
+    max_mb: float | None = None,
+) -> Timeline:
     """Load a timeline from any supported file, or a bundled one by its name.
 
     Parameters
@@ -76,13 +86,23 @@ def load_timeline(path: str | os.PathLike[str], duration_s: float | None = None)
         `./world-cup-final-2018`).
     duration_s
         Length in s, for a format that takes it (event lists).
+    value, time, map, rate, match, max_mb
+        As `LoadOptions` says, each for the formats that take it.
 
     Raises
     ------
     InputError
         One line: what is wrong, where, what is known, what to try.
     """
-    options = LoadOptions(duration_s=_duration(duration_s))
+    options = LoadOptions(
+        duration_s=_positive(duration_s, "duration_s", "a duration is seconds"),
+        value=_words(value, "value"),
+        time=_words(time, "time"),
+        map=_words(map, "map"),
+        rate=_positive(rate, "rate", "a rate is samples a second"),
+        match=_words(match, "match"),
+        max_mb=_positive(max_mb, "max_mb", "a limit is megabytes"),
+    )
     try:
         name = os.fspath(path)
     except TypeError as error:
@@ -123,12 +143,14 @@ def _bundled_names() -> str:
     return ", ".join(BUNDLED)
 
 
-def _duration(duration_s: float | None) -> float | None:
-    if duration_s is None:
+def _positive(given: float | None, name: str, meaning: str) -> float | None:
+    if given is None:
         return None
-    return checks.positive(
-        duration_s, "duration_s", "a duration is a finite number of seconds above 0"
-    )
+    return checks.positive(given, name, f"{meaning}, a finite number above 0")
+
+
+def _words(given: str | None, name: str) -> str | None:
+    return None if given is None else checks.text(given, name)
 
 
 def _refuse_options(options: LoadOptions, what: str, taken: frozenset[str]) -> None:

@@ -6,6 +6,7 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 from functools import cached_property
 
 import numpy as np
@@ -43,6 +44,9 @@ class Timeline:
         Where the data are from and what was derived from what.
     notes
         What a person should know about them (warnings of the reader).
+    start
+        The calendar moment of time 0, with or without a time zone, or None where there is none
+        (a match clock).
 
     Raises
     ------
@@ -57,6 +61,7 @@ class Timeline:
     gaps: tuple[tuple[float, float], ...] = ()
     provenance: str = ""
     notes: tuple[str, ...] = ()
+    start: datetime | None = None
 
     def __post_init__(self) -> None:
         checks.text(self.title, "title")
@@ -67,6 +72,7 @@ class Timeline:
         object.__setattr__(self, "duration_s", duration_s)
         notes = tuple(checks.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
         object.__setattr__(self, "notes", notes)
+        checks.moment(self.start, duration_s)
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         object.__setattr__(self, "gaps", sorted_gaps(self.gaps, duration_s))
         if self.intensity is not None and self.intensity.time_s[-1] > duration_s:
@@ -172,6 +178,7 @@ class Timeline:
             intensity=intensity,
             gaps=cut_gaps(self.gaps, start, end),
             notes=notes,
+            start=self.start + timedelta(seconds=start) if self.start is not None else None,
         )
 
     def _curve_at(self, at: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,6 +5,7 @@
     {"overview_timeline": 1,                 the format's version, required
      "title": "Home 1-0 Away",               the file's name if left out
      "duration_s": 5640.0,                   required
+     "start": "2012-09-19T09:30:00-04:00",   calendar moment of time 0, ISO 8601, optional
      "intensity": {"time_s": [0, 5],         } either of these two
                    "value": [0.1, 0.4],      } may be left out
                    "unit": "dB"},            unit optional
@@ -21,6 +22,7 @@ from __future__ import annotations
 
 import json
 import os
+from datetime import datetime
 
 import numpy as np
 
@@ -38,6 +40,7 @@ _TOP_KEYS = (
     _KEY,
     "title",
     "duration_s",
+    "start",
     "intensity",
     "gaps",
     "events",
@@ -102,6 +105,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
             checks.text(note, f"notes[{i}]")
             for i, note in enumerate(_list(top.get("notes", []), "notes"))
         ),
+        start=_moment(top["start"]) if "start" in top else None,
     )
 
 
@@ -112,6 +116,8 @@ def encode(timeline: Timeline) -> bytes:
         ("title", _json(timeline.title)),
         ("duration_s", _json(timeline.duration_s)),
     ]
+    if timeline.start is not None:
+        entries.append(("start", _json(timeline.start.isoformat())))
     if timeline.provenance:
         entries.append(("provenance", _json(timeline.provenance)))
     if timeline.notes:
@@ -184,6 +190,17 @@ def _pairs(value: object) -> list[tuple[object, object]]:
             raise InputError(f"gaps[{i}] has {len(edges)} numbers; a gap is [start_s, end_s]")
         pairs.append((edges[0], edges[1]))
     return pairs
+
+
+def _moment(value: object) -> datetime:
+    text = checks.text(value, "start")
+    try:
+        return datetime.fromisoformat(text)
+    except ValueError as error:
+        raise InputError(
+            f"start is {checks.shown(value)}, not a date and time; write it as ISO 8601, such as "
+            "2012-09-19T09:30:00"
+        ) from error
 
 
 def _events(value: object, duration_s: float) -> tuple[Event, ...]:

@@ -37,9 +37,25 @@ class LoadOptions:
     ----------
     duration_s
         Length of the timeline, for a file that doesn't hold it.
+    value, time
+        Names of the columns with the values and the times.
+    map
+        What becomes the intensity: `level`, `change`, `activity`, `volatility`, or a column.
+    rate
+        Samples a second, for a file without times.
+    match
+        Which of the matches in a file: its number (from 1), or words of its line.
+    max_mb
+        Megabytes (2**20 bytes) a file may have, in place of the format's own limit.
     """
 
     duration_s: float | None = None
+    value: str | None = None
+    time: str | None = None
+    map: str | None = None
+    rate: float | None = None
+    match: str | None = None
+    max_mb: float | None = None
 
     def given(self) -> frozenset[str]:
         """Return the names of the options that were set."""

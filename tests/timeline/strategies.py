@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+
 import numpy as np
 from hypothesis import strategies as st
 
@@ -41,4 +43,10 @@ def timelines(draw: st.DrawFn) -> Timeline:
         gaps=tuple(zip(edges[::2], edges[1::2], strict=False)),
         provenance=draw(TEXT),
         notes=tuple(draw(st.lists(TEXT, max_size=3))),
+        start=draw(
+            st.none()
+            | st.datetimes(
+                datetime(1, 1, 2), datetime(9900, 1, 1), timezones=st.sampled_from([None, UTC])
+            )
+        ),
     )

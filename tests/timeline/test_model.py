@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import FrozenInstanceError, replace
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -276,6 +277,11 @@ def test_a_window_starts_at_zero_and_has_what_lies_in_it() -> None:
     assert part.intensity.time_s.tolist() == [0.0, 40.0, 60.0]
     assert part.intensity.value.tolist() == pytest.approx([12.0, 20.0, 8.0])
     assert part.notes[-1] == "the part from 0:10.0 to 1:10.0"
+
+
+def test_a_window_begins_at_its_own_calendar_moment() -> None:
+    timeline = Timeline("a day", 86_400.0, (Event(1.0, "a"),), start=datetime(2012, 9, 19))
+    assert timeline.window(3600.0, 7200.0).start == datetime(2012, 9, 19, 1)
 
 
 def test_events_at_both_ends_of_a_window_belong_to_it() -> None:
