@@ -49,11 +49,16 @@ class Server:
 
     def run(self, script: str, *arguments: object, timeout: float = 120.0) -> str:
         """Run a Python script in a process of its own: PortAudio sees the server at its start."""
-        done = subprocess.run(
-            [sys.executable, "-c", script, *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            timeout=timeout,
-        )
-        assert done.returncode == 0, done.stderr[-3000:]
-        return done.stdout
+        return run(script, *arguments, timeout=timeout)
+
+
+def run(script: str, *arguments: object, timeout: float = 120.0) -> str:
+    """What a Python script in a process of its own prints."""
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    return done.stdout
