@@ -217,17 +217,22 @@ def test_an_unknown_device_is_one_line():
 
 
 SERVER_KILLED = """
-import atexit, json, subprocess, sys, time
+import atexit, json, os, subprocess, sys, time
 import overview_dsp as ov
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.player import Player
 from overview_dsp.live.portaudio import OutputStream, rescan
 from overview_dsp.live.preset_watch import PresetWatch
 
+servers = []
+# registered first, so after PortAudio's own end
+atexit.register(lambda: [server.kill() for server in servers])
+
 def serve():
-    command = "jackd -r -d dummy -r 48000 -p 256 -C 2 -P 2".split()
+    name = os.environ["JACK_DEFAULT_SERVER"]
+    command = f"jackd -n {name} -r -d dummy -r 48000 -p 256 -C 2 -P 2".split()
     server = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    atexit.register(server.kill)  # after PortAudio's own end
+    servers.append(server)
     time.sleep(2.0)
     return server
 
