@@ -180,6 +180,16 @@ class Player:
         self._hold(place)
         self._release_at = time.monotonic() + TAP_HOLD_S
 
+    @property
+    def finger(self) -> float:
+        """Where the finger holds or held last, 0 to 1."""
+        return self._finger
+
+    @property
+    def holding(self) -> bool:
+        """Whether the finger is down."""
+        return self._touching
+
     def _hold(self, place: float) -> None:
         self._finger = min(max(place, 0.0), 1.0)
         self._touching = True

@@ -120,10 +120,10 @@ class PlayApp(App[None]):
 
     def _finger(self) -> float:
         """Where the hand is, or the disk if no hand holds it."""
-        status = self._status
-        if status is None:
-            return 0.0
-        return status.finger if status.touching else status.cursor
+        # not the status: keys may come faster than it is read
+        if self._player.holding or self._status is None:
+            return self._player.finger
+        return self._status.cursor
 
     def action_move(self, steps: int) -> None:
         """Move the finger by hundredths of the timeline, touching down if it isn't."""
@@ -135,14 +135,14 @@ class PlayApp(App[None]):
 
     def action_hold(self) -> None:
         """Let go if the finger holds, else tap where it was last."""
-        if self._status is not None and self._status.touching:
+        if self._player.holding:
             self._player.release()
         else:
             self.action_tap()
 
     def action_tap(self) -> None:
         """A step to where the finger is or was last."""
-        self._player.tap(self._status.finger if self._status is not None else 0.0)
+        self._player.tap(self._player.finger)
 
     def action_release(self) -> None:
         """Let go."""

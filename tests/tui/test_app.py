@@ -98,6 +98,16 @@ def test_the_keys_move_tap_and_let_go(player):
     drive(player, script)
 
 
+def test_keys_that_come_faster_than_the_screen_all_count(player):
+    async def script(app, pilot):
+        app.action_to(0.5)
+        for _ in range(10):
+            app.action_move(1)
+        assert await until(pilot, lambda: abs(cursor(player) - 0.6) < 0.002)
+
+    drive(player, script)
+
+
 def test_brackets_go_from_event_to_event(player):
     async def script(app, pilot):
         await pilot.press("right_square_bracket")
