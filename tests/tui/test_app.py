@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
+import numpy as np
 import pytest
 
 from overview_dsp.live.output_settings import OutputSettings
@@ -41,12 +42,18 @@ def drive(player, script, size=(100, 30)):
     return asyncio.run(inside())
 
 
-async def until(pilot, condition, seconds=5.0):
+async def until(pilot, condition, seconds=15.0):
     for _ in range(round(seconds / 0.05)):
         await pilot.pause(0.05)
         if condition():
             return True
     return False
+
+
+def applied(player):
+    """What the hand did so far: (touching, place) of each event the kernel applied."""
+    events, _ = player.engine.take_applied(0)
+    return [(bool(event["touching"]), event["theta2"] / np.pi) for event in events]
 
 
 def cursor(player):
@@ -75,8 +82,10 @@ def test_a_click_is_a_tap_that_lets_go_by_itself(player, monkeypatch):
 
     async def script(app, pilot):
         await pilot.click(TimelineView, offset=(50, 5))
-        assert await until(pilot, lambda: cursor(player) > 0.45, 1.0)
-        assert await until(pilot, lambda: not player.engine.meters.touching, 3.0)
+        assert await until(pilot, lambda: applied(player)[-1:] == [(False, pytest.approx(50 / 99))])
+        *_, down, up = player.engine.take_applied(0)[0]
+        assert down["touching"]
+        assert up["sample"] - down["sample"] >= 48_000 * 0.9
         assert await until(pilot, lambda: cursor(player) < 0.2)
 
     drive(player, script)
@@ -90,8 +99,9 @@ def test_the_keys_move_tap_and_let_go(player):
         assert await until(pilot, lambda: abs(cursor(player) - 0.89) < 0.005)
         await pilot.press("space")
         assert await until(pilot, lambda: not player.engine.meters.touching)
+        before = len(applied(player))
         await pilot.press("enter")
-        assert await until(pilot, lambda: player.engine.meters.touching)
+        assert await until(pilot, lambda: (True, pytest.approx(0.89)) in applied(player)[before:])
         await pilot.press("escape", "home")
         assert await until(pilot, lambda: cursor(player) < 0.01)
 
@@ -145,15 +155,18 @@ def test_mutes_silence_what_they_name(player):
         await pilot.pause(0.2)
         assert (player.settings.click.mute, player.settings.tactor.mute) == (True, True)
         player.poll()
-        player.tap(0.9)
-        await pilot.pause(0.5)
+        player.touch(0.9)
+        await until(pilot, lambda: cursor(player) > 0.8)
         assert app._status.peak_tactor == 0.0
         assert app._status.peak_click == 0.0
         assert "muted" in str(app.query_one("MetersView").render())
         await pilot.press("t")
-        player.tap(0.1)
-        player.tap(0.9)
-        assert await until(pilot, lambda: app._status.peak_tactor > 0.1)
+
+        def felt():
+            player.touch(0.1 if player.finger > 0.5 else 0.9)
+            return app._status.peak_tactor > 0.1
+
+        assert await until(pilot, felt)
 
     drive(player, script)
 
