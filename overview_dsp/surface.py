@@ -5,6 +5,9 @@
 The intensity is the timeline's curve scaled to 0..1. Overlapping profiles combine by their maximum,
 so that none is drowned in a sum and each stays findable; every event keeps a strike of its own.
 
+A kind whose events lie denser than its `spacing_percent` is left out as a whole: a thousand beats
+of a heart would be one blur. A window that spreads them brings them up.
+
 An event strikes at its place. One nearer than half its width to an end of the timeline strikes half
 its width from that end, where its profile lets the disk go: a hand can pass it there.
 """
@@ -13,7 +16,9 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +29,7 @@ from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
 from overview_dsp.profiles import REACH, profile, span
 
 if TYPE_CHECKING:
-    from overview_dsp.timeline import Timeline
+    from overview_dsp.timeline import Event, Timeline
 
 CELLS = 65536
 """Cells of the table; `kernels.layout.CELLS` is the same number (a test holds them together)."""
@@ -58,6 +63,8 @@ class Surface:
         (-inf, inf) where that reaches an end of the timeline.
     kind_names, kind_modes : tuples
         Event kinds with their clicks; a mode's gain includes its kind's.
+    left_out : mapping of kind to count
+        Events that lie too densely to be felt one by one.
     """
 
     friction: NDArray[np.float64]
@@ -68,6 +75,7 @@ class Surface:
     span: NDArray[np.float64]
     kind_names: tuple[str, ...]
     kind_modes: tuple[tuple[Mode, ...], ...]
+    left_out: Mapping[str, int] = field(default_factory=dict)
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
@@ -111,9 +119,15 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     InputError
         More events than the surface has cells.
     """
-    if len(timeline.events) > MAX_EVENTS:
+    left_out = _too_dense(timeline, preset)
+    felt = [
+        (i, event)
+        for i, event in enumerate(timeline.events)
+        if _felt_as(event, preset) not in left_out
+    ]
+    if len(felt) > MAX_EVENTS:
         raise InputError(
-            f"{timeline.title or 'the timeline'}: {len(timeline.events)} events; "
+            f"{timeline.title or 'the timeline'}: {len(felt)} events; "
             f"a surface holds up to {MAX_EVENTS}, use a shorter window"
         )
     cells = np.arange(CELLS + 1, dtype=np.float64)
@@ -130,20 +144,20 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
             stacklevel=2,
         )
     names = tuple(preset.kinds)
-    count = len(timeline.events)
+    count = len(felt)
     place = np.zeros(count)
     release = np.zeros(count)
     kind_index = np.zeros(count, dtype=np.int64)
     spans = np.zeros((count, 2))
     raised = np.zeros(CELLS + 1)
-    felt = {event.kind if event.kind in preset.kinds else DEFAULT_KIND for event in timeline.events}
+    kinds_felt = {_felt_as(event, preset) for _, event in felt}
     widths = {
         name: _width_cells(kind, name, timeline.duration_s)
         for name, kind in preset.kinds.items()
-        if name in felt
+        if name in kinds_felt
     }
-    for i, event in enumerate(timeline.events):
-        name = event.kind if event.kind in preset.kinds else DEFAULT_KIND
+    for i, (_, event) in enumerate(felt):
+        name = _felt_as(event, preset)
         kind, width = preset.kinds[name], widths[name]
         centre = event.time_s / timeline.duration_s * CELLS
         height = bare * kind.height * event.weight
@@ -178,11 +192,25 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         place=place[order] / CELLS,
         release=release[order],
         kind=kind_index[order],
-        event=order.astype(np.int64),
+        event=np.array([felt[i][0] for i in order], dtype=np.int64),
         span=spans[order] / CELLS,
         kind_names=names,
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
+        left_out=left_out,
     )
+
+
+def _felt_as(event: Event, preset: Preset) -> str:
+    return event.kind if event.kind in preset.kinds else DEFAULT_KIND
+
+
+def _too_dense(timeline: Timeline, preset: Preset) -> dict[str, int]:
+    counts = Counter(_felt_as(event, preset) for event in timeline.events)
+    return {
+        name: count
+        for name, count in counts.items()
+        if count > 1 and count * preset.kinds[name].spacing_percent > 100.0
+    }
 
 
 def _modes(kind: Kind) -> tuple[Mode, ...]:

@@ -41,6 +41,7 @@ class Kind:
     width_percent: float | None = None
     width_ms: float | None = None
     shape: str = "gaussian"
+    spacing_percent: float = 0.0
     gain_db: float = 0.0
     modes: tuple[Mode, ...] = ()
 

@@ -14,6 +14,9 @@ from importlib import resources
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks, events_csv, native, statsbomb
+from overview_dsp.timeline.audio import reader as audio
+from overview_dsp.timeline.heart import table_reader as heart_table
+from overview_dsp.timeline.heart import wfdb_reader
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.source import LoadOptions, Source, decode_text, parse_json
 
@@ -57,6 +60,24 @@ FORMATS: tuple[Format, ...] = (
         events_csv.read,
         frozenset({"duration_s"}),
     ),
+    Format(
+        "WFDB record (.hea, with .dat and .atr beside it)",
+        wfdb_reader.sniff,
+        wfdb_reader.read,
+        frozenset({"value", "map"}),
+    ),
+    Format(
+        "ECG or pulse wave (table of samples, with rate or a column of times)",
+        heart_table.sniff,
+        heart_table.read,
+        frozenset({"rate", "value", "time", "map", "max_mb"}),
+    ),
+    Format(
+        "recording (WAV, FLAC, Ogg, MP3, AIFF and what else libsndfile opens)",
+        audio.sniff,
+        audio.read,
+        frozenset({"map", "max_mb"}),
+    ),
 )
 """The formats that can be read, asked in this order."""
 
@@ -76,6 +97,7 @@ def load_timeline(
     rate: float | None = None,
     match: str | None = None,
     max_mb: float | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Timeline:
     """Load a timeline from any supported file, or a bundled one by its name.
 
@@ -88,6 +110,8 @@ def load_timeline(
         Length in s, for a format that takes it (event lists).
     value, time, map, rate, match, max_mb
         As `LoadOptions` says, each for the formats that take it.
+    progress
+        Called with the part of the file that is read, 0 to 1, by formats that may take long.
 
     Raises
     ------
@@ -102,6 +126,7 @@ def load_timeline(
         rate=_positive(rate, "rate", "a rate is samples a second"),
         match=_words(match, "match"),
         max_mb=_positive(max_mb, "max_mb", "a limit is megabytes"),
+        progress=progress,
     )
     try:
         name = os.fspath(path)
@@ -113,7 +138,7 @@ def load_timeline(
         _refuse_options(options, name, frozenset())
         return bundled_timeline(name)
     try:
-        source = Source.open(path)
+        source = Source.open(path, options)
     except InputError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         hint = f", or use a bundled name ({_bundled_names()})" if missing else ""
