@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.files import whole_file
+from overview_dsp.presets.model import Preset
 from overview_dsp.rendering import Result
 from overview_dsp.timeline import Timeline
 from overview_dsp.units import HALF_TURN
@@ -198,6 +199,49 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
             clip_on=False,
             zorder=4,
         )
+
+
+def plot_gallery(result: Result, preset: Preset) -> Figure:
+    """What is heard and felt of each kind of event, in the order it is passed."""
+    figure = _figure(11.0, 4.6)
+    heard, felt = figure.subplots(2, 1, sharex=True)
+    rate = result.sample_rate
+    trace = result.trace
+    assert trace is not None
+    # out only: the recoil is the same backwards, and slower
+    count = int(np.argmax(trace.touching < 0.5)) or len(trace.time)
+    time = trace.time[:count]
+    heard.plot(*extremes(time, result.samples[:count, 0].astype(float)), color=BLUE, linewidth=0.7)
+    heard.set_ylabel("click")
+    level = 20.0 * np.log10(np.maximum(trace.envelope[:count], 1e-4))
+    felt.plot(*extremes(time, level), color=VERMILION, linewidth=1.0)
+    felt.set_ylabel("vibration, dB")
+    felt.set_ylim(-60.0, 3.0)
+    felt.set_xlabel("time, s")
+    seen: set[str] = set()
+    for at, event in zip(result.strikes.time_s, result.strikes.event, strict=True):
+        if at * rate >= count:
+            continue
+        for axes in (heard, felt):
+            axes.axvline(at, color=GREY, linewidth=0.5, zorder=0)
+        kind = result.engine.timeline.events[event].kind
+        if kind not in seen:
+            seen.add(kind)
+            heard.annotate(
+                kind,
+                (at, 1.0),
+                xycoords=heard.get_xaxis_transform(),
+                xytext=(0, 3),
+                textcoords="offset points",
+                rotation=35.0,
+                fontsize=7,
+                va="bottom",
+            )
+    for axes in (heard, felt):
+        _tidy(axes)
+    figure.suptitle(f"{preset.title}: {preset.description}", x=0.01, ha="left", fontsize=10)
+    figure.subplots_adjust(left=0.065, right=0.985, top=0.74, bottom=0.11, hspace=0.1)
+    return figure
 
 
 def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:
