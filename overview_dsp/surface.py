@@ -2,7 +2,8 @@
 
     B = friction * (1 + ambience * intensity) + max over events of height * weight * profile
 
-The intensity is the timeline's curve scaled to 0..1. Overlapping profiles combine by their maximum,
+The intensity is the timeline's curve scaled to 0..1; where data is missing there are ribs instead
+(`gap_ribs`). Overlapping profiles combine by their maximum,
 so that none is drowned in a sum and each stays findable; every event keeps a strike of its own.
 
 An event strikes at its place. One nearer than half its width to an end of the timeline strikes half
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.gap_ribs import ribs
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
 from overview_dsp.profiles import REACH, profile, span
 
@@ -104,7 +106,8 @@ def _width_cells(kind: Kind, name: str, duration_s: float) -> float:
 def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     """The surface of a timeline under a preset.
 
-    Warns (OverviewWarning) of event kinds the preset doesn't name; they take its `default`.
+    Warns (OverviewWarning) of event kinds the preset doesn't name, which take its `default`, and
+    of gaps too narrow to be felt.
 
     Raises
     ------
@@ -120,6 +123,15 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     bare = preset.number("surface.friction")
     intensity = timeline.normalised_intensity_at(cells * (timeline.duration_s / CELLS))
     ambient = bare * (1.0 + preset.number("surface.ambience") * intensity)
+    if timeline.gaps:
+        missing, friction = ribs(
+            timeline.gaps,
+            timeline.duration_s,
+            CELLS,
+            preset.number("surface.gap_height"),
+            preset.number("surface.gap_period_percent"),
+        )
+        ambient[missing] = bare * friction
 
     unknown = sorted({event.kind for event in timeline.events} - set(preset.kinds))
     if unknown:
