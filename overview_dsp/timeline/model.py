@@ -153,13 +153,7 @@ class Timeline:
         InputError
             Not 0 <= start_s < end_s <= duration_s.
         """
-        hint = f"give 0 <= start < end <= {self.duration_s!r} seconds"
-        start = checks.number(start_s, "window start", hint)
-        end = checks.number(end_s, "window end", hint)
-        if not 0.0 <= start < end <= self.duration_s:
-            raise InputError(
-                f"the window from {start!r} to {end!r} s is empty or outside the timeline; {hint}"
-            )
+        start, end = self.require_window(start_s, end_s)
         events = tuple(
             replace(event, time_s=event.time_s - start)
             for event in self.events
@@ -180,6 +174,17 @@ class Timeline:
             notes=notes,
             start=self.start + timedelta(seconds=start) if self.start is not None else None,
         )
+
+    def require_window(self, start_s: float, end_s: float) -> tuple[float, float]:
+        """Return a window's ends as floats; InputError if it is none, as `window`."""
+        hint = f"give 0 <= start < end <= {self.duration_s!r} seconds"
+        start = checks.number(start_s, "window start", hint)
+        end = checks.number(end_s, "window end", hint)
+        if not 0.0 <= start < end <= self.duration_s:
+            raise InputError(
+                f"the window from {start!r} to {end!r} s is empty or outside the timeline; {hint}"
+            )
+        return start, end
 
     def _curve_at(self, at: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.zeros(at.shape) if self.intensity is None else self.intensity.at(at)
