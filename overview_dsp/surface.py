@@ -121,7 +121,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         )
     cells = np.arange(CELLS + 1, dtype=np.float64)
     bare = preset.number("surface.friction")
-    intensity = timeline.normalised_intensity_at(cells * (timeline.duration_s / CELLS))
+    intensity = timeline.normalised_levels(CELLS)
     ambient = bare * (1.0 + preset.number("surface.ambience") * intensity)
     if timeline.gaps:
         missing, friction = ribs(

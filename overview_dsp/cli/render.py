@@ -6,7 +6,13 @@ from pathlib import Path
 
 import click
 
-from overview_dsp.cli.common import announce_compile, part_of, print_json, progress_bar, window_options
+from overview_dsp.cli.common import (
+    announce_compile,
+    part_of,
+    print_json,
+    progress_bar,
+    window_options,
+)
 from overview_dsp.gestures.spec import FORMS
 
 

@@ -16,7 +16,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event, sorted_events
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
-from overview_dsp.timeline.intensity import Intensity
+from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.units import clock_text
 
 __all__ = ["Event", "Intensity", "Timeline"]
@@ -75,10 +75,10 @@ class Timeline:
         checks.moment(self.start, duration_s)
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         object.__setattr__(self, "gaps", sorted_gaps(self.gaps, duration_s))
-        if self.intensity is not None and self.intensity.time_s[-1] > duration_s:
-            last = len(self.intensity.time_s) - 1
+        if self.intensity is not None and self.intensity.last_s > duration_s:
+            last = self.intensity.count - 1
             raise InputError(
-                f"intensity.time_s[{last}] is {float(self.intensity.time_s[last])!r}, after the "
+                f"intensity.time_s[{last}] is {self.intensity.last_s!r}, after the "
                 f"end of the timeline (duration_s {duration_s!r}); {checks.TIME_HINT}"
             )
         if not self.events and self.intensity is None:
@@ -102,6 +102,7 @@ class Timeline:
 
         If all points (outside gaps) lie within [0, 1] already, values are taken as they are, a
         constant too. Otherwise the smallest becomes 0 and the largest 1, and a constant curve 0.
+        A curve with percentiles of its own is scaled by these, always, and clipped beyond them.
         0 where there is no curve, as `intensity_at`.
         """
         at = np.asarray(times, dtype=np.float64)
@@ -111,6 +112,23 @@ class Timeline:
             return np.zeros(at.shape, dtype=np.float64)
         scaled = np.clip((self._curve_at(flat) - low) / span, 0.0, 1.0)
         return np.where(self._has_data(flat), scaled, 0.0).reshape(at.shape)
+
+    def normalised_levels(self, steps: int) -> NDArray[np.float64]:
+        """Return the curve on a scale of 0 to 1 at steps + 1 moments from the start to the end.
+
+        For a surface: each moment stands for those nearest to it. Where the curve has few points
+        it's `normalised_intensity_at`; where many points fall on one moment, what is felt of them
+        (`detail`). Inside a gap it may be anything from 0 to 1.
+        """
+        at = np.arange(steps + 1, dtype=np.float64) * (self.duration_s / steps)
+        low, span = self._scale
+        curve = self.intensity
+        if curve is None or span == 0.0:
+            return np.zeros(steps + 1)
+        levels = np.clip((curve.along(at) - low) / span, 0.0, 1.0)
+        if not curve.is_constant:
+            levels[(at < curve.first_s) | (at > curve.last_s)] = 0.0
+        return levels
 
     def kinds(self) -> dict[str, int]:
         """Return how many events of each kind there are, in order of first appearance."""
@@ -193,7 +211,7 @@ class Timeline:
         """Return where the curve covers `at`, shape (n,)."""
         if self.intensity is None:
             return np.zeros(at.shape, dtype=np.bool_)
-        first, last = self.intensity.time_s[0], self.intensity.time_s[-1]
+        first, last = self.intensity.first_s, self.intensity.last_s
         if self.intensity.is_constant:
             first, last = 0.0, self.duration_s
         covered = (at >= first) & (at <= last) & ~in_gap(self.gaps, at)
@@ -204,9 +222,12 @@ class Timeline:
         """Return the value that becomes 0 and the span that becomes 1."""
         if self.intensity is None:
             return 0.0, 0.0
-        value = self.intensity.value
-        if not self.intensity.is_constant:
-            known = value[self._has_data(self.intensity.time_s)]
-            value = known if known.size else value  # every point may lie in a gap
-        low, high = float(value.min()), float(value.max())
-        return (0.0, 1.0) if low >= 0.0 and high <= 1.0 else (low, high - low)
+        curve = self.intensity
+        if curve.count > LONG:
+            low, high = curve.scale_outside(self.gaps)
+        else:
+            times = np.asarray(curve.time_s)
+            known = np.ones(1, np.bool_) if curve.is_constant else self._has_data(times)
+            low, high = curve.scale(known)
+        as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
+        return (0.0, 1.0) if as_is else (low, high - low)

@@ -81,8 +81,7 @@ def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
     """
     moments = [_parsed(text, timeline) for text in (start, end)]
     first, last = (
-        _stopped(text, moment, timeline)
-        for text, moment in zip((start, end), moments, strict=True)
+        _stopped(text, moment, timeline) for text, moment in zip((start, end), moments, strict=True)
     )
     if first >= last and any(moment.stops for moment in moments):
         raise InputError(
