@@ -16,8 +16,8 @@ from overview_dsp.timeline.intensity import (
     require_increasing,
     require_values,
 )
-from overview_dsp.timeline.points import Points
-from overview_dsp.timeline.pyramid import CHUNK, PyramidBuilder
+from overview_dsp.timeline.points import Points, Times
+from overview_dsp.timeline.pyramid import CHUNK, PyramidBuilder, Values
 from overview_dsp.timeline.store import Store
 
 
@@ -72,7 +72,7 @@ class CurveBuilder:
         self._take_times(len(chunk), time_s)
         missing = np.isnan(chunk)
         first = self.count
-        if missing.any():
+        if missing.any() or self._open is not None:
             self._note_holes(missing, first)
         if self._known is None:
             if missing.all():
@@ -100,7 +100,7 @@ class CurveBuilder:
                 f"values reach beyond {largest:.3g}, the largest of float32; keep them as float64 "
                 f"(to {MAX_VALUE:g})"
             )
-        kept = chunk.astype(self._dtype)
+        kept: Values = chunk.astype(self._dtype)
         self._values.append(kept)
         self._pyramid.append(kept)
 
@@ -165,7 +165,7 @@ class CurveBuilder:
             raise InputError("give the times with the values, or the step between them, not both")
         value = self._values.finish()
         if self._times is not None:
-            time_s = self._times.finish()
+            time_s: Times = self._times.finish()
         else:
             assert step_s is not None
             time_s = EvenTimes(len(value), step_s, first_s)

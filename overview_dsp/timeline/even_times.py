@@ -60,11 +60,13 @@ class EvenTimes:
 
     def tolist(self) -> list[float]:
         """All of them."""
-        return self[:].tolist()
+        every: list[float] = self[:].tolist()
+        return every
 
     def at(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the times of some indices."""
-        return self.first_s + index * self.step_s
+        times: NDArray[np.float64] = self.first_s + index.astype(np.float64) * self.step_s
+        return times
 
     def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the first index whose time is at or after each of `times` (up to count)."""

@@ -164,10 +164,10 @@ class Intensity:
         borders = np.concatenate((times - half, [np.inf])) + self._shift
         edges = np.clip(self.points.first_from(borders), first, last)
         mean, top = self.points.runs(edges)
+        empty = np.flatnonzero(edges[1:] == edges[:-1])
+        if len(empty):  # uneven times, or hardly more points than times
+            mean[empty] = top[empty] = self.at(times[empty])
         felt = with_peaks(mean, top)
-        lone = np.flatnonzero(np.diff(edges) <= 1)
-        if len(lone):  # uneven times
-            felt[lone] = self.at(times[lone])
         return np.where((times >= self.first_s) & (times <= self.last_s), felt, 0.0)
 
     def cut(self, start: float, end: float) -> Intensity | None:
@@ -273,6 +273,11 @@ class Part(Intensity):
     `low` and `high` are its ends on the axis of `whole`; there it is interpolated.
     """
 
+    _start: float
+    _bounds: NDArray[np.float64]
+    _inner: tuple[int, int]
+    _ends_s: tuple[float, float]
+
     def __init__(self, whole: Intensity, start: float, low: float, high: float) -> None:
         bounds = np.array([low, high]) + whole._shift
         points = whole.points
@@ -289,13 +294,13 @@ class Part(Intensity):
             self.__dict__[name] = value
 
     @property
-    def time_s(self) -> NDArray[np.float64]:  # type: ignore[override]
+    def time_s(self) -> NDArray[np.float64]:
         """The times of the points and of the two ends, made when asked for."""
         inner = self.points.times_of(np.arange(*self._inner)) - self._start
         return np.concatenate((self._ends_s[:1], inner, self._ends_s[1:]))
 
     @property
-    def value(self) -> NDArray[np.float64]:  # type: ignore[override]
+    def value(self) -> NDArray[np.float64]:
         """The values of the points and of the two ends, made when asked for."""
         low, high = self.points.interpolate(self._bounds)
         first, stop = self._inner
@@ -361,9 +366,9 @@ def require_increasing(
 
 def require_values(value: Values, first: int = 0) -> None:
     """Refuse values (points `first` ...) that are not finite or too large."""
-    if len(value) and -MAX_VALUE <= value.min() and value.max() <= MAX_VALUE:  # NaN fails too
-        return
-    for i in np.flatnonzero(~(np.abs(value) <= MAX_VALUE)):
+    if not len(value) or max(-float(value.min()), float(value.max())) <= MAX_VALUE:
+        return  # NaN isn't less or equal either
+    for i in np.flatnonzero(~(np.abs(value.astype(np.float64)) <= MAX_VALUE)):
         raise InputError(
             f"intensity.value[{first + i}] is {float(value[i])!r}; values reach from "
             f"-{MAX_VALUE:g} to {MAX_VALUE:g}: choose a larger unit"
@@ -408,9 +413,8 @@ def _row(values: object, what: str) -> NDArray[np.generic]:
 def _as_given(values: object, what: str) -> Values:
     """Return a read-only view of one row of float32 or float64; others as float64."""
     given = _row(values, what)
-    kept: Values = (
-        given.view() if given.dtype in (np.float32, np.float64) else given.astype(np.float64)
-    )
+    keeps = given.dtype in (np.float32, np.float64)
+    kept: Values = np.asanyarray(given, None if keeps else np.float64).view()
     kept.setflags(write=False)
     return kept
 

@@ -5,7 +5,8 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
 
@@ -172,26 +173,27 @@ class Timeline:
             Not 0 <= start_s < end_s <= duration_s.
         """
         start, end = self.require_window(start_s, end_s)
-        events = tuple(
-            replace(event, time_s=event.time_s - start)
-            for event in self.events
-            if start <= event.time_s <= end
-        )
+        first = bisect_left(self.events, start, key=_time_s)
+        stop = bisect_right(self.events, end, key=_time_s)
+        events = tuple(event.moved(event.time_s - start) for event in self.events[first:stop])
         intensity = self.intensity.cut(start, end) if self.intensity is not None else None
         notes = (*self.notes, f"the part from {clock_text(start)} to {clock_text(end)}")
         if not events and intensity is None:
             unit = self.intensity.unit if self.intensity is not None else ""
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
             notes = (*notes, "nothing happens in this part: no event, no curve")
-        return replace(
-            self,
+        part = object.__new__(Timeline)  # a part of what was checked
+        part.__dict__.update(
+            title=self.title,
             duration_s=end - start,
             events=events,
             intensity=intensity,
             gaps=cut_gaps(self.gaps, start, end),
+            provenance=self.provenance,
             notes=notes,
             start=self.start + timedelta(seconds=start) if self.start is not None else None,
         )
+        return part
 
     def require_window(self, start_s: float, end_s: float) -> tuple[float, float]:
         """Return a window's ends as floats; InputError if it is none, as `window`."""
@@ -231,3 +233,7 @@ class Timeline:
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
+
+
+def _time_s(event: Event) -> float:
+    return event.time_s

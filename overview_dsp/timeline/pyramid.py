@@ -7,13 +7,15 @@ number of bins of any width are told without looking at all values again.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.timeline.store import Store
 
-Values = NDArray[np.float32] | NDArray[np.float64]
+Values = NDArray[np.floating[Any]]
+"""float32 or float64."""
 
 BIN = 16
 """Values in a bin of the lowest level: three sixteenths of the values' own size on top of it."""
