@@ -14,6 +14,7 @@ from importlib import resources
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks, events_csv, native, statsbomb
+from overview_dsp.timeline.football import metrica, minute_list, openfootball, wyscout
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.source import LoadOptions, Source, decode_text, parse_json
 
@@ -32,12 +33,15 @@ class Format:
         Makes the Timeline; errors begin with the file's path.
     options
         The names of the `LoadOptions` it takes.
+    matches
+        For files of several matches: gives a line on each, in the order of their numbers.
     """
 
     name: str
     sniff: Callable[[Source], bool]
     read: Callable[[Source, LoadOptions], Timeline]
     options: frozenset[str] = frozenset()
+    matches: Callable[[Source], list[str]] | None = None
 
 
 FORMATS: tuple[Format, ...] = (
@@ -50,6 +54,32 @@ FORMATS: tuple[Format, ...] = (
         "StatsBomb events (JSON list with period, timestamp and type)",
         statsbomb.sniff,
         statsbomb.read,
+    ),
+    Format(
+        "Metrica raw events (CSV with Team, Type, Subtype and Start Time [s])",
+        metrica.sniff,
+        metrica.read,
+    ),
+    Format(
+        "Wyscout v2 events (JSON with matchPeriod, eventSec and tags)",
+        wyscout.sniff,
+        wyscout.read,
+        frozenset({"match"}),
+        wyscout.matches,
+    ),
+    Format(
+        "openfootball matches (JSON with team1, team2 and goals)",
+        openfootball.sniff,
+        openfootball.read,
+        frozenset({"match"}),
+        openfootball.matches,
+    ),
+    Format(
+        "list of minutes (CSV with minute and type or scorer)",
+        minute_list.sniff,
+        minute_list.read,
+        frozenset({"match"}),
+        minute_list.matches,
     ),
     Format(
         "event list (CSV with the columns time_s and kind)",
@@ -76,6 +106,7 @@ def load_timeline(
     rate: float | None = None,
     match: str | None = None,
     max_mb: float | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Timeline:
     """Load a timeline from any supported file, or a bundled one by its name.
 
@@ -88,6 +119,8 @@ def load_timeline(
         Length in s, for a format that takes it (event lists).
     value, time, map, rate, match, max_mb
         As `LoadOptions` says, each for the formats that take it.
+    progress
+        Called with the part of the file that is read, 0 to 1, by formats that may take long.
 
     Raises
     ------
@@ -102,6 +135,7 @@ def load_timeline(
         rate=_positive(rate, "rate", "a rate is samples a second"),
         match=_words(match, "match"),
         max_mb=_positive(max_mb, "max_mb", "a limit is megabytes"),
+        progress=progress,
     )
     try:
         name = os.fspath(path)
@@ -113,7 +147,7 @@ def load_timeline(
         _refuse_options(options, name, frozenset())
         return bundled_timeline(name)
     try:
-        source = Source.open(path)
+        source = Source.open(path, options)
     except InputError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         hint = f", or use a bundled name ({_bundled_names()})" if missing else ""
