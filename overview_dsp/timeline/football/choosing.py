@@ -56,6 +56,8 @@ def choose(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> 
         number = int(words[0][:18])
         if 1 <= number <= len(lines):
             return number - 1
+        if number < 1000:  # no year either
+            raise InputError(f"there is no match {number}; give a number, 1 to {len(lines)}")
     asked = checks.shown(match)
     if not words:
         raise InputError(f"match is {asked}; give a number, 1 to {len(lines)}, or words")

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
-from overview_dsp.timeline.football.minutes import SHOOT_OUT, START_LABELS
+from overview_dsp.timeline.football.minutes import SHOOT_OUT, START_LABELS, STARTS
 from overview_dsp.timeline.football.story import Happening, Told
 from overview_dsp.timeline.football.table import header_of, rows
 from overview_dsp.timeline.model import Timeline
@@ -38,6 +38,7 @@ SLACK_S = 60.0
 
 MAX_S = 86_400.0
 
+_CLOCK_STARTS_S = (0.0, *(60.0 * minute for minute in STARTS.values()))
 _NEEDED = ("team", "type", "subtype", "period", "start time [s]")
 _NUMBER = re.compile(r"\d{1,9}(\.\d+)?(e[+-]?\d{1,2})?", re.ASCII | re.IGNORECASE)
 
@@ -84,7 +85,12 @@ def decode(text: str, default_title: str = "") -> Timeline:
     InputError
         A period or time that is none; a team that is a third one.
     """
-    listed = [_row(fields, f"line {line}") for line, fields in rows(text)]
+    listed = []
+    for line, fields in rows(text):
+        if not set(_NEEDED) <= fields.keys():
+            missing = next(name for name in _NEEDED if name not in fields)
+            raise InputError(f"no column '{missing}' in the header; is it Metrica's raw events?")
+        listed.append(_row(fields, f"line {line}"))
     played = [row for row in listed if row.period != SHOOT_OUT]
     if not played:
         raise InputError("no actions of play below the header; is the file complete?")
@@ -162,7 +168,7 @@ def _shifts(played: list[_Row], notes: list[str]) -> dict[int, float]:
         begin_s = min(row.start_s for row in of_it)
         shifts[period] = 0.0
         if begin_s < end_s - SLACK_S:
-            shifts[period] = end_s - begin_s
+            shifts[period] = end_s - max(at for at in _CLOCK_STARTS_S if at <= begin_s)
             notes.append(
                 f"the clock begins anew in period {period}: it is laid after the one before"
             )

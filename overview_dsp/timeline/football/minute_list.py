@@ -2,10 +2,14 @@
 
 ::
 
-    minute,type,player,team                     date,home_team,away_team,team,scorer,minute,own_goal,penalty
-    18,own goal,Mandžukić,Croatia               2018-07-15,France,Croatia,France,Mario Mandžukić,18,TRUE,FALSE
-    45+2,yellow card,Kanté,France               2018-07-15,France,Croatia,Croatia,Ivan Perišić,28,FALSE,FALSE
+    minute,type,player,team
+    18,own goal,Mandžukić,Croatia
+    45+2,yellow card,Kanté,France
     90+3',goal,Pogba,France
+
+    date,home_team,away_team,team,scorer,minute,own_goal,penalty
+    2018-07-15,France,Croatia,France,Mario Mandžukić,18,TRUE,FALSE
+    2018-07-15,France,Croatia,Croatia,Ivan Perišić,28,FALSE,FALSE
 
 Columns are known by many names (`COLUMNS`), in any order, and others are ignored; fields are
 separated by commas, semicolons, tabs or bars. `type` in any common words (`Goal`, `own goal`,
@@ -17,8 +21,8 @@ what is none of them (substitutions, corners, passes) is left out and counted in
   at its minute times 60 s, within 60 s of the truth either way. A list of goals (a column of
   scorers and no column of types) counts from 1: a goal is placed in the middle of its minute.
 - Halves last as `minutes.py` says; rows such as `47:30,half-time` tell their ends.
-- In a list of goals, `team` is the one that gets the score. In a list of types an own goal's team is
-  that of its player, and the score goes to the other (noted).
+- In a list of goals, `team` is the one that gets the score. In a list of types an own goal's team
+  is that of its player, and the score goes to the other (noted).
 - Rows of several matches (by date, home and away team, or a number of the match) need `match`.
 """
 
@@ -150,9 +154,8 @@ def sniff(source: Source) -> bool:
     if found is None or "time_s" in found[0]:
         return False
     columns = _columns(found[0])
-    if "kind" not in columns and not (
-        "player" in columns and "scorer" in plain(" ".join(found[0]))
-    ):
+    scorers = any("scorer" in name for name in columns.get("player", []))
+    if "kind" not in columns and not scorers:
         return False
     if "minute" in columns:
         return True
@@ -217,7 +220,7 @@ class _Match:
             if not row.get("minute") and not row.get("clock"):
                 if kind:
                     raise InputError(
-                        f"{row.place}: no minute; write one, such as 38 or 90+3, or leave the row out"
+                        f"{row.place}: no minute; write one, such as 38 or 90+3, or remove it"
                     )
                 continue
             if detail == "shoot-out":
@@ -406,7 +409,8 @@ def _period(text: str, place: str) -> int | None:
     if words in ("pre match", "prematch", "post game", "postgame", "full time", "14", "10", "16"):
         return None
     raise InputError(
-        f"{place}: the period is {checks.shown(text)}; write 1, 2, 3, 4 (extra time) or 5 (shoot-out)"
+        f"{place}: the period is {checks.shown(text)}; write 1, 2, 3 or 4 (extra time), or 5 "
+        "(shoot-out)"
     )
 
 

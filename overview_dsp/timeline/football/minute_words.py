@@ -8,8 +8,8 @@ from overview_dsp.timeline.football.choosing import plain
 
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _GOAL = re.compile(
-    r"(?:goals?|scored|scores|g|normal goal|(?:free kick|freekick|header|headed|open play|long range"
-    r"|left foot|right foot|winning|equalising|opening|regular|field) goal"
+    r"(?:goals?|scored|scores|g|normal goal|(?:free kick|freekick|header|headed|open play"
+    r"|long range|left foot|right foot|winning|equalising|opening|regular|field) goal"
     r"|goal (?:scored|header|headed|free kick|open play|normal|regular|from (?:free kick|open play)"
     r"|left foot|right foot))"
 )

@@ -11,8 +11,9 @@ Older files group matches under `rounds`, give teams as objects with a name and 
 `score2` (with `et` and `p` behind for extra time and a shoot-out); newer ones write `"90+4"` where
 older ones have `"minute": 90, "offset": 4`. All are read.
 
-A goal is placed in the middle of its minute: true to 30 s of the match clock. Goals in `goals1` count
-for team 1, own goals too. Halves last as `minutes.py` says. A shoot-out is left out and noted.
+A goal is placed in the middle of its minute: true to 30 s of the match clock. Goals in `goals1`
+count for team 1, own goals too. Halves last as `minutes.py` says. A shoot-out is left out and
+noted.
 """
 
 from __future__ import annotations
@@ -29,7 +30,10 @@ from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.names import short_name
 from overview_dsp.timeline.source import LoadOptions, Source
 
-PROVENANCE = "goals: an openfootball file, each in the middle of its minute (true to 30 s of the match clock)"
+PROVENANCE = (
+    "goals: an openfootball file, each in the middle of its minute (true to 30 s of the match "
+    "clock)"
+)
 
 STOPPAGE_NOTE = (
     "the file doesn't tell the length of stoppage time: a half lasts 45 minutes here, or until its "

@@ -1,7 +1,7 @@
 """What happened in a match, from any vendor, into a Timeline: scores counted, labels written.
 
 Labels read as those of the StatsBomb reader: `1-0 Parris (pen)`, `0-1 own goal, Mann`,
-`Friis (Sudbury), saved`; a source that tells minutes instead of times adds them (`2-1 Oscar 90+1'`).
+`Friis (Sudbury), saved`; a source of minutes instead of times adds them (`2-1 Oscar 90+1'`).
 """
 
 from __future__ import annotations
@@ -148,13 +148,11 @@ class Told:
                 told = f"{told} {who}".strip()
                 told = f"{told} ({detail})".lstrip() if detail else told
         else:
-            team = self.teams[happening.team] if self._named(happening.team) else ""
+            known = happening.team is not None and happening.team < len(self.teams)
+            team = self.teams[happening.team or 0] if known else ""
             told = f"{who} ({team})" if who and team else who or team
             told = ", ".join(part for part in (told, detail) if part)
         return f"{told} {happening.minute}".strip()
-
-    def _named(self, team: int | None) -> bool:
-        return team is not None and team < len(self.teams)
 
 
 def team_index(name: str, teams: Sequence[str], place: str) -> int | None:

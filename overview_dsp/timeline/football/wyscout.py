@@ -218,12 +218,8 @@ def _happened(event: _Event) -> list[tuple[str, bool, str]]:
     if event.event == _FOUL:
         told.append(("foul", False, ""))
     for tag, (kind, detail) in _CARDS.items():
-        # a second yellow is tagged as a red card too
-        if (
-            tag in tags
-            and not (tag == 1701 and 1703 in tags)
-            and not (tag == 1702 and 1703 in tags)
-        ):
+        # a second yellow may be tagged as a yellow and a red card too
+        if tag in tags and (tag == 1703 or 1703 not in tags):
             told.append((kind, False, detail))
     if _OWN_GOAL in tags:
         told.append(("own_goal", True, ""))
