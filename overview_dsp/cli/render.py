@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.timeline_options import open_timeline, timeline_options
 from overview_dsp.gestures.spec import FORMS
 
 
@@ -24,6 +26,7 @@ from overview_dsp.gestures.spec import FORMS
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
 @click.option("--window", nargs=2, type=float, metavar="START END", help="Only that part, s.")
+@timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
     timeline: str,
@@ -36,6 +39,7 @@ def command(
     seed: int,
     tail: str,
     window: tuple[float, float] | None,
+    load: dict[str, Any],
     as_json: bool,
 ) -> None:
     """Play a gesture over TIMELINE into a sound file: left = clicks, right = tactor.
@@ -46,10 +50,9 @@ def command(
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render_to_file, tail_of
-    from overview_dsp.timeline import load_timeline
     from overview_dsp.units import clock_text, gain_to_db
 
-    data = load_timeline(timeline)
+    data = open_timeline(timeline, load)
     if window:
         data = data.window(*window)
     chosen = load_preset(preset)

@@ -30,6 +30,7 @@ from dataclasses import dataclass, field
 from overview_dsp.errors import InputError
 from overview_dsp.files import whole_file
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.excitement import derive_intensity
 from overview_dsp.timeline.model import Event, Timeline
 from overview_dsp.timeline.source import LoadOptions, Source
@@ -88,6 +89,11 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
             raise InputError(
                 f"line {line} repeats line {events[key][1]} ({event.kind} at {event.time_s!r} s, "
                 f"label {checks.shown(event.label)}); remove one or change its label"
+            )
+        if len(events) == MAX_EVENTS:
+            raise InputError(
+                f"line {line}: more than the {MAX_EVENTS} events that are read; cut the file into "
+                "parts, or make a curve of them"
             )
         events[key] = (event, line)
     if not events:

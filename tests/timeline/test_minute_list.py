@@ -11,6 +11,7 @@ from overview_dsp.timeline import Timeline, load_timeline
 from overview_dsp.timeline.football.minute_list import decode
 from overview_dsp.timeline.football.minute_words import meaning, words_of
 from overview_dsp.timeline.football.minutes import Clock, Minute, parse_minute
+from overview_dsp.timeline.loading import list_matches
 
 from .football_files import GOALSCORERS, MINUTES
 from .outcome import timeline_or_one_line
@@ -213,6 +214,10 @@ def test_goals_of_many_matches_need_a_choice(tmp_path: Path) -> None:
     (tmp_path / "g.csv").write_text(GOALSCORERS)
     with pytest.raises(InputError, match=r"g\.csv: holds 2 matches; .*'sudbury eastham'"):
         load_timeline(tmp_path / "g.csv")
+    assert list_matches(tmp_path / "g.csv") == (
+        "2014-07-08  Northport 1-2 Sudbury",
+        "2014-07-09  Sudbury 0-1 Eastham",
+    )
     timeline = load_timeline(tmp_path / "g.csv", match="Northport")
     assert timeline.title == "Northport 1-2 Sudbury, 2014-07-08"
     assert told(timeline) == [

@@ -369,9 +369,20 @@ def _grouped(listed: Sequence[_Row]) -> dict[tuple[str, str, str, str], list[_Ro
 def _lines(grouped: dict[tuple[str, str, str, str], list[_Row]]) -> list[str]:
     lines = []
     for (date, home, away, number), of_it in grouped.items():
-        teams = f"{home} - {away}" if home or away else " - ".join(_teams(of_it))
+        teams = f" {_result(of_it)} ".join([home, away] if home or away else _teams(of_it))
         lines.append("  ".join(part for part in (date, teams, number) if part) or "the match")
     return lines
+
+
+def _result(of_it: Sequence[_Row]) -> str:
+    """Return the score of a list of goals, whose team is the one that gets it; else a dash."""
+    counts = [0, 0]
+    for row in of_it:
+        sides = (row.get("home"), row.get("away"))
+        if "kind" in row.fields or row.get("team") not in sides:
+            return "-"
+        counts[sides.index(row.get("team"))] += 1
+    return f"{counts[0]}-{counts[1]}"
 
 
 def _minute(row: _Row) -> Minute:

@@ -120,7 +120,7 @@ def matches(source: Source) -> list[str]:
     document = source.json
     with checks.located(f"{source.where}: "):
         grouped = _grouped(document)
-        known, _ = companions(source.path, frozenset(grouped))
+        known, _ = companions(source, frozenset(grouped))
         return _lines(list(grouped), known)
 
 
@@ -131,7 +131,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         grouped = _grouped(document)
         ids = list(grouped)
         # the companion may be large: it is opened once it is known what is asked of it
-        known, notes = companions(source.path, frozenset(ids))
+        known, notes = companions(source, frozenset(ids))
         chosen = ids[choose(_lines(ids, known), options.match, ids)]
         return _timeline(document, grouped[chosen], known.get(chosen), notes, source.stem)
 

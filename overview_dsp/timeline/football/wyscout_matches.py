@@ -8,17 +8,16 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from dataclasses import dataclass
-from pathlib import Path
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
-from overview_dsp.timeline.source import Source
+from overview_dsp.timeline.source import LoadOptions, Source
 
 MAX_FILES = 20
 """Most companions that are looked into, by name."""
 
-MAX_BYTES = 32 * 1024 * 1024
-"""Largest companion that is read; a season's is 5 MB."""
+MAX_MB = 32.0
+"""Largest companion that is read, MB; a season's has 5."""
 
 # "Leicester City - Liverpool, 2 - 3", "... , 1 - 1 (P)" after a shoot-out
 _LABEL = re.compile(r"(?P<home>.+?) - (?P<away>.+?), ?(?P<score>[0-9]+ ?- ?[0-9]+.*)?")
@@ -54,20 +53,20 @@ class Companion:
         return [name or f"team {id_}" for id_, name in self.teams.items()]
 
 
-def companions(path: Path, ids: Collection[str]) -> tuple[dict[str, Companion], tuple[str, ...]]:
+def companions(
+    source: Source, ids: Collection[str]
+) -> tuple[dict[str, Companion], tuple[str, ...]]:
     """Return what the `matches*.json` beside a file know of some matches, by id, and notes."""
     found: dict[str, Companion] = {}
     notes: list[str] = []
     try:
-        beside = sorted(p for p in path.parent.glob("matches*.json") if p.name != path.name)
+        beside = sorted(p for p in source.folder.glob("matches*.json") if p != source.path)
     except OSError:  # a folder that may be passed through but not listed
         return {}, ()
     for candidate in beside[:MAX_FILES]:
         try:
-            source = Source.open(candidate)
-            if source.size > MAX_BYTES:
-                raise InputError(f"{source.where}: {source.size / 2**20:.0f} MB is too large")
-            document = source.json if source.looks_like_json else None
+            found_beside = Source.open(candidate, LoadOptions(max_mb=MAX_MB))
+            document = found_beside.json if found_beside.looks_like_json else None
         except InputError as error:
             notes.append(f"the names beside it weren't read: {error}")
             continue
