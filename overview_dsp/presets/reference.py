@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from overview_dsp.presets.migrations import SCHEMA
@@ -64,6 +65,27 @@ def _table(members: Any) -> str:
         )
         rows.append(f"| `{known.key}` | {text} | {known.allowed} | {known.doc} |")
     return "\n".join(rows) + "\n"
+
+
+def reference_json() -> list[dict[str, Any]]:
+    """The reference as data: a dict a parameter."""
+    groups = (
+        PARAMETERS.values(),
+        (replace(known, id=f"kinds.NAME.{known.id}") for known in KIND_PARAMETERS.values()),
+        (replace(known, id=f"kinds.NAME.modes.{known.id}") for known in MODE_PARAMETERS.values()),
+    )
+    return [
+        {
+            "id": known.id,
+            "default": known.default,
+            "allowed": known.allowed,
+            "unit": known.unit,
+            "scale": known.scale,
+            "doc": known.doc,
+        }
+        for members in groups
+        for known in members
+    ]
 
 
 def json_schema() -> dict[str, Any]:

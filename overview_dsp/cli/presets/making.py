@@ -17,7 +17,8 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 @click.argument("name")
 @click.option("--from", "base", default="football", show_default=True, help="What it starts from.")
 @click.option("-o", "--out", help="The file.  [default: NAME.toml in your preset folder]")
-def new(name: str, base: str, out: str | None) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def new(name: str, base: str, out: str | None, as_json: bool) -> None:
     """A new preset that extends another, with every parameter in it to be changed."""
     from overview_dsp.files import make_folder, whole_file
     from overview_dsp.presets.library import SUFFIX, bundled_names, load_preset, own_folder
@@ -35,12 +36,16 @@ def new(name: str, base: str, out: str | None) -> None:
     with whole_file(path) as temporary:
         temporary.write_text(started_from(str(named), preset, name), encoding="utf-8", newline="\n")
     load_preset(path)
-    click.echo(f"{path}: extends {base}; change it with: overview presets edit {out or name}")
+    if as_json:
+        print_json({"file": str(path), "extends": base})
+    else:
+        click.echo(f"{path}: extends {base}; change it with: overview presets edit {out or name}")
 
 
 @click.command(epilog="Example: overview presets edit my-match")
 @click.argument("preset")
-def edit(preset: str) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def edit(preset: str, as_json: bool) -> None:
     """Open one of your presets in your editor ($VISUAL, $EDITOR), and check it afterwards."""
     from overview_dsp.presets import load_preset, preset_path
     from overview_dsp.presets.library import bundled_names
@@ -56,7 +61,10 @@ def edit(preset: str) -> None:
     except click.ClickException as error:
         raise InputError(f"{error.message}; set EDITOR to an editor that is there") from None
     load_preset(path)
-    click.echo(f"{path}: valid")
+    if as_json:
+        print_json({"file": str(path), "valid": True})
+    else:
+        click.echo(f"{path}: valid")
 
 
 @click.command(epilog="Example: overview presets morph football heart --steps 5 -o between")

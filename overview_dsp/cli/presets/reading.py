@@ -113,15 +113,20 @@ def _shown(value: object) -> str:
 
 
 @click.command(epilog="Example: overview presets docs > parameters.md")
-def docs() -> None:
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def docs(as_json: bool) -> None:
     """The parameter reference, as Markdown."""
-    from overview_dsp.presets.reference import reference
+    from overview_dsp.presets.reference import reference, reference_json
 
-    click.echo(reference(), nl=False)
+    if as_json:
+        print_json(reference_json())
+    else:
+        click.echo(reference(), nl=False)
 
 
 @click.command(epilog="Example: overview presets schema > preset.schema.json")
-def schema() -> None:
+@click.option("--json", "as_json", is_flag=True, help="It is JSON already.")
+def schema(as_json: bool) -> None:
     """The JSON Schema of preset files, for completion in TOML editors.
 
     With it beside a preset, the preset's first line "#:schema ./preset.schema.json" is all that
