@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from overview_dsp.measure.feel_report import FeelReport
+
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#767676"
@@ -296,6 +298,39 @@ def plot_gallery(result: Result, preset: Preset) -> Figure:
         _tidy(axes)
     figure.suptitle(f"{preset.title}: {preset.description}", x=0.01, ha="left", fontsize=10)
     figure.subplots_adjust(left=0.065, right=0.985, top=0.74, bottom=0.11, hspace=0.1)
+    return figure
+
+
+def plot_feel(report: FeelReport) -> Figure:
+    """How far each kind stands out of the rest, stroke by stroke, with the steps of touch."""
+    kinds = list(dict.fromkeys(kind.kind for stroke in report.strokes for kind in stroke.kinds))
+    figure = _figure(9.0, 1.4 + 0.36 * len(kinds))
+    axes = figure.subplots()
+    table = np.full((len(kinds), len(report.strokes)), np.nan)
+    for column, stroke in enumerate(report.strokes):
+        for kind in stroke.kinds:
+            table[kinds.index(kind.kind), column] = kind.contrast_db
+    shown = axes.imshow(table, aspect="auto", cmap="cividis", vmin=0.0, vmax=30.0)
+    for (row, column), value in np.ndenumerate(table):
+        if np.isfinite(value):
+            axes.text(
+                column,
+                row,
+                f"{value:.0f}",
+                ha="center",
+                va="center",
+                fontsize=8,
+                # a step of 2.3 dB is the least that is felt
+                color=VERMILION if value < 2.3 else "white" if value < 18.0 else "black",
+                fontweight="bold" if value < 2.3 else "normal",
+            )
+    axes.set_xticks(range(len(report.strokes)), [stroke.name for stroke in report.strokes])
+    axes.tick_params(axis="x", rotation=25, labelsize=8)
+    axes.set_yticks(range(len(kinds)), kinds)
+    axes.grid(visible=False)
+    figure.colorbar(shown, ax=axes, label="dB above the rest (red: masked)", pad=0.02)
+    axes.set_title(f"{report.preset} on {report.timeline or 'a timeline'}", loc="left", fontsize=10)
+    figure.tight_layout()
     return figure
 
 
