@@ -235,9 +235,15 @@ PICTURES = (".png", ".svg", ".pdf")
 
 def require_picture(path: str | os.PathLike[str]) -> None:
     """Refuse early, with InputError, a picture that could not be written at the end."""
-    if Path(path).suffix.lower() not in PICTURES:
-        raise InputError(f"{path}: a picture is {', '.join(PICTURES)}; choose one of them")
+    _picture_suffix(path)
     require_writable(path)
+
+
+def _picture_suffix(path: str | os.PathLike[str]) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix not in PICTURES:
+        raise InputError(f"{path}: a picture is {', '.join(PICTURES)}; choose one of them")
+    return suffix
 
 
 def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -246,12 +252,12 @@ def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
 
     # no date and fixed ids: the same figure gives the same bytes
     metadata = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    require_picture(path)
+    suffix = _picture_suffix(path)
     with (
         matplotlib.rc_context({"svg.hashsalt": "overview", "svg.fonttype": "none"}),
         whole_file(path) as temporary,
     ):
-        figure.savefig(temporary, dpi=150, metadata=metadata[Path(path).suffix.lower()])
+        figure.savefig(temporary, dpi=150, metadata=metadata[suffix])
 
 
 def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:

@@ -201,7 +201,9 @@ def list_matches(
     """
     if os.fspath(path) in BUNDLED:
         return ()
-    options = LoadOptions(max_mb=max_mb, max_depth=max_depth)
+    options = LoadOptions(
+        max_mb=_positive(max_mb, "max_mb", "a limit is megabytes"), max_depth=_depth(max_depth)
+    )
     with _opened(path, options) as source:
         candidate = _format_of(source)
         return tuple(candidate.matches(source)) if candidate.matches is not None else ()

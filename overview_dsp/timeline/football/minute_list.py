@@ -46,7 +46,7 @@ from overview_dsp.timeline.football.minutes import (
     parse_minute,
 )
 from overview_dsp.timeline.football.story import GOALS, Happening, Told, team_index
-from overview_dsp.timeline.football.table import header_of, rows
+from overview_dsp.timeline.football.table import MAX_COLUMNS, header_of, rows
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.names import short_name
 from overview_dsp.timeline.source import LoadOptions, Source
@@ -151,7 +151,7 @@ def sniff(source: Source) -> bool:
     if source.head_text is None or source.looks_like_json:
         return False
     found = header_of(source.head_text)
-    if found is None or "time_s" in found[0]:
+    if found is None or "time_s" in found[0] or len(found[0]) > MAX_COLUMNS:
         return False
     columns = _columns(found[0])
     scorers = any("scorer" in name for name in columns.get("player", []))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 
 from overview_dsp.timeline.football.choosing import plain
@@ -50,11 +51,13 @@ _PERIOD = re.compile(
 )
 
 
+@functools.lru_cache(maxsize=4096)
 def words_of(text: str) -> str:
     """Return text for comparing, `SavedShot` as `saved shot`."""
     return plain(_CAMEL.sub(" ", text))
 
 
+@functools.lru_cache(maxsize=4096)
 def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, str]:
     """Return (kind, detail) of what the columns of a row say.
 
