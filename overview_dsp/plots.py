@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from datetime import timedelta
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -140,15 +141,14 @@ def _label_time(axes: Axes, timeline: Timeline, scale: float, unit: str) -> None
         football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
         axes.set_xlabel(f"time of play, {unit}" if football else f"time, {unit}")
         return
-    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
-
+    dates: Any = import_module("matplotlib.dates")  # it has no types
     # the clock on the wall: a zone would be turned into UTC
     first = start.replace(tzinfo=None)
-    locator = AutoDateLocator(minticks=4, maxticks=9)
+    locator = dates.AutoDateLocator(minticks=4, maxticks=9)
     days = np.asarray(locator.tick_values(first, first + timedelta(seconds=timeline.duration_s)))
-    at_s = (days - date2num(first)) * 86_400.0
+    at_s = (days - dates.date2num(first)) * 86_400.0
     shown = (at_s >= 0.0) & (at_s <= timeline.duration_s)
-    words = ConciseDateFormatter(locator).format_ticks(days[shown])
+    words = dates.ConciseDateFormatter(locator).format_ticks(days[shown])
     axes.set_xticks(at_s[shown] / scale, words)
     axes.set_xlabel(f"from {start.isoformat(' ', 'seconds')}")
 

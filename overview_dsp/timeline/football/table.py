@@ -10,7 +10,7 @@ from overview_dsp.errors import InputError
 
 DELIMITERS = (",", ";", "\t", "|")
 MAX_ROWS = 200_000
-"""Most rows that are read: a hundred times those of a match, all goals between nations five times."""
+"""Most rows that are read: a hundred times those of a match."""
 
 MAX_COLUMNS = 1000
 """Most columns of a table that is read."""
