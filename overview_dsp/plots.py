@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.files import require_writable, whole_file
+from overview_dsp.presets.model import Preset
 from overview_dsp.rendering import Result
 from overview_dsp.timeline import FOOTBALL_KINDS, Timeline
+from overview_dsp.timeline.gaps import in_gap
 from overview_dsp.units import HALF_TURN
 
 if TYPE_CHECKING:
@@ -40,6 +42,7 @@ KIND_STYLE: dict[str, tuple[str, str, str]] = {
 }
 # of kinds that have no style of their own, one after the other
 _OTHER_MARKERS = "Pv*X<>pd8"
+GAP_HATCH = "////"
 _POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
 
 
@@ -78,12 +81,24 @@ def extremes(
 
 
 def plot_timeline(timeline: Timeline) -> Figure:
-    """The intensity curve with its events, as in the paper's figure 4."""
+    """The intensity curve with its events, as in the paper's figure 4; gaps are hatched."""
     figure = _figure(9.0, 3.6)
     axes = figure.subplots()
     scale, unit = _time_unit(timeline.duration_s)
     times = np.linspace(0.0, timeline.duration_s, 4001)
     curve = timeline.normalised_intensity_at(times)
+    curve[in_gap(timeline.gaps, times)] = np.nan  # no line over a gap
+    for i, (start, end) in enumerate(timeline.gaps):
+        axes.axvspan(
+            start / scale,
+            end / scale,
+            facecolor="none",
+            edgecolor="#b0b0b0",
+            hatch=GAP_HATCH,
+            linewidth=0.0,
+            label=f"no data ({len(timeline.gaps)})" if i == 0 else None,
+            zorder=1,
+        )
     axes.fill_between(times / scale, curve, color="#e8eef4", zorder=1)
     axes.plot(times / scale, curve, color=GREY, linewidth=1.2, zorder=2)
     for kind, (marker, colour, words) in styles_of(timeline).items():
@@ -121,7 +136,7 @@ def plot_timeline(timeline: Timeline) -> Figure:
     figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
     axes.set_title(timeline.title, loc="left", fontsize=10)
     _tidy(axes)
-    if timeline.events:
+    if timeline.events or timeline.gaps:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
     return figure
 
@@ -154,7 +169,10 @@ def _label_time(axes: Axes, timeline: Timeline, scale: float, unit: str) -> None
 
 
 def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: str) -> Figure:
-    """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6)."""
+    """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6).
+
+    Where data is missing, the surface under disk 1 is hatched.
+    """
     figure = _figure(5.2 * len(results) + 0.6, 7.6)
     grid: Any = figure.subplots(4, len(results), sharex="col", sharey="row", squeeze=False)
     for column, (name, result) in enumerate(results):
@@ -179,6 +197,15 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
                 release = float(time[np.flatnonzero(held)[-1]])
                 ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
+        for start, end in timeline.gaps:
+            axes[2].axhspan(
+                start / timeline.duration_s * HALF_TURN,
+                end / timeline.duration_s * HALF_TURN,
+                facecolor="none",
+                edgecolor="#b0b0b0",
+                hatch=GAP_HATCH,
+                linewidth=0.0,
+            )
         axes[0].set_title(name, fontsize=10, pad=14)
         # linear within 1 mN·m, logarithmic beyond: the surface and its goals in one view
         axes[0].set_yscale("symlog", linthresh=1.0)
@@ -227,6 +254,49 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
             clip_on=False,
             zorder=4,
         )
+
+
+def plot_gallery(result: Result, preset: Preset) -> Figure:
+    """What is heard and felt of each kind of event, in the order it is passed."""
+    figure = _figure(11.0, 4.6)
+    heard, felt = figure.subplots(2, 1, sharex=True)
+    rate = result.sample_rate
+    trace = result.trace
+    assert trace is not None
+    # out only: the recoil is the same backwards, and slower
+    count = int(np.argmax(trace.touching < 0.5)) or len(trace.time)
+    time = trace.time[:count]
+    heard.plot(*extremes(time, result.samples[:count, 0].astype(float)), color=BLUE, linewidth=0.7)
+    heard.set_ylabel("click")
+    level = 20.0 * np.log10(np.maximum(trace.envelope[:count], 1e-4))
+    felt.plot(*extremes(time, level), color=VERMILION, linewidth=1.0)
+    felt.set_ylabel("vibration, dB")
+    felt.set_ylim(-60.0, 3.0)
+    felt.set_xlabel("time, s")
+    seen: set[str] = set()
+    for at, event in zip(result.strikes.time_s, result.strikes.event, strict=True):
+        if at * rate >= count:
+            continue
+        for axes in (heard, felt):
+            axes.axvline(at, color=GREY, linewidth=0.5, zorder=0)
+        kind = result.engine.timeline.events[event].kind
+        if kind not in seen:
+            seen.add(kind)
+            heard.annotate(
+                kind,
+                (at, 1.0),
+                xycoords=heard.get_xaxis_transform(),
+                xytext=(0, 3),
+                textcoords="offset points",
+                rotation=35.0,
+                fontsize=7,
+                va="bottom",
+            )
+    for axes in (heard, felt):
+        _tidy(axes)
+    figure.suptitle(f"{preset.title}: {preset.description}", x=0.01, ha="left", fontsize=10)
+    figure.subplots_adjust(left=0.065, right=0.985, top=0.74, bottom=0.11, hspace=0.1)
+    return figure
 
 
 PICTURES = (".png", ".svg", ".pdf")

@@ -7,7 +7,13 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.common import (
+    announce_compile,
+    part_of,
+    print_json,
+    progress_bar,
+    window_options,
+)
 from overview_dsp.cli.timeline_options import open_timeline, timeline_options
 from overview_dsp.gestures.spec import FORMS
 
@@ -25,7 +31,7 @@ from overview_dsp.gestures.spec import FORMS
 @click.option("--subtype", help="How samples are stored: PCM_16, PCM_24, FLOAT, ...")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
-@click.option("--window", nargs=2, type=float, metavar="START END", help="Only that part, s.")
+@window_options
 @timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
@@ -38,7 +44,8 @@ def command(
     subtype: str | None,
     seed: int,
     tail: str,
-    window: tuple[float, float] | None,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
     load: dict[str, Any],
     as_json: bool,
 ) -> None:
@@ -53,8 +60,9 @@ def command(
     from overview_dsp.units import clock_text, gain_to_db
 
     data = open_timeline(timeline, load)
-    if window:
-        data = data.window(*window)
+    part = part_of(data, window, zoom_to)
+    if part is not None:
+        data = data.window(*part)
     chosen = load_preset(preset)
     movement = parse_gesture(gesture)
     rest = tail_of(tail)

@@ -15,7 +15,10 @@ from importlib import resources
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks, events_csv, native, statsbomb
+from overview_dsp.timeline.audio import reader as audio
 from overview_dsp.timeline.football import metrica, minute_list, openfootball, wyscout
+from overview_dsp.timeline.heart import table_reader as heart_table
+from overview_dsp.timeline.heart import wfdb_reader
 from overview_dsp.timeline.json_limits import MOST_DEPTH
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.source import LoadOptions, Source, decode_text, parse_json
@@ -89,6 +92,24 @@ FORMATS: tuple[Format, ...] = (
         events_csv.sniff,
         events_csv.read,
         frozenset({"duration_s"}),
+    ),
+    Format(
+        "WFDB record (.hea, with .dat and .atr beside it)",
+        wfdb_reader.sniff,
+        wfdb_reader.read,
+        frozenset({"value", "map"}),
+    ),
+    Format(
+        "ECG or pulse wave (table of samples, with rate or a column of times)",
+        heart_table.sniff,
+        heart_table.read,
+        frozenset({"rate", "value", "time", "map", "max_mb"}),
+    ),
+    Format(
+        "recording (WAV, FLAC, Ogg, MP3, AIFF and what else libsndfile opens)",
+        audio.sniff,
+        audio.read,
+        frozenset({"map", "max_mb"}),
     ),
 )
 """The formats that can be read, asked in this order."""
