@@ -143,7 +143,15 @@ def test_limits_are_options_of_the_command_line(folder):
 
 
 @pytest.mark.parametrize(
-    "command", [("render",), ("figures",), ("play",), ("timeline", "show"), ("timeline", "convert")]
+    "command",
+    [
+        ("render",),
+        ("figures",),
+        ("play",),
+        ("export",),
+        ("timeline", "show"),
+        ("timeline", "convert"),
+    ],
 )
 def test_every_command_that_opens_a_timeline_takes_the_same_options(command):
     shown = overview(*command, "--help").out
@@ -157,6 +165,14 @@ def test_render_takes_a_match_of_a_file(folder):
     report = json.loads(overview("render", "cup.json", "--match", "2", *QUICK, "--json").out)
     assert report["title"].startswith("France 2-1 Croatia")
     assert len(soundfile.read(folder / "out.wav")[0]) > 0
+
+
+def test_show_looks_for_matches_with_the_options_a_format_is_told_by(folder):
+    beats = "".join(f"{int(1000 * (i % 100 == 50))}\n" for i in range(2000))
+    (folder / "lead.csv").write_text("hart\n" + beats)
+    outcome = overview("timeline", "show", "lead.csv", "--rate", "100")
+    refused(overview("timeline", "show", "lead.csv"), "lead.csv")
+    assert "not a format" not in outcome.err
 
 
 def test_a_list_of_minutes_is_rendered(folder):

@@ -100,7 +100,7 @@ def test_the_limit_of_size_is_lowered_and_raised_by_an_option(text: str, tmp_pat
 def test_a_large_file_is_read_with_the_option(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(source, "MAX_TEXT_BYTES", 20)
+    monkeypatch.setattr(source, "MAX_WHOLE_BYTES", 20)
     (tmp_path / "x").write_text(NATIVE)
     refused(tmp_path / "x", "--max-mb")
     assert load_timeline(tmp_path / "x", max_mb=1.0).duration_s == 9.0

@@ -107,6 +107,52 @@ def test_two_events_of_one_minute_without_names_are_two() -> None:
     assert [label for _, _, label in told(decode(text))] == ["10'", "10' (2)", "10' (3)"]
 
 
+def test_tables_of_other_programs_are_understood() -> None:
+    elapsed = (
+        "time.elapsed,time.extra,team.name,player.name,type,detail\n"
+        "27,,N,A. Berg,Card,Yellow Card\n"
+        "45,2,N,A. Berg,Goal,Penalty\n"
+        "90,3,S,E. Friis,Card,Red Card\n"
+    )
+    assert told(decode(elapsed)) == [
+        (27 * 60, "yellow_card", "Berg (N) 27'"),
+        (47 * 60, "goal", "1-0 Berg (pen) 45+2'"),
+        (95 * 60, "red_card", "Friis (S) 90+3'"),
+    ]
+    with_outcomes = (
+        ",minute,second,expanded_minute,period,type,outcome_type,team,player,card_type,is_own_goal\n"
+        "0,0,0,0,PreMatch,FormationSet,Successful,N,,,False\n"
+        "1,13,6,13,FirstHalf,Goal,Successful,N,A Berg,,False\n"
+        "2,14,6,14,FirstHalf,Foul,Unsuccessful,S,E Friis,,False\n"
+        "3,14,6,14,FirstHalf,Foul,Successful,N,A Berg,,False\n"
+        "4,14,30,14,FirstHalf,Card,Successful,S,E Friis,SecondYellow,False\n"
+        "5,47,30,47,FirstHalf,End,Successful,S,,,False\n"
+        "6,78,5,82,SecondHalf,Goal,Successful,N,A Berg,,True\n"
+        "7,93,10,97,SecondHalf,End,Successful,N,,,False\n"
+        "8,0,0,0,PostGame,End,Successful,N,,,False\n"
+    )
+    assert told(decode(with_outcomes)) == [
+        (786.0, "goal", "1-0 Berg"),
+        (846.0, "foul", "Friis (S)"),
+        (870.0, "red_card", "Friis (S), second yellow"),
+        (2850.0 + 33 * 60 + 5, "own_goal", "1-1 own goal, Berg"),
+    ]
+    assert decode(with_outcomes).duration_s == 2850.0 + 48 * 60 + 10
+    shots = (
+        "id,minute,result,xG,player,h_a,situation,match_id,h_team,a_team,date\n"
+        "1,12,Goal,0.3,E Friis,a,OpenPlay,7,N,S,2017-09-23\n"
+        "2,22,SavedShot,0.3,A Berg,h,OpenPlay,7,N,S,2017-09-23\n"
+        "3,45,OwnGoal,0.3,E Friis,a,OpenPlay,7,N,S,2017-09-23\n"
+        "4,80,Goal,0.7,A Berg,h,Penalty,7,N,S,2017-09-23\n"
+    )
+    assert [label for _, _, label in told(decode(shots))] == [
+        "0-1 Friis 12'",
+        "Berg (N), saved 22'",
+        "1-1 own goal, Friis 45'",
+        "2-1 Berg (pen) 80'",
+    ]
+
+
 def test_a_shoot_out_is_left_out() -> None:
     text = rows("1,10,goal,A,N", "5,120,goal,B,S", "5,120,penalty saved,A,N",
                 header="period,minute,type,player,team")  # fmt: skip
@@ -125,6 +171,9 @@ def test_a_shoot_out_is_left_out() -> None:
         ("Goal (pen)", "", "goal", "pen"),
         ("Goal - Header", "", "goal", ""),
         ("penalty", "", "goal", "pen"),
+        ("Goal (P)", "", "goal", "pen"),
+        ("Shot outside the penalty area", "goal", "goal", ""),
+        ("End", "Successful", "half_end", ""),
         ("Penalty", "missed", "near_miss", "penalty missed"),
         ("Goal", "Missed Penalty", "near_miss", "penalty missed"),
         ("penalty saved", "", "near_miss", "penalty saved"),

@@ -58,6 +58,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
         *("added", "added time", "added minutes", "offset", "extra", "extra minute"),
         *(
             "minute extra",
+            "time extra",
             "extra min",
             "stoppage",
             "stoppage time",
@@ -73,7 +74,15 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
     "details": (
         *("detail", "details", "outcome", "result", "card", "card type", "subtype", "sub type"),
-        *("outcome type", "shot outcome", "event detail", "goal type", "description", "qualifier"),
+        *(
+            "outcome type",
+            "shot outcome",
+            "event detail",
+            "goal type",
+            "situation",
+            "description",
+            "qualifier",
+        ),
     ),
     "player": ("player", "player name", "scorer", "name", "goalscorer", "goal scorer", "athlete"),
     "team": ("team", "team name", "club", "side", "squad", "h a", "for team", "scoring team"),
@@ -234,7 +243,9 @@ class _Match:
             if minute.period == SHOOT_OUT:
                 kicks += 1
             elif kind in ("half_end", "match_end"):
-                ends[_ended(minute, kind)] = minute
+                period = _ended(minute, kind)
+                if period not in ends or minute.on_clock > ends[period].on_clock:
+                    ends[period] = minute
             elif kind != "period":
                 told.append((row, minute, kind, detail))
         if not told and not ends:
