@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -8,10 +9,11 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import Timeline, load_timeline
-from overview_dsp.timeline.football.minute_list import decode
+from overview_dsp.timeline.football.minute_list import COLUMNS, decode, sniff
 from overview_dsp.timeline.football.minute_words import meaning, words_of
 from overview_dsp.timeline.football.minutes import Clock, Minute, parse_minute
 from overview_dsp.timeline.loading import list_matches
+from overview_dsp.timeline.source import Source
 
 from .football_files import GOALSCORERS, MINUTES
 from .outcome import timeline_or_one_line
@@ -59,6 +61,40 @@ def test_the_same_list_written_otherwise_is_the_same(text: str, tmp_path: Path) 
     (tmp_path / "x").write_text(text, newline="")
     (tmp_path / "y").write_text(MINUTES)
     assert told(load_timeline(tmp_path / "x")) == told(load_timeline(tmp_path / "y"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "minute,category,value\n1,a,3\n2,b,4\n",
+        "time,event,value\n0.5,start,3\n1.0,x,4\n",
+        "time,scorer\n1,A\n",
+        "time,action\n12:30,walk\n12:31,run\n",
+        "minute,value\n1,3\n",
+    ],
+)
+def test_a_table_of_something_else_is_left_to_other_readers(text: str, tmp_path: Path) -> None:
+    (tmp_path / "x").write_text(text)
+    assert not sniff(Source.open(tmp_path / "x"))
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    names=st.lists(
+        st.sampled_from(sorted({n for known in COLUMNS.values() for n in known})), max_size=6
+    ),
+    cells=st.lists(
+        st.sampled_from(("45+2", "goal", "x", "", "1", "TRUE", '"', "2014-01-01")), max_size=12
+    ),
+)
+def test_any_header_of_known_columns_gives_a_timeline_or_one_line(
+    names: list[str], cells: list[str], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.mktemp("h") / "x"
+    width = max(len(names), 1)
+    lines = [",".join(cells[i : i + width]) for i in range(0, len(cells), width)]
+    path.write_text("\n".join([",".join(names), *lines]) + "\n")
+    timeline_or_one_line(lambda: load_timeline(path))
 
 
 def test_stoppage_time_may_have_a_column_of_its_own() -> None:
@@ -310,6 +346,12 @@ def test_any_change_gives_a_timeline_or_one_line(
     text: str, at: int, length: int, put: str, match: str | None
 ) -> None:
     timeline_or_one_line(lambda: decode(text[:at] + put + text[at + length :], match))
+
+
+def test_every_goal_of_the_real_list_is_counted(data_folder: Path) -> None:
+    lines = list_matches(data_folder / "football/goalscorers_2010s.csv")
+    scores = [re.search(r" (\d+)-(\d+) ", line) for line in lines]
+    assert sum(int(score[1]) + int(score[2]) for score in scores if score) == 9808
 
 
 def test_the_real_list_of_goals_is_exact(data_folder: Path) -> None:
