@@ -275,11 +275,17 @@ def test_minutes_are_parsed(text: str, minute: Minute) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "x", "-1", "1.5", "12:60", "999", "90+99", "٣", "1e2", "9" * 9]
+    "text",
+    ["", "x", "-1", "1.5", "12:60", "999", "90+99", "٣", "1e2", "9" * 9, "1" + " " * 120_000 + "x"],
 )
 def test_what_is_no_minute_is_one_line(text: str) -> None:
     with pytest.raises(InputError, match=r"^line 3: .*minute"):
         parse_minute(text, "line 3")
+
+
+def test_a_field_of_blanks_takes_no_time() -> None:
+    with pytest.raises(InputError, match="isn't a minute"):
+        parse_minute("1" + " " * 120_000 + "x", "line 3")
 
 
 @given(st.lists(st.tuples(st.integers(0, 120), st.integers(0, 15)), min_size=1, max_size=8))
