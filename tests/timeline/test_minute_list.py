@@ -276,7 +276,7 @@ def test_minutes_are_parsed(text: str, minute: Minute) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "x", "-1", "1.5", "12:60", "999", "90+99", "٣", "1e2", "9" * 9, "1" + " " * 120_000 + "x"],
+    ["", "x", "-1", "1.5", "12:60", "999", "90+99", "٣", "1e2", "9" * 9],
 )
 def test_what_is_no_minute_is_one_line(text: str) -> None:
     with pytest.raises(InputError, match=r"^line 3: .*minute"):
