@@ -116,8 +116,13 @@ def test_long_play_keeps_its_memory_its_clock_and_its_feel():
     with jack_server.Server(period=256) as server:
         report = json.loads(server.run(PLAY, SECONDS, timeout=2.0 * SECONDS + 300.0))
     due = report["seconds"] * report["rate"]
-    drift_percent = 100.0 * (report["frames"] / due - 1.0)
-    print(f"{report['seconds']:.1f} s, frames against the clock {drift_percent:+.4f} %")
+    # a block the server missed (the machine had other things to do) was never asked for
+    missed = report["device"]["underflows"] * 256
+    drift_percent = 100.0 * ((report["frames"] + missed) / due - 1.0)
+    print(
+        f"{report['seconds']:.1f} s, {100.0 * missed / due:.4f} % missed by the server, the rest "
+        f"against the clock {drift_percent:+.4f} %"
+    )
     print(f"device {report['device']}")
     for state in report["states"]:
         print(state)
@@ -127,7 +132,7 @@ def test_long_play_keeps_its_memory_its_clock_and_its_feel():
     assert late["threads"] == early["threads"]
     assert late["kb"] <= early["kb"] + GROWN_KB
     # clock
-    assert abs(drift_percent) <= 0.1
+    assert abs(drift_percent) <= 0.05
     assert report["device"]["late"] == 0
     # state
     voice = report["voice"]
