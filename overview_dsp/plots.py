@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from datetime import timedelta
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -157,15 +158,14 @@ def _label_time(axes: Axes, timeline: Timeline, scale: float, unit: str) -> None
         football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
         axes.set_xlabel(f"time of play, {unit}" if football else f"time, {unit}")
         return
-    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
-
+    dates: Any = import_module("matplotlib.dates")  # it has no types
     # the clock on the wall: a zone would be turned into UTC
     first = start.replace(tzinfo=None)
-    locator = AutoDateLocator(minticks=4, maxticks=9)
+    locator = dates.AutoDateLocator(minticks=4, maxticks=9)
     days = np.asarray(locator.tick_values(first, first + timedelta(seconds=timeline.duration_s)))
-    at_s = (days - date2num(first)) * 86_400.0
+    at_s = (days - dates.date2num(first)) * 86_400.0
     shown = (at_s >= 0.0) & (at_s <= timeline.duration_s)
-    words = ConciseDateFormatter(locator).format_ticks(days[shown])
+    words = dates.ConciseDateFormatter(locator).format_ticks(days[shown])
     axes.set_xticks(at_s[shown] / scale, words)
     axes.set_xlabel(f"from {start.isoformat(' ', 'seconds')}")
 
@@ -340,9 +340,15 @@ PICTURES = (".png", ".svg", ".pdf")
 
 def require_picture(path: str | os.PathLike[str]) -> None:
     """Refuse early, with InputError, a picture that could not be written at the end."""
-    if Path(path).suffix.lower() not in PICTURES:
-        raise InputError(f"{path}: a picture is {', '.join(PICTURES)}; choose one of them")
+    _picture_suffix(path)
     require_writable(path)
+
+
+def _picture_suffix(path: str | os.PathLike[str]) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix not in PICTURES:
+        raise InputError(f"{path}: a picture is {', '.join(PICTURES)}; choose one of them")
+    return suffix
 
 
 def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -351,12 +357,12 @@ def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
 
     # no date and fixed ids: the same figure gives the same bytes
     metadata = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    require_picture(path)
+    suffix = _picture_suffix(path)
     with (
         matplotlib.rc_context({"svg.hashsalt": "overview", "svg.fonttype": "none"}),
         whole_file(path) as temporary,
     ):
-        figure.savefig(temporary, dpi=150, metadata=metadata[Path(path).suffix.lower()])
+        figure.savefig(temporary, dpi=150, metadata=metadata[suffix])
 
 
 def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.timeline_options import open_timeline, timeline_options
 from overview_dsp.gestures.spec import FORMS
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
@@ -39,6 +40,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 )
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
+@timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
     timeline: str,
@@ -49,6 +51,7 @@ def command(
     points: float,
     tail: str,
     seed: int,
+    load: dict[str, Any],
     as_json: bool,
 ) -> None:
     """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt."""
@@ -56,9 +59,8 @@ def command(
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render, tail_of
-    from overview_dsp.timeline import load_timeline
 
-    data, chosen = load_timeline(timeline), load_preset(preset)
+    data, chosen = open_timeline(timeline, load), load_preset(preset)
     movement, rest = parse_gesture(gesture), tail_of(tail)
     announce_compile()
     with progress_bar("rendering") as tell:
