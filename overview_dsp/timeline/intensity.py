@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from overview_dsp.timeline import checks
 
 MAX_VALUE = 1e300
 """Largest magnitude of an intensity value: the difference of any two stays finite."""
+
+EXTREMES = (0.0, 100.0)
+"""Percentiles of the smallest and the largest value."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +29,9 @@ class Intensity:
         Shape (n,), finite, magnitude up to 1e300, in any unit.
     unit
         What the values are, for a person.
+    percentiles
+        Which percentiles of the values become 0 and 1 when the curve is scaled, 0 <= low < high
+        <= 100; values beyond them are clipped there, and only there.
 
     Both arrays are copied to float64 and made read-only.
 
@@ -38,6 +44,7 @@ class Intensity:
     time_s: NDArray[np.float64]
     value: NDArray[np.float64]
     unit: str = ""
+    percentiles: tuple[float, float] = EXTREMES
 
     def __post_init__(self) -> None:
         time_s = _points(self.time_s, "intensity.time_s")
@@ -72,6 +79,7 @@ class Intensity:
                 f"intensity.value[{i}] is {float(value[i])!r}; values reach from -{MAX_VALUE:g} "
                 f"to {MAX_VALUE:g}: choose a larger unit"
             )
+        object.__setattr__(self, "percentiles", _percentiles(self.percentiles))
         object.__setattr__(self, "time_s", time_s)
         object.__setattr__(self, "value", value)
 
@@ -80,6 +88,7 @@ class Intensity:
             return NotImplemented
         return (
             self.unit == other.unit
+            and self.percentiles == other.percentiles
             and np.array_equal(self.time_s, other.time_s)
             and np.array_equal(self.value, other.value)
         )
@@ -108,7 +117,7 @@ class Intensity:
         The ends are interpolated, so that the part has the same value at the same moment.
         """
         if self.is_constant:
-            return Intensity(np.zeros(1), self.value, self.unit)
+            return replace(self, time_s=np.zeros(1))
         low, high = max(start, float(self.time_s[0])), min(end, float(self.time_s[-1]))
         if low >= high:  # a single shared point would turn into a constant
             return None
@@ -117,7 +126,26 @@ class Intensity:
         shifted = times - start
         # two times one unit in the last place apart may round to the same
         apart = np.diff(shifted, prepend=-1.0) > 0.0
-        return Intensity(shifted[apart], self.at(times)[apart], self.unit)
+        return replace(self, time_s=shifted[apart], value=self.at(times)[apart])
+
+    def scale(self, known: NDArray[np.bool_]) -> tuple[float, float]:
+        """Return the values that become 0 and 1: the percentiles of the points marked as known.
+
+        Where those are equal (more than half of a rainfall is 0), the smallest and the largest.
+        """
+        value = self.value[known] if known.any() else self.value
+        low, high = (float(edge) for edge in np.percentile(value, self.percentiles))
+        return (low, high) if low < high else (float(value.min()), float(value.max()))
+
+
+def _percentiles(given: object) -> tuple[float, float]:
+    hint = "give two percentiles, 0 <= low < high <= 100"
+    if not isinstance(given, tuple | list) or len(given) != 2:
+        raise InputError(f"intensity.percentiles is {checks.shown(given)}; {hint}")
+    low, high = (checks.number(edge, "intensity.percentiles", hint) for edge in given)
+    if not 0.0 <= low < high <= 100.0:
+        raise InputError(f"intensity.percentiles is ({low!r}, {high!r}); {hint}")
+    return low, high
 
 
 def _points(values: object, what: str) -> NDArray[np.float64]:

@@ -15,6 +15,8 @@ from importlib import resources
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks, events_csv, native, statsbomb
 from overview_dsp.timeline.model import Timeline
+from overview_dsp.timeline.series import reading as series
+from overview_dsp.timeline.series.reading import OPTIONS as SERIES_OPTIONS
 from overview_dsp.timeline.source import LoadOptions, Source, decode_text, parse_json
 
 
@@ -57,6 +59,24 @@ FORMATS: tuple[Format, ...] = (
         events_csv.read,
         frozenset({"duration_s"}),
     ),
+    Format(
+        "series (CSV, TSV: a table with a column of times and one of values)",
+        series.sniff_csv,
+        series.read_csv,
+        SERIES_OPTIONS,
+    ),
+    Format(
+        "series (JSON: records, columns or pairs of times and values)",
+        series.sniff_json,
+        series.read_json,
+        SERIES_OPTIONS - {"max_mb"},
+    ),
+    Format(
+        "series (Parquet, with the extra `parquet`)",
+        series.sniff_parquet,
+        series.read_parquet,
+        SERIES_OPTIONS,
+    ),
 )
 """The formats that can be read, asked in this order."""
 
@@ -76,6 +96,7 @@ def load_timeline(
     rate: float | None = None,
     match: str | None = None,
     max_mb: float | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Timeline:
     """Load a timeline from any supported file, or a bundled one by its name.
 
@@ -88,6 +109,8 @@ def load_timeline(
         Length in s, for a format that takes it (event lists).
     value, time, map, rate, match, max_mb
         As `LoadOptions` says, each for the formats that take it.
+    progress
+        Called with the part of the file that is read, 0 to 1, by formats that may take long.
 
     Raises
     ------
@@ -102,6 +125,7 @@ def load_timeline(
         rate=_positive(rate, "rate", "a rate is samples a second"),
         match=_words(match, "match"),
         max_mb=_positive(max_mb, "max_mb", "a limit is megabytes"),
+        progress=progress,
     )
     try:
         name = os.fspath(path)
@@ -113,7 +137,7 @@ def load_timeline(
         _refuse_options(options, name, frozenset())
         return bundled_timeline(name)
     try:
-        source = Source.open(path)
+        source = Source.open(path, options)
     except InputError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         hint = f", or use a bundled name ({_bundled_names()})" if missing else ""

@@ -16,7 +16,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event, sorted_events
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
-from overview_dsp.timeline.intensity import Intensity
+from overview_dsp.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.units import clock_text
 
 __all__ = ["Event", "Intensity", "Timeline"]
@@ -102,6 +102,7 @@ class Timeline:
 
         If all points (outside gaps) lie within [0, 1] already, values are taken as they are, a
         constant too. Otherwise the smallest becomes 0 and the largest 1, and a constant curve 0.
+        A curve with percentiles of its own is scaled by these, always, and clipped beyond them.
         0 where there is no curve, as `intensity_at`.
         """
         at = np.asarray(times, dtype=np.float64)
@@ -199,9 +200,8 @@ class Timeline:
         """Return the value that becomes 0 and the span that becomes 1."""
         if self.intensity is None:
             return 0.0, 0.0
-        value = self.intensity.value
-        if not self.intensity.is_constant:
-            known = value[self._has_data(self.intensity.time_s)]
-            value = known if known.size else value  # every point may lie in a gap
-        low, high = float(value.min()), float(value.max())
-        return (0.0, 1.0) if low >= 0.0 and high <= 1.0 else (low, high - low)
+        curve = self.intensity
+        known = np.ones(1, np.bool_) if curve.is_constant else self._has_data(curve.time_s)
+        low, high = curve.scale(known)
+        as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
+        return (0.0, 1.0) if as_is else (low, high - low)

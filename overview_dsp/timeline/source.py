@@ -6,7 +6,8 @@ import codecs
 import json
 import os
 import stat
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -47,6 +48,8 @@ class LoadOptions:
         Which of the matches in a file: its number (from 1), or words of its line.
     max_mb
         Megabytes (2**20 bytes) a file may have, in place of the format's own limit.
+    progress
+        Called with the part of the file that is read, 0 to 1, by formats that may take long.
     """
 
     duration_s: float | None = None
@@ -56,10 +59,17 @@ class LoadOptions:
     rate: float | None = None
     match: str | None = None
     max_mb: float | None = None
+    progress: Callable[[float], None] | None = field(default=None, compare=False)
 
     def given(self) -> frozenset[str]:
-        """Return the names of the options that were set."""
-        return frozenset(name for name, value in vars(self).items() if value is not None)
+        """Return the names of the options that were set and say something about the data."""
+        told = {name for name, value in vars(self).items() if value is not None}
+        return frozenset(told - {"progress"})
+
+    def tell(self, part: float) -> None:
+        """Report how much is read, 0 to 1."""
+        if self.progress is not None:
+            self.progress(part)
 
 
 def shown_path(path: str | os.PathLike[str]) -> str:
@@ -67,11 +77,15 @@ def shown_path(path: str | os.PathLike[str]) -> str:
     return os.fsencode(path).decode("utf-8", "backslashreplace")
 
 
+def text_encoding(data: bytes) -> str:
+    """Return the encoding that a byte order mark tells, UTF-8 without one."""
+    return next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
+
+
 def decode_text(data: bytes, where: str) -> str:
     """Decode UTF-8 (with or without a byte order mark) or UTF-16/32 with one; InputError if not."""
-    encoding = next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
     try:
-        return data.decode(encoding)
+        return data.decode(text_encoding(data))
     except UnicodeDecodeError as error:
         raise InputError(
             f"{where}: byte {error.start} isn't {error.encoding} text ({error.reason}); save the "
@@ -136,14 +150,17 @@ class Source:
         Bytes.
     head
         Its first bytes, up to `HEAD_BYTES`, for telling the format.
+    options
+        What the caller added, for formats that bare data alone can't tell apart.
     """
 
     path: Path
     size: int
     head: bytes
+    options: LoadOptions = field(default_factory=LoadOptions)
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str]) -> Source:
+    def open(cls, path: str | os.PathLike[str], options: LoadOptions | None = None) -> Source:
         """Look at a file.
 
         Raises
@@ -171,7 +188,7 @@ class Source:
             raise InputError(f"{where}: can't be read ({reason}); check the path") from error
         if not head:
             raise InputError(f"{where}: is empty; check how it was made, or get it again")
-        return cls(Path(path), status.st_size, head)
+        return cls(Path(path), status.st_size, head, options or LoadOptions())
 
     @property
     def where(self) -> str:
@@ -186,8 +203,7 @@ class Source:
     @cached_property
     def head_text(self) -> str | None:
         """The head as text, None for binary data."""
-        encoding = next((name for mark, name in _BOMS if self.head.startswith(mark)), "utf-8")
-        decoder = codecs.getincrementaldecoder(encoding)()
+        decoder = codecs.getincrementaldecoder(text_encoding(self.head))()
         try:
             # not final: the head may end inside a character
             text = decoder.decode(self.head, final=self.size <= len(self.head))
