@@ -101,7 +101,7 @@ def test_noise_after_a_long_good_start_is_one_line(tmp_path: Path) -> None:
         ("[1, 2]", "a JSON list of 2 entries"),
         ('{"\\ud800": 1}', r"a JSON object with the keys '\\ud800'"),
         ("3", "text that begins '3'"),
-        ("date,close\n2020-01-01,3\n", "text that begins 'date,close'"),
+        ("name,colour\nx,red\n", "text that begins 'name,colour'"),
         ("hello\nworld", "text that begins 'hello'"),
     ],
 )

@@ -258,11 +258,12 @@ def choose_value(
     offered = [columns[i] for i in series]
     price = prices.preferred(offered)
     if price is not None:
-        why = "adjusted for splits and dividends" if prices.is_adjusted(offered[price]) else "last"
+        adjusted = prices.is_adjusted(offered[price])
+        why = "the close adjusted for splits and dividends" if adjusted else "the last price"
         return ValueChoice(
             series[price],
-            f"the value is column {checks.shown(offered[price].header)}, the {why} price of a "
-            f"table of prices; others can be named: {listed(offered)}",
+            f"the value is column {checks.shown(offered[price].header)}, {why} in a table of "
+            f"prices; others can be named: {listed(offered)}",
         )
     raise InputError(
         f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "

@@ -7,6 +7,9 @@ from collections.abc import Sequence
 
 from overview_dsp.timeline.series.table import Column
 
+CURRENCIES = frozenset("$€£¥₹₽₩")
+"""Signs that make a number a price."""
+
 _CLOSE = ("close", "closelast", "closeprice", "last", "lastprice", "c", "closing", "settle")
 _OPEN = ("open", "openprice", "o")
 _HIGH_LOW = ("high", "low", "highprice", "lowprice", "dayhigh", "daylow", "h", "l")

@@ -67,6 +67,7 @@ class RowReader:
     time: TimeColumn = field(init=False)
     numbers: list[NumberColumn] = field(init=False)
     skipped: int = field(default=0, init=False)
+    rows: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         zoned = any(self.table.columns[i].zoned for i in self.choice.columns)
@@ -114,6 +115,7 @@ class RowReader:
                 self.skipped += int(timeless.sum())
                 seconds, rows = seconds[~timeless], rows[~timeless]
                 values = [value[~timeless] for value in values]
+            self.rows += len(seconds)
             yield seconds, values, rows
 
 

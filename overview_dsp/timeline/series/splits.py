@@ -34,10 +34,15 @@ _ALARM, _BEFORE, _AFTER = 3.0, 20, 10
 
 @dataclass(frozen=True)
 class Split:
-    """A split between sample `index - 1` and `index`; `ratio` is such as `2:1`."""
+    """A split between a sample and sample `index`.
+
+    `ratio` is such as `2:1` (two new shares for an old one), `factor` what prices from there on are
+    multiplied by to compare with those before.
+    """
 
     index: int
     ratio: str
+    factor: float
 
 
 def find_splits(
@@ -77,7 +82,7 @@ def find_splits(
             at, near = opening[here], _NEAR_OPEN
         ratio = _whole(math.log(price[before] / at), near)
         if ratio and _lasts(price[known], k + 1) and not _alarm(price, volume, known, k + 1):
-            found.append(Split(here, ratio))
+            found.append(Split(here, ratio, _factor(ratio)))
     return found
 
 
@@ -94,11 +99,12 @@ def _by_factor(
         large = np.flatnonzero(np.abs(jump) >= _LEAST_FACTOR)
     found = []
     for k in large.tolist():
-        # a wrong adjusted value jumps too, there and back; the price doesn't with it
+        # a wrong adjusted value jumps too; the price doesn't with it
         if not math.isfinite(jump[k]) or abs(step[k] + jump[k]) > 0.5 * abs(jump[k]):
             continue
         ratio = _whole(jump[k], _NEAR_FACTOR)
-        found.append(Split(int(known[k + 1]), ratio or f"{math.exp(jump[k]):.4g}:1"))
+        words = ratio or f"{math.exp(jump[k]):.4g}:1"
+        found.append(Split(int(known[k + 1]), words, _factor(words)))
     return found
 
 
@@ -110,6 +116,11 @@ def _whole(log_ratio: float, near: float) -> str:
         return ""
     words = _WORDS.get(best, f"{best:g}:1")
     return words if log_ratio > 0.0 else ":".join(reversed(words.split(":")))
+
+
+def _factor(ratio: str) -> float:
+    new, old = ratio.split(":")
+    return float(new) / float(old)
 
 
 def _lasts(price: NDArray[np.float64], at: int) -> bool:

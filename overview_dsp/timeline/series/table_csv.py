@@ -174,6 +174,8 @@ def _found(
         columns = [[row[i] for row in below[:50] if i < len(row)] for i in range(len(header))]
         if not any(looks_numeric(column) for column in columns):
             return None
+        if len(header) == 1 and len(below) < 2:
+            return None  # a lone number
     units = (units + [""] * len(header))[: len(header)]
     if len(header) > MAX_COLUMNS:
         return None
@@ -223,6 +225,7 @@ class CsvTable:
             for name, unit in zip(layout.header, layout.units, strict=True)
         )
         self.notes = layout.notes
+        self.separator = layout.separator
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read these columns; InputError names a row that is too long, or a broken quote."""
