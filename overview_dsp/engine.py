@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-import warnings
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
@@ -12,15 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.coefficients import FADE_S, GLIDE_S, coefficients
-from overview_dsp.errors import InputError, NotPreparedError, OverviewError, OverviewWarning
+from overview_dsp.errors import InputError, NotPreparedError, OverviewError
+from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
+from overview_dsp.mailbox import Mailbox, stamp_of
 from overview_dsp.meters import Meters, Setting, Strikes
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS, Parameter, Value
-from overview_dsp.saved_state import decode_state, encode_state
+from overview_dsp.saved_state import decode_state, encode_state, preset_to_dict
 from overview_dsp.surface import Surface, build_surface
 from overview_dsp.surface_slot import write_surface
 from overview_dsp.tail import tail_seconds
@@ -32,13 +33,13 @@ MIN_SAMPLE_RATE = 1_000.0
 MAX_SAMPLE_RATE = 768_000.0
 CARRIER_LIMIT = 0.45
 TRACE_COLUMNS = layout.TRACE_COLUMNS
-SOURCES = ("touch", "twist", "serial", "osc", "midi", "remote")
-"""Hands that may hold the disk; their order settles ties at the same sample."""
-
 __all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes", "is_compiled"]
 
+APPLIED_EVENT = np.dtype(
+    [("sample", np.int64), ("source", np.int64), ("theta2", np.float64), ("touching", np.bool_)]
+)
+
 _NO_TRACE = np.zeros(0)
-_AS_SOON_AS_POSSIBLE = -1
 
 
 class Engine:
@@ -55,7 +56,7 @@ class Engine:
         self._surface = build_surface(timeline, preset)
         self._sample_rate = 0.0
         self._max_block_size = 0
-        self._dropped = 0
+        self._journal: deque[tuple[int, dict[str, Any] | None]] = deque(maxlen=layout.HOST_RING)
 
     # --- life -----------------------------------------------------------------------------------
 
@@ -83,6 +84,7 @@ class Engine:
         self._m = np.zeros(layout.TOTAL)
         self._w = self._m.view(np.int64)
         self._u = self._m.view(np.uint64)
+        self._mailbox = Mailbox(self._m)
         self._w[layout.S_GLIDE] = max(1, round(GLIDE_S * rate))
         self._w[layout.S_FADE] = max(1, round(FADE_S * rate))
         self._w[layout.S_CLICK_CHANNEL] = 0
@@ -102,7 +104,8 @@ class Engine:
         write_surface(self._m, 0, self._surface, self._sample_rate)
         block.reset(self._m, self._w, self._u)
         self._slot_surfaces = [self._surface] * layout.SLOTS
-        self._dropped = 0
+        self._mailbox.dropped = 0
+        self._journal.clear()
 
     # --- control thread -------------------------------------------------------------------------
 
@@ -120,25 +123,7 @@ class Engine:
         counts it.
         """
         self._require_prepared()
-        if source not in SOURCES:
-            raise InputError(f"no source is called {source!r}; known: {', '.join(SOURCES)}")
-        ring = SOURCES.index(source)
-        written = int(self._w[layout.RING_WRITTEN + ring])
-        if written - int(self._w[layout.RING_READ + ring]) >= layout.RING:
-            if self._dropped == 0:
-                warnings.warn(
-                    f"control event dropped: {layout.RING} of source {source!r} wait already; "
-                    "process a block first",
-                    OverviewWarning,
-                    stacklevel=2,
-                )
-            self._dropped += 1
-            return
-        at = ring * layout.RING + written % layout.RING
-        self._w[layout.RING_TIME + at] = _stamp(sample_time)
-        self._m[layout.RING_THETA2 + at] = theta2
-        self._w[layout.RING_TOUCHING + at] = 1 if touching else 0
-        self._w[layout.RING_WRITTEN + ring] = written + 1
+        self._mailbox.control(theta2, touching, stamp_of(sample_time), source)
 
     def set(self, id: str, value: Value, sample_time: int | None = None) -> None:
         """Change a parameter; it glides for 20 ms from the stamped sample.
@@ -152,28 +137,50 @@ class Engine:
             No such parameter, or a value that is not allowed; nothing is changed.
         """
         preset = self._with_value(id, value)
-        if self._sample_rate:
-            self._check_carrier(preset, self._sample_rate)
         known = PARAMETERS.get(id)
+        surface = None
         if known is None or known.surface:
             surface = build_surface(self._timeline, preset)
-            if self._sample_rate:
-                self.set_surface(surface, sample_time)
-            else:
-                self._surface = surface
-        elif self._sample_rate:
-            before = coefficients(self._preset, self._sample_rate)
-            after = coefficients(preset, self._sample_rate)
-            changes: list[tuple[int, float]] = [
-                (column, target) for column, target in after.items() if target != before[column]
-            ]
-            if id == "disk.release":
-                changes.append((layout.COMMAND_RELEASE_RETURNS, float(value == "return")))
-            self._push_host(changes, sample_time)
-        self._preset = preset
+        self._change(preset, surface, sample_time, {"set": {id: value}})
+
+    def set_preset(self, preset: Preset, sample_time: int | None = None) -> None:
+        """Change to another preset: parameters glide, its surface is crossfaded in.
+
+        Raises
+        ------
+        InputError
+            Its carrier doesn't fit the sample rate; nothing is changed.
+        OverviewError
+            As `set_surface`.
+        """
+        surface = build_surface(self._timeline, preset)
+        self._change(preset, surface, sample_time, {"preset": preset_to_dict(preset)})
+
+    def set_timeline(
+        self,
+        timeline: Timeline,
+        sample_time: int | None = None,
+        window: tuple[float, float] | None = None,
+    ) -> None:
+        """Change to other data under the same preset, crossfaded: a zoom, say.
+
+        `window` says which part (s) of the first timeline this is, for a recording.
+
+        Raises
+        ------
+        OverviewError
+            As `set_surface`.
+        """
+        surface = build_surface(timeline, self._preset)
+        note = {"window": list(window)} if window is not None else None
+        self._change(self._preset, surface, sample_time, note)
+        self._timeline = timeline
 
     def set_surface(self, surface: Surface, sample_time: int | None = None) -> None:
         """Crossfade to another surface (new data, a zoom, a preset) in 30 ms.
+
+        A recording can't hold a surface that came so; it holds those of `set`, `set_preset` and
+        `set_timeline`.
 
         Raises
         ------
@@ -181,23 +188,38 @@ class Engine:
             Two surfaces are waiting or fading already: process a block first.
         """
         self._require_prepared()
-        # an audio thread may begin a waiting crossfade while we look: the active slot is read
-        # before and after, and what waits before what fades, so that none is overlooked
-        taken = {int(self._w[layout.ACTIVE_SLOT])}
-        for index in range(int(self._w[layout.HOST_READ]), int(self._w[layout.HOST_WRITTEN])):
-            at = index % layout.HOST_RING
-            if self._w[layout.HOST_WHAT + at] == layout.COMMAND_SURFACE:
-                taken.add(int(self._m[layout.HOST_VALUE + at]))
-        if self._w[layout.FADE_LEFT] > 0:
-            taken.add(int(self._w[layout.FADING_SLOT]))
-        taken.add(int(self._w[layout.ACTIVE_SLOT]))
-        free = [slot for slot in range(layout.SLOTS) if slot not in taken]
-        if not free:
-            raise OverviewError("two surfaces wait or fade already; process a block, then set it")
-        write_surface(self._m, free[0], surface, self._sample_rate)
-        self._push_host([(layout.COMMAND_SURFACE, float(free[0]))], sample_time)
-        self._slot_surfaces[free[0]] = surface
-        self._surface = surface
+        self._change(self._preset, surface, sample_time, None)
+
+    def _change(
+        self,
+        preset: Preset,
+        surface: Surface | None,
+        sample_time: int | None,
+        note: dict[str, Any] | None,
+    ) -> None:
+        """Take over a preset and a surface, all at one sample; or nothing, with an error."""
+        if self._sample_rate:
+            self._check_carrier(preset, self._sample_rate)
+            stamp = stamp_of(sample_time)
+            before = coefficients(self._preset, self._sample_rate)
+            after = coefficients(preset, self._sample_rate)
+            changes: list[tuple[int, float]] = [
+                (column, target) for column, target in after.items() if target != before[column]
+            ]
+            returns = preset.values["disk.release"] == "return"
+            if returns != (self._preset.values["disk.release"] == "return"):
+                changes.append((layout.COMMAND_RELEASE_RETURNS, float(returns)))
+            self._mailbox.require_room(len(changes) + 1)
+            if surface is not None:
+                slot = self._mailbox.free_slot()
+                write_surface(self._m, slot, surface, self._sample_rate)
+                self._slot_surfaces[slot] = surface
+                changes.append((layout.COMMAND_SURFACE, float(slot)))
+            if changes:
+                self._journal.append((self._mailbox.push(changes, stamp), note))
+        self._preset = preset
+        if surface is not None:
+            self._surface = surface
 
     def set_channels(self, click: int | None = 0, tactor: int | None = 1) -> None:
         """Choose the output channels (from 0; None = nowhere). Others are silent.
@@ -265,6 +287,16 @@ class Engine:
     # --- what it says of itself -------------------------------------------------------------------
 
     @property
+    def timeline(self) -> Timeline:
+        """The data under the hand."""
+        return self._timeline
+
+    @property
+    def seed(self) -> int:
+        """The seed of the surface's grain."""
+        return self._seed
+
+    @property
     def preset(self) -> Preset:
         """The preset with the values set since."""
         return self._preset
@@ -273,6 +305,32 @@ class Engine:
     def surface(self) -> Surface:
         """The surface set last."""
         return self._surface
+
+    def take_applied(self, since: int) -> tuple[NDArray[np.void], int]:
+        """The control events applied after the first `since` ones, and how many there are by now.
+
+        A record array with `sample`, `source` (index of `SOURCES`), `theta2` (rad, as used) and
+        `touching`; the log keeps the latest 16384.
+
+        Raises
+        ------
+        OverviewError
+            More came since than the log keeps.
+        """
+        self._require_prepared()
+        now = int(self._w[layout.APPLIED])
+        if now - since > layout.APPLIED_LOG:
+            raise OverviewError(
+                f"{now - since} control events since the last look; the log keeps "
+                f"{layout.APPLIED_LOG}: look more often"
+            )
+        at = np.arange(since, now) % layout.APPLIED_LOG
+        events = np.empty(len(at), dtype=APPLIED_EVENT)
+        events["sample"] = self._w[layout.APPLIED_TIME + at]
+        events["source"] = self._w[layout.APPLIED_SOURCE + at]
+        events["theta2"] = self._m[layout.APPLIED_THETA2 + at]
+        events["touching"] = self._w[layout.APPLIED_TOUCHING + at]
+        return events, now
 
     @property
     def memory(self) -> NDArray[np.float64]:
@@ -312,7 +370,7 @@ class Engine:
             late_events=int(w[layout.M_LATE]),
             rejected_events=int(w[layout.M_REJECTED]),
             clamped_events=int(w[layout.M_CLAMPED]),
-            dropped_events=self._dropped,
+            dropped_events=self._mailbox.dropped,
             resets=int(w[layout.M_RESETS]),
             limited_samples=int(w[layout.M_LIMITED]),
             strikes=int(w[layout.M_STRIKES]),
@@ -352,6 +410,20 @@ class Engine:
             torque=self._m[layout.LOG_TORQUE + at],
             level=self._m[layout.LOG_LEVEL + at],
         )
+
+    def take_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
+        """The parameter and surface changes applied since the last call, each with its sample.
+
+        A change is {"set": {id: value}}, {"preset": ...}, {"window": [start_s, end_s]}, or None
+        """
+        self._require_prepared()
+        taken = []
+        while self._journal:
+            applied = self._mailbox.applied_at(self._journal[0][0])
+            if applied is None:
+                break
+            taken.append((applied, self._journal.popleft()[1]))
+        return taken
 
     def tactor_of(self, torque: NDArray[np.float64]) -> NDArray[np.float32]:
         """The tactor channel that a torque signal (N m, one value a frame) gives from rest."""
@@ -411,27 +483,3 @@ class Engine:
             changes = {"width_percent": None, "width_ms": None, **changes}
         kind = replace(self._preset.kinds[kind_name], **changes)
         return replace(self._preset, kinds={**self._preset.kinds, kind_name: kind})
-
-    def _push_host(self, changes: list[tuple[int, float]], sample_time: int | None) -> None:
-        written = int(self._w[layout.HOST_WRITTEN])
-        waiting = written - int(self._w[layout.HOST_READ])
-        if waiting + len(changes) > layout.HOST_RING:
-            raise OverviewError(
-                f"{waiting} parameter changes wait already; process a block, then set more"
-            )
-        stamp = _stamp(sample_time)
-        for index, (what, value) in enumerate(changes, written):
-            at = index % layout.HOST_RING
-            self._w[layout.HOST_TIME + at] = stamp
-            self._w[layout.HOST_WHAT + at] = what
-            self._m[layout.HOST_VALUE + at] = value
-        # published last, so that the audio thread sees all of a change or nothing
-        self._w[layout.HOST_WRITTEN] = written + len(changes)
-
-
-def _stamp(sample_time: int | None) -> int:
-    if sample_time is None:
-        return _AS_SOON_AS_POSSIBLE
-    if not math.isfinite(sample_time) or sample_time < 0:
-        raise InputError(f"sample_time = {sample_time}; it counts samples since reset, from 0")
-    return int(sample_time)

@@ -22,6 +22,17 @@ def output_error(path: Path, error: OSError) -> InputError | OutputError:
     return InputError(f"{path}: can't be written ({reason}); choose a folder you may write to")
 
 
+def require_writable(path: str | os.PathLike[str]) -> None:
+    """Refuse early, with InputError, a file that could not be written at the end."""
+    target = Path(path)
+    if os.path.isdir(target):
+        raise InputError(f"{target}: is a folder; name a file in it")
+    if not os.path.isdir(target.parent):
+        raise InputError(f"{target}: there is no folder {target.parent}; make it first")
+    if not os.access(target.parent, os.W_OK):
+        raise InputError(f"{target}: can't be written; choose a folder you may write to")
+
+
 @contextlib.contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a temporary path beside `path`; rename it into place on success, delete it otherwise.

@@ -11,9 +11,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.changes import apply_change
 from overview_dsp.engine import TRACE_COLUMNS, Engine, Strikes
 from overview_dsp.errors import InputError
-from overview_dsp.gestures import Gesture
+from overview_dsp.gestures import SOURCES, Gesture
 from overview_dsp.presets.model import Preset
 from overview_dsp.sound_file import save_sound
 from overview_dsp.timeline import Timeline
@@ -157,7 +158,9 @@ def blocks(
         end = most = length + round(tail * rate)
     quiet = round(REST_S * rate)
     start, fed = engine.sample_time, 0
-    done = 0
+    whole = engine.timeline
+    changes = [(round(change.time_s * rate), change.what) for change in gesture.changes]
+    changed = done = 0
     while done < most:
         frames = min(BLOCK, most - done)
         ahead = int(np.searchsorted(stamps, done + frames))
@@ -166,11 +169,21 @@ def blocks(
         if ahead - fed > FED_AHEAD - waiting:
             ahead = fed + FED_AHEAD - waiting
             frames = max(1, int(stamps[ahead]) - done)
+        while changed < len(changes) and changes[changed][0] <= done:
+            apply_change(engine, whole, changes[changed][1], start + done)
+            changed += 1
+        if changed < len(changes):
+            # a change is made when it is due: only two surfaces can wait
+            frames = min(frames, changes[changed][0] - done)
+            ahead = min(ahead, int(np.searchsorted(stamps, done + frames)))
         for i in range(fed, ahead):
             engine.control(
-                float(gesture.theta2[i]), bool(gesture.touching[i]), start + int(stamps[i])
+                float(gesture.theta2[i]),
+                bool(gesture.touching[i]),
+                start + int(stamps[i]),
+                SOURCES[gesture.source[i]],
             )
-        fed = ahead
+        fed = max(fed, ahead)
         samples = np.empty((frames, 2), dtype=np.float32)
         table = np.empty((frames, len(TRACE_COLUMNS))) if trace else None
         engine.process(samples, table)

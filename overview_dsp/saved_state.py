@@ -13,8 +13,13 @@ from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
 
 def encode_state(preset: Preset, seed: int) -> bytes:
     """The state as UTF-8 JSON; the same values give the same bytes."""
-    state = {
-        "overview_state": 1,
+    state = {"overview_state": 1, **preset_to_dict(preset), "seed": seed}
+    return json.dumps(state, indent=1, ensure_ascii=False).encode()
+
+
+def preset_to_dict(preset: Preset) -> dict[str, Any]:
+    """A preset as plain dicts, lists, texts and numbers."""
+    return {
         "name": preset.name,
         "title": preset.title,
         "description": preset.description,
@@ -23,9 +28,19 @@ def encode_state(preset: Preset, seed: int) -> bytes:
             name: {**vars(kind), "modes": [vars(mode) for mode in kind.modes]}
             for name, kind in preset.kinds.items()
         },
-        "seed": seed,
     }
-    return json.dumps(state, indent=1, ensure_ascii=False).encode()
+
+
+def preset_from_dict(data: Any) -> Preset:
+    """The preset of `preset_to_dict`; InputError if it isn't one."""
+    try:
+        return _preset_of(data)
+    except InputError:
+        raise
+    except (ValueError, OverflowError) as error:
+        raise InputError(f"not a saved preset: {error}") from None
+    except (KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"not a saved preset: {type(error).__name__} {error}") from None
 
 
 def decode_state(state: bytes) -> tuple[Preset, int]:
@@ -34,16 +49,7 @@ def decode_state(state: bytes) -> tuple[Preset, int]:
         data = json.loads(state.decode())
         if data["overview_state"] != 1:
             raise InputError(f"a state of version {data['overview_state']!r}; this reads 1")
-        name, title, description = (data[key] for key in ("name", "title", "description"))
-        if not all(isinstance(text, str) for text in (name, title, description)):
-            raise InputError("not a saved state: name, title and description are texts")
-        preset = Preset(
-            name,
-            title,
-            description,
-            data["values"],
-            {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
-        )
+        preset = _preset_of(data)
         seed = int(data["seed"])
     except InputError:
         raise
@@ -52,6 +58,19 @@ def decode_state(state: bytes) -> tuple[Preset, int]:
     except (KeyError, TypeError, AttributeError) as error:
         raise InputError(f"not a saved state: {type(error).__name__} {error}") from None
     return preset, seed
+
+
+def _preset_of(data: Any) -> Preset:
+    name, title, description = (data[key] for key in ("name", "title", "description"))
+    if not all(isinstance(text, str) for text in (name, title, description)):
+        raise InputError("not a saved state: name, title and description are texts")
+    return Preset(
+        name,
+        title,
+        description,
+        data["values"],
+        {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
+    )
 
 
 def _kind_of(name: str, data: dict[str, Any]) -> Kind:

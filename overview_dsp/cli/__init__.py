@@ -16,6 +16,7 @@ from overview_dsp.errors import OverviewError, OverviewWarning
 COMMANDS = {
     "demo": ("demo", "The bundled match: sounds, pictures, and what to listen for."),
     "render": ("render", "Play a gesture over a timeline into a sound file."),
+    "play": ("play", "Play a timeline live, with the mouse, the keys or a recorded hand."),
     "presets": ("presets", "List, show and check presets."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
     "devices": ("devices", "List the audio outputs, and what is missing."),

@@ -14,11 +14,11 @@ import click
 BAR_AFTER_S = 1.0
 
 
-def announce_compile() -> None:
+def announce_compile(*kernels: str) -> None:
     """Say so when the first use of the kernels on this machine is about to compile them."""
     from overview_dsp.engine import is_compiled
 
-    if not is_compiled():
+    if not all(is_compiled(kernel) for kernel in ("process", *kernels)):
         click.echo("compiling the engine for this machine (once, 10 to 20 s) ...", err=True)
 
 

@@ -11,17 +11,14 @@ from overview_dsp.cli.common import print_json
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(as_json: bool) -> None:
     """List audio outputs with their channels and latency."""
-    from overview_dsp.live.portaudio import outputs
+    from overview_dsp.live.portaudio import no_output_hint, outputs
 
     found = outputs()
     if as_json:
         print_json([vars(output) for output in found])
         return
     if not found:
-        click.echo(
-            "PortAudio sees no output: plug in a sound card, or start a sound server "
-            "(PipeWire, PulseAudio, JACK); rendering to files needs none"
-        )
+        click.echo(f"PortAudio sees no output: {no_output_hint()}; rendering to files needs none")
     for output in found:
         star = "*" if output.default else " "
         click.echo(

@@ -1,8 +1,20 @@
 """Gestures: scripts and takes in, control events out; opens no device."""
 
-from overview_dsp.gestures.model import Gesture
+from overview_dsp.gestures.model import SOURCES, Change, Gesture
+from overview_dsp.gestures.recorded_take import save_take
 from overview_dsp.gestures.scripts import rest, sweep, tap
 from overview_dsp.gestures.spec import parse_gesture
 from overview_dsp.gestures.take import load_gesture, save_gesture
 
-__all__ = ["Gesture", "load_gesture", "parse_gesture", "rest", "save_gesture", "sweep", "tap"]
+__all__ = [
+    "SOURCES",
+    "Change",
+    "Gesture",
+    "load_gesture",
+    "parse_gesture",
+    "rest",
+    "save_gesture",
+    "save_take",
+    "sweep",
+    "tap",
+]

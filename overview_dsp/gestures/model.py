@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +15,25 @@ LONGEST_S = 7 * 24 * 3600.0
 """No gesture is longer: a time beyond it is a slip of the pen, and would render for ever."""
 
 
+SOURCES = ("touch", "twist", "serial", "osc", "midi", "remote")
+"""Hands that may hold the disk; their order settles ties at the same sample."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A parameter or surface change of a recorded take.
+
+    `time_s` from the gesture's start; `what` is {"set": {id: value}}, {"preset": ...} or
+    {"window": [start_s, end_s]}.
+    """
+
+    time_s: float
+    what: Mapping[str, Any]
+
+
 @dataclass(frozen=True, eq=False)
 class Gesture:
-    """Control events of one hand, in order of time.
+    """Control events in order of time: of one hand, or of several in a recorded take.
 
     Attributes
     ----------
@@ -27,6 +45,10 @@ class Gesture:
         Whether the hand holds on.
     duration_s : float
         When the gesture is over, at or after its last event.
+    source : int8 (events,)
+        Which hand, as an index of `SOURCES`; touch if left out.
+    changes : tuple of Change
+        What else happened while a take was recorded, in order of time.
 
     Raises
     ------
@@ -38,13 +60,17 @@ class Gesture:
     theta2: NDArray[np.float64]
     touching: NDArray[np.bool_]
     duration_s: float
+    source: NDArray[np.int8] = None  # type: ignore[assignment]
+    changes: tuple[Change, ...] = ()
 
     def __post_init__(self) -> None:
         time_s = np.array(self.time_s, dtype=np.float64)
         theta2 = np.array(self.theta2, dtype=np.float64)
         touching = np.array(self.touching, dtype=bool)
-        if not len(time_s) == len(theta2) == len(touching):
-            raise InputError("a gesture's time, theta2 and touching must be equally long")
+        given: Any = self.source
+        source = np.array(np.zeros(len(time_s)) if given is None else given, dtype=np.int8)
+        if not len(time_s) == len(theta2) == len(touching) == len(source):
+            raise InputError("a gesture's time, theta2, touching and source must be equally long")
         if len(time_s) and (not np.isfinite(time_s).all() or time_s[0] < 0.0):
             raise InputError("a gesture's times must be finite and not negative")
         back = np.flatnonzero(np.diff(time_s) < 0.0)
@@ -65,17 +91,23 @@ class Gesture:
                 f"the gesture's duration {self.duration_s:g} s ends before its last event, "
                 f"at {last:g} s"
             )
-        for name, array in (("time_s", time_s), ("theta2", theta2), ("touching", touching)):
+        arrays = {"time_s": time_s, "theta2": theta2, "touching": touching, "source": source}
+        for name, array in arrays.items():
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
     def __add__(self, other: Gesture) -> Gesture:
         """This gesture, then the other."""
+        later = (
+            replace(change, time_s=change.time_s + self.duration_s) for change in other.changes
+        )
         return Gesture(
             np.concatenate([self.time_s, other.time_s + self.duration_s]),
             np.concatenate([self.theta2, other.theta2]),
             np.concatenate([self.touching, other.touching]),
             self.duration_s + other.duration_s,
+            np.concatenate([self.source, other.source]),
+            (*self.changes, *later),
         )
 
     def stamps(self, sample_rate: float) -> NDArray[np.int64]:

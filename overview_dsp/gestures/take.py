@@ -1,4 +1,7 @@
-"""Takes: gestures as CSV files with the columns time_s, theta2_rad, touching."""
+"""Takes: gestures as CSV files with the columns time_s, theta2_rad, touching.
+
+A recorded one (`recorded_take.py`) has sample, sample_rate and source too.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,8 @@ import numpy as np
 
 from overview_dsp.errors import InputError
 from overview_dsp.files import whole_file
-from overview_dsp.gestures.model import LONGEST_S, Gesture
+from overview_dsp.gestures.model import LONGEST_S, SOURCES, Gesture
+from overview_dsp.gestures.recorded_take import load_changes
 
 COLUMNS = ("time_s", "theta2_rad", "touching")
 _TOUCH = {"1": True, "true": True, "0": False, "false": False}
@@ -22,6 +26,8 @@ _TOUCH = {"1": True, "true": True, "0": False, "false": False}
 
 def load_gesture(path: str | Path) -> Gesture:
     """A take: CSV with a header and the columns time_s (s), theta2_rad (0 to pi), touching (0, 1).
+
+    A recorded take is replayed with the parameter and surface changes of the JSON beside it.
 
     Raises
     ------
@@ -59,8 +65,9 @@ def _read(file: TextIO, path: Path) -> Gesture:
             f"{path}:1: no column {', '.join(missing)}; a take has {', '.join(COLUMNS)}"
         )
     at = [header.index(name) for name in COLUMNS]
+    by = header.index("source") if "source" in header else None
     # arrays: an hour's take in tuples would fill half a gigabyte
-    times, angles, touches = array("d"), array("d"), array("b")
+    times, angles, touches, sources = array("d"), array("d"), array("b"), array("b")
     event = (0.0, 0.0, False)
     try:
         for row in rows:
@@ -70,16 +77,35 @@ def _read(file: TextIO, path: Path) -> Gesture:
             times.append(event[0])
             angles.append(event[1])
             touches.append(event[2])
+            sources.append(0 if by is None else _source(row, by, f"{path}:{rows.line_num}"))
     except csv.Error as error:
         raise InputError(f"{path}:{rows.line_num}: not CSV: {error}") from None
     if not times:
         raise InputError(f"{path}: no events; a take has one control event a line")
-    if event[2]:
-        # a gesture ends with a release
-        times.append(event[0])
-        angles.append(event[1])
-        touches.append(False)
-    return Gesture(np.array(times), np.array(angles), np.array(touches, dtype=bool), times[-1])
+    # a gesture ends with a release, of every hand
+    for source in sorted(set(sources)):
+        last = len(sources) - 1 - sources[::-1].index(source)
+        if touches[last]:
+            times.append(times[-1])
+            angles.append(angles[last])
+            touches.append(False)
+            sources.append(source)
+    recorded = "sample" in header and "sample_rate" in header
+    return Gesture(
+        np.array(times),
+        np.array(angles),
+        np.array(touches, dtype=bool),
+        times[-1],
+        np.array(sources, dtype=np.int8),
+        load_changes(path) if recorded else (),
+    )
+
+
+def _source(row: list[str], at: int, place: str) -> int:
+    name = row[at].strip() if at < len(row) else ""
+    if name not in SOURCES:
+        raise InputError(f"{place}: source = {name[:60]!r}; it is one of {', '.join(SOURCES)}")
+    return SOURCES.index(name)
 
 
 def _event(row: list[str], at: list[int], before: float, place: str) -> tuple[float, float, bool]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import entry, point
-from overview_dsp.kernels.control import apply_due, drop_waiting, glide, next_due
+from overview_dsp.kernels.control import apply_due, drop_waiting, glide_all, next_due
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
@@ -79,6 +79,7 @@ def reset(m, w, u):
     Thread: main, or audio between blocks.
     """
     clear(m, w, u)
+    w[layout.APPLIED] = 0
     for i in range(layout.COEFFS):
         if w[layout.GLIDE_LEFT + i] > 0:
             m[i] = m[layout.TARGET + i]
@@ -111,7 +112,7 @@ def process(m, w, u, out, frames, channels, trace, traced):
         apply_due(m, w)
         stop = frames
         # a gliding coefficient is a new constant every sample
-        if glide(m, w) > 0:
+        if glide_all(m, w) > 0:
             stop = n + 1
         else:
             due = next_due(w) - first

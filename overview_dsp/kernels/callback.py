@@ -19,6 +19,7 @@ from numba import types
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import process
 from overview_dsp.kernels.compiling import native, point
+from overview_dsp.kernels.device import finish
 from overview_dsp.kernels.elementary import log2
 
 # PortAudio's unsigned long: 32 bits on Windows, 64 elsewhere
@@ -69,12 +70,13 @@ def _callback(unused, output, frame_count, time_info, flags, user):
     channels = w[layout.L_CHANNELS]
     out = carray(output, (frames * channels,), np.float32)
     process(m, w, u, out, frames, channels, m, False)
+    over = finish(m, w, out, frames, channels)
     w[layout.L_CALLBACKS] += 1
     w[layout.L_FRAMES] += frames
     if flags & OUTPUT_UNDERFLOW:
         w[layout.L_UNDERFLOWS] += 1
     note_busy(m, w, now(w) - started, frames)
-    return COMPLETE if w[layout.L_STOP] == 1 else CONTINUE
+    return COMPLETE if over else CONTINUE
 
 
 @cache

@@ -47,10 +47,10 @@ def cache_folder() -> Path:
     return root / f"kernels-{sources_digest()}"
 
 
-def is_compiled() -> bool:
-    """Whether machine code for these sources is already on disk (else the first use compiles)."""
+def is_compiled(function: str = "process") -> bool:
+    """Whether a kernel's machine code is already on disk (else its first use compiles it)."""
     folder = cache_folder()
-    return folder.is_dir() and any(folder.rglob("*.nbc"))
+    return folder.is_dir() and any(folder.rglob(f"*.{function}-*.nbc"))
 
 
 def point(function: Function) -> Function:

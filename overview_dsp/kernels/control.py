@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.glide import smooth_step
 
 PI = 3.141592653589793
 CELLS_PER_RAD = layout.CELLS / PI
@@ -20,7 +21,7 @@ NEVER = 0x7FFFFFFFFFFFFFFF
 @point
 def engage(m, w, source):
     """Shaft 2 takes hold of `source`'s finger: a step, wherever the hand was before."""
-    place = m[layout.SOURCE_THETA2 + source]
+    place = m[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
     m[layout.INPUT] = place
     m[layout.SMOOTH_1] = place
     m[layout.SMOOTH_2] = place
@@ -42,11 +43,22 @@ def let_go(m, w):
             heir = source
     w[layout.HOLDER] = heir
     if heir >= 0:
-        m[layout.INPUT] = m[layout.SOURCE_THETA2 + heir]
+        m[layout.INPUT] = m[layout.SOURCE_THETA2 + heir] * CELLS_PER_RAD
     elif w[layout.S_RELEASE_RETURNS] == 1:
         m[layout.INPUT] = 0.0
     else:
         w[layout.TOUCHING] = 0
+
+
+@point
+def log_applied(m, w, source, touching):
+    """Keep an event as it is applied, so that a recording of the log replays every bit."""
+    at = w[layout.APPLIED] % layout.APPLIED_LOG
+    w[layout.APPLIED_TIME + at] = w[layout.CLOCK]
+    w[layout.APPLIED_SOURCE + at] = source
+    m[layout.APPLIED_THETA2 + at] = m[layout.SOURCE_THETA2 + source]
+    w[layout.APPLIED_TOUCHING + at] = touching
+    w[layout.APPLIED] += 1
 
 
 @point
@@ -61,7 +73,8 @@ def apply_control(m, w, source, theta2, touching):
         elif theta2 > PI:
             theta2 = PI
             w[layout.M_CLAMPED] += 1
-        m[layout.SOURCE_THETA2 + source] = theta2 * CELLS_PER_RAD
+        m[layout.SOURCE_THETA2 + source] = theta2
+    log_applied(m, w, source, touching)
     was = w[layout.SOURCE_TOUCHING + source]
     w[layout.SOURCE_TOUCHING + source] = touching
     if touching == 1 and was == 0:
@@ -70,7 +83,7 @@ def apply_control(m, w, source, theta2, touching):
         engage(m, w, source)
     elif w[layout.HOLDER] == source:
         if touching == 1:
-            m[layout.INPUT] = m[layout.SOURCE_THETA2 + source]
+            m[layout.INPUT] = m[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
         else:
             let_go(m, w)
 
@@ -94,8 +107,8 @@ def apply_host(m, w, what, value):
     """One parameter or surface event: a glide to a new coefficient, or a crossfade to a slot."""
     if 0 <= what < layout.COEFFS:
         m[layout.TARGET + what] = value
+        m[layout.GLIDE_FROM + what] = m[what]
         w[layout.GLIDE_LEFT + what] = w[layout.S_GLIDE]
-        m[layout.STEP + what] = (value - m[what]) / float(w[layout.S_GLIDE])
     elif what == layout.COMMAND_SURFACE:
         w[layout.FADING_SLOT] = w[layout.ACTIVE_SLOT]
         w[layout.ACTIVE_SLOT] = int(value)
@@ -116,6 +129,7 @@ def apply_due(m, w):
         if w[layout.HOST_TIME + at] > now:
             break
         apply_host(m, w, w[layout.HOST_WHAT + at], m[layout.HOST_VALUE + at])
+        w[layout.HOST_TIME + at] = now  # for a recording
         w[layout.HOST_READ] += 1
     for source in range(layout.SOURCES):
         while w[layout.RING_READ + source] < w[layout.RING_WRITTEN + source]:
@@ -154,15 +168,19 @@ def drop_waiting(w):
 
 
 @point
-def glide(m, w):
+def glide_all(m, w):
     """One sample of every gliding coefficient, exact at its end; how many still glide."""
     gliding = 0
+    per_glide = 1.0 / float(w[layout.S_GLIDE])
     for i in range(layout.C_SPRING_HELD, layout.COEFFS):
         if w[layout.GLIDE_LEFT + i] > 0:
             w[layout.GLIDE_LEFT + i] -= 1
             if w[layout.GLIDE_LEFT + i] == 0:
                 m[i] = m[layout.TARGET + i]
             else:
-                m[i] = m[i] + m[layout.STEP + i]
+                left = smooth_step(float(w[layout.GLIDE_LEFT + i]) * per_glide)
+                m[i] = (
+                    m[layout.TARGET + i] + (m[layout.GLIDE_FROM + i] - m[layout.TARGET + i]) * left
+                )
                 gliding += 1
     return gliding

@@ -24,6 +24,8 @@ RING = 4096  # control events waiting, a source (a power of two)
 HOST_RING = 1024  # parameter and surface events waiting
 CONTACT = 8  # blows of one strike
 STRIKE_LOG = 16384  # strikes kept until they are read
+APPLIED_LOG = 16384  # control events kept, as applied, until they are read (a power of two)
+DELAY_LINE = 131072  # frames of the outputs' delay: 100 ms at the highest rate (a power of two)
 SLOTS = 3  # surfaces: active, fading from, being written
 COEFFS = 32
 CHUNK = 64  # samples that pass from one stage to the next at a time
@@ -55,8 +57,8 @@ COEFF = 0
     C_FORGET,  # how fast the disk's approach speed is forgotten, a sample
 ) = range(COEFF, COEFF + 22)
 TARGET = COEFF + COEFFS
-STEP = TARGET + COEFFS
-GLIDE_LEFT = STEP + COEFFS  # w: samples left of each glide
+GLIDE_FROM = TARGET + COEFFS
+GLIDE_LEFT = GLIDE_FROM + COEFFS  # w: samples left of each glide
 SETTINGS = GLIDE_LEFT + COEFFS
 
 # --- settings that don't glide (w) -----------------------------------------------------------
@@ -102,7 +104,7 @@ STATE = SETTINGS + 8
 ) = range(STATE, STATE + 26)
 SOURCE_TOUCHING = STATE + 32  # w: of each source
 SOURCE_TOUCHED_AT = SOURCE_TOUCHING + SOURCES  # w: TOUCH_COUNT when it last touched
-SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # cells
+SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # rad
 RINGING_KIND = SOURCE_THETA2 + SOURCES  # w: the RINGING first entries name the kinds that sound
 BANK_LEFT = RINGING_KIND + MAX_KINDS  # w: samples until a kind is silent
 BANK_MODES = BANK_LEFT + MAX_KINDS  # w: modes of a kind when struck
@@ -140,7 +142,7 @@ STRIKES_READ = HOST_READ + 1  # w: strikes the reader has taken (of M_STRIKES)
 RING_TIME = STRIKES_READ + 1  # w: sample, -1 = as soon as possible
 RING_THETA2 = RING_TIME + SOURCES * RING  # rad
 RING_TOUCHING = RING_THETA2 + SOURCES * RING  # w
-HOST_TIME = RING_TOUCHING + SOURCES * RING  # w: sample, -1 = as soon as possible
+HOST_TIME = RING_TOUCHING + SOURCES * RING  # w: sample, -1 = as soon as possible; then: applied
 HOST_WHAT = HOST_TIME + HOST_RING  # w: a coefficient, or one of the commands below
 HOST_VALUE = HOST_WHAT + HOST_RING
 COMMAND_SURFACE = -1  # value: slot to crossfade to
@@ -150,7 +152,12 @@ LOG_EVENT = LOG_TIME + STRIKE_LOG  # w: index in the surface's event table
 LOG_TORQUE = LOG_EVENT + STRIKE_LOG  # torque released, N m
 LOG_LEVEL = LOG_TORQUE + STRIKE_LOG  # strike amplitude after compression
 STRIKES_SOUNDED = LOG_LEVEL + STRIKE_LOG  # w: strikes the bank has taken, a blow of CONTACT
-SCRATCH = STRIKES_SOUNDED + CONTACT  # columns between the stages, one chunk long
+APPLIED = STRIKES_SOUNDED + CONTACT  # w: control events applied since reset
+APPLIED_TIME = APPLIED + 1  # w: sample
+APPLIED_SOURCE = APPLIED_TIME + APPLIED_LOG  # w
+APPLIED_THETA2 = APPLIED_SOURCE + APPLIED_LOG  # rad
+APPLIED_TOUCHING = APPLIED_THETA2 + APPLIED_LOG  # w
+SCRATCH = APPLIED_TOUCHING + APPLIED_LOG  # columns between the stages, one chunk long
 D_TORQUE = SCRATCH  # from the disk
 D_OMEGA = D_TORQUE + CHUNK
 D_PHASE = D_OMEGA + CHUNK
@@ -163,7 +170,8 @@ D_TACTOR = D_CLICK + CHUNK
 LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
 (
     L_CHANNELS,  # w: output channels of the stream
-    L_STOP,  # w: 1 = end the stream after this block
+    L_STOP,  # w: 1 = fade out, then end the stream
+    L_FADED,  # w: frames faded so far
     L_CALLBACKS,  # w
     L_FRAMES,  # w: frames delivered
     L_UNDERFLOWS,  # w: callbacks that were told of an output underflow
@@ -171,9 +179,28 @@ LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
     L_LONGEST,  # longest callback, s
     L_SECONDS,  # w: clock_gettime's two fields
     L_NANOSECONDS,  # w
-) = range(LIVE, LIVE + 9)
+    L_LINE,  # w: frames ever written to the delay lines
+) = range(LIVE, LIVE + 11)
 BUSY_BINS = 96
-L_BUSY = LIVE + 16  # w: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
+# what the device does to each of click and tactor after the engine: one column a signal
+SIGNALS = 2
+L_GAIN = LIVE + 16  # in use, linear
+L_CEILING = L_GAIN + SIGNALS
+L_LIMITED = L_CEILING + SIGNALS  # part of the limited signal in the output, 0 to 1
+L_GLIDED = 3 * SIGNALS  # the three above glide, in the same order as:
+L_WANTED = L_GAIN + L_GLIDED  # asked for by the control thread
+L_TARGET = L_WANTED + L_GLIDED
+L_FROM = L_TARGET + L_GLIDED
+L_LEFT = L_FROM + L_GLIDED  # w
+L_DELAY = L_LEFT + L_GLIDED  # w: in use, frames
+L_DELAY_FROM = L_DELAY + SIGNALS  # w: crossfaded from
+L_DELAY_LEFT = L_DELAY_FROM + SIGNALS  # w: frames left of that crossfade
+L_DELAY_WANTED = L_DELAY_LEFT + SIGNALS  # w
+L_PEAK = L_DELAY_WANTED + SIGNALS  # highest since the control thread cleared it
+L_LINES = L_PEAK + SIGNALS  # the two delay lines
+L_BUSY = (
+    L_LINES + SIGNALS * DELAY_LINE
+)  # w: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
 BINS_AN_OCTAVE = 4
 SHORTEST_S = 1e-7
 SURFACES = L_BUSY + BUSY_BINS

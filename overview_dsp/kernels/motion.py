@@ -11,6 +11,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import strike
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
@@ -71,7 +72,8 @@ def move(m, w, frames, trace, at, traced):
         friction = friction_at(m, table, ahead)
         if fading > 0:
             before = friction_at(m, old_table, ahead)
-            friction = friction + (before - friction) * (float(fading) * per_fade)
+            left = smooth_step(float(fading) * per_fade)
+            friction = friction + (before - friction) * left
             fading -= 1
         rest = y2 if held == 1 else 0.0
         middle = midpoint_speed(x, v, rest, spring, inertia, denominator, friction)

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import importlib.util
+import itertools
+import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 
 INSTALL = (
     "needs a JACK server, PortAudio and its Python client: "
     "apt install jackd2 libportaudio2; pip install JACK-Client"
 )
+START_WITHIN_S = 5.0
+_numbers = itertools.count()
 
 
 def available() -> bool:
@@ -24,36 +29,82 @@ def available() -> bool:
 
 
 class Server:
-    """`jackd` with its dummy driver, at one rate and period."""
+    """`jackd` with its dummy driver, at one rate and period, under a name of its own.
+
+    With real-time priority as root, where the machine allows that; else without. What it printed
+    is in `log` afterwards. A process finds it by `environment`.
+    """
 
     def __init__(self, period: int = 256, rate: int = 48_000) -> None:
         self.period, self.rate = period, rate
+        self.name = f"overview-test-{os.getpid()}-{next(_numbers)}"
+        self.environment = {**os.environ, "JACK_DEFAULT_SERVER": self.name}
 
     def __enter__(self) -> Server:
-        command = ["jackd", "-r", "-d", "dummy", "-r", str(self.rate), "-p", str(self.period)]
+        # a file: a full pipe would stop the server
+        self._printed = tempfile.TemporaryFile()
+        priorities = [["-R", "-P", "70"], ["-r"]] if os.geteuid() == 0 else [["-r"]]
+        for priority in priorities:
+            if self._start(priority):
+                return self
+            self._end()
+        raise RuntimeError(f"jackd did not start: {self.log[-3000:]}")
+
+    def _start(self, priority: list[str]) -> bool:
+        driver = ["-d", "dummy", "-r", str(self.rate), "-p", str(self.period), "-C", "2", "-P", "2"]
         self._process = subprocess.Popen(
-            [*command, "-C", "2", "-P", "2"],
-            stdout=subprocess.PIPE,
+            ["jackd", "-n", self.name, *priority, *driver],
+            stdout=self._printed,
             stderr=subprocess.STDOUT,
-            text=True,
         )
-        for _ in range(50):
+        until = time.monotonic() + START_WITHIN_S
+        while time.monotonic() < until and self._process.poll() is None:
             time.sleep(0.1)
-            if subprocess.run(["jack_wait", "-c"], capture_output=True).stdout.startswith(b"run"):
-                break
-        return self
+            asked = subprocess.run(["jack_wait", "-c"], capture_output=True, env=self.environment)
+            if asked.stdout.startswith(b"run"):
+                return True
+        return False
+
+    def _end(self) -> None:
+        self._process.terminate()
+        try:
+            self._process.wait(20)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._printed.seek(0)
+        self.log = self._printed.read().decode(errors="replace")
 
     def __exit__(self, *error: object) -> None:
-        self._process.terminate()
-        self.log = self._process.communicate(timeout=20)[0]
+        self._end()
+        self._printed.close()
 
     def run(self, script: str, *arguments: object, timeout: float = 120.0) -> str:
         """Run a Python script in a process of its own: PortAudio sees the server at its start."""
+        return self.python("-c", script, *arguments, timeout=timeout)
+
+    def python(self, *arguments: object, timeout: float = 120.0) -> str:
+        """Run Python with these arguments in a process of its own; what it printed."""
         done = subprocess.run(
-            [sys.executable, "-c", script, *map(str, arguments)],
+            [sys.executable, *map(str, arguments)],
             capture_output=True,
             text=True,
             timeout=timeout,
+            env=self.environment,
         )
         assert done.returncode == 0, done.stderr[-3000:]
         return done.stdout
+
+
+def run(script: str, *arguments: object) -> str:
+    """What a Python script prints that starts servers itself, named `JACK_DEFAULT_SERVER`."""
+    name = f"overview-test-{os.getpid()}-{next(_numbers)}"
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120.0,
+        env={**os.environ, "JACK_DEFAULT_SERVER": name},
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    return done.stdout

@@ -19,10 +19,12 @@ import jack
 import numpy as np
 import overview_dsp as ov
 from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.recorder import Recorder
 
 path, block, kind, seconds = sys.argv[1], int(sys.argv[2]), sys.argv[3], float(sys.argv[4])
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)
+recorder = Recorder(engine)
 stream = OutputStream(engine, device="system", block_size=block, callback=kind)
 gesture = ov.rest(1.0) + ov.tap(0.95, 0.7)  # the recorder is on by then
 for stamp, theta2, touching in zip(gesture.stamps(48_000), gesture.theta2, gesture.touching):
@@ -51,6 +53,7 @@ with client:
     while state["at"] < len(heard):
         time.sleep(0.02)
 meters = stream.meters
+recorder.save(path.replace(".npy", ".csv"), {})
 stream.close()
 np.save(path, heard)
 print(json.dumps({**vars(meters), "late_events": engine.meters.late_events, **state}))
@@ -80,6 +83,9 @@ def test_what_is_heard_is_the_offline_render_sample_for_sample(match, football, 
             break
     assert report["late_events"] == 0
     assert np.array_equal(heard, expected)
+    take = ov.load_gesture(path.with_suffix(".csv"))
+    replayed = ov.render(match, football, take, trace=False).samples
+    assert np.array_equal(replayed[: len(expected)], expected)
 
 
 def test_the_python_callback_plays_the_same(match, football, tmp_path):
@@ -208,3 +214,66 @@ def test_an_unknown_device_is_one_line():
         text = server.run(UNKNOWN)
     assert text.count("\n") == 1
     assert "nowhere" in text
+
+
+SERVER_KILLED = """
+import atexit, json, os, subprocess, sys, time
+import overview_dsp as ov
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.player import Player
+from overview_dsp.live.portaudio import OutputStream, rescan
+from overview_dsp.live.preset_watch import PresetWatch
+
+servers = []
+# registered first, so after PortAudio's own end
+atexit.register(lambda: [server.kill() for server in servers])
+
+def serve():
+    name = os.environ["JACK_DEFAULT_SERVER"]
+    command = f"jackd -n {name} -r -d dummy -r 48000 -p 256 -C 2 -P 2".split()
+    server = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    servers.append(server)
+    time.sleep(2.0)
+    return server
+
+server = serve()
+opened = []
+
+def open_stream(engine, settings):
+    if opened:
+        rescan()
+    opened.append(OutputStream(engine, "system", 256, settings))
+    return opened[-1]
+
+player = Player(
+    ov.load_timeline("world-cup-final-2018"), PresetWatch("football"), open_stream,
+    OutputSettings(), record=sys.argv[1],
+)
+said = []
+
+def play(seconds):
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        said.extend(player.poll().messages)
+        time.sleep(0.02)
+
+player.touch(0.9)
+play(1.0)
+server.kill()
+server.wait()
+play(3.0)
+server = serve()
+play(3.0)
+status = player.poll()
+player.close()
+print(json.dumps({"said": said, "cursor": status.cursor, "touching": status.touching}))
+"""
+
+
+def test_a_killed_server_is_told_and_playing_goes_on_when_it_is_back(tmp_path):
+    path = tmp_path / "take.csv"
+    report = json.loads(jack_server.run(SERVER_KILLED, path))
+    assert ["lost" in line or "back" in line for line in report["said"]] == [True, True]
+    assert not report["touching"]
+    assert report["cursor"] < 0.3  # let go, it recoiled once the output was back
+    assert len(ov.load_gesture(path).time_s) >= 2

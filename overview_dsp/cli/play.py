@@ -1,0 +1,222 @@
+"""`overview play`: a timeline under a live hand."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from overview_dsp.cli.common import announce_compile
+
+if TYPE_CHECKING:
+    from overview_dsp.engine import Engine
+    from overview_dsp.live.output_settings import OutputSettings
+    from overview_dsp.live.player import Stream
+
+SILENT = "none"
+
+
+def _signal_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    for name in ("tactor", "click"):
+        options = (
+            click.option(f"--{name}-channel", type=int, help="Its output channel, 0 = none."),
+            click.option(f"--{name}-gain", type=float, metavar="DB", help="-60 to 24 dB."),
+            click.option(f"--{name}-mute/--no-{name}-mute", default=None, help="Silence it."),
+            click.option(f"--{name}-delay", type=float, metavar="MS", help="0 to 100 ms."),
+            click.option(f"--{name}-ceiling", type=float, metavar="DB", help="-60 to 0 dBFS."),
+        )
+        for option in reversed(options):
+            function = option(function)
+    return function
+
+
+@click.command(
+    name="play",
+    epilog="Example: overview play world-cup-final-2018 --preset football --record take.csv",
+)
+@click.argument("timeline")
+@click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@click.option("--input", "source", help="A gesture or take to play, or - for lines of standard "
+              "input: theta2 (rad) and touching (0 or 1).")  # fmt: skip
+@click.option("--device", help="Output: a name or number of `overview devices`, or none.")
+@click.option("--block-size", default=256, show_default=True, help="Frames, 0 = the device's own.")
+@click.option("--sample-rate", type=float, help="Hz; the device's own if left out.")
+@click.option("--callback", type=click.Choice(["native", "python"]), default="native",
+              show_default=True, help="What PortAudio calls.")  # fmt: skip
+@click.option("--record", metavar="TAKE.csv", help="Keep what was played, to the bit.")
+@click.option("--window", nargs=2, type=float, metavar="START END", help="Only that part, s.")
+@click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
+@click.option("--seconds", type=float, help="Stop after so long.")
+@click.option(
+    "--headless", "--json", "headless", is_flag=True, help="Lines of JSON, as without a terminal."
+)
+@_signal_options
+def command(
+    timeline: str,
+    preset: str,
+    source: str | None,
+    device: str | None,
+    block_size: int,
+    sample_rate: float | None,
+    callback: str,
+    record: str | None,
+    window: tuple[float, float] | None,
+    seed: int,
+    seconds: float | None,
+    headless: bool,
+    **signals: Any,
+) -> None:
+    """Play TIMELINE live: drag, tap and let go with the mouse or the keys, and hear and feel it.
+
+    Without a terminal (or with --headless) it prints a line of JSON a second and a summary. The
+    preset's file is watched: save it, feel it. Channels, gains, mutes, delays and ceilings are
+    remembered for each output device.
+    """
+    from overview_dsp.errors import InputError
+    from overview_dsp.files import require_writable
+    from overview_dsp.gestures import parse_gesture
+    from overview_dsp.live.inputs import LineInput, TakeInput
+    from overview_dsp.live.output_settings import save_settings
+    from overview_dsp.live.player import Player
+    from overview_dsp.live.preset_watch import PresetWatch
+    from overview_dsp.timeline import load_timeline
+
+    if block_size < 0 or block_size > MAX_BLOCK:
+        raise InputError(f"block size {block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
+    if record is not None:
+        require_writable(record)
+    data = load_timeline(timeline)
+    if window:
+        data = data.window(*window)
+    watch = PresetWatch(preset)
+    gesture = parse_gesture(source) if source is not None and source != "-" else None
+    name, rate = _device(device, sample_rate)
+    before, settings = _settings(name, signals)
+    native = callback == "native" and device != SILENT
+    announce_compile("_callback" if native else "finish_block")
+    player = Player(
+        data,
+        watch,
+        _opener(device, block_size, callback),
+        settings,
+        sample_rate=rate,
+        max_block_size=MAX_BLOCK,
+        callback="native" if native else "python",
+        record=record,
+        seed=seed,
+    )
+    with _signals() as received:
+        try:
+            hand = (
+                TakeInput(gesture)
+                if gesture is not None
+                else LineInput(sys.stdin, player.engine)
+                if source == "-"
+                else None
+            )
+            lines = headless or source == "-" or not (sys.stdin.isatty() and sys.stdout.isatty())
+            if lines:
+                _print_lines(player, hand, received, seconds)
+            else:
+                from overview_dsp.tui import run
+
+                run(player, hand, stopped=lambda: bool(received))
+        finally:
+            player.close()
+            if device != SILENT and player.settings != before:
+                save_settings(name, player.settings)
+    if record is not None:
+        click.echo(f"{record}: the take, to the bit", err=True)
+    if received:
+        click.echo(f"stopped by {signal.Signals(received[0]).name}", err=True)
+        sys.exit(128 + received[0])
+
+
+MAX_BLOCK = 8192
+
+
+def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
+    """The device's full name and the rate to play at."""
+    if device == SILENT:
+        return SILENT, sample_rate or 48_000.0
+    from overview_dsp.live.portaudio import find_output
+
+    found = find_output(_wanted(device))
+    return f"{found.name} ({found.host})", sample_rate or found.sample_rate
+
+
+def _wanted(device: str | None) -> int | str | None:
+    return int(device) if device is not None and device.isdecimal() else device
+
+
+def _settings(name: str, given: dict[str, Any]) -> tuple[OutputSettings, OutputSettings]:
+    """The device's settings as remembered, and with what was asked for now."""
+    from overview_dsp.live.output_settings import OutputSettings, load_settings
+
+    kept = OutputSettings() if name == SILENT else load_settings(name)
+    keys = {"channel": "channel", "gain": "gain_db", "mute": "mute", "delay": "delay_ms",
+            "ceiling": "ceiling_db"}  # fmt: skip
+    changes = {
+        output: {
+            key: given[f"{output}_{option}"]
+            for option, key in keys.items()
+            if given[f"{output}_{option}"] is not None
+        }
+        for output in ("click", "tactor")
+    }
+    return kept, kept.changed(**changes)
+
+
+def _opener(
+    device: str | None, block_size: int, callback: Any
+) -> Callable[[Engine, OutputSettings], Stream]:
+    first = True
+
+    def open_stream(engine: Engine, settings: OutputSettings) -> Stream:
+        nonlocal first
+        if device == SILENT:
+            from overview_dsp.live.silent import SilentStream
+
+            return SilentStream(engine, block_size or 256, settings)
+        from overview_dsp.live.portaudio import OutputStream, rescan
+
+        if not first:
+            rescan()
+        first = False
+        return OutputStream(engine, _wanted(device), block_size, settings, callback)
+
+    return open_stream
+
+
+@contextmanager
+def _signals() -> Iterator[list[int]]:
+    """The signals that ask for an end, collected instead of obeyed."""
+    received: list[int] = []
+    names = ("SIGINT", "SIGTERM", "SIGHUP")
+    wanted = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    before = {
+        number: signal.signal(number, lambda got, _: received.append(got)) for number in wanted
+    }
+    try:
+        yield received
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _print_lines(player: Any, hand: Any, received: list[int], seconds: float | None) -> None:
+    from overview_dsp.live.headless import run
+
+    def note(message: str) -> None:
+        click.echo(f"note: {message}", err=True)
+
+    for report in run(player, hand, lambda: bool(received), note, seconds):
+        print(json.dumps(report), flush=True)
+    refused = getattr(hand, "refused", 0)
+    if refused:
+        note(f"{refused} lines weren't `theta2 touching`; the first: {hand.first_refused}")

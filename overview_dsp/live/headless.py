@@ -1,0 +1,86 @@
+"""A session without a terminal: a line of JSON a second, and a summary."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from overview_dsp.live.player import Input, Player, Status
+from overview_dsp.units import gain_to_db
+
+LOOK_EVERY_S = 0.02
+LINE_EVERY_S = 1.0
+
+
+def run(
+    player: Player,
+    hand: Input | None,
+    stopped: Callable[[], bool],
+    note: Callable[[str], None],
+    seconds: float | None = None,
+) -> Iterator[dict[str, Any]]:
+    """Play until the hand's input is over and the disk at rest, `seconds` are over, or `stopped()`.
+
+    Yields a report a second and a summary at the end; `note` is told messages as they come.
+    """
+    started = last = time.monotonic()
+    click = tactor = 0.0
+    while True:
+        if hand is not None:
+            hand.poll(player.engine)
+        status = player.poll()
+        for message in status.messages:
+            note(message)
+        click, tactor = max(click, status.peak_click), max(tactor, status.peak_tactor)
+        now = time.monotonic()
+        if now - last >= LINE_EVERY_S:
+            last += LINE_EVERY_S
+            yield _line(status, click, tactor)
+            click = tactor = 0.0
+        over = hand is not None and hand.is_over(player.engine) and player.at_rest
+        if over or stopped() or (seconds is not None and now - started >= seconds):
+            break
+        time.sleep(LOOK_EVERY_S)
+    yield {"summary": _summary(player.poll())}
+
+
+def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
+    return {
+        "time_s": round(status.time_s, 3),
+        "cursor": round(status.cursor, 6),
+        "touching": status.touching,
+        "torque_nm": status.torque,
+        "peak_click_dbfs": _db(click),
+        "peak_tactor_dbfs": _db(tactor),
+        "blocks": status.callbacks,
+        "late_callbacks": status.late,
+        "underflows": status.underflows,
+        "frames_lost": status.frames_lost,
+        "dropped_events": status.dropped,
+    }
+
+
+def _summary(status: Status) -> dict[str, Any]:
+    return {
+        "output": status.output,
+        "callback": status.callback,
+        "sample_rate": status.sample_rate,
+        "block_size": status.block_size,
+        "latency_ms": round(status.latency_s * 1e3, 3),
+        "time_s": round(status.time_s, 3),
+        "blocks": status.callbacks,
+        "late_callbacks": status.late,
+        "underflows": status.underflows,
+        "frames": status.frames,
+        "frames_lost": status.frames_lost,
+        "dropped_events": status.dropped,
+        "callback_p50_us": round(status.median_s * 1e6, 2),
+        "callback_p99_us": round(status.p99_s * 1e6, 2),
+        "callback_max_us": round(status.longest_s * 1e6, 2),
+        "recording": status.recording,
+    }
+
+
+def _db(peak: float) -> float | None:
+    return round(gain_to_db(peak), 1) if peak > 0.0 else None

@@ -1,0 +1,121 @@
+"""Hands that aren't at the keyboard: a take, and lines on standard input."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Iterable
+
+import numpy as np
+
+from overview_dsp.changes import apply_change
+from overview_dsp.engine import Engine
+from overview_dsp.gestures import SOURCES, Gesture
+
+AHEAD_S = 0.5
+"""A take's events are handed over this long before they are due."""
+
+FIRST_S = 0.2
+"""A take begins so long after the stream."""
+
+AT_MOST = 2000
+"""Events handed over at a time: the engine's ring holds 4096."""
+
+
+class TakeInput:
+    """Plays a gesture into a running engine, sample by sample.
+
+    Thread: control; `poll` at least four times a second.
+    """
+
+    def __init__(self, gesture: Gesture) -> None:
+        """Play `gesture`, from soon after the first `poll`."""
+        self._gesture = gesture
+        self._at: int | None = None
+        self._fed = self._changed = 0
+
+    def poll(self, engine: Engine) -> None:
+        """Hand over what is due soon."""
+        rate = engine.sample_rate
+        if self._at is None:
+            self._at = engine.sample_time + round(FIRST_S * rate)
+            self._whole = engine.timeline
+            self._stamps = self._gesture.stamps(rate) + self._at
+        horizon = engine.sample_time + round(AHEAD_S * rate)
+        due = int(np.searchsorted(self._stamps, horizon))
+        for i in range(self._fed, min(due, self._fed + AT_MOST)):
+            engine.control(
+                float(self._gesture.theta2[i]),
+                bool(self._gesture.touching[i]),
+                int(self._stamps[i]),
+                SOURCES[self._gesture.source[i]],
+            )
+            self._fed = i + 1
+        changes = self._gesture.changes
+        while self._changed < len(changes):
+            sample = self._at + round(changes[self._changed].time_s * rate)
+            if sample > engine.sample_time + round(0.1 * rate):
+                break
+            apply_change(engine, self._whole, changes[self._changed].what, sample)
+            self._changed += 1
+
+    def is_over(self, engine: Engine) -> bool:
+        """Whether the whole gesture has been played."""
+        if self._at is None:
+            return False
+        end = self._at + round(self._gesture.duration_s * engine.sample_rate)
+        return self._fed == len(self._stamps) and engine.sample_time >= end
+
+
+class LineInput:
+    """Control events as lines of text, `theta2 touching` (rad, 0 or 1), from a thread of its own.
+
+    Lines of another form are counted and the first one is told; the end of the text lets go.
+    """
+
+    SOURCE = "twist"
+
+    def __init__(self, lines: Iterable[str], engine: Engine) -> None:
+        """Begin to read."""
+        self._lines = lines
+        self._engine = engine
+        self.refused = 0
+        self.first_refused = ""
+        self._over = threading.Event()
+        threading.Thread(target=self._run, name="standard input", daemon=True).start()
+
+    def _run(self) -> None:
+        theta2 = 0.0
+        try:
+            for number, line in enumerate(self._lines, 1):
+                if not line.strip():
+                    continue
+                event = parse_line(line)
+                if event is None:
+                    self.refused += 1
+                    self.first_refused = self.first_refused or f"line {number}: {line.strip()!r}"
+                    continue
+                theta2 = event[0]
+                self._engine.control(*event, source=self.SOURCE)
+        finally:
+            self._engine.control(theta2, False, source=self.SOURCE)
+            self._over.set()
+
+    def poll(self, engine: Engine) -> None:
+        """Nothing to do: the thread hands events over itself."""
+
+    def is_over(self, engine: Engine) -> bool:
+        """Whether the text has ended."""
+        return self._over.is_set()
+
+
+def parse_line(line: str) -> tuple[float, bool] | None:
+    """`theta2 touching` (rad, 0 or 1; a comma may stand between), or None if it isn't that."""
+    fields = line.replace(",", " ").split()
+    if len(fields) != 2 or fields[1] not in ("0", "1"):
+        return None
+    try:
+        theta2 = float(fields[0])
+    except ValueError:
+        return None
+    return (theta2, fields[1] == "1") if math.isfinite(theta2) else None

@@ -1,0 +1,161 @@
+"""What each output device is given: channels, gain, mute, delay and ceiling; kept per device.
+
+They come after the engine: a recording doesn't hold them, and a replay doesn't need them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import platformdirs
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.files import whole_file
+from overview_dsp.kernels import layout
+from overview_dsp.units import db_to_gain
+
+MIN_GAIN_DB, MAX_GAIN_DB = -60.0, 24.0
+MAX_DELAY_MS = 100.0
+MIN_CEILING_DB, MAX_CEILING_DB = -60.0, 0.0
+MAX_CHANNELS = 64
+
+
+@dataclass(frozen=True)
+class SignalSettings:
+    """One signal's way out.
+
+    `channel` counts from 1, 0 is nowhere; `gain_db` -60 to 24; `mute`; `delay_ms` 0 to 100;
+    `ceiling_db` -60 to 0 dBFS. InputError for anything else.
+    """
+
+    channel: int
+    gain_db: float = 0.0
+    mute: bool = False
+    delay_ms: float = 0.0
+    ceiling_db: float = 0.0
+
+    def __post_init__(self) -> None:
+        _within(self.channel, "channel", 0, MAX_CHANNELS, "1 is the first, 0 nowhere")
+        _within(self.gain_db, "gain", MIN_GAIN_DB, MAX_GAIN_DB, "dB")
+        _within(self.delay_ms, "delay", 0.0, MAX_DELAY_MS, "ms")
+        _within(self.ceiling_db, "ceiling", MIN_CEILING_DB, MAX_CEILING_DB, "dBFS")
+
+    @property
+    def gain(self) -> float:
+        """Linear, 0 when muted."""
+        return 0.0 if self.mute else db_to_gain(self.gain_db)
+
+
+@dataclass(frozen=True)
+class OutputSettings:
+    """Both signals' ways out of a device."""
+
+    click: SignalSettings = field(default_factory=lambda: SignalSettings(1))
+    tactor: SignalSettings = field(default_factory=lambda: SignalSettings(2))
+
+    def __post_init__(self) -> None:
+        if self.click.channel and self.click.channel == self.tactor.channel:
+            raise InputError(
+                f"clicks and tactor can't share channel {self.click.channel}; give each its own"
+            )
+
+    @property
+    def signals(self) -> tuple[SignalSettings, SignalSettings]:
+        """Click and tactor."""
+        return self.click, self.tactor
+
+    @property
+    def channels(self) -> int:
+        """How many channels the device needs, at least two."""
+        return max(2, self.click.channel, self.tactor.channel)
+
+    def changed(
+        self, click: Mapping[str, Any] | None = None, tactor: Mapping[str, Any] | None = None
+    ) -> OutputSettings:
+        """These settings with some of the click's and of the tactor's changed."""
+        return OutputSettings(
+            replace(self.click, **(click or {})), replace(self.tactor, **(tactor or {}))
+        )
+
+    def write(self, memory: NDArray[np.float64], sample_rate: float, at_once: bool = False) -> None:
+        """Ask the audio thread for these; it glides there, unless `at_once` (before it runs)."""
+        w = memory.view(np.int64)
+        for index, signal in enumerate(self.signals):
+            limited = signal.ceiling_db < MAX_CEILING_DB or signal.gain > 1.0
+            wanted = (signal.gain, db_to_gain(signal.ceiling_db), float(limited))
+            for row, value in enumerate(wanted):
+                at = row * layout.SIGNALS + index
+                memory[layout.L_WANTED + at] = value
+                if at_once:
+                    memory[layout.L_GAIN + at] = memory[layout.L_TARGET + at] = value
+            delay = round(signal.delay_ms * 1e-3 * sample_rate)
+            w[layout.L_DELAY_WANTED + index] = delay
+            if at_once:
+                w[layout.L_DELAY + index] = delay
+
+
+def _within(value: float, what: str, low: float, high: float, unit: str) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+        raise InputError(f"{what} {value!r} isn't a number; it is {low:g} to {high:g} ({unit})")
+    if not low <= value <= high:
+        raise InputError(f"{what} {value:g} is out of range; it is {low:g} to {high:g} ({unit})")
+
+
+def settings_file() -> Path:
+    """Where the devices' settings are kept: `outputs.json` in the user's config folder."""
+    return Path(platformdirs.user_config_dir("overview-dsp")) / "outputs.json"
+
+
+def load_settings(device: str) -> OutputSettings:
+    """The settings last used with a device (by its name), or the defaults.
+
+    Raises
+    ------
+    InputError
+        A damaged settings file: names it.
+    """
+    kept = _read().get(device)
+    if kept is None:
+        return OutputSettings()
+    try:
+        names = {entry.name for entry in fields(SignalSettings)}
+        click, tactor = (
+            SignalSettings(**{key: kept[signal][key] for key in names})
+            for signal in ("click", "tactor")
+        )
+        return OutputSettings(click, tactor)
+    except (KeyError, TypeError, InputError) as error:
+        raise InputError(
+            f"{settings_file()}: the settings of {device!r} are damaged ({error}); correct or "
+            "delete the file"
+        ) from None
+
+
+def save_settings(device: str, settings: OutputSettings) -> None:
+    """Remember settings for a device; InputError or OutputError if that can't be written."""
+    kept = _read()
+    kept[device] = asdict(settings)
+    path = settings_file()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(path) as temporary:
+        temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
+
+
+def _read() -> dict[str, Any]:
+    path = settings_file()
+    try:
+        kept = json.loads(path.read_bytes())
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: can't be read ({error}); correct or delete it") from None
+    if not isinstance(kept, dict):
+        raise InputError(f"{path}: not a table of devices; correct or delete it")
+    return kept

@@ -1,0 +1,397 @@
+"""A live session: an engine, its output, a preset that may change, a hand, a recording.
+
+Whoever shows it (a terminal application, lines of JSON) calls `poll` often and the hand's methods
+as the hand moves. The output may vanish and come back: the disk is let go, and the session goes on.
+
+Thread: control.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from overview_dsp.engine import Engine
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.recorder import Recorder
+from overview_dsp.live.stream_meters import StreamMeters, take_peaks
+from overview_dsp.presets.model import Preset
+from overview_dsp.surface import Surface
+from overview_dsp.timeline import Timeline
+from overview_dsp.units import HALF_TURN
+
+TAP_HOLD_S = 1.0
+LOST_AFTER_S = 1.0
+"""An output that hasn't called for so long is lost."""
+
+RETRY_EVERY_S = 1.0
+NARROWEST_S = 0.5
+"""No window is narrower, s (or the whole, where that is shorter)."""
+
+
+class Stream(Protocol):
+    """What runs the engine: a PortAudio output, or a silent one."""
+
+    name: str
+    block_size: int
+
+    def start(self) -> None:
+        """Begin to play."""
+
+    def close(self) -> None:
+        """Fade out and end."""
+
+    @property
+    def active(self) -> bool:
+        """Whether it plays."""
+
+    @property
+    def meters(self) -> StreamMeters:
+        """Counters so far."""
+
+
+class Input(Protocol):
+    """A hand that isn't at the keyboard."""
+
+    def poll(self, engine: Engine) -> None:
+        """Hand over what is due."""
+
+    def is_over(self, engine: Engine) -> bool:
+        """Whether nothing more will come."""
+
+
+@dataclass(frozen=True)
+class Status:
+    """How a session stands.
+
+    `time_s` played; `cursor` and `finger` 0 to 1; `torque` and the preset's `full_torque`, N m;
+    `peak_click` and `peak_tactor` (linear, as the device got them) since the last poll; the
+    output's `callbacks`, `late` ones, `underflows`, `frames` and `frames_lost` (to about a block);
+    control events `dropped`; callback times, s; `messages` for the person, new since the last poll.
+    """
+
+    time_s: float
+    cursor: float
+    finger: float
+    touching: bool
+    torque: float
+    full_torque: float
+    peak_click: float
+    peak_tactor: float
+    callbacks: int
+    late: int
+    underflows: int
+    frames: int
+    frames_lost: int
+    dropped: int
+    median_s: float
+    p99_s: float
+    longest_s: float
+    latency_s: float
+    output: str
+    callback: str
+    sample_rate: float
+    block_size: int
+    click_muted: bool
+    tactor_muted: bool
+    recording: str | None
+    messages: tuple[str, ...]
+
+
+class Player:
+    """A timeline under a live hand.
+
+    Attributes
+    ----------
+    timeline : Timeline
+        The whole.
+    window : (start_s, end_s)
+        The part of it under the hand.
+    shown : Timeline
+        That part, from 0.
+    """
+
+    def __init__(
+        self,
+        timeline: Timeline,
+        watch: PresetWatch,
+        open_stream: Callable[[Engine, OutputSettings], Stream],
+        settings: OutputSettings,
+        *,
+        sample_rate: float = 48_000,
+        max_block_size: int = 8192,
+        callback: str = "native",
+        record: str | os.PathLike[str] | None = None,
+        seed: int = 0,
+    ) -> None:
+        """Open the output and begin to play; `open_stream` is called again if that is lost.
+
+        Raises
+        ------
+        OverviewError
+            The output can't be opened.
+        """
+        self.timeline = self.shown = timeline
+        self.window = (0.0, timeline.duration_s)
+        self.settings = settings
+        self._watch = watch
+        self._open_stream = open_stream
+        self._callback = callback
+        self._record = record
+        self._messages: deque[str] = deque()
+        self._finger = 0.0
+        self._touching = False
+        self._release_at: float | None = None
+        self._wanted_window: tuple[float, float] | None = None
+        self._wanted_preset: Preset | None = None
+        self.engine = Engine(watch.preset, timeline, seed=seed)
+        self.engine.prepare(sample_rate, max_block_size)
+        self._recorder = Recorder(self.engine) if record is not None else None
+        self._earlier = (0, 0, 0, 0)
+        self._lost = 0
+        self._retry_at = 0.0
+        self._stream: Stream | None = None
+        self._start_stream()
+
+    # --- the hand -------------------------------------------------------------------------------
+
+    def touch(self, place: float) -> None:
+        """The finger holds at `place` (0 to 1): a tap if it wasn't down, else it moves there."""
+        self._release_at = None
+        self._hold(place)
+
+    def release(self) -> None:
+        """The finger lets go: the disk recoils."""
+        self._release_at = None
+        if self._touching:
+            self._touching = False
+            self.engine.control(self._finger * HALF_TURN, False)
+
+    def tap(self, place: float) -> None:
+        """A step to `place`, held for a second, and let go (paper, figure 6)."""
+        if self._touching:
+            self.release()
+        self._hold(place)
+        self._release_at = time.monotonic() + TAP_HOLD_S
+
+    @property
+    def finger(self) -> float:
+        """Where the finger holds or held last, 0 to 1."""
+        return self._finger
+
+    @property
+    def holding(self) -> bool:
+        """Whether the finger is down."""
+        return self._touching
+
+    def _hold(self, place: float) -> None:
+        self._finger = min(max(place, 0.0), 1.0)
+        self._touching = True
+        if self._stream is not None:  # else nobody would take it, and it would be stale
+            self.engine.control(self._finger * HALF_TURN, True)
+
+    # --- what is under it -----------------------------------------------------------------------
+
+    def zoom(self, factor: float, about: float) -> None:
+        """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
+        start, end = self._wanted_window or self.window
+        moment = start + (end - start) * about
+        whole = self.timeline.duration_s
+        width = min(max((end - start) / factor, min(NARROWEST_S, whole)), whole)
+        first = min(max(moment - width * about, 0.0), whole - width)
+        self.show(first, min(first + width, whole))
+
+    def show(self, start_s: float, end_s: float) -> None:
+        """Put a part of the timeline under the hand; InputError if it isn't one."""
+        if (start_s, end_s) != self.window:
+            self.timeline.window(start_s, end_s)
+            self._wanted_window = (start_s, end_s)
+            self._make_changes()
+
+    def mute_click(self, muted: bool) -> None:
+        """Silence the clicks at the device, or let them sound again."""
+        self._set_output(self.settings.changed(click={"mute": muted}))
+
+    def mute_tactor(self, muted: bool) -> None:
+        """Still the tactor at the device, or let it move again."""
+        self._set_output(self.settings.changed(tactor={"mute": muted}))
+
+    def _set_output(self, settings: OutputSettings) -> None:
+        self.settings = settings
+        settings.write(self.engine.memory, self.engine.sample_rate)
+
+    @property
+    def preset(self) -> Preset:
+        """The preset that sounds."""
+        return self.engine.preset
+
+    @property
+    def surface(self) -> Surface:
+        """The surface under the hand."""
+        return self.engine.surface
+
+    def _make_changes(self) -> None:
+        """Hand over what is wanted; what finds no free surface slot waits for the next poll."""
+        try:
+            if self._wanted_window is not None:
+                window = self._wanted_window
+                shown = self.timeline.window(*window)
+                self.engine.set_timeline(shown, window=window)
+                self.window, self.shown, self._wanted_window = window, shown, None
+            if self._wanted_preset is not None:
+                self.engine.set_preset(self._wanted_preset)
+                self._wanted_preset = None
+                self._messages.append(f"{self._watch.path.name}: read again")
+        except InputError as error:
+            self._wanted_preset = None
+            self._messages.append(f"{self._watch.path.name}: {error}; the last good one plays on")
+        except OverviewError:
+            return  # two surfaces fade already
+
+    # --- the output -----------------------------------------------------------------------------
+
+    def _start_stream(self) -> None:
+        stream = self._open_stream(self.engine, self.settings)
+        stream.start()
+        self._stream = stream
+        self._output, self._block_size = stream.name, stream.block_size
+        self._counted = (time.monotonic(), 0)
+        self._moved = (time.monotonic(), -1)
+        self._last = stream.meters
+
+    def _watch_stream(self) -> None:
+        now = time.monotonic()
+        if self._stream is None:
+            if now >= self._retry_at:
+                self._retry_at = now + RETRY_EVERY_S
+                try:
+                    self._start_stream()
+                except OverviewError:
+                    return
+                self._messages.append(f"output {self._output} is back")
+            return
+        meters = self._stream.meters
+        if meters.callbacks != self._moved[1]:
+            if self._moved[1] <= 0:  # frames are counted from the first callback on
+                self._counted = (now, meters.frames)
+            self._moved = (now, meters.callbacks)
+        self._last = meters
+        if not self._stream.active or now - self._moved[0] > LOST_AFTER_S:
+            self._lose_stream(now)
+
+    def _lose_stream(self, now: float) -> None:
+        assert self._stream is not None
+        self._messages.append(
+            f"output {self._output} is lost: the disk is let go; waiting for it to come back"
+        )
+        self.release()
+        counts = (self._last.callbacks, self._last.late, self._last.underflows, self._last.frames)
+        self._earlier = tuple(  # type: ignore[assignment]
+            a + b for a, b in zip(self._earlier, counts, strict=True)
+        )
+        self._lost += self._frames_lost()
+        self._counted = (self._moved[0], 0)
+        self._last = replace(self._last, callbacks=0, late=0, underflows=0, frames=0)
+        try:
+            self._stream.close()
+        except Exception as error:  # PortAudio's own, of a device that is gone
+            self._messages.append(f"closing it: {error}")
+        self._stream = None
+        self._retry_at = now
+
+    # --- how it stands --------------------------------------------------------------------------
+
+    def poll(self) -> Status:
+        """See to everything that is due; how the session stands.
+
+        Raises
+        ------
+        OverviewError
+            The recording can't keep up.
+        """
+        if self._release_at is not None and time.monotonic() >= self._release_at:
+            self.release()
+        try:
+            changed = self._watch.changed()
+        except OverviewError as error:
+            self._messages.append(f"{error}; the last good one plays on")
+        else:
+            self._wanted_preset = changed or self._wanted_preset
+        self._make_changes()
+        self._watch_stream()
+        if self._recorder is not None:
+            self._recorder.poll()
+        return self._status()
+
+    def _frames_lost(self) -> int:
+        """Frames the present stream should have delivered by its last callback, and did not."""
+        since, counted = self._counted
+        due = (self._moved[0] - since) * self.engine.sample_rate
+        return max(0, round(due - (self._last.frames - counted)))
+
+    def _status(self) -> Status:
+        engine, last = self.engine, self._last
+        meters = engine.meters
+        messages = tuple(self._messages)
+        self._messages.clear()
+        click, tactor = take_peaks(engine.memory)
+        callbacks, late, underflows, frames = self._earlier
+        return Status(
+            time_s=engine.sample_time / engine.sample_rate,
+            cursor=meters.cursor,
+            finger=self._finger,
+            touching=meters.touching,
+            torque=meters.torque,
+            full_torque=self.preset.number("tactor.full_torque_mnm") * 1e-3,
+            peak_click=click,
+            peak_tactor=tactor,
+            callbacks=callbacks + last.callbacks,
+            late=late + last.late,
+            underflows=underflows + last.underflows,
+            frames=frames + last.frames,
+            frames_lost=self._lost + self._frames_lost(),
+            dropped=meters.dropped_events,
+            median_s=last.median_s,
+            p99_s=last.p99_s,
+            longest_s=last.longest_s,
+            latency_s=last.latency_s,
+            output=self._output,
+            callback=self._callback,
+            sample_rate=engine.sample_rate,
+            block_size=self._block_size,
+            click_muted=self.settings.click.mute,
+            tactor_muted=self.settings.tactor.mute,
+            recording=None if self._record is None else os.fspath(self._record),
+            messages=messages,
+        )
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the disk lies still and nothing sounds, for a twentieth of a second."""
+        meters = self.engine.meters
+        quiet = 0.05 * self.engine.sample_rate
+        return min(meters.silent_samples, meters.still_samples) >= quiet
+
+    def close(self) -> None:
+        """Let go, fade out, give the output back and save the take; may be called twice.
+
+        Raises
+        ------
+        InputError, OutputError
+            The take can't be written.
+        """
+        self.release()
+        if self._stream is not None:
+            stream, self._stream = self._stream, None
+            stream.close()
+        if self._recorder is not None:
+            recorder, self._recorder = self._recorder, None
+            assert self._record is not None
+            about = {"title": self.timeline.title, "preset": self._watch.preset.name}
+            recorder.save(self._record, about)

@@ -1,0 +1,56 @@
+"""A preset's file, watched: saved in an editor, felt at once."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+from overview_dsp.presets.library import load_preset, preset_path
+from overview_dsp.presets.model import Preset
+
+LOOK_EVERY_S = 0.2
+
+
+class PresetWatch:
+    """Tells when a preset's file has changed and is whole.
+
+    Thread: control.
+    """
+
+    def __init__(self, name: str) -> None:
+        """Watch a preset by name or path; InputError if there is none or it isn't valid."""
+        self.path: Path = preset_path(name)
+        self._signature = self._look()
+        self.preset: Preset = load_preset(name)
+        self._name = name
+        self._next = 0.0
+
+    def _look(self) -> tuple[int, int, int] | None:
+        try:
+            status = os.stat(self.path)
+        except OSError:  # between an editor's delete and rename
+            return None
+        return status.st_mtime_ns, status.st_size, status.st_ino
+
+    def changed(self) -> Preset | None:
+        """The preset if its file has changed since the last call, else None.
+
+        Raises
+        ------
+        InputError
+            It has changed, and isn't valid now: the last good one goes on.
+        """
+        now = time.monotonic()
+        if now < self._next:
+            return None
+        self._next = now + LOOK_EVERY_S
+        signature = self._look()
+        if signature is None or signature == self._signature:
+            return None
+        self._signature = signature
+        preset = load_preset(self._name)
+        if preset == self.preset:
+            return None
+        self.preset = preset
+        return preset

@@ -1,0 +1,67 @@
+"""An output that nobody hears: a thread that runs the engine in time, where there is no device."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+
+from overview_dsp.engine import Engine
+from overview_dsp.kernels import layout
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.python_path import compile_python_path, connect, run_block
+from overview_dsp.live.stream_meters import StreamMeters, read_meters
+
+
+class SilentStream:
+    """Runs an engine at its sample rate and throws the sound away.
+
+    Thread: main; the engine's `process` runs in a thread of its own.
+    """
+
+    callback = "python"
+    name = "none (no sound)"
+
+    def __init__(
+        self, engine: Engine, block_size: int = 256, settings: OutputSettings | None = None
+    ) -> None:
+        """Prepare to play; `start` plays."""
+        self._engine = engine
+        self.block_size = block_size
+        channels = connect(engine, settings)
+        self._out = np.zeros((block_size, channels), dtype=np.float32)
+        self._thread: threading.Thread | None = None
+        compile_python_path(engine)
+
+    def start(self) -> None:
+        """Begin to play."""
+        self._thread = threading.Thread(target=self._run, name="silent output", daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        period = self.block_size / self._engine.sample_rate
+        due = time.perf_counter()
+        over = False
+        while not over:
+            began = time.perf_counter()
+            over = run_block(self._engine, self._out)
+            due = max(due + period, began - 1.0)
+            time.sleep(max(0.0, due - time.perf_counter()))
+
+    def close(self) -> None:
+        """Fade out and end; may be called twice."""
+        self._engine.memory.view(np.int64)[layout.L_STOP] = 1
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+
+    @property
+    def active(self) -> bool:
+        """Whether the engine is running."""
+        return self._thread is not None and self._thread.is_alive()
+
+    @property
+    def meters(self) -> StreamMeters:
+        """Counters and block times so far."""
+        return read_meters(self._engine.memory, self.block_size / self._engine.sample_rate)

@@ -1,0 +1,86 @@
+"""The device side's own counters in the memory block: cleared, counted, read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.kernels import layout
+
+
+@dataclass(frozen=True)
+class StreamMeters:
+    """What the device side reports since the stream began.
+
+    `callbacks`, `frames` delivered, `underflows` (callbacks told of one), `late` (callbacks that
+    took longer than their own frames last), `median_s`, `p99_s`, `longest_s` (callback time; the
+    first two to a fifth), `latency_s` (as PortAudio tells it).
+    """
+
+    callbacks: int
+    frames: int
+    underflows: int
+    late: int
+    median_s: float
+    p99_s: float
+    longest_s: float
+    latency_s: float
+
+
+def clear_meters(memory: NDArray[np.float64], channels: int) -> None:
+    """As for a new stream: counters, delay lines and the fade; the device's gains are kept."""
+    w = memory.view(np.int64)
+    kept = memory[layout.L_GAIN : layout.L_LEFT].copy()
+    delays = w[layout.L_DELAY : layout.L_DELAY + layout.SIGNALS].copy()
+    w[layout.LIVE : layout.SURFACES] = 0
+    memory[layout.L_GAIN : layout.L_LEFT] = kept
+    w[layout.L_DELAY : layout.L_DELAY + layout.SIGNALS] = delays
+    w[layout.L_DELAY_WANTED : layout.L_DELAY_WANTED + layout.SIGNALS] = delays
+    w[layout.L_CHANNELS] = channels
+
+
+def note_callback(
+    memory: NDArray[np.float64], frames: int, seconds: float, underflow: bool = False
+) -> None:
+    """Book a callback that ran in Python."""
+    w = memory.view(np.int64)
+    w[layout.L_CALLBACKS] += 1
+    w[layout.L_FRAMES] += frames
+    w[layout.L_UNDERFLOWS] += underflow
+    w[layout.L_LATE] += seconds * memory[layout.S_SAMPLE_RATE] > frames
+    memory[layout.L_LONGEST] = max(memory[layout.L_LONGEST], seconds)
+    octaves = np.log2(max(seconds / layout.SHORTEST_S, 1.0))
+    w[layout.L_BUSY + min(int(octaves * layout.BINS_AN_OCTAVE), layout.BUSY_BINS - 1)] += 1
+
+
+def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
+    """The counters so far."""
+    w = memory.view(np.int64)
+    return StreamMeters(
+        callbacks=int(w[layout.L_CALLBACKS]),
+        frames=int(w[layout.L_FRAMES]),
+        underflows=int(w[layout.L_UNDERFLOWS]),
+        late=int(w[layout.L_LATE]),
+        median_s=_quantile(w, 0.5),
+        p99_s=_quantile(w, 0.99),
+        longest_s=float(memory[layout.L_LONGEST]),
+        latency_s=latency_s,
+    )
+
+
+def take_peaks(memory: NDArray[np.float64]) -> tuple[float, float]:
+    """The highest click and tactor sample (linear, as the device got them) since the last call."""
+    peaks = memory[layout.L_PEAK : layout.L_PEAK + layout.SIGNALS]
+    click, tactor = peaks.tolist()
+    peaks[:] = 0.0
+    return click, tactor
+
+
+def _quantile(w: NDArray[np.int64], part: float) -> float:
+    counts = np.cumsum(w[layout.L_BUSY : layout.L_BUSY + layout.BUSY_BINS])
+    if not counts[-1]:
+        return 0.0
+    where = int(np.searchsorted(counts, part * counts[-1]))
+    return float(layout.SHORTEST_S * 2.0 ** ((where + 1) / layout.BINS_AN_OCTAVE))

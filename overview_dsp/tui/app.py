@@ -1,0 +1,194 @@
+"""The application: keys and mouse to the player, the player's status to the screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from textual.app import App, ComposeResult
+from textual.binding import Binding, BindingType
+from textual.widgets import Footer, Static
+
+from overview_dsp.live.player import Input, Player, Status
+from overview_dsp.tui.help_screen import HelpScreen
+from overview_dsp.tui.meters_view import MetersView
+from overview_dsp.tui.timeline_view import TimelineView, axis_text
+
+POLLS_A_SECOND = 30
+STEP = 0.01
+ZOOM = 1.5
+
+
+class PlayApp(App[None]):
+    """A timeline under the mouse and the keys."""
+
+    CSS = """
+    Screen { overflow: hidden; }
+    #title { height: 1; text-style: bold; }
+    #messages { height: 2; color: $warning; }
+    """
+    ENABLE_COMMAND_PALETTE = False
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "move(-1)", "back", show=False),
+        Binding("right", "move(1)", "move"),
+        Binding("shift+left", "move(-10)", show=False),
+        Binding("shift+right", "move(10)", show=False),
+        Binding("home", "to(0)", show=False),
+        Binding("end", "to(1)", show=False),
+        Binding("space", "hold", "let go / tap"),
+        Binding("enter", "tap", show=False),
+        Binding("escape", "release", show=False),
+        Binding("plus,equals_sign", "zoom(1)", "zoom", key_display="+ -"),
+        Binding("minus", "zoom(-1)", show=False),
+        Binding("0", "whole", "whole"),
+        Binding("left_square_bracket", "event(-1)", "event", key_display="[ ]"),
+        Binding("right_square_bracket", "event(1)", show=False),
+        Binding("m", "mute_click", "mute clicks"),
+        Binding("t", "mute_tactor", "mute tactor"),
+        Binding("question_mark", "help", "help"),
+        Binding("q,ctrl+c", "quit", "quit"),
+    ]
+
+    def __init__(
+        self, player: Player, hand: Input | None = None, stopped: Callable[[], bool] | None = None
+    ) -> None:
+        super().__init__()
+        self._player = player
+        self._hand = hand
+        self._stopped = stopped
+        self._status: Status | None = None
+        self.failure: Exception | None = None
+        self._view = TimelineView(player)
+        self._meters = MetersView()
+        self._words = Static("", id="messages", markup=False)
+
+    def compose(self) -> ComposeResult:
+        """Title, timeline, meters, messages, keys."""
+        yield Static(self._player.timeline.title, id="title", markup=False)
+        yield self._view
+        yield self._meters
+        yield self._words
+        yield Footer()
+
+    def on_mount(self) -> None:
+        """Look at the player thirty times a second."""
+        self.set_interval(1.0 / POLLS_A_SECOND, self._poll)
+
+    def _poll(self) -> None:
+        if self._stopped is not None and self._stopped():
+            self.exit()
+            return
+        try:
+            if self._hand is not None:
+                self._hand.poll(self._player.engine)
+            status = self._player.poll()
+        except Exception as error:  # shown by the command line once the screen is given back
+            self.failure = error
+            self.exit()
+            return
+        self._status = status
+        self._view.show(status)
+        self._meters.show(status, self._here(status))
+        if status.messages:
+            self._words.update("\n".join(status.messages[-2:]))
+
+    def _here(self, status: Status) -> str:
+        """The moment under the cursor, and the event whose surface it is on."""
+        player = self._player
+        start, end = player.window
+        moment = start + (end - start) * status.cursor
+        surface = player.surface
+        words = axis_text(player, moment)
+        for span, event in zip(surface.span, surface.event, strict=True):
+            if span[0] <= status.cursor <= span[1]:
+                there = player.shown.events[event]
+                return f"{words}  {there.kind} {there.label}".rstrip()
+        return words
+
+    # --- the hand -------------------------------------------------------------------------------
+
+    def on_timeline_view_touched(self, message: TimelineView.Touched) -> None:
+        """The mouse holds or drags."""
+        self._player.touch(message.place)
+
+    def on_timeline_view_released(self, message: TimelineView.Released) -> None:
+        """The mouse lets go; a click is a tap."""
+        if message.tapped:
+            self._player.tap(message.place)
+        else:
+            self._player.release()
+
+    def _finger(self) -> float:
+        """Where the hand is, or the disk if no hand holds it."""
+        # not the status: keys may come faster than it is read
+        if self._player.holding or self._status is None:
+            return self._player.finger
+        return self._status.cursor
+
+    def action_move(self, steps: int) -> None:
+        """Move the finger by hundredths of the timeline, touching down if it isn't."""
+        self._player.touch(min(max(self._finger() + steps * STEP, 0.0), 1.0))
+
+    def action_to(self, place: float) -> None:
+        """Touch the start or the end."""
+        self._player.touch(float(place))
+
+    def action_hold(self) -> None:
+        """Let go if the finger holds, else tap where it was last."""
+        if self._player.holding:
+            self._player.release()
+        else:
+            self.action_tap()
+
+    def action_tap(self) -> None:
+        """A step to where the finger is or was last."""
+        self._player.tap(self._player.finger)
+
+    def action_release(self) -> None:
+        """Let go."""
+        self._player.release()
+
+    def action_event(self, direction: int) -> None:
+        """Touch the next or the previous event."""
+        here = self._finger()
+        places = [float(place) for place in self._player.surface.place]
+        near = 1e-6
+        if direction > 0:
+            wanted = min((place for place in places if place > here + near), default=None)
+        else:
+            wanted = max((place for place in places if place < here - near), default=None)
+        if wanted is not None:
+            self._player.touch(wanted)
+
+    # --- the view and the output ------------------------------------------------------------------
+
+    def action_zoom(self, direction: int) -> None:
+        """More or less detail about the cursor."""
+        about = self._status.cursor if self._status is not None else 0.5
+        self._player.zoom(ZOOM if direction > 0 else 1.0 / ZOOM, about)
+
+    def action_whole(self) -> None:
+        """The whole timeline."""
+        self._player.show(0.0, self._player.timeline.duration_s)
+
+    def action_mute_click(self) -> None:
+        """Clicks off or on."""
+        self._player.mute_click(not self._player.settings.click.mute)
+
+    def action_mute_tactor(self) -> None:
+        """Tactor off or on."""
+        self._player.mute_tactor(not self._player.settings.tactor.mute)
+
+    def action_help(self) -> None:
+        """The keys, explained."""
+        self.push_screen(HelpScreen())
+
+
+def run(
+    player: Player, hand: Input | None = None, stopped: Callable[[], bool] | None = None
+) -> None:
+    """Show a player until the person quits or `stopped()`; errors of the player are raised."""
+    app = PlayApp(player, hand, stopped)
+    app.run()
+    if app.failure is not None:
+        raise app.failure

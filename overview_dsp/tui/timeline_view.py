@@ -1,0 +1,196 @@
+"""The timeline in the terminal: its friction, its events, the finger, the disk and its cursor.
+
+The finger is where the hand is, the cursor where the disk is: it sticks where friction is high, and
+the spring between the two is drawn (the paper's pseudo-haptic effect).
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from rich.segment import Segment
+from rich.style import Style
+from textual import events
+from textual.message import Message
+from textual.strip import Strip
+from textual.widget import Widget
+
+from overview_dsp.live.player import Player, Status
+from overview_dsp.units import clock_text
+
+BLOCKS = " ▁▂▃▄▅▆▇█"
+MARKS = "▲◆●■✚★▼○"
+COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
+AXIS, FINGER, EVENTS = 1, 1, 1
+TAP_WITHIN_S = 0.25
+
+
+class TimelineView(Widget):
+    """The part of the timeline under the hand; the mouse is a finger on it."""
+
+    DEFAULT_CSS = "TimelineView { height: 1fr; min-height: 5; }"
+
+    class Touched(Message):
+        """The finger is down at `place` (0 to 1), or has moved there."""
+
+        def __init__(self, place: float) -> None:
+            super().__init__()
+            self.place = place
+
+    class Released(Message):
+        """The finger has let go; `tapped` if it was a click that hadn't moved."""
+
+        def __init__(self, place: float, tapped: bool) -> None:
+            super().__init__()
+            self.place = place
+            self.tapped = tapped
+
+    def __init__(self, player: Player) -> None:
+        super().__init__()
+        self._player = player
+        self._cursor = self._finger = 0.0
+        self._touching = False
+        self._drawn: tuple[object, int, int] | None = None
+        self._pressed: tuple[float, float] | None = None
+        self._moved = False
+
+    # --- the mouse ------------------------------------------------------------------------------
+
+    def _place(self, x: float) -> float:
+        return min(max(x / max(1, self.size.width - 1), 0.0), 1.0)
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """The finger comes down."""
+        if event.button != 1:
+            return
+        self.capture_mouse()
+        self._pressed, self._moved = (self._place(event.x), event.time), False
+        self.post_message(self.Touched(self._place(event.x)))
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """The finger moves."""
+        if self._pressed is not None and self._place(event.x) != self._pressed[0]:
+            self._moved = True
+            self.post_message(self.Touched(self._place(event.x)))
+
+    def on_mouse_up(self, event: events.MouseUp) -> None:
+        """The finger lets go; a short press that hasn't moved was a tap."""
+        if self._pressed is None:
+            return
+        _, pressed_at = self._pressed
+        self.release_mouse()
+        self._pressed = None
+        short = event.time - pressed_at <= TAP_WITHIN_S
+        self.post_message(self.Released(self._place(event.x), short and not self._moved))
+
+    # --- the picture ----------------------------------------------------------------------------
+
+    def show(self, status: Status) -> None:
+        """Draw again what has changed."""
+        width = self.size.width
+        seen = (column(status.cursor, width), column(status.finger, width), status.touching)
+        surface = (self._player.surface, self.size.width, self.size.height)
+        before = (column(self._cursor, width), column(self._finger, width), self._touching)
+        self._cursor, self._finger = status.cursor, status.finger
+        self._touching = status.touching
+        if self._drawn is None or surface != self._drawn:
+            self._measure()
+            self._drawn = surface
+            self.refresh()
+        elif seen != before:
+            self.refresh()
+
+    def _measure(self) -> None:
+        """How high each column of the surface is, and which event marks it."""
+        width = max(1, self.size.width)
+        surface = self._player.surface
+        # a column stands for the places that the mouse in it rounds to
+        places = np.clip((np.arange(width + 1) - 0.5) / max(1, width - 1), 0.0, 1.0)
+        edges = (places * (len(surface.friction) - 1)).astype(int)
+        columns = np.array(
+            [surface.friction[low : max(high, low + 1)].max() for low, high in pairwise(edges)]
+        )
+        # heights by their logarithm: a goal is a hundred times the bare surface
+        low, high = math.log(surface.friction.min()), math.log(surface.friction.max())
+        self._heights = (np.log(columns) - low) / max(high - low, 1e-9)
+        self._marks: dict[int, tuple[str, str]] = {}
+        for place, kind in zip(surface.place, surface.kind, strict=True):
+            mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
+            self._marks[column(float(place), width)] = mark
+
+    def render_line(self, y: int) -> Strip:
+        """One line: events, the friction's columns, the finger, the axis."""
+        width, height = self.size.width, self.size.height
+        if self._drawn is None or len(self._heights) != width:
+            return Strip.blank(width)
+        rows = height - AXIS - FINGER - EVENTS
+        if y == 0:
+            return Strip(self._event_line(width))
+        if y == height - 1:
+            return Strip([Segment(self._axis(width), Style(dim=True))])
+        if y == height - 2:
+            return Strip(self._hand_line(width))
+        return Strip(self._column_line(width, rows, rows - y))
+
+    def _event_line(self, width: int) -> list[Segment]:
+        return [
+            Segment(self._marks[x][0], Style(color=self._marks[x][1], bold=True))
+            if x in self._marks
+            else Segment(" ")
+            for x in range(width)
+        ]
+
+    def _column_line(self, width: int, rows: int, row: int) -> list[Segment]:
+        """Row `row` (0 is the lowest) of the friction's columns, the disk's column marked."""
+        cursor = column(self._cursor, width)
+        parts = np.clip(self._heights * rows - row, 0.0, 1.0)
+        line = []
+        for x in range(width):
+            block = BLOCKS[round(float(parts[x]) * (len(BLOCKS) - 1))]
+            colour = self._marks[x][1] if x in self._marks else "bright_black"
+            if x == cursor:
+                line.append(Segment("│" if block == " " else block, Style(color="bright_white")))
+            else:
+                line.append(Segment(block, Style(color=colour)))
+        return line
+
+    def _hand_line(self, width: int) -> list[Segment]:
+        """The disk, the spring and the finger."""
+        cursor, finger = column(self._cursor, width), column(self._finger, width)
+        cells = [" "] * width
+        if self._touching:
+            for x in range(min(cursor, finger), max(cursor, finger) + 1):
+                cells[x] = "~"
+            cells[finger] = "▼"
+        cells[cursor] = "◉"
+        return [Segment("".join(cells), Style(color="bright_white", bold=True))]
+
+    def _axis(self, width: int) -> str:
+        start, end = self._player.window
+        cells = [" "] * width
+        count = max(1, width // 16)
+        for i in range(count + 1):
+            text = axis_text(self._player, start + (end - start) * i / count)
+            at = min(round(i / count * (width - 1)), width - len(text))
+            at = max(0, at - len(text) // 2) if 0 < i < count else max(0, at)
+            cells[at : at + len(text)] = text
+        return "".join(cells[:width])
+
+
+def column(place: float, width: int) -> int:
+    """The column of a place (0 to 1); a disk that swings past an end is drawn at the end."""
+    return min(max(round(place * (width - 1)), 0), max(width - 1, 0))
+
+
+def axis_text(player: Player, time_s: float) -> str:
+    """A moment, as a clock or, where the timeline has a calendar, a date."""
+    from datetime import timedelta
+
+    start = player.timeline.start
+    if start is None:
+        return clock_text(time_s)
+    moment = start + timedelta(seconds=time_s)
+    long = player.window[1] - player.window[0] > 3 * 86_400
+    return moment.strftime("%Y-%m-%d" if long else "%m-%d %H:%M")

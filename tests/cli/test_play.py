@@ -1,0 +1,79 @@
+"""`overview play` without a terminal and without a sound card."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import overview_dsp as ov
+
+PLAY = [sys.executable, "-m", "overview_dsp", "play", "world-cup-final-2018", "--device", "none"]
+
+
+def played(*arguments, text=None):
+    return subprocess.run(
+        [*PLAY, *map(str, arguments)], input=text, capture_output=True, text=True, timeout=120
+    )
+
+
+def test_a_gesture_plays_prints_a_line_a_second_and_a_summary(tmp_path, match, football):
+    take = tmp_path / "take.csv"
+    done = played("--input", "sweep:1+tap:0.8:0.5", "--record", take)
+    assert done.returncode == 0, done.stderr
+    *lines, last = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(lines) >= 2
+    assert {"time_s", "cursor", "touching", "late_callbacks", "frames_lost"} <= lines[0].keys()
+    assert {"blocks", "callback_p50_us", "callback_p99_us", "callback_max_us"} <= (
+        last["summary"].keys()
+    )
+    result = ov.render(match, football, ov.load_gesture(take))
+    assert len(result.strikes) > 20
+
+
+def test_standard_input_is_a_hand():
+    lines = "".join(f"{angle / 10} 1\n" for angle in range(25))
+    done = played("--input", "-", text=lines + "x\n")
+    assert done.returncode == 0, done.stderr
+    assert "1 lines weren't `theta2 touching`; the first: line 26: 'x'" in done.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as on POSIX")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_signal_ends_it_with_the_take_saved(tmp_path, name):
+    take = tmp_path / "take.csv"
+    process = subprocess.Popen(
+        [*PLAY, "--record", take], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    process.stdout.readline()
+    time.sleep(0.2)
+    process.send_signal(getattr(signal, name))
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 128 + getattr(signal, name)
+    assert f"stopped by {name}" in errors
+    assert "Traceback" not in errors
+    assert len(ov.load_gesture(take).time_s) >= 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--block-size", "-1"], "block size -1; it is 1 to 8192 frames, or 0"),
+        (["--click-gain", "99"], "gain 99 is out of range"),
+        (["--click-channel", "2"], "can't share channel 2"),
+        (["--input", "wobble:3"], "gesture 'wobble:3' is not understood"),
+        (["--preset", "nothing"], "no preset is called 'nothing'"),
+        (["--record", "/no/such/folder/take.csv", "--seconds", "0.1"], "/no/such/folder"),
+    ],
+)
+def test_a_mistake_is_one_line_and_exit_code_2(arguments, words):
+    done = played(*arguments)
+    assert done.returncode == 2
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr

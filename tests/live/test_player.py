@@ -1,0 +1,190 @@
+"""A live session without a device: hand, zoom, presets that change under it, faults, recording."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.live.inputs import LineInput, TakeInput, parse_line
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.player import Player
+from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.silent import SilentStream
+from overview_dsp.presets.library import preset_path
+
+
+class Outputs:
+    """Silent outputs that can be taken away and given back."""
+
+    def __init__(self):
+        self.there = True
+        self.streams = []
+
+    def __call__(self, engine, settings):
+        if not self.there:
+            raise ov.InputError("no audio output")
+        self.streams.append(SilentStream(engine, 256, settings))
+        return self.streams[-1]
+
+
+@pytest.fixture
+def outputs():
+    return Outputs()
+
+
+@pytest.fixture
+def make(match, outputs, tmp_path):
+    made = []
+
+    def player(preset="football", **keywords):
+        made.append(
+            Player(
+                match,
+                PresetWatch(preset),
+                outputs,
+                OutputSettings(),
+                callback="python",
+                **keywords,
+            )
+        )
+        return made[-1]
+
+    yield player
+    for one in made:
+        one.close()
+
+
+def wait(player, condition, seconds=5.0):
+    """Poll until `condition(status)`; the messages said meanwhile."""
+    said = []
+    for _ in range(round(seconds / 0.02)):
+        status = player.poll()
+        said += status.messages
+        if condition(status):
+            return said
+        time.sleep(0.02)
+    raise AssertionError(f"waited in vain: {status}")
+
+
+def test_a_recorded_session_renders_to_the_same_sound(make, match, football, tmp_path):
+    path = tmp_path / "take.csv"
+    player = make(record=path)
+    player.touch(0.4)
+    wait(player, lambda status: abs(status.cursor - 0.4) < 0.01)
+    player.zoom(3.0, 0.4)
+    player.engine.set("tactor.gain_db", -12.0)
+    wait(player, lambda status: status.time_s > 0.8)
+    player.tap(0.9)
+    wait(player, lambda status: status.cursor > 0.85)
+    player.close()
+    result = ov.render(match, football, ov.load_gesture(path), tail="none")
+    # the same disk in the same place: every bit of the state agrees
+    assert result.trace.cursor[player.engine.sample_time - 1] == player.engine.meters.cursor
+    assert result.engine.meters.strikes == player.engine.meters.strikes
+
+
+def test_a_saved_preset_is_felt_and_a_broken_one_reported_while_the_last_good_plays(make, tmp_path):
+    path = tmp_path / "mine.toml"
+    good = preset_path("football").read_text()
+    path.write_text(good)
+    player = make(str(path))
+    wait(player, lambda status: status.time_s > 0.1)
+    highest = player.surface.friction.max()
+    path.write_text(good.replace("height = 100", "height = 40"))
+    said = wait(player, lambda status: player.preset.kinds["goal"].height == 40.0)
+    assert player.surface.friction.max() == pytest.approx(0.4 * highest, rel=0.05)
+    path.write_text("this is no preset [")
+    said = []
+    for _ in range(30):
+        said += player.poll().messages
+        time.sleep(0.02)
+    assert any("mine.toml" in line and "the last good one plays on" in line for line in said)
+    assert player.preset.kinds["goal"].height == 40.0
+    path.write_text(good)
+    said = wait(player, lambda status: player.preset.kinds["goal"].height == 100.0)
+
+
+def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):
+    player = make()
+    whole = player.timeline.duration_s
+    for about in (0.0, 0.5, 1.0):
+        player.show(0.0, whole)
+        wait(player, lambda status: player.window == (0.0, whole))
+        for _ in range(60):
+            player.zoom(1.5, about)
+            player.poll()
+        wait(player, lambda status: player.window[1] - player.window[0] == pytest.approx(0.5))
+        start, end = player.window
+        assert 0.0 <= start < end <= whole
+        assert start + (end - start) * about == pytest.approx(whole * about, abs=1e-6)
+        player.zoom(1e-9, about)
+        wait(player, lambda status: player.window == (0.0, whole))
+    with pytest.raises(ov.InputError):
+        player.show(5.0, 1.0)
+
+
+def test_a_lost_output_lets_go_is_told_and_comes_back(make, outputs):
+    player = make()
+    player.touch(0.8)
+    wait(player, lambda status: status.cursor > 0.75)
+    outputs.there = False
+    outputs.streams[-1].close()
+    said = wait(player, lambda status: status.messages != ())
+    assert any("is lost" in line for line in said)
+    outputs.there = True
+    said = wait(player, lambda status: status.messages != (), 4.0)
+    assert any("is back" in line for line in said)
+    wait(player, lambda status: not status.touching and status.cursor < 0.3)
+    player.touch(0.5)
+    wait(player, lambda status: abs(status.cursor - 0.5) < 0.02)
+
+
+def test_a_take_plays_sample_by_sample(make, match, football, tmp_path):
+    path = tmp_path / "again.csv"
+    player = make(record=path)
+    gesture = ov.sweep(0.5) + ov.tap(0.8, 0.3)
+    hand = TakeInput(gesture)
+    while not hand.is_over(player.engine):
+        hand.poll(player.engine)
+        player.poll()
+        time.sleep(0.02)
+    player.close()
+    again = ov.load_gesture(path)
+    stamps = again.stamps(48_000)[: len(gesture.time_s)]
+    assert np.array_equal(stamps - stamps[0], gesture.stamps(48_000))
+    assert np.array_equal(again.theta2[: len(gesture.theta2)], gesture.theta2)
+
+
+@pytest.mark.parametrize(
+    ("line", "event"),
+    [
+        ("1.5 1\n", (1.5, True)),
+        ("0.25,0", (0.25, False)),
+        ("1.5", None),
+        ("x 1", None),
+        ("nan 1", None),
+        ("1 2", None),
+        ("1 1 1", None),
+    ],
+)
+def test_a_line_of_input_is_an_angle_and_a_touch(line, event):
+    assert parse_line(line) == event
+
+
+def test_lines_of_input_move_the_disk_and_their_end_lets_go(make):
+    player = make()
+
+    def lines():
+        yield "rubbish\n"
+        yield "2.0 1\n"
+        time.sleep(0.6)
+        yield "\n"
+
+    hand = LineInput(lines(), player.engine)
+    wait(player, lambda status: status.cursor > 0.6)
+    wait(player, lambda status: not status.touching)
+    assert hand.is_over(player.engine)
+    assert (hand.refused, hand.first_refused) == (1, "line 1: 'rubbish'")

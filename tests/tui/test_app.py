@@ -1,0 +1,200 @@
+"""The terminal application, driven without a terminal over a real engine that nobody hears."""
+
+from __future__ import annotations
+
+import asyncio
+
+import numpy as np
+import pytest
+
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.player import Player
+from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.silent import SilentStream
+from overview_dsp.tui import PlayApp, timeline_view
+from overview_dsp.tui.timeline_view import TimelineView
+
+
+@pytest.fixture
+def player(match):
+    player = Player(
+        match,
+        PresetWatch("football"),
+        lambda engine, settings: SilentStream(engine, 256, settings),
+        OutputSettings(),
+        callback="python",
+    )
+    yield player
+    player.close()
+
+
+def drive(player, script, size=(100, 30)):
+    """Run `script(app, pilot)` in the application; what it returns."""
+
+    async def inside():
+        app = PlayApp(player)
+        async with app.run_test(size=size) as pilot:
+            await pilot.pause(0.2)
+            result = await script(app, pilot)
+        assert app.failure is None
+        return result
+
+    return asyncio.run(inside())
+
+
+async def until(pilot, condition, seconds=15.0):
+    for _ in range(round(seconds / 0.05)):
+        await pilot.pause(0.05)
+        if condition():
+            return True
+    return False
+
+
+def applied(player):
+    """What the hand did so far: (touching, place) of each event the kernel applied."""
+    events, _ = player.engine.take_applied(0)
+    return [(bool(event["touching"]), event["theta2"] / np.pi) for event in events]
+
+
+def cursor(player):
+    return player.engine.meters.cursor
+
+
+def test_a_drag_pulls_the_disk_and_letting_go_recoils_it(player):
+    async def script(app, pilot):
+        await pilot.mouse_down(TimelineView, offset=(10, 5))
+        for x in range(10, 80, 5):
+            await pilot.hover(TimelineView, offset=(x, 5))
+        place = 75 / 99
+        assert await until(pilot, lambda: abs(cursor(player) - place) < 0.01)
+        assert player.engine.meters.touching
+        await pilot.pause(0.3)
+        await pilot.mouse_up(TimelineView, offset=(75, 5))
+        assert await until(pilot, lambda: cursor(player) < 0.3)
+        assert not player.engine.meters.touching
+
+    drive(player, script)
+
+
+def test_a_click_is_a_tap_that_lets_go_by_itself(player, monkeypatch):
+    # the test's mouse waits for the application between its down and its up
+    monkeypatch.setattr(timeline_view, "TAP_WITHIN_S", 5.0)
+
+    async def script(app, pilot):
+        await pilot.click(TimelineView, offset=(50, 5))
+        assert await until(pilot, lambda: applied(player)[-1:] == [(False, pytest.approx(50 / 99))])
+        *_, down, up = player.engine.take_applied(0)[0]
+        assert down["touching"]
+        assert up["sample"] - down["sample"] >= 48_000 * 0.9
+        assert await until(pilot, lambda: cursor(player) < 0.2)
+
+    drive(player, script)
+
+
+def test_the_keys_move_tap_and_let_go(player):
+    async def script(app, pilot):
+        await pilot.press("end")
+        assert await until(pilot, lambda: cursor(player) > 0.99)
+        await pilot.press("shift+left", "left")
+        assert await until(pilot, lambda: abs(cursor(player) - 0.89) < 0.005)
+        await pilot.press("space")
+        assert await until(pilot, lambda: not player.engine.meters.touching)
+        before = len(applied(player))
+        await pilot.press("enter")
+        assert await until(pilot, lambda: (True, pytest.approx(0.89)) in applied(player)[before:])
+        await pilot.press("escape", "home")
+        assert await until(pilot, lambda: cursor(player) < 0.01)
+
+    drive(player, script)
+
+
+def test_keys_that_come_faster_than_the_screen_all_count(player):
+    async def script(app, pilot):
+        app.action_to(0.5)
+        for _ in range(10):
+            app.action_move(1)
+        assert await until(pilot, lambda: abs(cursor(player) - 0.6) < 0.002)
+
+    drive(player, script)
+
+
+def test_brackets_go_from_event_to_event(player):
+    async def script(app, pilot):
+        await pilot.press("right_square_bracket")
+        first = player.surface.place[0]
+        assert await until(pilot, lambda: abs(cursor(player) - first) < 0.002)
+        await pilot.press("right_square_bracket", "right_square_bracket")
+        await pilot.press("left_square_bracket")
+        second = player.surface.place[1]
+        assert await until(pilot, lambda: abs(cursor(player) - second) < 0.002)
+
+    drive(player, script)
+
+
+def test_zooming_keeps_the_moment_under_the_disk(player):
+    async def script(app, pilot):
+        player.touch(0.4)
+        assert await until(pilot, lambda: abs(cursor(player) - 0.4) < 0.002)
+        moment = cursor(player) * player.timeline.duration_s
+        for _ in range(4):
+            await pilot.press("plus")
+            await pilot.pause(0.1)
+        start, end = player.window
+        assert end - start == pytest.approx(player.timeline.duration_s / 1.5**4)
+        assert start + (end - start) * cursor(player) == pytest.approx(moment, abs=5.0)
+        assert len(player.surface.place) < len(player.timeline.events)
+        await pilot.press("0")
+        assert await until(pilot, lambda: player.window == (0.0, player.timeline.duration_s))
+
+    drive(player, script)
+
+
+def test_mutes_silence_what_they_name(player):
+    async def script(app, pilot):
+        await pilot.press("m", "t")
+        await pilot.pause(0.2)
+        assert (player.settings.click.mute, player.settings.tactor.mute) == (True, True)
+        player.poll()
+        player.touch(0.9)
+        await until(pilot, lambda: cursor(player) > 0.8)
+        assert app._status.peak_tactor == 0.0
+        assert app._status.peak_click == 0.0
+        assert "muted" in str(app.query_one("MetersView").render())
+        await pilot.press("t")
+
+        def felt():
+            player.touch(0.1 if player.finger > 0.5 else 0.9)
+            return app._status.peak_tactor > 0.1
+
+        assert await until(pilot, felt)
+
+    drive(player, script)
+
+
+@pytest.mark.parametrize("size", [(20, 8), (80, 24), (200, 50)])
+def test_it_fits_any_terminal_and_shows_the_finger_and_the_disk(player, size):
+    async def script(app, pilot):
+        player.touch(1.0)
+        await until(pilot, lambda: cursor(player) > 0.99)
+        await pilot.resize_terminal(*size)
+        await pilot.pause(0.2)
+        view = app.query_one(TimelineView)
+        lines = ["".join(s.text for s in view.render_line(y)) for y in range(view.size.height)]
+        assert all(len(line) == size[0] for line in lines)
+        assert "◉" in lines[-2]
+        player.release()
+        await until(pilot, lambda: not player.engine.meters.touching)
+
+    drive(player, script)
+
+
+def test_help_explains_the_keys_and_any_key_closes_it(player):
+    async def script(app, pilot):
+        await pilot.press("question_mark")
+        await pilot.pause(0.1)
+        assert "recoils" in str(app.screen.query_one("Static").render())
+        await pilot.press("x")
+        await pilot.pause(0.1)
+        assert app.screen is app.screen_stack[0]
+
+    drive(player, script)
