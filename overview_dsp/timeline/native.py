@@ -138,7 +138,8 @@ def encode(timeline: Timeline) -> bytes:
         entries.append(
             (
                 "intensity",
-                f'{{"unit": {_json(curve.unit)}{scale},\n  "time_s": {_json(curve.time_s.tolist())},\n'
+                f'{{"unit": {_json(curve.unit)}{scale},\n'
+                f'  "time_s": {_json(curve.time_s.tolist())},\n'
                 f'  "value": {_json(curve.value.tolist())}}}',
             )
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -153,7 +154,7 @@ def _best(columns: Sequence[Column], head: Sequence[list[Any]]) -> tuple[int, Fo
 def _rising(cells: list[Any]) -> bool:
     values = [_float(cell) for cell in cells]
     known = [value for value in values if value is not None]
-    return len(known) == len(cells) and all(b > a for a, b in zip(known, known[1:], strict=False))
+    return len(known) == len(cells) and all(b > a for a, b in itertools.pairwise(known))
 
 
 def _float(cell: Any) -> float | None:
@@ -198,9 +199,7 @@ def _year_month_day(columns: Sequence[Column], head: Sequence[list[Any]]) -> Tim
     if not texts or any(moments.iso(text) is None for text in texts):
         return None
     joined = " and ".join(checks.shown(columns[i].header) for i in found)
-    return TimeChoice(
-        tuple(found), Format("iso"), "-", (f"times are made of columns {joined}",)
-    )
+    return TimeChoice(tuple(found), Format("iso"), "-", (f"times are made of columns {joined}",))
 
 
 def _whole(cell: Any) -> str:
@@ -285,6 +284,5 @@ def _is_counter(column: Column, cells: list[Any]) -> bool:
         return False
     known = [_float(cell) for cell in cells]
     return all(
-        a is not None and b is not None and b - a == 1.0
-        for a, b in zip(known, known[1:], strict=False)
+        a is not None and b is not None and b - a == 1.0 for a, b in itertools.pairwise(known)
     )

@@ -3,9 +3,9 @@
 Levels are the one to three round numbers (1, 2, 2.5 or 5 times a power of ten apart) nearest to the
 middle of the series' central 80 %. A level is crossed when the series, having been more than the
 hysteresis below it, gets more than that above it (or the reverse); the event is at the first sample
-past the level on that way. The hysteresis is 3 % of the central range, and doubles, up to 24 %, while
-there are more than `MOST` crossings; if there still are, only the middle level is kept, and none if
-that isn't enough.
+past the level on that way. The hysteresis is 3 % of the central range, and doubles, up to 24 %,
+while there are more than `MOST` crossings; if there still are, only the middle level is kept, and
+none if that isn't enough.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Crossing:
 
 
 def round_levels(low: float, high: float) -> list[float]:
-    """Return one to three round numbers strictly between two values, none where there is no room."""
+    """Return one to three round numbers strictly between two values; none where no room is."""
     span = high - low
     if not math.isfinite(span) or span <= 0.0 or span < 1e-9 * max(abs(low), abs(high)):
         return []
@@ -43,7 +43,8 @@ def round_levels(low: float, high: float) -> list[float]:
             return []
         first, last = math.floor(low / step) + 1, math.ceil(high / step) - 1
         if 1 <= last - first + 1 <= _LEVELS:
-            return [round(k * step, 12) if step < 1e3 else k * step for k in range(first, last + 1)]
+            found = range(first, last + 1)
+            return [round(k * step, 12) if step < 1e3 else k * step for k in found]
     return []
 
 

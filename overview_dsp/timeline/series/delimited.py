@@ -77,33 +77,32 @@ class Lines:
         decoder = codecs.getincrementaldecoder(self.encoding)(errors)
         newlines = io.IncrementalNewlineDecoder(decoder, True)
         rest, seen, count = "", 0, 0
+        for data in self._data():
+            seen += len(data)
+            text = rest + newlines.decode(data, final=not data)
+            cut = text.rfind("\n") + 1 if data else len(text)
+            block, rest = text[:cut], text[cut:]
+            count += block.count("\n")
+            if len(rest) > MAX_LINE:
+                raise InputError(
+                    f"line {count + 1} is longer than {MAX_LINE} characters; a table has one "
+                    "row a line: save it as CSV"
+                )
+            self.part = min(1.0, seen / max(1, self.source.size))
+            lines: Iterable[str] = io.StringIO(block)
+            if self.comments and (block.startswith("#") or "\n#" in block):
+                lines = ["\n" if line.startswith("#") else line for line in lines]
+            yield lines
+
+    def _data(self) -> Iterator[bytes]:
+        """The file's bytes, an empty block at the end."""
         try:
-            stream = open(self.source.path, "rb")
+            with open(self.source.path, "rb") as stream:
+                while data := stream.read(BLOCK_BYTES):
+                    yield data
         except OSError as error:
             raise InputError(f"can't be read ({error.strerror})") from error
-        with stream:
-            while True:
-                try:
-                    data = stream.read(BLOCK_BYTES)
-                except OSError as error:
-                    raise InputError(f"can't be read ({error.strerror})") from error
-                seen += len(data)
-                text = rest + newlines.decode(data, final=not data)
-                cut = text.rfind("\n") + 1 if data else len(text)
-                block, rest = text[:cut], text[cut:]
-                count += block.count("\n")
-                if len(rest) > MAX_LINE:
-                    raise InputError(
-                        f"line {count + 1} is longer than {MAX_LINE} characters; a table has one "
-                        "row a line: save it as CSV"
-                    )
-                self.part = min(1.0, seen / max(1, self.source.size))
-                lines: Iterable[str] = io.StringIO(block)
-                if self.comments and (block.startswith("#") or "\n#" in block):
-                    lines = ["\n" if line.startswith("#") else line for line in lines]
-                yield lines
-                if not data:
-                    return
+        yield b""
 
 
 @dataclass
@@ -157,8 +156,6 @@ def split(line: str, separator: str | None) -> list[str]:
     if separator is None:
         return line.split()
     try:
-        return next(
-            csv.reader([line], delimiter=separator, skipinitialspace=separator != "\t"), []
-        )
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=separator != "\t"), [])
     except csv.Error:
         return []

@@ -1,17 +1,25 @@
-"""The events of a series, by rule. Each is at the exact time of a sample; labels carry value and date.
+"""The events of a series, by rule, each at the exact time of a sample; labels give value and date.
 
-| kind | is |
-|---|---|
-| `highest`, `lowest` | the largest and the smallest value (the first, if it comes back) |
-| `record_high`, `record_low` | a peak above all before it, a trough below all before it, once a tenth of the timeline has passed |
-| `peak`, `trough` | turning points, the eight most prominent of each (records among them), of at least a tenth of the range (1st to 99th percentile), a hundredth of the timeline apart |
-| `largest_rise`, `largest_fall` | the up to five largest steps from one sample to the next, among the largest twentieth of all; weight: root of the size over their mean |
-| `crossing_up`, `crossing_down` | round levels crossed, with hysteresis (`crossings`) |
-| `split` | a share split the prices aren't adjusted for (`splits`); its step is no move |
-| `century` to `minute` | ticks of the calendar (`calendar_ticks`) |
+`highest`, `lowest`
+    The largest and the smallest value (the first, if it comes back).
+`record_high`, `record_low`
+    A peak above all before it, a trough below all before it, once a tenth of the timeline has
+    passed.
+`peak`, `trough`
+    Turning points: the eight most prominent of each (records among them), of at least a tenth of
+    the range (1st to 99th percentile), a hundredth of the timeline apart.
+`largest_rise`, `largest_fall`
+    The up to five largest steps from one sample to the next, among the largest twentieth of all;
+    weight: root of the size over their mean.
+`crossing_up`, `crossing_down`
+    Round levels crossed, with hysteresis (`crossings`).
+`split`
+    A share split the prices aren't adjusted for (`splits`); its step is no move.
+`century` to `minute`
+    Ticks of the calendar (`calendar_ticks`).
 
-Prominence and steps of prices are relative (logarithms and per cent), of other series in their unit.
-A step over a gap is no move.
+Prominence and steps of prices are relative (logarithms and per cent), of other series in their
+unit. A step over a gap is no move.
 """
 
 from __future__ import annotations
@@ -94,9 +102,7 @@ def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[st
     ticks = calendar_ticks.ticks(series.calendar.start, duration_s)
     notes = []
     if turn_events:
-        notes.append(
-            f"peaks and troughs: the {TURNS} most prominent of each, of at least {least}"
-        )
+        notes.append(f"peaks and troughs: the {TURNS} most prominent of each, of at least {least}")
     if crossing_note:
         notes.append(crossing_note)
     return [
@@ -125,9 +131,7 @@ def _often(series: Series, index: int) -> str:
     return f" (first of {count})" if count > 1 else ""
 
 
-def _turns(
-    series: Series, extremes: set[int], duration_s: float
-) -> tuple[list[Event], str]:
+def _turns(series: Series, extremes: set[int], duration_s: float) -> tuple[list[Event], str]:
     """Peaks and troughs, those of them that are records under that name."""
     level = series.value
     if series.relative and float(level.min()) > 0.0:
@@ -176,7 +180,9 @@ def _moves(series: Series) -> list[Event]:
         size = np.where(np.isnan(step), 0.0, sign * step)
         order = np.argsort(-size, kind="stable")[:MOVES]
         chosen = [i for i in order.tolist() if size[i] > 0.0 and size[i] >= least]
-        mean = float(np.mean([size[i] / len(chosen) for i in chosen])) * len(chosen) if chosen else 0
+        mean = (
+            float(np.mean([size[i] / len(chosen) for i in chosen])) * len(chosen) if chosen else 0
+        )
         for i in chosen:
             by = f"{step[i]:+.2f} %" if series.relative else _signed(float(step[i]), series.unit)
             weight = math.sqrt(float(size[i]) / mean) if mean > 0.0 else 1.0

@@ -1,4 +1,4 @@
-"""Tables that hold several series below each other, told apart by a column (`symbol`, `station`)."""
+"""Tables of several series below each other, told apart by a column (`symbol`, `station`)."""
 
 from __future__ import annotations
 

@@ -15,6 +15,7 @@ the next is a hole where it is much longer than usual:
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -107,8 +108,7 @@ def _business(days: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
             holiday = length
     limit = max(_SHORTEST_CLOSURE, 2 * holiday)
     rule = (
-        "business days: weekends and holidays are no gaps, a step of more than "
-        f"{limit} days is one"
+        f"business days: weekends and holidays are no gaps, a step of more than {limit} days is one"
     )
     return np.flatnonzero(days > limit), rule
 
@@ -166,9 +166,7 @@ def gaps_of(
     for begin, end in edges.reshape(-1, 2).tolist():
         # two runs that share a lone sample stay two: it is known there
         points = [begin, *(known[(known > begin) & (known < end)]).tolist(), end]
-        spans += [
-            (float(time_s[a]), float(time_s[b])) for a, b in zip(points, points[1:], strict=False)
-        ]
+        spans += [(float(time_s[a]), float(time_s[b])) for a, b in itertools.pairwise(points)]
     return tuple(spans)
 
 

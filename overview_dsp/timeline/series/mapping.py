@@ -33,7 +33,7 @@ MAPS = ("level", "change", "activity", "volatility")
 """What a series may be mapped by, besides its columns' names."""
 
 PERCENTILES = (1.0, 99.0)
-"""Percentiles of the mapped curve that become 0 and 1: one wild value in a hundred moves nothing."""
+"""Percentiles of the mapped curve that become 0 and 1: one wild value moves nothing."""
 
 WINDOW_SAMPLES = 20
 """Samples of volatility: a month of trading days."""
@@ -91,7 +91,11 @@ class Map:
             return float(WINDOW_SAMPLES), False
         found = _WINDOW.fullmatch(self.argument)
         size = float(found[1]) if found else 0.0
-        if found is None or (found[2] is None and (size < 2.0 or not size.is_integer())) or not size:
+        if (
+            found is None
+            or (found[2] is None and (size < 2.0 or not size.is_integer()))
+            or not size
+        ):
             raise InputError(
                 f"map volatility:{checks.shown(self.argument)}: give a window as samples (2 or "
                 "more: volatility:20) or as a time (volatility:30d; s, min, h, d, w, y)"

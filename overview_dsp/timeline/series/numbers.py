@@ -136,9 +136,10 @@ class NumberColumn:
                 raise InputError(f"{place(0)} holds dates; name a column of numbers")
             values = cells.astype(np.float64)
         else:
-            values = self._fast(cells)
-            if values is None:
-                values = np.array([self._one(cell, i, place) for i, cell in enumerate(cells)])
+            plain = self._plain(cells)
+            if plain is None:
+                plain = np.array([self._one(cell, i, place) for i, cell in enumerate(cells)])
+            values = plain
         wild = np.flatnonzero(~np.isnan(values) & ~(np.abs(values) <= MAX_VALUE))
         if wild.size:
             i = int(wild[0])
@@ -148,7 +149,7 @@ class NumberColumn:
             )
         return values
 
-    def _fast(self, cells: list[Any]) -> NDArray[np.float64] | None:
+    def _plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
         """Return the numbers if all cells are plain ones with a decimal point."""
         if self.style.decimal != "." or self.unit:
             return None
@@ -181,9 +182,7 @@ class NumberColumn:
                 "empty if there is no value"
             )
         value, unit = found
-        if self.unit is None:
-            self.unit = unit
-        elif unit and not self.unit:
+        if self.unit is None or (unit and not self.unit):
             self.unit = unit
         elif unit and unit != self.unit:
             raise InputError(
@@ -202,7 +201,7 @@ def looks_numeric(cells: Iterable[Any]) -> bool:
     for cell in cells:
         if is_missing(cell):
             continue
-        if isinstance(cell, bool) or isinstance(cell, np.datetime64):
+        if isinstance(cell, (bool, np.datetime64)):
             return False
         if isinstance(cell, str):
             text = cell.strip()

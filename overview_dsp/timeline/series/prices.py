@@ -33,8 +33,12 @@ def is_adjusted(column: Column) -> bool:
 def is_price(column: Column) -> bool:
     """Tell by its name whether a column is a price."""
     name = _key(column)
-    return is_adjusted(column) or name in (*_CLOSE[:6], *_OPEN[:2], *_HIGH_LOW[:6]) or any(
-        name.startswith(word) or name.endswith(word) for word in _PRICE_WORDS if len(word) > 3
+    return (
+        is_adjusted(column)
+        or name in (*_CLOSE[:6], *_OPEN[:2], *_HIGH_LOW[:6])
+        or any(
+            name.startswith(word) or name.endswith(word) for word in _PRICE_WORDS if len(word) > 3
+        )
     )
 
 
@@ -44,9 +48,8 @@ def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
 
 def is_table(columns: Sequence[Column]) -> bool:
     """Tell whether these columns are a table of prices: a close, and an open, high or low."""
-    return (
-        _first(columns, _CLOSE) is not None
-        and (_first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None)
+    return _first(columns, _CLOSE) is not None and (
+        _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
     )
 
 

@@ -1,8 +1,8 @@
 """Series: a table with a column of times and one of values becomes a Timeline.
 
 The times of samples stay exact: time 0 is the first row's, the duration reaches to the last row's,
-and no step is added for what the last sample covers. The curve is the mapped column (`mapping`) in its
-own unit; its percentiles say what becomes 0 and 1. Events are found by rule in the value column
+and no step is added for what the last sample covers. The curve is the mapped column (`mapping`) in
+its own unit; its percentiles say what becomes 0 and 1. Events are found by rule in the value column
 (`events`), gaps are missing values and holes (`holes`).
 """
 
@@ -69,9 +69,7 @@ def read_parquet(source: Source, options: LoadOptions) -> Timeline:
     return _read(source, options, table_parquet.open_table)
 
 
-def _read(
-    source: Source, options: LoadOptions, open_table: Callable[[Source], Table]
-) -> Timeline:
+def _read(source: Source, options: LoadOptions, open_table: Callable[[Source], Table]) -> Timeline:
     limit = options.max_mb if options.max_mb is not None else MAX_MB
     if source.size > limit * 2**20:
         raise InputError(
@@ -335,9 +333,7 @@ def _curve(
     return np.abs(change), change_unit, f"the activity of {header} (size of its changes)"
 
 
-def _intensity(
-    time_s: NDArray[np.float64], curve: NDArray[np.float64], unit: str
-) -> Intensity:
+def _intensity(time_s: NDArray[np.float64], curve: NDArray[np.float64], unit: str) -> Intensity:
     known = ~np.isnan(curve)
     if not known.any():
         raise InputError("the mapped column has no value in any row; name another")

@@ -56,7 +56,7 @@ class Column:
 
     @property
     def plain(self) -> str:
-        """The name in small letters and digits alone, for comparing: `adjclose` of `Adj Close**`."""
+        """The name in small letters and digits alone: `adjclose` of `Adj Close**`."""
         return re.sub(r"[^0-9a-zäöüßéèáíóú]+", "", self.name.lower())
 
 
@@ -126,14 +126,16 @@ def column_named(columns: Sequence[Column], wanted: str) -> int | None:
         The words fit several columns.
     """
     asked = " ".join(wanted.split())
+    headers, names = [c.header for c in columns], [c.name for c in columns]
+    small = asked.lower()
     rules = (
-        lambda column: column.header == asked,
-        lambda column: column.name == asked,
-        lambda column: column.header.lower() == asked.lower(),
-        lambda column: column.name.lower() == asked.lower(),
+        (headers, asked),
+        (names, asked),
+        ([header.lower() for header in headers], small),
+        ([name.lower() for name in names], small),
     )
-    for rule in rules:
-        found = [i for i, column in enumerate(columns) if rule(column)]
+    for words, word in rules:
+        found = [i for i, candidate in enumerate(words) if candidate == word]
         if len(found) == 1:
             return found[0]
         if found:
@@ -163,3 +165,15 @@ def as_list(cells: Cells) -> list[Any]:
     if isinstance(cells, np.ndarray):
         return list(cells) if cells.dtype.kind == "M" else list(cells.tolist())
     return cells
+
+
+def check_single(table: Table, chunk: Chunk, columns: Sequence[int]) -> None:
+    """Refuse a cell that holds a list or an object; InputError names row and column."""
+    for index, cells in zip(columns, chunk.cells, strict=True):
+        for i, cell in enumerate(cells):
+            if isinstance(cell, list | dict):
+                header = checks.shown(table.columns[index].header)
+                raise InputError(
+                    f"{table.row_word} {chunk.number(i)}, column {header}: {checks.shown(cell)} "
+                    "isn't a single value"
+                )

@@ -71,7 +71,7 @@ def layout_of(source: Source) -> Layout | None:
         numbered, commented = _without_comments(numbered)
     else:
         commented = None
-        comments = False if numbered and _hash_rows(numbered) else True
+        comments = not (numbered and _hash_rows(numbered))
         numbered = [entry for entry in numbered if not (comments and entry[1].startswith("#"))]
     if not numbered:
         return None
@@ -157,15 +157,17 @@ def _found(
         else:
             header = [f"column {i}" for i in range(1, len(top) + 1)]
             notes.append("the file has no header: columns are called column 1, column 2 ...")
-    if below and all(len(row) == len(header) + 1 for row in below) and any(
-        row[-1].strip() for row in below
+    if (
+        below
+        and all(len(row) == len(header) + 1 for row in below)
+        and any(row[-1].strip() for row in below)
     ):
         header = ["", *header]  # rows carry a name that the header doesn't count
         units = ["", *units] if units else []
     if header and not header[-1] and not any(row[len(header) - 1 :] != [""] for row in below):
         header = header[:-1]  # every line ends with a separator
     names = [name.lower() for name in header]
-    if _EVENT_LIST <= set(names):
+    if set(names) >= _EVENT_LIST:
         return None
     if not below:
         if not any(word in name for name in names for word in _TIME_HEADERS):
@@ -179,9 +181,7 @@ def _found(
     units = (units + [""] * len(header))[: len(header)]
     if len(header) > MAX_COLUMNS:
         return None
-    return Layout(
-        encoding, separator, tuple(header), tuple(units), start, comments, tuple(notes)
-    )
+    return Layout(encoding, separator, tuple(header), tuple(units), start, comments, tuple(notes))
 
 
 def _is_header(cells: list[str]) -> bool:
@@ -221,8 +221,7 @@ class CsvTable:
     def __init__(self, source: Source, layout: Layout) -> None:
         self._source, self._layout = source, layout
         self.columns = tuple(
-            Column.of(name, unit)
-            for name, unit in zip(layout.header, layout.units, strict=True)
+            Column.of(name, unit) for name, unit in zip(layout.header, layout.units, strict=True)
         )
         self.notes = layout.notes
         self.separator = layout.separator

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -79,20 +80,22 @@ class ParquetTable:
         """Read these columns; InputError where the file is damaged."""
         names = [self._names[i] for i in columns]
         first = 1
-        with _one_line():
-            with self._arrow.parquet.ParquetFile(
+        with (
+            _one_line(),
+            self._arrow.parquet.ParquetFile(
                 self._path, memory_map=False, buffer_size=1 << 20, pre_buffer=False
-            ) as file:
-                batches = file.iter_batches(
-                    batch_size=CHUNK_ROWS, columns=list(dict.fromkeys(names)), use_threads=False
-                )
-                for batch in batches:
-                    if not batch.num_rows:
-                        continue
-                    cells = tuple(self._cells(batch.column(name)) for name in names)
-                    done = first - 1 + batch.num_rows
-                    yield Chunk(cells, first, None, min(1.0, done / self._rows))
-                    first = done + 1
+            ) as file,
+        ):
+            batches = file.iter_batches(
+                batch_size=CHUNK_ROWS, columns=list(dict.fromkeys(names)), use_threads=False
+            )
+            for batch in batches:
+                if not batch.num_rows:
+                    continue
+                cells = tuple(self._cells(batch.column(name)) for name in names)
+                done = first - 1 + batch.num_rows
+                yield Chunk(cells, first, None, min(1.0, done / self._rows))
+                first = done + 1
         if first == 1:
             raise InputError("no rows; a series has one row a time")
 
@@ -109,7 +112,7 @@ class ParquetTable:
         if types.is_date(kind):
             days = column.cast(self._arrow.date32()).cast(self._arrow.int32())
             whole = days.cast(self._arrow.int64()).fill_null(np.iinfo(np.int64).min)
-            return whole.to_numpy(zero_copy_only=False).astype("datetime64[D]")
+            return np.asarray(whole.to_numpy(zero_copy_only=False)).astype("datetime64[D]")
         if types.is_floating(kind):
             return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
         if types.is_integer(kind) and column.null_count == 0 and kind.bit_width <= 64:
@@ -123,20 +126,18 @@ class ParquetTable:
         return list(column.to_pylist())
 
 
-class _one_line:  # noqa: N801 - reads as a statement
-    """Turns what pyarrow raises about a broken file into one line."""
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if error is None or isinstance(error, InputError | GeneratorExit):
-            return
-        if isinstance(error, OSError | ValueError | MemoryError | TypeError | NotImplementedError):
-            first = str(error).strip().split("\n")[0][:160] or type(error).__name__
-            raise InputError(
-                f"broken or unknown Parquet ({first}); get the file again, or save the table as CSV"
-            ) from error
+@contextmanager
+def _one_line() -> Iterator[None]:
+    """Turn what pyarrow raises about a broken file into one line."""
+    try:
+        yield
+    except InputError:  # a ValueError too
+        raise
+    except (OSError, ValueError, MemoryError, TypeError, NotImplementedError) as error:
+        first = str(error).strip().split("\n")[0][:160] or type(error).__name__
+        raise InputError(
+            f"broken or unknown Parquet ({first}); get the file again, or save the table as CSV"
+        ) from error
 
 
 def open_table(source: Source) -> ParquetTable:

@@ -21,7 +21,7 @@ from overview_dsp.timeline import checks
 from overview_dsp.timeline.series import moments
 from overview_dsp.timeline.series.missing import is_missing
 from overview_dsp.timeline.series.moments import DAY_NS, NS, WAYS
-from overview_dsp.timeline.series.table import Cells, Column
+from overview_dsp.timeline.series.table import Cells, Column, as_list
 
 EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
 """Units of time since 1970-01-01T00:00Z, ns."""
@@ -35,6 +35,10 @@ FORMATS = ("iso", "dmy", "mdy", *EPOCHS, *PLAIN, "clock", "year", "excel")
 _EXCEL_ZERO = -25_569
 """Day 0 of a spreadsheet (1899-12-30), days from 1970-01-01."""
 
+_UNIT_NS = {
+    "W": 7 * DAY_NS, "D": DAY_NS, "h": 3600 * NS, "m": 60 * NS, "s": NS, "ms": 1_000_000,
+    "us": 1_000, "ns": 1,
+}  # fmt: skip
 _YEARS = (1500.0, 2200.0)
 _UNIT_WORDS = {
     "nanoseconds": "ns", "µs": "us", "microseconds": "us", "msec": "ms", "milliseconds": "ms",
@@ -72,7 +76,8 @@ class Format:
         """What the column holds, in words for a person."""
         names = {
             "iso": "ISO dates", "dmy": "dates d/m/y", "mdy": "dates m/d/y",
-            "yyyymm": "months", "month names": "dates with names of months", "quarters or months": "quarters or months",
+            "yyyymm": "months", "month names": "dates with names of months",
+            "quarters or months": "quarters or months",
             "epoch": "seconds since 1970", "epoch_ms": "milliseconds since 1970",
             "epoch_us": "microseconds since 1970", "epoch_ns": "nanoseconds since 1970",
             "clock": "h:mm:ss", "year": "years", "excel": "spreadsheet days",
@@ -119,7 +124,11 @@ def told_format(column: Column, cells: list[Any]) -> Format | None:
     if not all(isinstance(cell, str) for cell in known):
         return None
     texts = [cell.strip() for cell in known]
-    fits = [name for name, way in WAYS.items() if name != "yyyymm" and all(way(text) is not None for text in texts)]
+    fits = [
+        name
+        for name, way in WAYS.items()
+        if name != "yyyymm" and all(way(text) is not None for text in texts)
+    ]
     if {"dmy", "mdy"} <= set(fits):
         if all("." in text.split()[0] for text in texts):
             return Format("dmy")  # points between the parts: day first wherever they are used
@@ -191,24 +200,21 @@ class TimeColumn:
         InputError
             A cell that isn't written this way, or a mixture of times with and without a zone.
         """
-        if isinstance(cells, np.ndarray):
-            if cells.dtype.kind == "M":
-                return self._of_datetimes(cells, place)
-            cells = cells.tolist()
-        name = self.format.name
+        if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
+            return self._of_datetimes(cells, place)
+        listed = as_list(cells)
+        name, fast = self.format.name, None
         if name == "iso":
-            quick = self._fast_iso(cells)
-            if quick is not None:
-                return self._of_datetimes(quick, place)
-        if name in EPOCHS:
-            fast = self._fast_whole(cells, EPOCHS[name])
-            if fast is not None:
-                return fast
-        if name in PLAIN:
-            plain = self._fast_plain(cells)
-            if plain is not None:
-                return plain * PLAIN[name]
-        return np.array([self._one(cell, i, place) for i, cell in enumerate(cells)], np.float64)
+            datetimes = self._fast_iso(listed)
+            fast = None if datetimes is None else self._of_datetimes(datetimes, place)
+        elif name in EPOCHS:
+            fast = self._fast_whole(listed, EPOCHS[name])
+        elif name in PLAIN:
+            plain = self._fast_plain(listed)
+            fast = None if plain is None else plain * PLAIN[name]
+        if fast is not None:
+            return fast
+        return np.array([self._one(cell, i, place) for i, cell in enumerate(listed)], np.float64)
 
     def start(self, first_s: float) -> datetime | None:
         """Return the calendar moment `first_s` seconds after the anchor; None for plain time.
@@ -264,8 +270,7 @@ class TimeColumn:
             return float(number) * PLAIN[name]
         if name in EPOCHS:
             self._check_zone(0, cell, place(i))
-            whole = isinstance(number, int)
-            return self._since(number * EPOCHS[name] if whole else round(number * EPOCHS[name]))
+            return self._since(round(number * EPOCHS[name]))
         if name == "excel":
             return self._since(round((number + _EXCEL_ZERO) * DAY_NS))
         year = math.floor(number)
@@ -307,11 +312,9 @@ class TimeColumn:
         if unit in ("Y", "M"):
             cells, unit, count = cells.astype("datetime64[D]"), "D", 1
             known = cells[~missing]
-        step_ns = int(np.timedelta64(1, unit) / np.timedelta64(1, "ns")) * count if unit in (
-            "W", "D", "h", "m", "s", "ms", "us", "ns",
-        ) else 0  # fmt: skip
-        if not step_ns:
+        if unit not in _UNIT_NS:
             raise InputError(f"{place(0)}: times finer than a nanosecond; round them")
+        step_ns = _UNIT_NS[unit] * count
         if self.anchor_ns is None:
             self.anchor_ns = int(known.astype(np.int64)[0]) * step_ns
         whole, rest = divmod(self.anchor_ns, step_ns)
@@ -320,9 +323,9 @@ class TimeColumn:
         wide = abs(int(span.max()) - whole) >= 2**62 or abs(int(span.min()) - whole) >= 2**62
         if wide:
             raise InputError(f"{place(0)}: times lie outside the years 1 to 9999")
-        seconds[~missing] = (span - whole) * (step_ns / NS) - rest / NS
-        if step_ns < NS:  # a division is exact to the last place, a factor of 1e-9 isn't
-            seconds[~missing] = (span - whole) / (NS // step_ns) - rest / NS
+        # a division is exact to the last place, a factor of 1e-9 isn't
+        since = (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * step_ns / NS
+        seconds[~missing] = since - rest / NS
         return seconds
 
     def _fast_iso(self, cells: list[Any]) -> NDArray[Any] | None:

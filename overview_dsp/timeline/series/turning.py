@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAX_EXTREMA = 200_000
-"""Extrema looked at one by one; more are thinned to the lowest and highest of equal stretches, which
-keeps every prominent one."""
+"""Extrema looked at one by one; more are thinned to the lowest and highest of equal stretches,
+which keeps every prominent one."""
 
 
 def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
