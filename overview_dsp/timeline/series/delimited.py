@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import codecs
+import contextlib
 import csv
 import io
 import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline.source import Source
@@ -21,7 +23,10 @@ MAX_LINE = 1 << 20
 SEPARATORS = (";", "\t", "|", ",")
 """What may separate fields, besides blanks (`None`), those asked first that numbers don't hold."""
 
-_UTF8, _WINDOWS = "utf-8", "cp1252"
+WINDOWS = "cp1252"
+"""The encoding of text that isn't UTF-8: old spreadsheets'."""
+
+_UTF8 = "utf-8"
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -38,7 +43,7 @@ def encoding_of(source: Source) -> str | None:
     A byte order mark tells; else UTF-8, else Windows-1252 (old spreadsheets, `°C`).
     """
     marked = next((name for mark, name in _BOMS if source.head.startswith(mark)), None)
-    for name in (marked,) if marked else (_UTF8, _WINDOWS):
+    for name in (marked,) if marked else (_UTF8, WINDOWS):
         decoder = codecs.getincrementaldecoder(name)()
         try:
             text = decoder.decode(source.head, final=source.size <= len(source.head))
@@ -124,18 +129,13 @@ class Rows:
                 yield first, None, rows
                 first += len(rows)
             return
-        reader = csv.reader(
-            self.lines,
-            delimiter=self.separator,
-            strict=True,
-            skipinitialspace=self.separator != "\t",
-        )
+        reader = self._reader(self.separator)
         while True:
             try:
                 rows = list(itertools.islice(reader, self.block))
             except csv.Error as error:
                 raise InputError(
-                    f"line {reader.line_num}: {error}; check the quotes from line {first} on"
+                    f"line {self._broken_row()}: {error}; check the quotes from there on"
                 ) from error
             if not rows:
                 return
@@ -150,12 +150,40 @@ class Rows:
             yield first, numbers, rows
             first = reader.line_num + 1
 
+    def _reader(self, separator: str) -> Any:
+        return csv.reader(
+            self.lines, delimiter=separator, strict=True, skipinitialspace=separator != "\t"
+        )
 
-def split(line: str, separator: str | None) -> list[str]:
-    """Return one line's fields; none where its quotes are broken or a field is too long."""
+    def _broken_row(self) -> int:
+        """Read once more, row by row, and return the line at which the broken one begins."""
+        assert self.separator is not None
+        reader = self._reader(self.separator)
+        first = 1
+        try:
+            for _ in reader:
+                first = reader.line_num + 1
+        except csv.Error:
+            pass
+        return first
+
+
+def split(lines: list[tuple[int, str]], separator: str | None) -> list[tuple[int, list[str]]]:
+    """Return the fields of numbered lines; a row that spans lines has the number of its first.
+
+    What comes after a field too long to be one is left out.
+    """
     if separator is None:
-        return line.split()
-    try:
-        return next(csv.reader([line], delimiter=separator, skipinitialspace=separator != "\t"), [])
-    except csv.Error:
-        return []
+        return [(number, line.split()) for number, line in lines]
+    reader = csv.reader(
+        (f"{line}\n" for _, line in lines),
+        delimiter=separator,
+        skipinitialspace=separator != "\t",
+    )
+    rows: list[tuple[int, list[str]]] = []
+    begin = 0
+    with contextlib.suppress(csv.Error):
+        for row in reader:
+            rows.append((lines[begin][0], row))
+            begin = reader.line_num
+    return rows

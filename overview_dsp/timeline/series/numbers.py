@@ -27,7 +27,7 @@ _MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
 _GROUPS = "'’ \u00a0\u202f_"
 _WHOLE = re.compile(
     rf"(?P<open>\()?\s*(?P<sign1>[+\-−]?)\s*(?P<currency>[{CURRENCIES}]?)\s*(?P<sign>[+\-−]?)"
-    rf"(?P<digits>\d[\d.,{_GROUPS}]*|[.,]\d+)(?P<power>[eE][+\-]?\d+)?"
+    rf"(?P<digits>\d(?:[\d.,{_GROUPS}]*\d)?[.,]?|[.,]\d+)(?P<power>[eE][+\-]?\d+)?"
     r"\s*(?P<unit>[^\d\s().,+\-:/][^\d\s():/]{0,7})?\s*(?(open)\))",
     re.ASCII,
 )
@@ -99,7 +99,9 @@ def parse(text: str, style: Style) -> tuple[float, str] | None:
     if _GROUP.search(part):
         return None
     value = float(f"{whole or '0'}{'.' if mark else ''}{part}{found['power'] or ''}")
-    unit = (found["unit"] or "").strip()
+    unit = found["unit"] or ""
+    if not unit.isprintable():  # half a character, where a byte wasn't text
+        return None
     if unit in _MULTIPLIERS:
         value, unit = value * _MULTIPLIERS[unit], ""
     negative = "-" in (found["sign1"] + found["sign"]).replace("−", "-")
@@ -195,19 +197,18 @@ class NumberColumn:
 _MARKS = {".": "point", ",": "comma"}
 
 
+def is_number(cell: Any) -> bool:
+    """Tell whether a cell is a number in either style."""
+    if isinstance(cell, str):
+        text = cell.strip()
+        return parse(text, Style(".")) is not None or parse(text, Style(",")) is not None
+    return isinstance(cell, int | float) and not isinstance(cell, bool)
+
+
 def looks_numeric(cells: Iterable[Any]) -> bool:
-    """Tell whether a column's first cells are numbers in either style, missing ones aside."""
-    seen = False
-    for cell in cells:
-        if is_missing(cell):
-            continue
-        if isinstance(cell, (bool, np.datetime64)):
-            return False
-        if isinstance(cell, str):
-            text = cell.strip()
-            if parse(text, Style(".")) is None and parse(text, Style(",")) is None:
-                return False
-        elif not isinstance(cell, int | float):
-            return False
-        seen = True
-    return seen
+    """Tell whether a column's first cells are numbers, missing ones aside.
+
+    One that isn't among two or more that are is a mistake, to be named when it is read.
+    """
+    found = [is_number(cell) for cell in cells if not is_missing(cell)]
+    return any(found) and 3 * sum(found) >= 2 * len(found)

@@ -118,24 +118,26 @@ def told_format(column: Column, cells: list[Any]) -> Format | None:
         return None
     if all(isinstance(cell, np.datetime64) for cell in known):
         return Format("iso")
-    numbers = [_number(cell) for cell in known]
-    if all(number is not None for number in numbers):
-        return _numeric_format(column, known, [n for n in numbers if n is not None])
-    if not all(isinstance(cell, str) for cell in known):
+
+    def most(count: int) -> bool:
+        # one in three may be a mistake, to be named when it is read
+        return 3 * count >= 2 * len(known)
+
+    numbers = [(cell, number) for cell in known if (number := _number(cell)) is not None]
+    if most(len(numbers)):
+        return _numeric_format(column, *map(list, zip(*numbers, strict=True)))
+    texts = [cell.strip() for cell in known if isinstance(cell, str)]
+    if not most(len(texts)):
         return None
-    texts = [cell.strip() for cell in known]
-    fits = [
-        name
-        for name, way in WAYS.items()
-        if name != "yyyymm" and all(way(text) is not None for text in texts)
-    ]
-    if {"dmy", "mdy"} <= set(fits):
-        if all("." in text.split()[0] for text in texts):
-            return Format("dmy")  # points between the parts: day first wherever they are used
-        return Format("dmy or mdy")
-    if fits:
-        return Format(fits[0])
-    if all(moments.clock_seconds(text) is not None for text in texts):
+    ways = [name for name in WAYS if name != "yyyymm"]
+    fits = {name: sum(WAYS[name](text) is not None for text in texts) for name in ways}
+    best = max(fits, key=fits.__getitem__)
+    if most(fits[best]):
+        if not fits["dmy"] == fits["mdy"] == fits[best]:
+            return Format(best)
+        # points between the parts: day first wherever they are used
+        return Format("dmy" if all("." in text.split()[0] for text in texts) else "dmy or mdy")
+    if most(sum(moments.clock_seconds(text) is not None for text in texts)):
         return Format("clock")
     return None
 
