@@ -43,6 +43,13 @@ class Format:
 
 
 FORMATS: tuple[Format, ...] = (
+    # before the formats of whole JSON documents, which lines of them are not
+    Format(
+        "series (one JSON object a line)",
+        series.sniff_json_lines,
+        series.read_json_lines,
+        SERIES_OPTIONS,
+    ),
     Format(
         'native timeline (JSON with the key "overview_timeline")',
         native.sniff,

@@ -109,7 +109,7 @@ def test_an_unknown_content_is_described_and_the_known_formats_are_named(
     content: str, words: str, tmp_path: Path
 ) -> None:
     (tmp_path / "x").write_text(content)
-    refused(tmp_path / "x", rf"x: {words}.* Known: native timeline .*Convert")
+    refused(tmp_path / "x", rf"x: {words}.* Known: .*native timeline .*Convert")
 
 
 def test_a_character_across_the_end_of_the_head_is_no_obstacle(

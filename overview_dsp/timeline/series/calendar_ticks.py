@@ -2,7 +2,7 @@
 
 The finest of century, decade, year, month, week, day, hour, quarter of an hour and minute that
 gives at most `MOST` ticks; one that begins a coarser span too is a tick of that (1 January:
-`year`). Series without a calendar get hours, minutes and so on from their beginning.
+`year`), but weeks stay weeks. Series without a calendar get hours, minutes and so on from their beginning.
 """
 
 from __future__ import annotations
@@ -115,14 +115,14 @@ def _kind(unit: str, at: datetime) -> str:
     if unit == "decade":
         return "century" if at.year % 100 == 0 else unit
     midnight = (at.hour, at.minute) == (0, 0)
-    if unit == "year":
+    if unit in ("year", "week"):  # months begin between weeks
         return unit
     if midnight and (at.month, at.day) == (1, 1):
         return "year"
     if midnight and at.day == 1:
         return "month"
-    if unit in ("day", "week"):
-        return unit if unit == "week" or at.weekday() else "week"
+    if unit == "day":
+        return unit if at.weekday() else "week"
     if midnight:
         return "day"
     return "hour" if at.minute == 0 else unit

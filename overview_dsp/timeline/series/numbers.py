@@ -100,7 +100,8 @@ def parse(text: str, style: Style) -> tuple[float, str] | None:
         return None
     value = float(f"{whole or '0'}{'.' if mark else ''}{part}{found['power'] or ''}")
     unit = found["unit"] or ""
-    if not unit.isprintable():  # half a character, where a byte wasn't text
+    # half a character, where a byte wasn't text; a power without its digits
+    if not unit.isprintable() or unit in ("e", "E"):
         return None
     if unit in _MULTIPLIERS:
         value, unit = value * _MULTIPLIERS[unit], ""

@@ -23,6 +23,7 @@ from overview_dsp.timeline.series import (
     prices,
     table_csv,
     table_json,
+    table_json_lines,
     table_parquet,
 )
 from overview_dsp.timeline.series.choosing import TimeChoice, choose_time, choose_value
@@ -51,6 +52,7 @@ MANY_REPEATS = 0.02
 
 sniff_csv = table_csv.sniff
 sniff_json = table_json.sniff
+sniff_json_lines = table_json_lines.sniff
 sniff_parquet = table_parquet.sniff
 
 
@@ -60,8 +62,13 @@ def read_csv(source: Source, options: LoadOptions) -> Timeline:
 
 
 def read_json(source: Source, options: LoadOptions) -> Timeline:
-    """Read JSON, or one JSON object a line; InputError names file, record and column."""
+    """Read a JSON document; InputError names file, record and column."""
     return _read(source, options, table_json.open_table)
+
+
+def read_json_lines(source: Source, options: LoadOptions) -> Timeline:
+    """Read one JSON object a line; InputError names file, line and column."""
+    return _read(source, options, table_json_lines.open_table)
 
 
 def read_parquet(source: Source, options: LoadOptions) -> Timeline:

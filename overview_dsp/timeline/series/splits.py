@@ -71,7 +71,7 @@ def find_splits(
     step = np.diff(np.log(price[known]))
     if adjusted is not None:
         return _by_factor(price, adjusted, known, step)
-    usual = 1.4826 * float(np.median(np.abs(step - np.median(step))))
+    usual = 1.4826 * float(np.median(np.abs(step)))
     found = []
     large = np.flatnonzero((np.abs(step) >= math.log(1.4)) & (np.abs(step) > _EXTREME * usual))
     for k in large.tolist():

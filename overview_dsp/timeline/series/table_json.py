@@ -6,14 +6,12 @@ from collections.abc import Iterator, Sequence
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
-from overview_dsp.timeline.series import table_json_lines
 from overview_dsp.timeline.series.json_shapes import Shape, series_in
 from overview_dsp.timeline.series.table import (
     CHUNK_ROWS,
     MAX_COLUMNS,
     Chunk,
     Column,
-    Table,
     check_single,
 )
 from overview_dsp.timeline.source import Source
@@ -48,15 +46,11 @@ class JsonTable:
 
 def sniff(source: Source) -> bool:
     """Tell whether the file is JSON that holds a series in one of the known shapes."""
-    if not source.looks_like_json:
-        return False
-    return table_json_lines.sniff(source) or bool(series_in(source.json))
+    return source.looks_like_json and bool(series_in(source.json))
 
 
-def open_table(source: Source) -> Table:
-    """Return the largest series of the document, or the lines of objects."""
-    if table_json_lines.sniff(source):
-        return table_json_lines.JsonLinesTable(source)
+def open_table(source: Source) -> JsonTable:
+    """Return the largest series of the document."""
     series = series_in(source.json)
     largest = max(series, key=lambda shape: shape.rows)
     return JsonTable(largest, sum(shape.rows > 1 for shape in series if shape is not largest))

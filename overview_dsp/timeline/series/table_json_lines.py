@@ -81,3 +81,8 @@ def sniff(source: Source) -> bool:
         return isinstance(json.loads(lines[0]), dict)
     except (ValueError, RecursionError):
         return False
+
+
+def open_table(source: Source) -> JsonLinesTable:
+    """Return the file's table; InputError names a broken line."""
+    return JsonLinesTable(source)
