@@ -2,7 +2,8 @@
 
 The finest of century, decade, year, month, week, day, hour, quarter of an hour and minute that
 gives at most `MOST` ticks; one that begins a coarser span too is a tick of that (1 January:
-`year`), but weeks stay weeks. Series without a calendar get hours, minutes and so on from their beginning.
+`year`), but weeks stay weeks. Series without a calendar get hours, minutes and so on from their
+beginning.
 """
 
 from __future__ import annotations

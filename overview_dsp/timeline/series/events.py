@@ -134,7 +134,8 @@ def _often(series: Series, index: int) -> str:
 def _turns(series: Series, extremes: set[int], duration_s: float) -> tuple[list[Event], str]:
     """Peaks and troughs, those of them that are records under that name."""
     level = series.value
-    if series.relative and float(level.min()) > 0.0:
+    ratios = series.relative and float(level.min()) > 0.0
+    if ratios:
         level = np.log(level)
     low, high = (float(edge) for edge in np.percentile(level, (1.0, 99.0)))
     least = LEAST_PROMINENCE * (high - low)
@@ -161,7 +162,7 @@ def _turns(series: Series, extremes: set[int], duration_s: float) -> tuple[list[
             events.append(
                 series.event(name, index, f"{name.replace('_', ' ')} {series.shown(index)}")
             )
-    if series.relative:
+    if ratios:
         words = f"{100.0 * math.expm1(least):.3g} % prominence"
     else:
         words = f"{value_text(least, series.unit)} prominence"
