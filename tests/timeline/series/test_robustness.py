@@ -24,8 +24,7 @@ TABLES = (
     "# made\ndatum;wert (°C)\n".encode()
     + b"".join(b"%02d.03.2020 10:00;%d,5\n" % (d, d % 4) for d in range(1, 20)),
     b"t\tv\n" + b"".join(b"%d\t%s\n" % (i, b"NA" if i == 4 else b"1e%d" % i) for i in range(12)),
-    b"time,station,v\n"
-    + b"".join(b"2020-01-01T%02d:00:00Z,%c,%d\n" % (h, b"AB"[h % 2], h) for h in range(20)),
+    b"time,station,v\n" + b"".join(b"2020-01-01T%02d:00:00Z,A,%d\n" % (h, h) for h in range(20)),
 )
 DOCUMENTS = (
     b'[{"date": "2020-01-01", "v": 1.5}, {"date": "2020-01-02", "v": null},'
@@ -45,8 +44,8 @@ OPTIONS = st.fixed_dictionaries(
     },
 )
 PIECES = st.sampled_from(
-    [",", ";", "\t", "\n", "\r", '"', "#", "-", ".", "e", "1", "9" * 30, "nan", "inf", " ", "x", "é",
-     "\0", "/", ":", "0001-01-01", "9999-12-31", "13/13/13", "{", "}", "[", "]", "null", "true",
+    [",", ";", "\t", "\n", "\r", '"', "#", "-", ".", "e", "1", "9" * 30, "nan", "inf", " ", "x",
+     "é", "\0", "/", ":", "0001-01-01", "9999-12-31", "13/13/13", "{", "}", "[", "]", "null", "true",
      "1e308", "-1e308", "5e-324", "\ud800", "Z", "+25:00", "$", "%"]
 ).map(lambda text: text.encode("utf-8", "surrogatepass")) | st.binary(max_size=4)  # fmt: skip
 
