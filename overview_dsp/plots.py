@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from overview_dsp.files import whole_file
 from overview_dsp.rendering import Result
 from overview_dsp.timeline import Timeline
+from overview_dsp.timeline.gaps import in_gap
 from overview_dsp.units import HALF_TURN
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ KIND_STYLE: dict[str, tuple[str, str, str]] = {
 }
 # of kinds that have no style of their own, one after the other
 _OTHER_MARKERS = "Pv*X<>pd8"
+GAP_HATCH = "////"
 _POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
 
 
@@ -75,13 +77,25 @@ def extremes(
 
 
 def plot_timeline(timeline: Timeline) -> Figure:
-    """The intensity curve with its events, as in the paper's figure 4."""
+    """The intensity curve with its events, as in the paper's figure 4; gaps are hatched."""
     figure = _figure(9.0, 3.6)
     axes = figure.subplots()
     minutes = timeline.duration_s > 600.0
     scale = 60.0 if minutes else 1.0
     times = np.linspace(0.0, timeline.duration_s, 4001)
     curve = timeline.normalised_intensity_at(times)
+    curve[in_gap(timeline.gaps, times)] = np.nan  # no line over a gap
+    for i, (start, end) in enumerate(timeline.gaps):
+        axes.axvspan(
+            start / scale,
+            end / scale,
+            facecolor="none",
+            edgecolor="#b0b0b0",
+            hatch=GAP_HATCH,
+            linewidth=0.0,
+            label=f"no data ({len(timeline.gaps)})" if i == 0 else None,
+            zorder=1,
+        )
     axes.fill_between(times / scale, curve, color="#e8eef4", zorder=1)
     axes.plot(times / scale, curve, color=GREY, linewidth=1.2, zorder=2)
     for kind, (marker, colour, words) in styles_of(timeline).items():
@@ -119,13 +133,16 @@ def plot_timeline(timeline: Timeline) -> Figure:
     figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
     axes.set_title(timeline.title, loc="left", fontsize=10)
     _tidy(axes)
-    if timeline.events:
+    if timeline.events or timeline.gaps:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
     return figure
 
 
 def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: str) -> Figure:
-    """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6)."""
+    """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6).
+
+    Where data is missing, the surface under disk 1 is hatched.
+    """
     figure = _figure(5.2 * len(results) + 0.6, 7.6)
     grid: Any = figure.subplots(4, len(results), sharex="col", sharey="row", squeeze=False)
     for column, (name, result) in enumerate(results):
@@ -150,6 +167,15 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
                 release = float(time[np.flatnonzero(held)[-1]])
                 ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
+        for start, end in timeline.gaps:
+            axes[2].axhspan(
+                start / timeline.duration_s * HALF_TURN,
+                end / timeline.duration_s * HALF_TURN,
+                facecolor="none",
+                edgecolor="#b0b0b0",
+                hatch=GAP_HATCH,
+                linewidth=0.0,
+            )
         axes[0].set_title(name, fontsize=10, pad=14)
         # linear within 1 mN·m, logarithmic beyond: the surface and its goals in one view
         axes[0].set_yscale("symlog", linthresh=1.0)

@@ -66,8 +66,14 @@ _SPANS: dict[str, tuple[float, float]] = {
     "plateau": (-(foot := 0.5 * math.log2(1.0 / SPAN_LEVEL) ** 0.1), foot),
 }
 
-REACH = 2.0
-"""No profile reaches further than this many widths (a gaussian is below 2e-5 there)."""
+REACH: dict[str, float] = {
+    "gaussian": 2.0,  # below 2e-5 from there
+    "raised_cosine": 1.0,
+    "ramp_up": _RISE,
+    "ramp_down": _RISE,
+    "plateau": 1.05,  # exactly 0 from there, as float64 has it
+}
+"""No profile reaches further than this many widths."""
 
 
 def profile(shape: str, distance: Array, width: float) -> Array:

@@ -2,7 +2,8 @@
 
     B = friction * (1 + ambience * intensity) + max over events of height * weight * profile
 
-The intensity is the timeline's curve scaled to 0..1. Overlapping profiles combine by their maximum,
+The intensity is the timeline's curve scaled to 0..1; where data is missing there are ribs instead
+(`gap_ribs`). Overlapping profiles combine by their maximum,
 so that none is drowned in a sum and each stays findable; every event keeps a strike of its own.
 
 An event strikes at its place. One nearer than half its width to an end of the timeline strikes half
@@ -20,11 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.gap_ribs import ribs
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
 from overview_dsp.profiles import REACH, profile, span
 
 if TYPE_CHECKING:
-    from overview_dsp.timeline import Timeline
+    from overview_dsp.timeline import Event, Timeline
 
 CELLS = 65536
 """Cells of the table; `kernels.layout.CELLS` is the same number (a test holds them together)."""
@@ -32,6 +34,9 @@ CELLS = 65536
 MAX_EVENTS = 16384
 MAX_FRICTION = 1e6
 """No event is higher, N m s/rad, however great its weight: ten million bare surfaces' friction."""
+
+AT_A_TIME = 1 << 17
+"""Points of profiles worked out at once."""
 
 MIN_WIDTH_CELLS = 4.0
 """A profile narrower than this would fall between the table's points."""
@@ -95,7 +100,7 @@ def _width_cells(kind: Kind, name: str, duration_s: float) -> float:
             f"kinds.{name}: {kind.width_ms:g} ms of {duration_s:g} s is narrower than the surface "
             f"resolves; widened to {MIN_WIDTH_CELLS / CELLS * duration_s * 1000.0:.3g} ms",
             OverviewWarning,
-            stacklevel=4,
+            stacklevel=3,
         )
         return MIN_WIDTH_CELLS
     return min(cells, float(CELLS))
@@ -104,7 +109,8 @@ def _width_cells(kind: Kind, name: str, duration_s: float) -> float:
 def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     """The surface of a timeline under a preset.
 
-    Warns (OverviewWarning) of event kinds the preset doesn't name; they take its `default`.
+    Warns (OverviewWarning) of event kinds the preset doesn't name, which take its `default`, and
+    of gaps too narrow to be felt.
 
     Raises
     ------
@@ -116,10 +122,18 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
             f"{timeline.title or 'the timeline'}: {len(timeline.events)} events; "
             f"a surface holds up to {MAX_EVENTS}, use a shorter window"
         )
-    cells = np.arange(CELLS + 1, dtype=np.float64)
     bare = preset.number("surface.friction")
-    intensity = timeline.normalised_intensity_at(cells * (timeline.duration_s / CELLS))
+    intensity = timeline.normalised_levels(CELLS)
     ambient = bare * (1.0 + preset.number("surface.ambience") * intensity)
+    if timeline.gaps:
+        missing, friction = ribs(
+            timeline.gaps,
+            timeline.duration_s,
+            CELLS,
+            preset.number("surface.gap_height"),
+            preset.number("surface.gap_period_percent"),
+        )
+        ambient[missing] = bare * friction
 
     unknown = sorted({event.kind for event in timeline.events} - set(preset.kinds))
     if unknown:
@@ -136,41 +150,23 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     kind_index = np.zeros(count, dtype=np.int64)
     spans = np.zeros((count, 2))
     raised = np.zeros(CELLS + 1)
-    felt = {event.kind if event.kind in preset.kinds else DEFAULT_KIND for event in timeline.events}
-    widths = {
-        name: _width_cells(kind, name, timeline.duration_s)
-        for name, kind in preset.kinds.items()
-        if name in felt
-    }
-    for i, event in enumerate(timeline.events):
-        name = event.kind if event.kind in preset.kinds else DEFAULT_KIND
-        kind, width = preset.kinds[name], widths[name]
-        centre = event.time_s / timeline.duration_s * CELLS
-        height = bare * kind.height * event.weight
-        if height > MAX_FRICTION:
-            warnings.warn(
-                f"{name} at {event.time_s:g} s: weight {event.weight:g} makes more friction than "
-                f"a surface holds; lowered to {MAX_FRICTION:g} N·m·s/rad",
-                OverviewWarning,
-                stacklevel=2,
-            )
-            height = MAX_FRICTION
-        low = max(0, math.floor(centre - REACH * width))
-        high = min(CELLS, math.ceil(centre + REACH * width)) + 1
-        bump = height * profile(kind.shape, cells[low:high] - centre, width)
-        np.maximum(raised[low:high], bump, out=raised[low:high])
+    centres = np.array([event.time_s for event in timeline.events]) / timeline.duration_s * CELLS
+    for name, members in _by_felt_kind(timeline.events, preset).items():
+        kind = preset.kinds[name]
+        width = _width_cells(kind, name, timeline.duration_s)
+        centre = centres[members]
+        height = _heights([timeline.events[i] for i in members], name, bare * kind.height)
+        _raise(raised, kind.shape, width, centre, height)
         margin = min(width, CELLS) / 2.0
-        place[i] = min(max(centre, margin), CELLS - margin)
-        there = profile(kind.shape, np.array([place[i] - centre]), width)[0]
+        place[members] = np.minimum(np.maximum(centre, margin), CELLS - margin)
+        there = profile(kind.shape, place[members] - centre, width)
         # a ramp that falls towards its end of the timeline is over half a width from it
-        release[i] = height * max(there, 0.5)
+        release[members] = height * np.maximum(there, 0.5)
         first, last = span(kind.shape, width)
         # past an end the look-up stays at the end, and with it in the event
-        spans[i] = (
-            centre + first if centre + first > 0.0 else -math.inf,
-            centre + last if centre + last < CELLS else math.inf,
-        )
-        kind_index[i] = names.index(name)
+        spans[members, 0] = np.where(centre + first > 0.0, centre + first, -math.inf)
+        spans[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
+        kind_index[members] = names.index(name)
 
     order = np.argsort(place, kind="stable")
     return Surface(
@@ -183,6 +179,55 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         kind_names=names,
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
     )
+
+
+def _by_felt_kind(events: tuple[Event, ...], preset: Preset) -> dict[str, NDArray[np.int64]]:
+    """The indices of the events that take each of the preset's kinds."""
+    found: dict[str, list[int]] = {}
+    for i, event in enumerate(events):
+        name = event.kind if event.kind in preset.kinds else DEFAULT_KIND
+        found.setdefault(name, []).append(i)
+    return {name: np.array(members) for name, members in found.items()}
+
+
+def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.float64]:
+    """Friction at the top of each event of a kind."""
+    heights = []
+    for event in events:
+        height = ordinary * event.weight
+        if height > MAX_FRICTION:
+            warnings.warn(
+                f"{name} at {event.time_s:g} s: weight {event.weight:g} makes more friction than "
+                f"a surface holds; lowered to {MAX_FRICTION:g} N·m·s/rad",
+                OverviewWarning,
+                stacklevel=3,
+            )
+            height = MAX_FRICTION
+        heights.append(height)
+    return np.array(heights)
+
+
+def _raise(
+    table: NDArray[np.float64],
+    shape: str,
+    width: float,
+    centre: NDArray[np.float64],
+    height: NDArray[np.float64],
+) -> None:
+    """Raise the table to the profiles of events of one shape and width (cells)."""
+    reach = REACH[shape] * width
+    low = np.floor(centre - reach)
+    steps = np.arange(math.ceil(2.0 * reach) + 2)
+    begin = np.maximum(low, 0.0).astype(np.int64)
+    end = np.minimum(np.ceil(centre + reach), CELLS).astype(np.int64) + 1
+    skipped = begin - low.astype(np.int64)
+    rows = max(1, AT_A_TIME // len(steps))
+    for start in range(0, len(centre), rows):
+        some = slice(start, start + rows)
+        distance = low[some, None] + steps - centre[some, None]
+        bumps = height[some, None] * profile(shape, distance, width)
+        for bump, a, b, skip in zip(bumps, begin[some], end[some], skipped[some], strict=True):
+            np.maximum(table[a:b], bump[skip : skip + b - a], out=table[a:b])
 
 
 def _modes(kind: Kind) -> tuple[Mode, ...]:

@@ -34,7 +34,10 @@ def test_any_preset_on_any_timeline_gives_a_surface_with_friction_everywhere(tim
     surface = ov.build_surface(timeline, preset)
     assert surface.friction.shape == (CELLS + 1,)
     assert np.isfinite(surface.friction).all()
-    assert (surface.friction >= preset.number("surface.friction")).all()
+    bare = preset.number("surface.friction")
+    assert (surface.friction > 0.09 * bare).all()
+    if not timeline.gaps:
+        assert (surface.friction >= bare).all()
     count = len(timeline.events)
     assert sorted(surface.event.tolist()) == list(range(count))
     assert (np.diff(surface.place) >= 0.0).all()

@@ -7,9 +7,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from overview_dsp.timeline import Timeline
 
 BAR_AFTER_S = 1.0
 
@@ -50,3 +53,42 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
 def print_json(report: Any) -> None:
     """A report as JSON on standard output."""
     click.echo(json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def window_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The options --window and --zoom-to, for `part_of`."""
+    zoom_to = click.option(
+        "--zoom-to", metavar="KIND:NUMBER[:LENGTH]", help="About an event: goal:1, goal:1:90."
+    )
+    window = click.option(
+        "--window",
+        nargs=2,
+        metavar="START END",
+        help="Only that part: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.",
+    )
+    return window(zoom_to(function))
+
+
+def part_of(
+    timeline: Timeline, window: tuple[str, str] | None, zoom_to: str | None
+) -> tuple[float, float] | None:
+    """The part (start_s, end_s) that --window or --zoom-to names; None for the whole.
+
+    Raises
+    ------
+    InputError
+        Both are given, or one that names no part; the line begins with the option.
+    """
+    from overview_dsp.errors import InputError
+    from overview_dsp.timeline.checks import located
+    from overview_dsp.timeline.moments import window_of, zoom_window
+
+    if window and zoom_to is not None:
+        raise InputError("--window and --zoom-to both name a part; give one of them")
+    if window:
+        with located("--window: "):
+            return window_of(timeline, *window)
+    if zoom_to is not None:
+        with located("--zoom-to: "):
+            return zoom_window(timeline, zoom_to)
+    return None

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile
+from overview_dsp.cli.common import announce_compile, part_of, window_options
 
 if TYPE_CHECKING:
     from overview_dsp.engine import Engine
@@ -49,7 +49,7 @@ def _signal_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--callback", type=click.Choice(["native", "python"]), default="native",
               show_default=True, help="What PortAudio calls.")  # fmt: skip
 @click.option("--record", metavar="TAKE.csv", help="Keep what was played, to the bit.")
-@click.option("--window", nargs=2, type=float, metavar="START END", help="Only that part, s.")
+@window_options
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option("--seconds", type=float, help="Stop after so long.")
 @click.option(
@@ -65,7 +65,8 @@ def command(
     sample_rate: float | None,
     callback: str,
     record: str | None,
-    window: tuple[float, float] | None,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
     seed: int,
     seconds: float | None,
     headless: bool,
@@ -91,8 +92,9 @@ def command(
     if record is not None:
         require_writable(record)
     data = load_timeline(timeline)
-    if window:
-        data = data.window(*window)
+    part = part_of(data, window, zoom_to)
+    if part is not None and window:
+        data = data.window(*part)
     watch = PresetWatch(preset)
     gesture = parse_gesture(source) if source is not None and source != "-" else None
     name, rate = _device(device, sample_rate)
@@ -110,6 +112,8 @@ def command(
         record=record,
         seed=seed,
     )
+    if part is not None and not window:
+        player.show(*part)
     with _signals() as received:
         try:
             hand = (

@@ -6,7 +6,13 @@ from pathlib import Path
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.common import (
+    announce_compile,
+    part_of,
+    print_json,
+    progress_bar,
+    window_options,
+)
 from overview_dsp.gestures.spec import FORMS
 
 
@@ -23,7 +29,7 @@ from overview_dsp.gestures.spec import FORMS
 @click.option("--subtype", help="How samples are stored: PCM_16, PCM_24, FLOAT, ...")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
-@click.option("--window", nargs=2, type=float, metavar="START END", help="Only that part, s.")
+@window_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
     timeline: str,
@@ -35,7 +41,8 @@ def command(
     subtype: str | None,
     seed: int,
     tail: str,
-    window: tuple[float, float] | None,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
     as_json: bool,
 ) -> None:
     """Play a gesture over TIMELINE into a sound file: left = clicks, right = tactor.
@@ -50,8 +57,9 @@ def command(
     from overview_dsp.units import clock_text, gain_to_db
 
     data = load_timeline(timeline)
-    if window:
-        data = data.window(*window)
+    part = part_of(data, window, zoom_to)
+    if part is not None:
+        data = data.window(*part)
     chosen = load_preset(preset)
     movement = parse_gesture(gesture)
     rest = tail_of(tail)

@@ -170,6 +170,25 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Friction added where the intensity curve is at its top, in bare surfaces.",
                 surface=True,
             ),
+            _number(
+                "surface.gap_height",
+                1.8,
+                0.3,
+                20.0,
+                "x",
+                "Friction of the ribs where data is missing, in bare surfaces; their grooves have "
+                "a tenth of one.",
+                surface=True,
+            ),
+            _number(
+                "surface.gap_period_percent",
+                2.0,
+                0.2,
+                10.0,
+                "%",
+                "From rib to rib where data is missing, of the surface: the same feel at any zoom.",
+                surface=True,
+            ),
             # --- the tactor -------------------------------------------------------------------
             _number(
                 "tactor.frequency_hz",

@@ -46,6 +46,12 @@ class Event:
         )
         object.__setattr__(self, "weight", weight)
 
+    def moved(self, time_s: float) -> Event:
+        """Return this event at another time, which is not checked."""
+        event = object.__new__(Event)
+        event.__dict__.update(self.__dict__, time_s=time_s)
+        return event
+
 
 def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
     """Return events by time, equal times in the order given.

@@ -58,8 +58,10 @@ def in_gap(gaps: Gaps, at: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 def cut_gaps(gaps: Gaps, start: float, end: float) -> Gaps:
     """Return what of the gaps lies between `start` and `end`, on a time axis that begins there."""
-    return tuple(
+    parts = (
         (max(low, start) - start, min(high, end) - start)
         for low, high in gaps
         if low < end and high > start
     )
+    # rounding may leave nothing of one
+    return tuple((low, high) for low, high in parts if low < high)

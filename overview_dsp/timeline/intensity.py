@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.detail import with_peaks
+from overview_dsp.timeline.even_times import EvenTimes
+from overview_dsp.timeline.gaps import Gaps, in_gap
+from overview_dsp.timeline.points import Points, Times
+from overview_dsp.timeline.pyramid import CHUNK, Values
 
 MAX_VALUE = 1e300
 """Largest magnitude of an intensity value: the difference of any two stays finite."""
 
 EXTREMES = (0.0, 100.0)
 """Percentiles of the smallest and the largest value."""
+
+LONG = 65_536
+"""A curve of more points isn't copied, and a surface shows it by runs of points."""
+
+SAMPLED = 1 << 14
+"""A long curve's percentiles are those of so many of its values, spread evenly and at random."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +36,7 @@ class Intensity:
     Parameters
     ----------
     time_s
-        Seconds, shape (n,), n >= 1, finite, >= 0, strictly increasing.
+        Seconds, shape (n,), n >= 1, finite, >= 0, strictly increasing; or `EvenTimes`.
     value
         Shape (n,), finite, magnitude up to 1e300, in any unit.
     unit
@@ -33,7 +45,9 @@ class Intensity:
         Which percentiles of the values become 0 and 1 when the curve is scaled, 0 <= low < high
         <= 100; values beyond them are clipped there, and only there.
 
-    Both arrays are copied to float64 and made read-only.
+    Arrays are copied to float64 and made read-only. With `EvenTimes` the values are kept as they
+    are given (float32 or float64, a memory map too): don't change them afterwards. A series too
+    long for memory is built in chunks by `CurveBuilder`.
 
     Raises
     ------
@@ -41,14 +55,18 @@ class Intensity:
         Anything else; the line names the first bad place (`intensity.time_s[5]`).
     """
 
-    time_s: NDArray[np.float64]
-    value: NDArray[np.float64]
+    time_s: Times
+    value: Values
     unit: str = ""
     percentiles: tuple[float, float] = EXTREMES
 
     def __post_init__(self) -> None:
-        time_s = _points(self.time_s, "intensity.time_s")
-        value = _points(self.value, "intensity.value")
+        if isinstance(self.time_s, EvenTimes):
+            time_s: Times = self.time_s
+            value = _as_given(self.value, "intensity.value")
+        else:
+            time_s = _points(self.time_s, "intensity.time_s")
+            value = _points(self.value, "intensity.value")
         checks.text(self.unit, "intensity.unit")
         if len(time_s) != len(value):
             raise InputError(
@@ -60,28 +78,28 @@ class Intensity:
                 "intensity has no points; give two or more, or one for a constant, "
                 "or leave the intensity out"
             )
-        if time_s[0] < 0.0:
-            raise InputError(
-                f"intensity.time_s[0] is {float(time_s[0])!r}, before the start; {checks.TIME_HINT}"
-            )
-        stuck = np.flatnonzero(time_s[1:] <= time_s[:-1])
-        if stuck.size:
-            i = int(stuck[0]) + 1
-            raise InputError(
-                f"intensity.time_s[{i}] is {float(time_s[i])!r}, not after the point before it "
-                f"({float(time_s[i - 1])!r}); times must increase strictly: sort them and merge "
-                "points of the same time"
-            )
-        wild = np.flatnonzero(np.abs(value) > MAX_VALUE)
-        if wild.size:
-            i = int(wild[0])
-            raise InputError(
-                f"intensity.value[{i}] is {float(value[i])!r}; values reach from -{MAX_VALUE:g} "
-                f"to {MAX_VALUE:g}: choose a larger unit"
-            )
+        if not isinstance(time_s, EvenTimes):
+            require_increasing(time_s)
+        for start in range(0, len(value), CHUNK):
+            require_values(np.asarray(value[start : start + CHUNK]), start)
         object.__setattr__(self, "percentiles", _percentiles(self.percentiles))
         object.__setattr__(self, "time_s", time_s)
         object.__setattr__(self, "value", value)
+
+    @classmethod
+    def checked(
+        cls, points: Points, unit: str = "", percentiles: tuple[float, float] = EXTREMES
+    ) -> Intensity:
+        """Return the curve of points that were checked already, which are not copied."""
+        curve = object.__new__(cls)
+        curve.__dict__.update(
+            time_s=points.time_s,
+            value=points.value,
+            unit=checks.text(unit, "intensity.unit"),
+            percentiles=_percentiles(percentiles),
+            points=points,
+        )
+        return curve
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Intensity):
@@ -89,18 +107,38 @@ class Intensity:
         return (
             self.unit == other.unit
             and self.percentiles == other.percentiles
+            and self.count == other.count
             and np.array_equal(self.time_s, other.time_s)
             and np.array_equal(self.value, other.value)
         )
 
     def __hash__(self) -> int:
-        # "+ 0.0": minus zero equals zero but has other bytes
-        return hash((self.unit, (self.time_s + 0.0).tobytes(), (self.value + 0.0).tobytes()))
+        return hash((self.unit, self.percentiles, self.count, self.first_s, self.last_s))
+
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        return len(self.value)
+
+    @property
+    def first_s(self) -> float:
+        """The first point's time."""
+        return float(self.time_s[0])
+
+    @property
+    def last_s(self) -> float:
+        """The last point's time."""
+        return float(self.time_s[-1])
 
     @property
     def is_constant(self) -> bool:
         """True for a curve of one point, which has that value at all times."""
-        return len(self.time_s) == 1
+        return self.count == 1
+
+    @cached_property
+    def points(self) -> Points:
+        """The points, however many, with what was worked out of them."""
+        return Points(self.time_s, self.value)
 
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the values at `times`, shape (n,): straight between points, exact at them.
@@ -108,25 +146,52 @@ class Intensity:
         0 before the first point, after the last and for NaN; a constant everywhere.
         """
         if self.is_constant:
-            return np.full(times.shape, self.value[0])
-        return _interpolate(self.time_s, self.value, times)
+            return np.full(times.shape, float(self.value[0]))
+        return self._filled(times, None)
+
+    def along(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the curve at evenly spaced, ascending times, shape (n,), each for its part.
+
+        Where the curve has up to `LONG` points it's `at`; where it has more, what is felt of the
+        points nearest to each time (`detail`).
+        """
+        if self.is_constant:
+            return self.at(times)
+        if self.count <= LONG:
+            return self._filled(times, _counted(self.time_s[:], times))
+        first, last = self._between
+        half = (times[1] - times[0]) / 2.0
+        borders = np.concatenate((times - half, [np.inf])) + self._shift
+        edges = np.clip(self.points.first_from(borders), first, last)
+        mean, top = self.points.runs(edges)
+        empty = np.flatnonzero(edges[1:] == edges[:-1])
+        if len(empty):  # uneven times, or hardly more points than times
+            mean[empty] = top[empty] = self.at(times[empty])
+        felt = with_peaks(mean, top)
+        return np.where((times >= self.first_s) & (times <= self.last_s), felt, 0.0)
 
     def cut(self, start: float, end: float) -> Intensity | None:
         """Return the part between two times on an axis that begins at `start`; None if it's empty.
 
-        The ends are interpolated, so that the part has the same value at the same moment.
+        The ends are interpolated, so that the part has the same value at the same moment. A part
+        of many points is a view.
         """
         if self.is_constant:
-            return replace(self, time_s=np.zeros(1))
-        low, high = max(start, float(self.time_s[0])), min(end, float(self.time_s[-1]))
+            return replace(self, time_s=np.zeros(1), value=np.asarray(self.value, np.float64))
+        low, high = max(start, self.first_s), min(end, self.last_s)
         if low >= high:  # a single shared point would turn into a constant
             return None
-        inner = self.time_s[(self.time_s > low) & (self.time_s < high)]
+        shift = self._shift
+        first = int(self.points.first_after(np.array([low + shift]))[0])
+        stop = int(self.points.first_from(np.array([high + shift]))[0])
+        if stop - first > LONG:
+            return Part(self, start, low, high)
+        inner = self.points.times_of(np.arange(first, stop)) - shift
         times = np.concatenate(([low], inner, [high]))
         shifted = times - start
         # two times one unit in the last place apart may round to the same
         apart = np.diff(shifted, prepend=-1.0) > 0.0
-        return replace(self, time_s=shifted[apart], value=self.at(times)[apart])
+        return Intensity(shifted[apart], self.at(times)[apart], self.unit, self.percentiles)
 
     def scale(self, known: NDArray[np.bool_]) -> tuple[float, float]:
         """Return the values that become 0 and 1: the percentiles of the points marked as known.
@@ -134,8 +199,191 @@ class Intensity:
         Where those are equal (more than half of a rainfall is 0), the smallest and the largest.
         """
         value = self.value[known] if known.any() else self.value
+        if self.percentiles == EXTREMES:
+            return float(value.min()), float(value.max())
         low, high = (float(edge) for edge in np.percentile(value, self.percentiles))
         return (low, high) if low < high else (float(value.min()), float(value.max()))
+
+    def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
+        """Return the values that become 0 and 1, for a long curve: without looking at all points.
+
+        Points inside gaps don't count, unless all are.
+        """
+        first, stop = self._between
+        spans = self._known(gaps, first, stop) or [(first, stop)]
+        ends = [self.points.extremes(*span) for span in spans]
+        extremes = min(low for low, _ in ends), max(high for _, high in ends)
+        if self.percentiles == EXTREMES:
+            return extremes
+        random = np.random.default_rng(0)
+        lengths = np.array([b - a for a, b in spans])
+        behind = np.cumsum(lengths)
+        step = behind[-1] / SAMPLED
+        place = ((np.arange(SAMPLED) + random.random(SAMPLED)) * step).astype(np.int64)
+        span = np.searchsorted(behind, place, side="right")
+        index = place - (behind - lengths)[span] + np.array([a for a, _ in spans])[span]
+        low, high = np.percentile(self.points.value[index].astype(np.float64), self.percentiles)
+        return (float(low), float(high)) if low < high else extremes
+
+    def _known(self, gaps: Gaps, first: int, stop: int) -> list[tuple[int, int]]:
+        """The runs of points that lie in no gap."""
+        if not gaps:
+            return [(first, stop)]
+        starts, ends = (
+            np.array(edge, dtype=np.float64) + self._shift for edge in zip(*gaps, strict=True)
+        )
+        inside = np.clip(self.points.first_after(starts), first, stop)
+        behind = np.clip(self.points.first_from(ends), first, stop)
+        holding = inside < behind
+        lows = np.concatenate(([first], behind[holding]))
+        highs = np.concatenate((inside[holding], [stop]))
+        return [(int(a), int(b)) for a, b in zip(lows, highs, strict=True) if a < b]
+
+    # --- where the points lie ---------------------------------------------------------------------
+
+    @property
+    def _shift(self) -> float:
+        """What to add to a time of this curve for the time of its points."""
+        return 0.0
+
+    @property
+    def _between(self) -> tuple[int, int]:
+        """The first point's index and the last one's + 1."""
+        return 0, self.count
+
+    def _filled(
+        self, times: NDArray[np.float64], after: NDArray[np.int64] | None
+    ) -> NDArray[np.float64]:
+        """Interpolate inside the curve, 0 outside."""
+        inside = (times >= self.first_s) & (times <= self.last_s)
+        result = np.zeros(times.shape, dtype=np.float64)
+        within = times[inside]
+        if self._shift:
+            within = self._clipped(within + self._shift)
+        result[inside] = self.points.interpolate(within, None if after is None else after[inside])
+        return result
+
+    def _clipped(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        return times
+
+
+class Part(Intensity):
+    """A part of a long curve, on an axis that begins at `start`: a view of the same points.
+
+    `low` and `high` are its ends on the axis of `whole`; there it is interpolated.
+    """
+
+    _start: float
+    _bounds: NDArray[np.float64]
+    _inner: tuple[int, int]
+    _ends_s: tuple[float, float]
+
+    def __init__(self, whole: Intensity, start: float, low: float, high: float) -> None:
+        bounds = np.array([low, high]) + whole._shift
+        points = whole.points
+        inner = int(points.first_after(bounds)[0]), int(points.first_from(bounds)[1])
+        for name, value in (
+            ("unit", whole.unit),
+            ("percentiles", whole.percentiles),
+            ("points", points),
+            ("_start", whole._shift + start),
+            ("_bounds", bounds),
+            ("_inner", inner),
+            ("_ends_s", (low - start, high - start)),
+        ):
+            self.__dict__[name] = value
+
+    @property
+    def time_s(self) -> NDArray[np.float64]:
+        """The times of the points and of the two ends, made when asked for."""
+        inner = self.points.times_of(np.arange(*self._inner)) - self._start
+        return np.concatenate((self._ends_s[:1], inner, self._ends_s[1:]))
+
+    @property
+    def value(self) -> NDArray[np.float64]:
+        """The values of the points and of the two ends, made when asked for."""
+        low, high = self.points.interpolate(self._bounds)
+        first, stop = self._inner
+        return np.concatenate(([low], self.points.value[first:stop], [high]))
+
+    @property
+    def count(self) -> int:
+        """How many points there are, with the ends."""
+        return self._inner[1] - self._inner[0] + 2
+
+    @property
+    def first_s(self) -> float:
+        """Where it begins."""
+        return self._ends_s[0]
+
+    @property
+    def last_s(self) -> float:
+        """Where it ends."""
+        return self._ends_s[1]
+
+    def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
+        """As for the whole; a steep end counts as a point."""
+        low, high = super().scale_outside(gaps)
+        if self.percentiles != EXTREMES:
+            return low, high
+        known = ~in_gap(gaps, np.array(self._ends_s))
+        ends = self.points.interpolate(self._bounds)[known]
+        return min(low, float(ends.min(initial=low))), max(high, float(ends.max(initial=high)))
+
+    @property
+    def _shift(self) -> float:
+        return self._start
+
+    @property
+    def _between(self) -> tuple[int, int]:
+        return self._inner
+
+    def _clipped(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        # rounding of the shift may take a time past an end
+        return np.clip(times, *self._bounds)
+
+
+def require_increasing(
+    time_s: NDArray[np.float64], first: int = 0, before: float | None = None
+) -> None:
+    """Refuse times (s, points `first` ...) that are negative or don't increase strictly."""
+    if before is None and len(time_s) and time_s[0] < 0.0:
+        raise InputError(
+            f"intensity.time_s[{first}] is {float(time_s[0])!r}, before the start; "
+            f"{checks.TIME_HINT}"
+        )
+    earlier = time_s[:-1] if before is None else np.concatenate(([before], time_s[:-1]))
+    later = time_s[1:] if before is None else time_s
+    stuck = np.flatnonzero(later <= earlier)
+    if stuck.size:
+        i = int(stuck[0])
+        raise InputError(
+            f"intensity.time_s[{first + i + (before is None)}] is {float(later[i])!r}, not after "
+            f"the point before it ({float(earlier[i])!r}); times must increase strictly: sort them "
+            "and merge points of the same time"
+        )
+
+
+def require_values(value: Values, first: int = 0) -> None:
+    """Refuse values (points `first` ...) that are not finite or too large."""
+    if not len(value) or max(-float(value.min()), float(value.max())) <= MAX_VALUE:
+        return  # NaN isn't less or equal either
+    for i in np.flatnonzero(~(np.abs(value.astype(np.float64)) <= MAX_VALUE)):
+        raise InputError(
+            f"intensity.value[{first + i}] is {float(value[i])!r}; values reach from "
+            f"-{MAX_VALUE:g} to {MAX_VALUE:g}: choose a larger unit"
+            if np.isfinite(value[i])
+            else f"intensity.value[{first + i}] is {float(value[i])!r}, {_NOT_FINITE}"
+        )
+
+
+_NOT_FINITE = "not a finite number; leave the point out and give missing data as a gap"
+
+
+def _counted(points_s: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The number of points at or before each of `times`, which ascend."""
+    begins = np.searchsorted(times, points_s, side="left")
+    return np.cumsum(np.bincount(begins, minlength=len(times) + 1)[: len(times)])
 
 
 def _percentiles(given: object) -> tuple[float, float]:
@@ -148,10 +396,10 @@ def _percentiles(given: object) -> tuple[float, float]:
     return low, high
 
 
-def _points(values: object, what: str) -> NDArray[np.float64]:
-    """Return a read-only float64 copy of one row of finite numbers."""
+def _row(values: object, what: str) -> NDArray[np.generic]:
+    """Return one row of numbers of any kind as an array."""
     try:
-        given = np.asarray(values)
+        given = np.asanyarray(values)  # a memory map stays one
     except ValueError as error:  # rows of unequal length
         raise InputError(f"{what} isn't one row of numbers; give a flat list") from error
     if given.ndim != 1 or (given.dtype.kind not in "iuf" and given.size):
@@ -159,34 +407,24 @@ def _points(values: object, what: str) -> NDArray[np.float64]:
             f"{what} isn't one row of numbers (shape {given.shape}, {given.dtype}); "
             "give a flat list of numbers"
         )
-    points: NDArray[np.float64] = given.astype(np.float64)  # a copy, and ours
+    return given
+
+
+def _as_given(values: object, what: str) -> Values:
+    """Return a read-only view of one row of float32 or float64; others as float64."""
+    given = _row(values, what)
+    keeps = given.dtype in (np.float32, np.float64)
+    kept: Values = np.asanyarray(given, None if keeps else np.float64).view()
+    kept.setflags(write=False)
+    return kept
+
+
+def _points(values: object, what: str) -> NDArray[np.float64]:
+    """Return a read-only float64 copy of one row of finite numbers."""
+    points: NDArray[np.float64] = np.array(_row(values, what), dtype=np.float64)  # ours
     bad = np.flatnonzero(~np.isfinite(points))
     if bad.size:
         i = int(bad[0])
-        raise InputError(
-            f"{what}[{i}] is {float(points[i])!r}, not a finite number; leave the point out and "
-            "give missing data as a gap"
-        )
+        raise InputError(f"{what}[{i}] is {float(points[i])!r}, {_NOT_FINITE}")
     points.setflags(write=False)
     return points
-
-
-def _interpolate(
-    time_s: NDArray[np.float64], value: NDArray[np.float64], at: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Interpolate between two or more points; 0 outside them.
-
-    A weighted mean of the two neighbours instead of `numpy.interp`'s slope: the slope of two
-    points a hair apart overflows to infinity, a weight in [0, 1] can't.
-    """
-    inside = (at >= time_s[0]) & (at <= time_s[-1])
-    result = np.zeros(at.shape, dtype=np.float64)
-    t = at[inside]
-    right = np.clip(np.searchsorted(time_s, t, side="right"), 1, len(time_s) - 1)
-    left = right - 1
-    weight = (t - time_s[left]) / (time_s[right] - time_s[left])
-    low = np.minimum(value[left], value[right])
-    high = np.maximum(value[left], value[right])
-    # clipped: rounding may take the mean past its ends by one unit in the last place
-    result[inside] = np.clip(value[left] * (1.0 - weight) + value[right] * weight, low, high)
-    return result

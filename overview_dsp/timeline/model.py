@@ -5,7 +5,8 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
 
@@ -16,7 +17,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event, sorted_events
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
-from overview_dsp.timeline.intensity import EXTREMES, Intensity
+from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.units import clock_text
 
 __all__ = ["Event", "Intensity", "Timeline"]
@@ -75,10 +76,10 @@ class Timeline:
         checks.moment(self.start, duration_s)
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         object.__setattr__(self, "gaps", sorted_gaps(self.gaps, duration_s))
-        if self.intensity is not None and self.intensity.time_s[-1] > duration_s:
-            last = len(self.intensity.time_s) - 1
+        if self.intensity is not None and self.intensity.last_s > duration_s:
+            last = self.intensity.count - 1
             raise InputError(
-                f"intensity.time_s[{last}] is {float(self.intensity.time_s[last])!r}, after the "
+                f"intensity.time_s[{last}] is {self.intensity.last_s!r}, after the "
                 f"end of the timeline (duration_s {duration_s!r}); {checks.TIME_HINT}"
             )
         if not self.events and self.intensity is None:
@@ -112,6 +113,23 @@ class Timeline:
             return np.zeros(at.shape, dtype=np.float64)
         scaled = np.clip((self._curve_at(flat) - low) / span, 0.0, 1.0)
         return np.where(self._has_data(flat), scaled, 0.0).reshape(at.shape)
+
+    def normalised_levels(self, steps: int) -> NDArray[np.float64]:
+        """Return the curve on a scale of 0 to 1 at steps + 1 moments from the start to the end.
+
+        For a surface: each moment stands for those nearest to it. Where the curve has few points
+        it's `normalised_intensity_at`; where many points fall on one moment, what is felt of them
+        (`detail`). Inside a gap it may be anything from 0 to 1.
+        """
+        at = np.arange(steps + 1, dtype=np.float64) * (self.duration_s / steps)
+        low, span = self._scale
+        curve = self.intensity
+        if curve is None or span == 0.0:
+            return np.zeros(steps + 1)
+        levels = np.clip((curve.along(at) - low) / span, 0.0, 1.0)
+        if not curve.is_constant:
+            levels[(at < curve.first_s) | (at > curve.last_s)] = 0.0
+        return levels
 
     def kinds(self) -> dict[str, int]:
         """Return how many events of each kind there are, in order of first appearance."""
@@ -154,6 +172,31 @@ class Timeline:
         InputError
             Not 0 <= start_s < end_s <= duration_s.
         """
+        start, end = self.require_window(start_s, end_s)
+        first = bisect_left(self.events, start, key=_time_s)
+        stop = bisect_right(self.events, end, key=_time_s)
+        events = tuple(event.moved(event.time_s - start) for event in self.events[first:stop])
+        intensity = self.intensity.cut(start, end) if self.intensity is not None else None
+        notes = (*self.notes, f"the part from {clock_text(start)} to {clock_text(end)}")
+        if not events and intensity is None:
+            unit = self.intensity.unit if self.intensity is not None else ""
+            intensity = Intensity(np.zeros(1), np.zeros(1), unit)
+            notes = (*notes, "nothing happens in this part: no event, no curve")
+        part = object.__new__(Timeline)  # a part of what was checked
+        part.__dict__.update(
+            title=self.title,
+            duration_s=end - start,
+            events=events,
+            intensity=intensity,
+            gaps=cut_gaps(self.gaps, start, end),
+            provenance=self.provenance,
+            notes=notes,
+            start=self.start + timedelta(seconds=start) if self.start is not None else None,
+        )
+        return part
+
+    def require_window(self, start_s: float, end_s: float) -> tuple[float, float]:
+        """Return a window's ends as floats; InputError if it is none, as `window`."""
         hint = f"give 0 <= start < end <= {self.duration_s!r} seconds"
         start = checks.number(start_s, "window start", hint)
         end = checks.number(end_s, "window end", hint)
@@ -161,26 +204,7 @@ class Timeline:
             raise InputError(
                 f"the window from {start!r} to {end!r} s is empty or outside the timeline; {hint}"
             )
-        events = tuple(
-            replace(event, time_s=event.time_s - start)
-            for event in self.events
-            if start <= event.time_s <= end
-        )
-        intensity = self.intensity.cut(start, end) if self.intensity is not None else None
-        notes = (*self.notes, f"the part from {clock_text(start)} to {clock_text(end)}")
-        if not events and intensity is None:
-            unit = self.intensity.unit if self.intensity is not None else ""
-            intensity = Intensity(np.zeros(1), np.zeros(1), unit)
-            notes = (*notes, "nothing happens in this part: no event, no curve")
-        return replace(
-            self,
-            duration_s=end - start,
-            events=events,
-            intensity=intensity,
-            gaps=cut_gaps(self.gaps, start, end),
-            notes=notes,
-            start=self.start + timedelta(seconds=start) if self.start is not None else None,
-        )
+        return start, end
 
     def _curve_at(self, at: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.zeros(at.shape) if self.intensity is None else self.intensity.at(at)
@@ -189,7 +213,7 @@ class Timeline:
         """Return where the curve covers `at`, shape (n,)."""
         if self.intensity is None:
             return np.zeros(at.shape, dtype=np.bool_)
-        first, last = self.intensity.time_s[0], self.intensity.time_s[-1]
+        first, last = self.intensity.first_s, self.intensity.last_s
         if self.intensity.is_constant:
             first, last = 0.0, self.duration_s
         covered = (at >= first) & (at <= last) & ~in_gap(self.gaps, at)
@@ -201,7 +225,15 @@ class Timeline:
         if self.intensity is None:
             return 0.0, 0.0
         curve = self.intensity
-        known = np.ones(1, np.bool_) if curve.is_constant else self._has_data(curve.time_s)
-        low, high = curve.scale(known)
+        if curve.count > LONG:
+            low, high = curve.scale_outside(self.gaps)
+        else:
+            times = np.asarray(curve.time_s)
+            known = np.ones(1, np.bool_) if curve.is_constant else self._has_data(times)
+            low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
+
+
+def _time_s(event: Event) -> float:
+    return event.time_s

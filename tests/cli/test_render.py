@@ -126,3 +126,22 @@ def test_the_demo_writes_three_sounds_and_the_pictures(folder):
     assert [sound["gesture"] for sound in report["sounds"]] == ["fast sweep", "slow sweep", "tap"]
     files = {sound["file"] for sound in report["sounds"]} | set(report["pictures"])
     assert {os.path.join("d", name) for name in os.listdir("d")} == files
+
+
+def test_a_window_is_given_as_a_clock_an_event_or_a_length(folder, match, football):
+    goal = match.event("goal", 1).time_s
+    for number, (options, window) in enumerate(
+        [
+            (("--window", "10:00", "20:00.5"), (600.0, 1200.5)),
+            (("--window", "goal:1-60", "goal:1+5"), (goal - 60.0, goal + 5.0)),
+            (("--window", "end-5min", "end"), (match.duration_s - 300.0, match.duration_s)),
+            (("--zoom-to", "goal:1:100"), (goal - 75.0, goal + 25.0)),
+        ]
+    ):
+        name = f"{number}.wav"
+        outcome = overview("render", MATCH, *QUICK, *options, "--subtype", "FLOAT", "-o", name)
+        assert outcome.code == 0, outcome.err
+        part = match.window(*window)
+        result = ov.render(part, football, ov.tap(0.2, 0.05), 8000, tail=0.05)
+        samples, _ = soundfile.read(folder / name, dtype="float32")
+        assert np.array_equal(samples, result.samples)

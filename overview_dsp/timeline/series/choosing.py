@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
-from overview_dsp.timeline.series import moments, prices
+from overview_dsp.timeline import checks, written_times
+from overview_dsp.timeline.series import prices
 from overview_dsp.timeline.series.missing import is_missing
 from overview_dsp.timeline.series.numbers import looks_numeric
 from overview_dsp.timeline.series.table import Column, Table, as_list, column_named, listed
@@ -177,7 +177,7 @@ def _clock_beside(
         texts = [cell for cell in cells if isinstance(cell, str) and not is_missing(cell)]
         if i == date or not texts or not any(name in column.plain for name in _CLOCK_NAMES):
             continue
-        if all(moments.iso(f"2000-01-01 {text.strip()}") is not None for text in texts):
+        if all(written_times.iso(f"2000-01-01 {text.strip()}") is not None for text in texts):
             return i
     return None
 
@@ -196,7 +196,7 @@ def _year_month_day(columns: Sequence[Column], head: Sequence[list[Any]]) -> Tim
         return None
     rows = list(zip(*(head[i] for i in found), strict=True))
     texts = ["-".join(_whole(cell) for cell in row) for row in rows]
-    if not texts or any(moments.iso(text) is None for text in texts):
+    if not texts or any(written_times.iso(text) is None for text in texts):
         return None
     joined = " and ".join(checks.shown(columns[i].header) for i in found)
     return TimeChoice(tuple(found), Format("iso"), "-", (f"times are made of columns {joined}",))

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 from overview_dsp.timeline.series import delimited
 from overview_dsp.timeline.series.missing import is_missing
-from overview_dsp.timeline.series.moments import WAYS
 from overview_dsp.timeline.series.numbers import is_number, looks_numeric
 from overview_dsp.timeline.series.table import MAX_COLUMNS
 from overview_dsp.timeline.source import Source
+from overview_dsp.timeline.written_times import WAYS
 
 SAMPLE_LINES = 400
 """Lines of the head that tell the layout."""

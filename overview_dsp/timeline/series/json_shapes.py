@@ -19,8 +19,8 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
-from overview_dsp.timeline.series.moments import WAYS
 from overview_dsp.timeline.series.numbers import looks_numeric
+from overview_dsp.timeline.written_times import WAYS
 
 MAX_DEPTH = 8
 """How deep in a document a table is looked for."""

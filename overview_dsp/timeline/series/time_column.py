@@ -17,11 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
-from overview_dsp.timeline.series import moments
+from overview_dsp.timeline import checks, written_times
 from overview_dsp.timeline.series.missing import is_missing
-from overview_dsp.timeline.series.moments import DAY_NS, NS, WAYS
 from overview_dsp.timeline.series.table import Cells, Column, as_list
+from overview_dsp.timeline.written_times import DAY_NS, NS, WAYS
 
 EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
 """Units of time since 1970-01-01T00:00Z, ns."""
@@ -58,7 +57,7 @@ class Format:
     Parameters
     ----------
     name
-        One of `FORMATS`, or a key of `moments.WAYS`.
+        One of `FORMATS`, or a key of `written_times.WAYS`.
     note
         What a person should know about the choice, or empty.
     """
@@ -137,7 +136,7 @@ def told_format(column: Column, cells: list[Any]) -> Format | None:
             return Format(best)
         # points between the parts: day first wherever they are used
         return Format("dmy" if all("." in text.split()[0] for text in texts) else "dmy or mdy")
-    if most(sum(moments.clock_seconds(text) is not None for text in texts)):
+    if most(sum(written_times.clock_seconds(text) is not None for text in texts)):
         return Format("clock")
     return None
 
@@ -257,7 +256,7 @@ class TimeColumn:
             self._check_zone(moment.offset_min, cell, place(i))
             return self._since(moment.ns)
         if name == "clock":
-            seconds = moments.clock_seconds(cell.strip()) if isinstance(cell, str) else None
+            seconds = written_times.clock_seconds(cell.strip()) if isinstance(cell, str) else None
             if seconds is None:
                 raise InputError(self._wrong(cell, place(i)))
             return seconds
@@ -278,7 +277,7 @@ class TimeColumn:
         year = math.floor(number)
         if not 1 <= year <= 9998:
             raise InputError(self._wrong(cell, place(i)))
-        begin, end = (moments.iso(f"{y:04d}") for y in (year, year + 1))
+        begin, end = (written_times.iso(f"{y:04d}") for y in (year, year + 1))
         assert begin is not None
         assert end is not None
         return self._since(begin.ns + round((number - year) * (end.ns - begin.ns)))
@@ -466,4 +465,4 @@ def _all_dates(cells: list[Any], length: int) -> bool:
     if not all(len(text) == length and text.isdigit() for text in texts):
         return False
     days = [text if length == 8 else text + "01" for text in texts]
-    return all(1000 <= int(day[:4]) <= 2500 and moments.iso(day) is not None for day in days)
+    return all(1000 <= int(day[:4]) <= 2500 and written_times.iso(day) is not None for day in days)

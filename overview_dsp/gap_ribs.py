@@ -1,0 +1,78 @@
+"""What missing data feels like: ribs, with grooves between them in which there is next to nothing.
+
+A gap is a row of equal ribs (`surface.gap_height`, `surface.gap_period_percent`) that begins and
+ends with a groove. In the grooves friction is a tenth of the bare surface's, so a gap can't be
+mistaken for data: the curve and the events only ever add to the bare surface. On average a gap has
+less friction than that, so it is no event either; what is felt is the alternation.
+
+A gap too narrow for a rib is one groove, never narrower than the table resolves.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import OverviewWarning
+from overview_dsp.units import clock_text
+
+GROOVE = 0.1
+"""Friction at the bottom of a groove, in bare surfaces: low enough to be felt as nothing there."""
+
+MIN_GAP_CELLS = 4.0
+"""A narrower gap would fall between the table's points."""
+
+
+def ribs(
+    gaps: tuple[tuple[float, float], ...],
+    duration_s: float,
+    cells: int,
+    height: float,
+    period_percent: float,
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Where a table of cells + 1 points lies in a gap, and the friction there, in bare surfaces.
+
+    Parameters
+    ----------
+    gaps : sorted, disjoint spans (start_s, end_s) of [0, duration_s]; at least one
+    height : friction of a rib, in bare surfaces
+    period_percent : from rib to rib, of the table
+
+    Returns
+    -------
+    bool (cells + 1,) and float64 (as many as are in a gap,). Warns (OverviewWarning) of gaps too
+    narrow for a rib.
+    """
+    start, end = np.array(gaps, dtype=np.float64).T * (cells / duration_s)
+    width = end - start
+    period = period_percent / 100.0 * cells
+    count = np.round(width / period)
+    _warn_of_narrow(gaps, count, duration_s)
+    widened = np.maximum(width, MIN_GAP_CELLS)
+    start = np.clip(start - (widened - width) / 2.0, 0.0, cells - widened)
+    # the last gap that has begun at a point is the only one that can hold it
+    begun = np.bincount(np.ceil(start).astype(np.int64), minlength=cells + 1)[: cells + 1]
+    gap = np.cumsum(begun) - 1
+    point = np.arange(cells + 1, dtype=np.float64)
+    inside = (gap >= 0) & (point <= (start + widened)[gap])
+    gap = gap[inside]
+    turns = (point[inside] - start[gap]) / widened[gap] * count[gap]
+    rib = 0.5 - 0.5 * np.cos(2.0 * np.pi * turns)
+    # squared: grooves wide enough for the skin to fall silent in a quick sweep
+    return inside, GROOVE + (height - GROOVE) * rib * rib
+
+
+def _warn_of_narrow(
+    gaps: tuple[tuple[float, float], ...], ribs_of: NDArray[np.float64], duration_s: float
+) -> None:
+    narrow = [end - start for (start, end), count in zip(gaps, ribs_of, strict=True) if count < 1]
+    if narrow:
+        some = "1 gap is" if len(narrow) == 1 else f"{len(narrow)} gaps are"
+        warnings.warn(
+            f"{some} too narrow to be felt as ribs in {clock_text(duration_s)} (the narrowest "
+            f"{min(narrow):.3g} s); a shorter window shows more",
+            OverviewWarning,
+            stacklevel=4,
+        )

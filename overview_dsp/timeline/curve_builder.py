@@ -1,0 +1,187 @@
+"""An intensity from chunks: for series too long for memory."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.timeline import checks
+from overview_dsp.timeline.even_times import EvenTimes
+from overview_dsp.timeline.gaps import Gaps
+from overview_dsp.timeline.intensity import (
+    EXTREMES,
+    MAX_VALUE,
+    Intensity,
+    require_increasing,
+    require_values,
+)
+from overview_dsp.timeline.points import Points, Times
+from overview_dsp.timeline.pyramid import CHUNK, PyramidBuilder, Values
+from overview_dsp.timeline.store import Store
+
+
+class CurveBuilder:
+    """Takes values chunk by chunk, in bounded memory, and gives an `Intensity`.
+
+    ::
+
+        builder = CurveBuilder(np.float32)
+        for chunk in chunks:
+            builder.append(chunk)                  # or append(chunk, times)
+        intensity = builder.finish(step_s=0.001)   # or finish()
+        gaps = builder.gaps(duration_s)
+
+    What is long goes to temporary files that vanish with the last use of the curve. NaN is missing
+    data: it becomes gaps, from the last known value to the next one.
+
+    Parameters
+    ----------
+    dtype
+        How values are kept, float32 or float64; times are float64.
+    """
+
+    def __init__(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> None:
+        self._dtype = dtype
+        self._values = Store(dtype)
+        self._pyramid = PyramidBuilder(dtype)
+        self._times: Store | None = None
+        self._last_s: float | None = None
+        self._known: float | None = None
+        self._leading = 0
+        self._holes: list[tuple[int, int]] = []
+        self._open: int | None = None
+        self._built: Intensity | None = None
+
+    @property
+    def count(self) -> int:
+        """How many values have come."""
+        return self._values.count + self._leading
+
+    def append(self, values: ArrayLike, time_s: ArrayLike | None = None) -> None:
+        """Take the next values, shape (n,), and their times (s), all chunks or none.
+
+        Raises
+        ------
+        InputError
+            Infinite or too large values, times that don't increase; the line names the point.
+        OutputError
+            The temporary folder is full.
+        """
+        chunk = np.asarray(values, dtype=np.float64)
+        self._take_times(len(chunk), time_s)
+        missing = np.isnan(chunk)
+        first = self.count
+        if missing.any() or self._open is not None:
+            self._note_holes(missing, first)
+        if self._known is None:
+            if missing.all():
+                self._leading += len(chunk)
+                return
+            self._known = float(chunk[int(np.argmin(missing))])
+            require_values(np.array([self._known]), first + int(np.argmin(missing)))
+            waiting, self._leading = self._leading, 0
+            while waiting:  # nothing was known yet: the first known value stands for it
+                some = min(waiting, CHUNK)
+                self._put(np.full(some, self._known))
+                waiting -= some
+        if missing.any():  # the last known value stands for a missing one
+            held = np.maximum.accumulate(np.where(missing, -1, np.arange(len(chunk))))
+            chunk = np.where(held < 0, self._known, chunk[np.maximum(held, 0)])
+        require_values(chunk, first)
+        if len(chunk):
+            self._known = float(chunk[-1])
+            self._put(chunk)
+
+    def _put(self, chunk: NDArray[np.float64]) -> None:
+        largest = float(np.finfo(self._dtype).max)
+        if self._dtype is np.float32 and np.abs(chunk).max(initial=0.0) > largest:
+            raise InputError(
+                f"values reach beyond {largest:.3g}, the largest of float32; keep them as float64 "
+                f"(to {MAX_VALUE:g})"
+            )
+        kept: Values = chunk.astype(self._dtype)
+        self._values.append(kept)
+        self._pyramid.append(kept)
+
+    def _take_times(self, count: int, time_s: ArrayLike | None) -> None:
+        if time_s is None:
+            if self._times is not None:
+                raise InputError("this chunk has no times, the ones before it had")
+            return
+        if self._times is None:
+            if self.count:
+                raise InputError("this chunk has times, the ones before it had none")
+            self._times = Store(np.float64)
+        times = np.asarray(time_s, dtype=np.float64)
+        if len(times) != count:
+            raise InputError(
+                f"a chunk of {count} values has {len(times)} times; give one value for each time"
+            )
+        bad = np.flatnonzero(~np.isfinite(times))
+        if bad.size:
+            i = int(bad[0])
+            raise InputError(
+                f"intensity.time_s[{self.count + i}] is {float(times[i])!r}, not a finite number; "
+                f"{checks.TIME_HINT}"
+            )
+        require_increasing(times, self.count, self._last_s)
+        if count:
+            self._last_s = float(times[-1])
+            self._times.append(times)
+
+    def _note_holes(self, missing: NDArray[np.bool_], first: int) -> None:
+        """Note runs of missing values as (last known index, next known index); -1 = none yet."""
+        edges = np.flatnonzero(np.diff(missing, prepend=self._open is not None)) + first
+        for edge in edges.tolist():
+            if self._open is None:
+                self._open = edge - 1
+            else:
+                self._holes.append((self._open, edge))
+                self._open = None
+
+    def finish(
+        self,
+        step_s: float | None = None,
+        first_s: float = 0.0,
+        unit: str = "",
+        percentiles: tuple[float, float] = EXTREMES,
+    ) -> Intensity:
+        """Return the curve; nothing more can be appended.
+
+        Parameters
+        ----------
+        step_s, first_s
+            Seconds from value to value and of the first one, where no times were given.
+
+        Raises
+        ------
+        InputError
+            No value at all; no times and no step, or both.
+        """
+        if self._known is None:
+            raise InputError("the series has no value; give at least one")
+        if (self._times is None) == (step_s is None):
+            raise InputError("give the times with the values, or the step between them, not both")
+        value = self._values.finish()
+        if self._times is not None:
+            time_s: Times = self._times.finish()
+        else:
+            assert step_s is not None
+            time_s = EvenTimes(len(value), step_s, first_s)
+        points = Points(time_s, value)
+        points.__dict__["levels"] = self._pyramid.finish()
+        self._built = Intensity.checked(points, unit, percentiles)
+        return self._built
+
+    def gaps(self, duration_s: float) -> Gaps:
+        """Return where values were missing in a timeline of that length, once finished."""
+        assert self._built is not None
+        points = self._built.points
+        count = len(points.value)
+        holes = [*self._holes, *([(self._open, count)] if self._open is not None else [])]
+        edges = np.array(holes, dtype=np.int64).reshape(-1, 2)
+        times = points.times_of(np.clip(edges, 0, count - 1))
+        times[edges < 0] = 0.0
+        times[edges >= count] = duration_s
+        return tuple((start, end) for start, end in times.tolist() if start < end)

@@ -1,0 +1,66 @@
+"""A row of numbers that grows chunk by chunk, in memory while it is short and on disk when long."""
+
+from __future__ import annotations
+
+import tempfile
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import OutputError
+
+SPILL_BYTES = 32 * 1024 * 1024
+"""A longer row goes to a temporary file, which is gone as soon as nobody uses it (or is killed)."""
+
+
+class Store:
+    """Grows by `append`; `finish` returns the whole as a read-only array or memory map."""
+
+    def __init__(self, dtype: type[np.float32] | type[np.float64]) -> None:
+        self._dtype = np.dtype(dtype)
+        self._chunks: list[NDArray[Any]] = []
+        self._file: IO[bytes] | None = None
+        self.count = 0
+
+    def append(self, values: NDArray[Any]) -> None:
+        """Add a copy of the values, shape (n,).
+
+        Raises
+        ------
+        OutputError
+            The temporary folder is full.
+        """
+        self.count += len(values)
+        self._chunks.append(np.array(values, dtype=self._dtype))
+        if self._file is None and self.count * self._dtype.itemsize > SPILL_BYTES:
+            self._file = tempfile.TemporaryFile(prefix="overview-")  # noqa: SIM115
+        if self._file is not None:
+            self._spill()
+
+    def _spill(self) -> None:
+        assert self._file is not None
+        try:
+            for chunk in self._chunks:
+                self._file.write(chunk.data)
+        except OSError as error:
+            raise OutputError(
+                f"the temporary folder {tempfile.gettempdir()} can't take a long series: "
+                f"{error.strerror or error}; make room, or set TMPDIR to another"
+            ) from error
+        self._chunks.clear()
+
+    def finish(self) -> NDArray[Any]:
+        """Return all values, shape (count,), read-only."""
+        if self._file is None:
+            whole = np.concatenate([np.empty(0, self._dtype), *self._chunks])
+            whole.setflags(write=False)
+            return whole
+        with self._file as file:  # the map keeps the file until it is dropped itself
+            try:
+                file.flush()
+            except OSError as error:
+                raise OutputError(f"the temporary folder can't take a long series: {error}") from (
+                    error
+                )
+            return np.memmap(file, dtype=self._dtype, mode="r", shape=(self.count,))
