@@ -69,6 +69,8 @@ class Series:
         Names times.
     splits
         Their indices count samples of this series.
+    every
+        These are all samples, not just the lowest and highest of runs.
     """
 
     time_s: NDArray[np.float64]
@@ -78,6 +80,7 @@ class Series:
     unit: str
     calendar: Calendar
     splits: tuple[Split, ...] = ()
+    every: bool = True
 
     def event(self, kind: str, index: int, words: str, weight: float = 1.0) -> Event:
         """An event at a sample, labelled with words and its date."""
@@ -127,7 +130,7 @@ def _extremes(series: Series) -> tuple[set[int], list[Event]]:
 
 
 def _often(series: Series, index: int) -> str:
-    count = int((series.value == series.value[index]).sum())
+    count = int((series.value == series.value[index]).sum()) if series.every else 1
     return f" (first of {count})" if count > 1 else ""
 
 

@@ -38,6 +38,9 @@ PERCENTILES = (1.0, 99.0)
 WINDOW_SAMPLES = 20
 """Samples of volatility: a month of trading days."""
 
+GROWS = "it grows like a price: steps are per cent, prominence is relative"
+"""Says what `grows_like_a_price` found."""
+
 _SPANS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0, "w": 604_800.0, "y": 31_557_600.0}
 _WINDOW = re.compile(r"(\d+(?:\.\d+)?)\s*(s|min|h|d|w|y)?", re.ASCII)
 
@@ -101,6 +104,47 @@ class Map:
                 "more: volatility:20) or as a time (volatility:30d; s, min, h, d, w, y)"
             )
         return (size, False) if found[2] is None else (size * _SPANS[found[2]], True)
+
+    def in_per_cent(self, relative: bool) -> bool:
+        """Tell whether changes are per cent, `relative` unless asked otherwise."""
+        return {"percent": True, "difference": False}.get(self.argument, relative)
+
+    def unit(self, unit: str, relative: bool) -> str:
+        """The unit of the curve, of a column's unit."""
+        return "%" if relative and self.name not in ("level", "column") else unit
+
+    def words(self, header: str) -> str:
+        """What the curve is, of a column's name."""
+        if self.name == "volatility":
+            span = self.argument if self.window()[1] else f"{self.window()[0]:g} samples"
+            return f"the volatility of {header} (standard deviation of changes, last {span})"
+        return {
+            "change": f"the change of {header} from one sample to the next",
+            "activity": f"the activity of {header} (size of its changes)",
+        }.get(self.name, f"the level of {header}")
+
+
+def curve(
+    wish: Map,
+    level: NDArray[np.float64],
+    step: NDArray[np.float64],
+    time_s: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return what is mapped of each sample, NaN where the level is missing.
+
+    Parameters
+    ----------
+    level, step, time_s
+        The mapped column, its changes (`steps`) and the times, shape (n,).
+    """
+    if wish.name in ("level", "column"):
+        return level
+    wanted = ~np.isnan(level)
+    if wish.name == "volatility":
+        spread = volatility(step, time_s, *wish.window())
+        return filled(np.where(wanted, spread, np.nan), wanted)
+    change = filled(step, wanted)
+    return change if wish.name == "change" else np.abs(change)
 
 
 def steps(

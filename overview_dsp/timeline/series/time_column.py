@@ -38,6 +38,9 @@ _UNIT_NS = {
     "W": 7 * DAY_NS, "D": DAY_NS, "h": 3600 * NS, "m": 60 * NS, "s": NS, "ms": 1_000_000,
     "us": 1_000, "ns": 1,
 }  # fmt: skip
+_FIRST_S, _LAST_S = -62_135_596_800.0, 253_402_300_799.999999
+"""The calendar's first and last moment, s from 1970."""
+
 _YEARS = (1500.0, 2200.0)
 _UNIT_WORDS = {
     "nanoseconds": "ns", "µs": "us", "microseconds": "us", "msec": "ms", "milliseconds": "ms",
@@ -199,8 +202,21 @@ class TimeColumn:
         Raises
         ------
         InputError
-            A cell that isn't written this way, or a mixture of times with and without a zone.
+            A cell that isn't written this way, a moment outside the years 1 to 9999, or a mixture
+            of times with and without a zone.
         """
+        seconds = self._seconds(cells, place)
+        if self.anchor_ns is not None:
+            since = seconds + self.anchor_ns / NS
+            outside = np.flatnonzero((since < _FIRST_S) | (since > _LAST_S))
+            if outside.size:
+                raise InputError(
+                    f"{place(int(outside[0]))}: the time lies outside the years 1 to 9999; say how "
+                    "times are written (time='COLUMN:FORMAT')"
+                )
+        return seconds
+
+    def _seconds(self, cells: Cells, place: Callable[[int], str]) -> NDArray[np.float64]:
         if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
             return self._of_datetimes(cells, place)
         listed = as_list(cells)

@@ -11,6 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.timeline.series.thinning import lows_and_highs
+
 MAX_EXTREMA = 200_000
 """Extrema looked at one by one; more are thinned to the lowest and highest of equal stretches,
 which keeps every prominent one."""
@@ -53,13 +55,9 @@ def _turns(value: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _thinned(value: NDArray[np.float64], turns: NDArray[np.int64]) -> NDArray[np.int64]:
-    size = math.ceil(len(turns) / (MAX_EXTREMA // 2))
-    begins = np.arange(0, len(turns), size)
-    kept = [turns[:1], turns[-1:]]
-    for begin in begins.tolist():
-        block = turns[begin : begin + size]
-        kept.append(block[[int(np.argmin(value[block])), int(np.argmax(value[block]))]])
-    inside = np.unique(np.concatenate(kept))
+    run = math.ceil(len(turns) / (MAX_EXTREMA // 2))
+    kept = turns[lows_and_highs(value[turns], run)]
+    inside = np.unique(np.concatenate((turns[:1], kept, turns[-1:])))
     return inside[_turns(value[inside])]
 
 

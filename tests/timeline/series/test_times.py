@@ -178,6 +178,13 @@ def test_rate_and_time_are_not_both_taken(tmp_path: Path) -> None:
     assert "rate and time are both given" in words
 
 
+def test_a_moment_beyond_the_calendar_is_one_line(tmp_path: Path) -> None:
+    text = series(["0", "300000000000", "400000000000"], "t")
+    words = refusal(lambda: load(tmp_path, text, time="t:epoch"))
+    assert "line 3, column 't': the time lies outside the years 1 to 9999" in words
+    assert load(tmp_path, text).duration_s == 4e11
+
+
 @pytest.mark.parametrize("cell", ["9999-12-31T23:59:59", "0001-01-01"])
 def test_the_ends_of_the_calendar_are_no_traceback(tmp_path: Path, cell: str) -> None:
     timeline = load(tmp_path, series([cell, "2000-01-01"]))
