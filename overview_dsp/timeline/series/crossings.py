@@ -44,7 +44,8 @@ def round_levels(low: float, high: float) -> list[float]:
         first, last = math.floor(low / step) + 1, math.ceil(high / step) - 1
         if 1 <= last - first + 1 <= _LEVELS:
             found = range(first, last + 1)
-            return [round(k * step, 12) if step < 1e3 else k * step for k in found]
+            levels = [round(k * step, 12) if step < 1e3 else k * step for k in found]
+            return [level for level in levels if low < level < high]  # rounding may miss
     return []
 
 

@@ -10,7 +10,7 @@
     the range (1st to 99th percentile), a hundredth of the timeline apart.
 `largest_rise`, `largest_fall`
     The up to five largest steps from one sample to the next, among the largest twentieth of all;
-    weight: root of the size over their mean.
+    weight: 1.5 for the largest, less as the root of the size, at least 0.5.
 `crossing_up`, `crossing_down`
     Round levels crossed, with hysteresis (`crossings`).
 `split`
@@ -49,6 +49,7 @@ LEAST_PROMINENCE = 0.1
 APART = 0.01
 RECORDS_AFTER = 0.1
 _LARGE_STEP = 95.0
+_HEAVIEST, _LIGHTEST = 1.5, 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,19 +179,16 @@ def _moves(series: Series) -> list[Event]:
     known = np.abs(step[~np.isnan(step)])
     if not known.size or float(known.max()) == 0.0:
         return []
-    least = float(np.percentile(known, _LARGE_STEP))
+    least = float(np.percentile(known, _LARGE_STEP)) if series.every else 0.0
     events: list[Event] = []
     for sign, kind in ((1.0, "largest_rise"), (-1.0, "largest_fall")):
         size = np.where(np.isnan(step), 0.0, sign * step)
         order = np.argsort(-size, kind="stable")[:MOVES]
         chosen = [i for i in order.tolist() if size[i] > 0.0 and size[i] >= least]
-        mean = (
-            float(np.mean([size[i] / len(chosen) for i in chosen])) * len(chosen) if chosen else 0
-        )
         for i in chosen:
             by = f"{step[i]:+.2f} %" if series.relative else _signed(float(step[i]), series.unit)
-            weight = math.sqrt(float(size[i]) / mean) if mean > 0.0 else 1.0
-            events.append(series.event(kind, i, f"{by} to {series.shown(i)}", max(weight, 1e-3)))
+            weight = max(_LIGHTEST, _HEAVIEST * math.sqrt(float(size[i] / size[chosen[0]])))
+            events.append(series.event(kind, i, f"{by} to {series.shown(i)}", weight))
     return events
 
 

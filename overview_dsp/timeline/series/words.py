@@ -35,7 +35,10 @@ class Calendar:
         """Return `2012-09-19`, `2012-09-19 16:00`, `12:30.5`."""
         if self.start is None:
             return clock_text(time_s)
-        moment = self.start + timedelta(seconds=time_s)
+        try:
+            moment = self.start + timedelta(seconds=time_s)
+        except OverflowError:  # rounding took the calendar's last moment past it
+            moment = datetime.max
         if self.dates_only:
             return f"{moment.date().isoformat()}"
         whole = moment.replace(tzinfo=None)
