@@ -6,15 +6,18 @@ Colours are Okabe and Ito's, which colour-blind eyes tell apart; event kinds dif
 from __future__ import annotations
 
 import os
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.files import whole_file
+from overview_dsp.errors import InputError
+from overview_dsp.files import require_writable, whole_file
+from overview_dsp.presets.model import Preset
 from overview_dsp.rendering import Result
-from overview_dsp.timeline import Timeline
+from overview_dsp.timeline import FOOTBALL_KINDS, Timeline
 from overview_dsp.timeline.gaps import in_gap
 from overview_dsp.units import HALF_TURN
 
@@ -80,8 +83,7 @@ def plot_timeline(timeline: Timeline) -> Figure:
     """The intensity curve with its events, as in the paper's figure 4; gaps are hatched."""
     figure = _figure(9.0, 3.6)
     axes = figure.subplots()
-    minutes = timeline.duration_s > 600.0
-    scale = 60.0 if minutes else 1.0
+    scale, unit = _time_unit(timeline.duration_s)
     times = np.linspace(0.0, timeline.duration_s, 4001)
     curve = timeline.normalised_intensity_at(times)
     curve[in_gap(timeline.gaps, times)] = np.nan  # no line over a gap
@@ -128,7 +130,7 @@ def plot_timeline(timeline: Timeline) -> Figure:
             )
     axes.set_xlim(0.0, timeline.duration_s / scale)
     axes.set_ylim(0.0, 1.18)
-    axes.set_xlabel("time of play, min" if minutes else "time, s")
+    _label_time(axes, timeline, scale, unit)
     axes.set_ylabel("intensity")
     figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
     axes.set_title(timeline.title, loc="left", fontsize=10)
@@ -136,6 +138,34 @@ def plot_timeline(timeline: Timeline) -> Figure:
     if timeline.events or timeline.gaps:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
     return figure
+
+
+def _time_unit(duration_s: float) -> tuple[float, str]:
+    """The seconds and the name of the unit that suits a duration."""
+    for longest_s, scale, name in ((600.0, 1.0, "s"), (18_000.0, 60.0, "min"), (3e5, 3600.0, "h")):
+        if duration_s <= longest_s:
+            return scale, name
+    return 86_400.0, "days"
+
+
+def _label_time(axes: Axes, timeline: Timeline, scale: float, unit: str) -> None:
+    """Label the time axis: dates where the timeline has a calendar, else its unit."""
+    start = timeline.start
+    if start is None:
+        football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
+        axes.set_xlabel(f"time of play, {unit}" if football else f"time, {unit}")
+        return
+    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
+
+    # the clock on the wall: a zone would be turned into UTC
+    first = start.replace(tzinfo=None)
+    locator = AutoDateLocator(minticks=4, maxticks=9)
+    days = np.asarray(locator.tick_values(first, first + timedelta(seconds=timeline.duration_s)))
+    at_s = (days - date2num(first)) * 86_400.0
+    shown = (at_s >= 0.0) & (at_s <= timeline.duration_s)
+    words = ConciseDateFormatter(locator).format_ticks(days[shown])
+    axes.set_xticks(at_s[shown] / scale, words)
+    axes.set_xlabel(f"from {start.isoformat(' ', 'seconds')}")
 
 
 def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: str) -> Figure:
@@ -226,16 +256,79 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
         )
 
 
-def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:
-    """Write a figure as PNG and as SVG; the files, whole or absent."""
+def plot_gallery(result: Result, preset: Preset) -> Figure:
+    """What is heard and felt of each kind of event, in the order it is passed."""
+    figure = _figure(11.0, 4.6)
+    heard, felt = figure.subplots(2, 1, sharex=True)
+    rate = result.sample_rate
+    trace = result.trace
+    assert trace is not None
+    # out only: the recoil is the same backwards, and slower
+    count = int(np.argmax(trace.touching < 0.5)) or len(trace.time)
+    time = trace.time[:count]
+    heard.plot(*extremes(time, result.samples[:count, 0].astype(float)), color=BLUE, linewidth=0.7)
+    heard.set_ylabel("click")
+    level = 20.0 * np.log10(np.maximum(trace.envelope[:count], 1e-4))
+    felt.plot(*extremes(time, level), color=VERMILION, linewidth=1.0)
+    felt.set_ylabel("vibration, dB")
+    felt.set_ylim(-60.0, 3.0)
+    felt.set_xlabel("time, s")
+    seen: set[str] = set()
+    for at, event in zip(result.strikes.time_s, result.strikes.event, strict=True):
+        if at * rate >= count:
+            continue
+        for axes in (heard, felt):
+            axes.axvline(at, color=GREY, linewidth=0.5, zorder=0)
+        kind = result.engine.timeline.events[event].kind
+        if kind not in seen:
+            seen.add(kind)
+            heard.annotate(
+                kind,
+                (at, 1.0),
+                xycoords=heard.get_xaxis_transform(),
+                xytext=(0, 3),
+                textcoords="offset points",
+                rotation=35.0,
+                fontsize=7,
+                va="bottom",
+            )
+    for axes in (heard, felt):
+        _tidy(axes)
+    figure.suptitle(f"{preset.title}: {preset.description}", x=0.01, ha="left", fontsize=10)
+    figure.subplots_adjust(left=0.065, right=0.985, top=0.74, bottom=0.11, hspace=0.1)
+    return figure
+
+
+PICTURES = (".png", ".svg", ".pdf")
+"""How a picture may be written, by the suffix of its file."""
+
+
+def require_picture(path: str | os.PathLike[str]) -> None:
+    """Refuse early, with InputError, a picture that could not be written at the end."""
+    if Path(path).suffix.lower() not in PICTURES:
+        raise InputError(f"{path}: a picture is {', '.join(PICTURES)}; choose one of them")
+    require_writable(path)
+
+
+def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure as one file (`PICTURES`), whole or not at all; errors as `whole_file`."""
     import matplotlib
 
-    written = []
     # no date and fixed ids: the same figure gives the same bytes
-    with matplotlib.rc_context({"svg.hashsalt": "overview", "svg.fonttype": "none"}):
-        for suffix, metadata in ((".png", {"Software": None}), (".svg", {"Date": None})):
-            path = Path(f"{os.fspath(stem)}{suffix}")
-            with whole_file(path) as temporary:
-                figure.savefig(temporary, dpi=150, metadata=metadata)
-            written.append(path)
+    metadata = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    require_picture(path)
+    with (
+        matplotlib.rc_context({"svg.hashsalt": "overview", "svg.fonttype": "none"}),
+        whole_file(path) as temporary,
+    ):
+        figure.savefig(temporary, dpi=150, metadata=metadata[Path(path).suffix.lower()])
+
+
+def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:
+    """Write a figure as PNG and as SVG; the files, whole or absent."""
+    written = []
+    for suffix in (".png", ".svg"):
+        path = Path(f"{os.fspath(stem)}{suffix}")
+        save_picture(figure, path)
+        written.append(path)
     return written

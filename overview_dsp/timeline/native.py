@@ -30,6 +30,7 @@ import numpy as np
 from overview_dsp.errors import InputError
 from overview_dsp.files import whole_file
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.intensity import EXTREMES
 from overview_dsp.timeline.model import Event, Intensity, Timeline
 from overview_dsp.timeline.source import LoadOptions, Source
@@ -211,7 +212,13 @@ def _moment(value: object) -> datetime:
 def _events(value: object, duration_s: float) -> tuple[Event, ...]:
     events: list[Event] = []
     hint = f"times are finite seconds from 0 to duration_s ({duration_s!r})"
-    for i, entry in enumerate(_list(value, "events")):
+    listed = _list(value, "events")
+    if len(listed) > MAX_EVENTS:
+        raise InputError(
+            f"events has {len(listed)} entries, more than the {MAX_EVENTS} that are read; cut the "
+            "file into parts, or make a curve of them"
+        )
+    for i, entry in enumerate(listed):
         place = f"events[{i}]"
         row = _table(entry, place, _EVENT_KEYS, required=("time_s", "kind"))
         time_s = checks.number(row["time_s"], f"{place}.time_s", hint)

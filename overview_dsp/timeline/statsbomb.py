@@ -191,7 +191,8 @@ class _Match:
                 label = f"{self._scored(record, record.team)} {short_name(record.player)}".rstrip()
                 yield "goal", label + penalty
             elif (how := _near_miss(record, outcome, on_line)) is not None:
-                yield "near_miss", ", ".join(part for part in (_who(record), how) if part)
+                spot = "penalty " if record.named("shot", "type") == "Penalty" else ""
+                yield "near_miss", ", ".join(part for part in (_who(record), spot + how) if part)
         elif record.position in own_goals:
             team = record.team
             if record.kind == "Own Goal Against":  # alone: its team is the one that suffers

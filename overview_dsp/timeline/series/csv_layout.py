@@ -87,7 +87,7 @@ def layout_of(source: Source) -> Layout | None:
         notes.append("the file isn't UTF-8; read as Windows-1252")
     header, units, first, note = _header(rows[begin:], commented)
     below = [row for i, row in rows[begin:] if i >= first]
-    if not _is_series(header, below):
+    if not _is_series(header, below) or (note and not _is_bare(below)):
         return None
     return Layout(
         encoding, separator, header, units, first, comments, tuple(filter(None, (*notes, note)))
@@ -200,10 +200,16 @@ def _is_units(cells: list[str], below: list[list[str]]) -> bool:
 def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
     """Tell whether a table may be a series: it has numbers, or times without any value yet."""
     names = [name.lower() for name in header]
-    if set(names) >= _EVENT_LIST or (len(header) == 1 and len(below) == 1):
+    if set(names) >= _EVENT_LIST:
         return False
     columns = [_fields(below, i) for i in range(len(header))]
     if any(looks_numeric(column) for column in columns):
         return True
     named = any(word in name for name in names for word in _TIME_HEADERS)
     return named and any(not column for column in columns)
+
+
+def _is_bare(rows: list[list[str]]) -> bool:
+    """Tell whether rows without a header are samples: two or more, of a time or number first."""
+    first = _fields(rows, 0)
+    return len(rows) > 1 and (looks_numeric(first) or any(map(_is_date, first)))
