@@ -21,6 +21,7 @@ from overview_dsp.timeline.heart import table_reader as heart_table
 from overview_dsp.timeline.heart import wfdb_reader
 from overview_dsp.timeline.json_limits import MOST_DEPTH
 from overview_dsp.timeline.model import Timeline
+from overview_dsp.timeline.series import reading as series
 from overview_dsp.timeline.source import LoadOptions, Source, decode_text, parse_json
 from overview_dsp.timeline.unpacking import opened
 
@@ -51,6 +52,13 @@ class Format:
 
 
 FORMATS: tuple[Format, ...] = (
+    # before the formats of whole JSON documents, which lines of them are not
+    Format(
+        "series (one JSON object a line)",
+        series.sniff_json_lines,
+        series.read_json_lines,
+        series.OPTIONS,
+    ),
     Format(
         'native timeline (JSON with the key "overview_timeline")',
         native.sniff,
@@ -110,6 +118,24 @@ FORMATS: tuple[Format, ...] = (
         audio.sniff,
         audio.read,
         frozenset({"map", "max_mb"}),
+    ),
+    Format(
+        "series (CSV, TSV: a table with a column of times and one of values)",
+        series.sniff_csv,
+        series.read_csv,
+        series.OPTIONS,
+    ),
+    Format(
+        "series (JSON: records, columns or pairs of times and values)",
+        series.sniff_json,
+        series.read_json,
+        series.OPTIONS,
+    ),
+    Format(
+        "series (Parquet, with the extra `parquet`)",
+        series.sniff_parquet,
+        series.read_parquet,
+        series.OPTIONS,
     ),
 )
 """The formats that can be read, asked in this order."""

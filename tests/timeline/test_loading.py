@@ -101,7 +101,7 @@ def test_noise_after_a_long_good_start_is_one_line(tmp_path: Path) -> None:
         ("[1, 2]", "a JSON list of 2 entries"),
         ('{"\\ud800": 1}', r"a JSON object with the keys '\\ud800'"),
         ("3", "text that begins '3'"),
-        ("date,close\n2020-01-01,3\n", "text that begins 'date,close'"),
+        ("name,colour\nx,red\n", "text that begins 'name,colour'"),
         ("hello\nworld", "text that begins 'hello'"),
     ],
 )
@@ -109,7 +109,7 @@ def test_an_unknown_content_is_described_and_the_known_formats_are_named(
     content: str, words: str, tmp_path: Path
 ) -> None:
     (tmp_path / "x").write_text(content)
-    refused(tmp_path / "x", rf"x: {words}.* Known: native timeline .*Convert")
+    refused(tmp_path / "x", rf"x: {words}.* Known: .*native timeline .*Convert")
 
 
 def test_a_character_across_the_end_of_the_head_is_no_obstacle(
