@@ -12,6 +12,7 @@
      "gaps": [[300.0, 310.0]],               optional
      "events": [{"time_s": 786.2, "kind": "goal",
                  "label": "1-0 Parris (pen)", "weight": 1.0}],     label, weight optional
+     "details": [{"time_s": 783.9, "kind": "touch"}],   felt when zoomed, as events; optional
      "provenance": "where the data are from",                      optional
      "notes": ["what a person should know"]}                       optional
 
@@ -44,6 +45,7 @@ _TOP_KEYS = (
     "intensity",
     "gaps",
     "events",
+    "details",
     "provenance",
     "notes",
 )
@@ -95,6 +97,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
         title=checks.text(top.get("title", default_title), "title"),
         duration_s=duration_s,
         events=_events(top.get("events", []), duration_s),
+        details=_events(top.get("details", []), duration_s, "details"),
         intensity=_intensity(top["intensity"]) if "intensity" in top else None,
         gaps=tuple(
             (checks.number(start, f"gaps[{i}][0]"), checks.number(end, f"gaps[{i}][1]"))
@@ -124,11 +127,12 @@ def encode(timeline: Timeline) -> bytes:
         entries.append(("notes", _json(timeline.notes)))
     if timeline.gaps:
         entries.append(("gaps", _json(timeline.gaps)))
-    if timeline.events:
-        rows = (
-            _json({name: getattr(event, name) for name in _EVENT_KEYS}) for event in timeline.events
-        )
-        entries.append(("events", "[\n  " + ",\n  ".join(rows) + "\n ]"))
+    for key, events in (("events", timeline.events), ("details", timeline.details)):
+        if events:
+            rows = (
+                _json({name: getattr(event, name) for name in _EVENT_KEYS}) for event in events
+            )
+            entries.append((key, "[\n  " + ",\n  ".join(rows) + "\n ]"))
     if timeline.intensity is not None:
         curve = timeline.intensity
         entries.append(
@@ -203,11 +207,11 @@ def _moment(value: object) -> datetime:
         ) from error
 
 
-def _events(value: object, duration_s: float) -> tuple[Event, ...]:
+def _events(value: object, duration_s: float, key: str = "events") -> tuple[Event, ...]:
     events: list[Event] = []
     hint = f"times are finite seconds from 0 to duration_s ({duration_s!r})"
-    for i, entry in enumerate(_list(value, "events")):
-        place = f"events[{i}]"
+    for i, entry in enumerate(_list(value, key)):
+        place = f"{key}[{i}]"
         row = _table(entry, place, _EVENT_KEYS, required=("time_s", "kind"))
         time_s = checks.number(row["time_s"], f"{place}.time_s", hint)
         if not 0.0 <= time_s <= duration_s:
