@@ -6,11 +6,11 @@ from bisect import bisect_left, insort
 
 from overview_dsp.timeline.event import Event
 
-APART = 0.002
-"""Part of the surface between two events that can be felt apart (a third of a degree): 30 ms at
-twelve degrees a second, a slow look."""
+APART = 0.0018
+"""Part of the surface between two events that can be felt apart, a third of a degree: it takes a
+slow look, of ten degrees a second, 30 ms."""
 
-MOST = round(1.0 / APART)
+MOST = 750
 """A window that holds more details than this shows none: they would be nothing but a roughness."""
 
 

@@ -129,10 +129,7 @@ def encode(timeline: Timeline) -> bytes:
         entries.append(("gaps", _json(timeline.gaps)))
     for key, events in (("events", timeline.events), ("details", timeline.details)):
         if events:
-            rows = (
-                _json({name: getattr(event, name) for name in _EVENT_KEYS}) for event in events
-            )
-            entries.append((key, "[\n  " + ",\n  ".join(rows) + "\n ]"))
+            entries.append((key, "[\n  " + ",\n  ".join(_row(event) for event in events) + "\n ]"))
     if timeline.intensity is not None:
         curve = timeline.intensity
         entries.append(
@@ -158,6 +155,10 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     data = encode(timeline)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
+
+
+def _row(event: Event) -> str:
+    return _json({name: getattr(event, name) for name in _EVENT_KEYS})
 
 
 def _json(value: object) -> str:
