@@ -10,7 +10,7 @@ APART = 0.0018
 """Part of the surface between two events that can be felt apart, a third of a degree: it takes a
 slow look, of ten degrees a second, 30 ms."""
 
-MOST = 750
+MOST = 500
 """A window that holds more details than this shows none: they would be nothing but a roughness."""
 
 

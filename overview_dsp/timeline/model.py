@@ -169,10 +169,10 @@ class Timeline:
         """Return the part from `start_s` to `end_s` as a timeline of its own, starting at 0.
 
         Events at the two ends belong to it, and details become events where they are few enough to
-        be told apart: the shorter the part, the more of them. The curve is cut with interpolated end points, so it
-        has the same value at the same moment; gaps are cut likewise. A part in which nothing is
-        known (no event, no curve) becomes a flat curve of 0 with a note, since its emptiness is
-        what a hand should feel. The title stays; a note names the part.
+        be told apart: the shorter the part, the more of them. The curve is cut with interpolated
+        end points, so it has the same value at the same moment; gaps are cut likewise. A part in
+        which nothing is known (no event, no curve) becomes a flat curve of 0 with a note, since its
+        emptiness is what a hand should feel. The title stays; a note names the part.
 
         Raises
         ------

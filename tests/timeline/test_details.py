@@ -34,15 +34,16 @@ def test_details_are_no_events_of_the_whole() -> None:
 
 
 def test_the_shorter_a_window_is_the_more_of_what_happens_in_it_is_an_event() -> None:
-    timeline = busy(20_001)  # four a second
+    times = np.unique(np.random.default_rng(1).uniform(0.0, 5000.0, 20_000))  # four a second
+    timeline = Timeline("busy", 5000.0, (Event(2500.0, "goal"),), details=touches(*times.tolist()))
     shares = []
-    for width in (2000.0, 180.0, 120.0, 60.0, 20.0):
+    for width in (2000.0, 110.0, 60.0, 30.0, 10.0):
         part = timeline.window(2500.0 - width, 2500.0)
         shares.append((len(part.events) - 1) / len(part.details))
-        assert len(part.details) == width * 4 + 1
     assert shares[0] == 0.0
-    assert 0.3 < shares[1] < 0.6
-    assert min(shares[2:]) > 0.97
+    assert 0.4 < shares[1] < 0.8
+    assert sorted(shares) == shares
+    assert shares[-1] > 0.9
 
 
 def test_a_window_of_more_details_than_can_mean_anything_shows_none() -> None:
@@ -85,7 +86,7 @@ def test_whatever_is_shown_is_apart_and_nothing_that_is_apart_is_left_out(
 def test_details_are_checked_as_events_are_and_kept_in_a_native_file() -> None:
     timeline = busy(11)
     assert decode(parse_json(encode(timeline).decode(), "x")) == timeline
-    with pytest.raises(InputError, match="details: the touch at 101.0 s is after the end"):
+    with pytest.raises(InputError, match=r"details: the touch at 101\.0 s is after the end"):
         Timeline("t", 100.0, (Event(1.0, "goal"),), details=touches(101.0))
     document = {"overview_timeline": 1, "duration_s": 9.0, "details": [{"time_s": 1, "kind": "A"}]}
     with pytest.raises(InputError, match=r"details\[0\]\.kind"):

@@ -88,9 +88,9 @@ def final() -> Timeline:
         ),
         provenance=(
             "goals and cards: public facts, each in the middle of its reported minute (true to "
-            "30 s); halves of 48 and 50 minutes (approximate) laid end to end; fouls and near "
-            "misses and touches: synthetic; intensity: synthetic, the crowd-excitement formula applied to "
-            "the events, not a recording"
+            "30 s); halves of 48 and 50 minutes (approximate) laid end to end; fouls, near "
+            "misses and touches: synthetic; intensity: synthetic, the crowd-excitement formula "
+            "applied to the events, not a recording"
         ),
         notes=(
             "fouls and near misses labelled (synthetic) are made up: their times aren't public",
