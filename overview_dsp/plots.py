@@ -35,9 +35,12 @@ KIND_STYLE: dict[str, tuple[str, str, str]] = {
     "red_card": ("D", VERMILION, "red card"),
     "foul": ("x", GREY, "foul"),
     "period": ("|", BLACK, "start or end of a half"),
+    "shot": ("<", GREEN, "shot"),
+    "touch": ("+", GREY, "touch"),
 }
 # of kinds that have no style of their own, one after the other
-_OTHER_MARKERS = "Pv*X<>pd8"
+_OTHER_MARKERS = "Pv*X>pd8"
+_LINES = "x|+"  # markers without a face
 GAP_HATCH = "////"
 _POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
 
@@ -76,19 +79,47 @@ def extremes(
     return np.repeat(x[edges], 2), np.column_stack([low, high]).ravel()
 
 
+def _axis(axes: Axes, timeline: Timeline) -> tuple[float, float, str]:
+    """Seconds in a unit of the time axis, where it begins, and its label; dates for a calendar."""
+    if timeline.start is not None:
+        from matplotlib import dates
+
+        locator = dates.AutoDateLocator()
+        axes.xaxis.set_major_locator(locator)
+        axes.xaxis.set_major_formatter(dates.ConciseDateFormatter(locator))
+        # its own clock: a zone would be turned into UTC
+        return 86_400.0, float(dates.date2num(timeline.start.replace(tzinfo=None))), ""
+    for unit, scale in (("days", 86_400.0), ("h", 3600.0), ("min", 60.0)):
+        if timeline.duration_s > 10.0 * scale:
+            return scale, 0.0, f"time, {unit}"
+    return 1.0, 0.0, "time, s"
+
+
 def plot_timeline(timeline: Timeline) -> Figure:
     """The intensity curve with its events, as in the paper's figure 4; gaps are hatched."""
     figure = _figure(9.0, 3.6)
     axes = figure.subplots()
-    minutes = timeline.duration_s > 600.0
-    scale = 60.0 if minutes else 1.0
+    draw_timeline(axes, timeline)
+    figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
+    axes.set_title(timeline.title, loc="left", fontsize=10)
+    if timeline.events or timeline.gaps:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+    return figure
+
+
+def draw_timeline(axes: Axes, timeline: Timeline, like: Timeline | None = None) -> None:
+    """The intensity curve with its events and gaps into axes of any figure.
+
+    Kinds have the markers they have in a picture of `like`, which must have them all.
+    """
+    scale, shift, label = _axis(axes, timeline)
     times = np.linspace(0.0, timeline.duration_s, 4001)
     curve = timeline.normalised_intensity_at(times)
     curve[in_gap(timeline.gaps, times)] = np.nan  # no line over a gap
     for i, (start, end) in enumerate(timeline.gaps):
         axes.axvspan(
-            start / scale,
-            end / scale,
+            start / scale + shift,
+            end / scale + shift,
             facecolor="none",
             edgecolor="#b0b0b0",
             hatch=GAP_HATCH,
@@ -96,20 +127,22 @@ def plot_timeline(timeline: Timeline) -> Figure:
             label=f"no data ({len(timeline.gaps)})" if i == 0 else None,
             zorder=1,
         )
-    axes.fill_between(times / scale, curve, color="#e8eef4", zorder=1)
-    axes.plot(times / scale, curve, color=GREY, linewidth=1.2, zorder=2)
-    for kind, (marker, colour, words) in styles_of(timeline).items():
+    axes.fill_between(times / scale + shift, curve, color="#e8eef4", zorder=1)
+    axes.plot(times / scale + shift, curve, color=GREY, linewidth=1.2, zorder=2)
+    for kind, (marker, colour, words) in styles_of(like or timeline).items():
         at = np.array([event.time_s for event in timeline.events if event.kind == kind])
+        if not len(at):
+            continue
         height = timeline.normalised_intensity_at(at)
         goal = kind in ("goal", "own_goal")
         axes.scatter(
-            at / scale,
+            at / scale + shift,
             height,
             s=90 if goal else 46,
             marker=marker,
             color=colour,
-            edgecolors=None if marker in "x|" else BLACK,
-            linewidths=1.6 if marker in "x|" else 0.7,
+            edgecolors=None if marker in _LINES else BLACK,
+            linewidths=1.6 if marker in _LINES else 0.7,
             label=f"{words} ({len(at)})",
             zorder=4 if goal else 3,
         )
@@ -118,7 +151,7 @@ def plot_timeline(timeline: Timeline) -> Figure:
             axes.annotate(
                 event.label.split(" ")[0],
                 (
-                    event.time_s / scale,
+                    event.time_s / scale + shift,
                     float(timeline.normalised_intensity_at(np.array([event.time_s]))[0]),
                 ),
                 xytext=(0, 8),
@@ -126,16 +159,11 @@ def plot_timeline(timeline: Timeline) -> Figure:
                 ha="center",
                 fontsize=8,
             )
-    axes.set_xlim(0.0, timeline.duration_s / scale)
+    axes.set_xlim(shift, timeline.duration_s / scale + shift)
     axes.set_ylim(0.0, 1.18)
-    axes.set_xlabel("time of play, min" if minutes else "time, s")
+    axes.set_xlabel(label)
     axes.set_ylabel("intensity")
-    figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
-    axes.set_title(timeline.title, loc="left", fontsize=10)
     _tidy(axes)
-    if timeline.events or timeline.gaps:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
-    return figure
 
 
 def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: str) -> Figure:
@@ -209,7 +237,7 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
             for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True)
             if timeline.events[event].kind == kind and time <= end
         ]
-        if not at or kind in ("foul", "period"):
+        if not at or kind in ("foul", "period", "touch", "shot"):
             continue
         axes.scatter(
             at,
