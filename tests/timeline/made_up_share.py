@@ -19,7 +19,7 @@ BUNDLED_FILE = (
 
 DAY_S = 86_400.0
 FIRST, LAST = date(2024, 1, 2), date(2024, 12, 31)
-HALT = (date(2024, 6, 3), date(2024, 6, 21))
+HALT = (date(2024, 6, 3), date(2024, 7, 12))
 """The last day before trade was halted and the first after it: a gap."""
 
 TREND = ((0, 92.0), (60, 100.0), (130, 84.0), (200, 66.0), (270, 48.0), (322, 39.0), (364, 51.0))
@@ -36,7 +36,7 @@ def share() -> Timeline:
             and not HALT[0] < FIRST + timedelta(days=day) < HALT[1]
         ]
     )
-    random = np.random.default_rng(55)
+    random = np.random.default_rng(57)
     trend = np.interp(days, *np.array(TREND).T)
     price = np.round(
         trend * np.exp(np.convolve(random.normal(0.0, 0.012, len(days)), [1, 0.6, 0.3], "same")), 2
@@ -63,7 +63,7 @@ def share() -> Timeline:
         intensity=Intensity(days * DAY_S, price, "price, made up"),
         gaps=(((HALT[0] - FIRST).days * DAY_S, (HALT[1] - FIRST).days * DAY_S),),
         provenance="made up: no share had these prices",
-        notes=("everything in it is made up, the halt of trade in June too",),
+        notes=("everything in it is made up, the halt of trade in June and July too",),
         start=datetime(FIRST.year, FIRST.month, FIRST.day),
         details=tuple(
             Event(day * DAY_S, "week", f"week of {FIRST + timedelta(days=day):%d %B}")
