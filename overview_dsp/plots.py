@@ -41,9 +41,12 @@ KIND_STYLE: dict[str, tuple[str, str, str]] = {
     "red_card": ("D", VERMILION, "red card"),
     "foul": ("x", GREY, "foul"),
     "period": ("|", BLACK, "start or end of a half"),
+    "shot": ("<", GREEN, "shot"),
+    "touch": ("+", GREY, "touch"),
 }
 # of kinds that have no style of their own, one after the other
-_OTHER_MARKERS = "Pv*X<>pd8"
+_OTHER_MARKERS = "Pv*X>pd8"
+_LINES = "x|+"  # markers without a face
 GAP_HATCH = "////"
 _POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
 
@@ -86,9 +89,22 @@ def plot_timeline(timeline: Timeline) -> Figure:
     """The intensity curve with its events, as in the paper's figure 4; gaps are hatched."""
     figure = _figure(9.0, 3.6)
     axes = figure.subplots()
+    draw_timeline(axes, timeline)
+    figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
+    axes.set_title(timeline.title, loc="left", fontsize=10)
+    if timeline.events or timeline.gaps:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+    return figure
+
+
+def draw_timeline(axes: Axes, timeline: Timeline, like: Timeline | None = None) -> None:
+    """The intensity curve with its events and gaps into axes of any figure.
+
+    Kinds have the markers they have in a picture of `like`, which must have them all.
+    """
     scale, unit = _time_unit(timeline.duration_s)
     times = np.linspace(0.0, timeline.duration_s, 4001)
-    curve = timeline.normalised_intensity_at(times)
+    curve = timeline.normalised_levels(4000)
     curve[in_gap(timeline.gaps, times)] = np.nan  # no line over a gap
     for i, (start, end) in enumerate(timeline.gaps):
         axes.axvspan(
@@ -103,8 +119,10 @@ def plot_timeline(timeline: Timeline) -> Figure:
         )
     axes.fill_between(times / scale, curve, color="#e8eef4", zorder=1)
     axes.plot(times / scale, curve, color=GREY, linewidth=1.2, zorder=2)
-    for kind, (marker, colour, words) in styles_of(timeline).items():
+    for kind, (marker, colour, words) in styles_of(like or timeline).items():
         at = np.array([event.time_s for event in timeline.events if event.kind == kind])
+        if not len(at):
+            continue
         height = timeline.normalised_intensity_at(at)
         goal = kind in ("goal", "own_goal")
         axes.scatter(
@@ -113,8 +131,8 @@ def plot_timeline(timeline: Timeline) -> Figure:
             s=90 if goal else 46,
             marker=marker,
             color=colour,
-            edgecolors=None if marker in "x|" else BLACK,
-            linewidths=1.6 if marker in "x|" else 0.7,
+            edgecolors=None if marker in _LINES else BLACK,
+            linewidths=1.6 if marker in _LINES else 0.7,
             label=f"{words} ({len(at)})",
             zorder=4 if goal else 3,
         )
@@ -135,12 +153,7 @@ def plot_timeline(timeline: Timeline) -> Figure:
     axes.set_ylim(0.0, 1.18)
     _label_time(axes, timeline, scale, unit)
     axes.set_ylabel("intensity")
-    figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
-    axes.set_title(timeline.title, loc="left", fontsize=10)
     _tidy(axes)
-    if timeline.events or timeline.gaps:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
-    return figure
 
 
 def _time_unit(duration_s: float) -> tuple[float, str]:
@@ -241,7 +254,7 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
             for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True)
             if timeline.events[event].kind == kind and time <= end
         ]
-        if not at or kind in ("foul", "period"):
+        if not at or kind in ("foul", "period", "touch", "shot"):
             continue
         axes.scatter(
             at,

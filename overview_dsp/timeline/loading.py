@@ -143,7 +143,10 @@ FORMATS: tuple[Format, ...] = (
 LIMITS = frozenset({"max_mb", "max_depth"})
 """The options every format takes."""
 
-BUNDLED: dict[str, str] = {"world-cup-final-2018": "world_cup_final_2018.json"}
+BUNDLED: dict[str, str] = {
+    "world-cup-final-2018": "world_cup_final_2018.json",
+    "made-up-share": "made_up_share.json",
+}
 """Timelines that come with the package: name and file."""
 
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
