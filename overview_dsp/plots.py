@@ -46,6 +46,7 @@ KIND_STYLE: dict[str, tuple[str, str, str]] = {
 }
 # of kinds that have no style of their own, one after the other
 _OTHER_MARKERS = "Pv*X>pd8"
+_OTHER_COLOURS = (VERMILION, BLUE, YELLOW, SKY, GREEN, ORANGE, PURPLE)
 _LINES = "x|+"  # markers without a face
 GAP_HATCH = "////"
 _POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
@@ -57,7 +58,11 @@ def styles_of(timeline: Timeline) -> dict[str, tuple[str, str, str]]:
     known = {kind: style for kind, style in KIND_STYLE.items() if kind in kinds}
     others = sorted(set(kinds) - set(known))
     return known | {
-        kind: (_OTHER_MARKERS[index % len(_OTHER_MARKERS)], PURPLE, kind.replace("_", " "))
+        kind: (
+            _OTHER_MARKERS[index % len(_OTHER_MARKERS)],
+            _OTHER_COLOURS[index % len(_OTHER_COLOURS)],
+            kind.replace("_", " "),
+        )
         for index, kind in enumerate(others)
     }
 
