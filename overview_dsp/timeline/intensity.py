@@ -222,7 +222,7 @@ class Intensity:
         place = ((np.arange(SAMPLED) + random.random(SAMPLED)) * step).astype(np.int64)
         span = np.searchsorted(behind, place, side="right")
         index = place - (behind - lengths)[span] + np.array([a for a, _ in spans])[span]
-        low, high = np.percentile(self.points.value[index].astype(np.float64), self.percentiles)
+        low, high = np.percentile(self.points.picked(index), self.percentiles)
         return (float(low), float(high)) if low < high else extremes
 
     def _known(self, gaps: Gaps, first: int, stop: int) -> list[tuple[int, int]]:
