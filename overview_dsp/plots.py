@@ -82,8 +82,9 @@ def extremes(
 def _axis(axes: Axes, timeline: Timeline) -> tuple[float, float, str]:
     """Seconds in a unit of the time axis, where it begins, and its label; dates for a calendar."""
     if timeline.start is not None:
-        from matplotlib import dates
+        import matplotlib.dates
 
+        dates: Any = matplotlib.dates  # its functions are untyped
         locator = dates.AutoDateLocator()
         axes.xaxis.set_major_locator(locator)
         axes.xaxis.set_major_formatter(dates.ConciseDateFormatter(locator))
