@@ -122,6 +122,6 @@ class Points:
 def _every(first: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:
     """The indices of stretches first[i] to stop[i] - 1, one after the other."""
     lengths = stop - first
-    return np.arange(int(lengths.sum())) + np.repeat(
-        first - (np.cumsum(lengths) - lengths), lengths
-    )
+    begins = np.cumsum(lengths) - lengths
+    index: NDArray[np.int64] = np.arange(int(lengths.sum())) + np.repeat(first - begins, lengths)
+    return index
