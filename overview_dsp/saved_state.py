@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.presets.model import Kind, Mode, Preset
+from overview_dsp.presets.model import Kind, Mode, Preset, Tags
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
 
 
@@ -28,6 +28,8 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
             name: {**vars(kind), "modes": [vars(mode) for mode in kind.modes]}
             for name, kind in preset.kinds.items()
         },
+        "tags": {**vars(preset.tags), "usage": list(preset.tags.usage)},
+        "authors": list(preset.authors),
     }
 
 
@@ -70,13 +72,17 @@ def _preset_of(data: Any) -> Preset:
         description,
         data["values"],
         {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
+        # states of before had neither
+        Tags(**data.get("tags", {})),
+        tuple(data.get("authors", ())),
     )
 
 
 def _kind_of(name: str, data: dict[str, Any]) -> Kind:
     values = {}
     for key, known in KIND_PARAMETERS.items():
-        value = data[key]
+        # a key that is newer than the state
+        value = data.get(key, known.default)
         absent = value is None and key.startswith("width_")
         values[key] = None if absent else replace(known, id=f"kinds.{name}.{key}").check(value)
     modes = tuple(

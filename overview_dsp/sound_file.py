@@ -53,7 +53,9 @@ class SoundWriter:
     a fixed seed; exact zeros stay exact zeros.
     """
 
-    def __init__(self, path: Path, sample_rate: float, subtype: str | None = None) -> None:
+    def __init__(
+        self, path: Path, sample_rate: float, subtype: str | None = None, channels: int = 2
+    ) -> None:
         """Choose the format; InputError if there is none, or a rate a file can't hold."""
         if not math.isfinite(sample_rate) or sample_rate != int(sample_rate):
             near = round(sample_rate) if math.isfinite(sample_rate) else 48_000
@@ -64,6 +66,7 @@ class SoundWriter:
         self.path = path
         self.frames = 0
         self._rate = int(sample_rate)
+        self._channels = channels
         self._format, self._subtype = _format_of(path, subtype)
         self._bits = _BITS.get(self._subtype, 0)
         self._dithered = 0 < self._bits <= _DITHERED_BITS
@@ -84,7 +87,7 @@ class SoundWriter:
                     str(temporary),
                     "w",
                     samplerate=self._rate,
-                    channels=2,
+                    channels=self._channels,
                     subtype=self._subtype,
                     format=self._format,
                 )
@@ -93,15 +96,15 @@ class SoundWriter:
                     raise self._disk_error(error) from None
                 reason = error.error_string.removeprefix("Error : ").strip(" .")
                 raise InputError(
-                    f"{self.path}: {self._format} {self._subtype} can't hold 2 channels at "
-                    f"{self._rate} Hz ({reason}); use wav or flac, or another sample rate"
+                    f"{self.path}: {self._format} {self._subtype} can't hold {self._channels} "
+                    f"channels at {self._rate} Hz ({reason}); use wav or flac, or another rate"
                 ) from None
             stack.push(self._close)
             self._stack = stack.pop_all()
         return self
 
     def write(self, samples: NDArray[np.float32]) -> None:
-        """Append float32 (frames, 2)."""
+        """Append float32 (frames, channels)."""
         data = self._rounded(samples) if self._bits else samples
         with self._disk_errors():
             self._file.write(data)
@@ -171,7 +174,7 @@ def save_sound(
     sample_rate: float,
     subtype: str | None = None,
 ) -> None:
-    """Write float32 (frames, 2) to a sound file."""
-    with SoundWriter(Path(path), sample_rate, subtype) as sound:
+    """Write float32 (frames, channels) to a sound file."""
+    with SoundWriter(Path(path), sample_rate, subtype, samples.shape[1]) as sound:
         for first in range(0, len(samples), _PIECE):
             sound.write(samples[first : first + _PIECE])

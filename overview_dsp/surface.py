@@ -6,6 +6,9 @@ The intensity is the timeline's curve scaled to 0..1; where data is missing ther
 (`gap_ribs`). Overlapping profiles combine by their maximum,
 so that none is drowned in a sum and each stays findable; every event keeps a strike of its own.
 
+A kind whose events lie denser than its `spacing_percent` is left out as a whole: a thousand beats
+of a heart would be one blur. A window that spreads them brings them up.
+
 An event strikes at its place. One nearer than half its width to an end of the timeline strikes half
 its width from that end, where its profile lets the disk go: a hand can pass it there.
 """
@@ -14,7 +17,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,6 +67,8 @@ class Surface:
         (-inf, inf) where that reaches an end of the timeline.
     kind_names, kind_modes : tuples
         Event kinds with their clicks; a mode's gain includes its kind's.
+    left_out : mapping of kind to count
+        Events that lie too densely to be felt one by one.
     """
 
     friction: NDArray[np.float64]
@@ -73,6 +79,7 @@ class Surface:
     span: NDArray[np.float64]
     kind_names: tuple[str, ...]
     kind_modes: tuple[tuple[Mode, ...], ...]
+    left_out: Mapping[str, int] = field(default_factory=dict)
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
@@ -117,9 +124,16 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     InputError
         More events than the surface has cells.
     """
-    if len(timeline.events) > MAX_EVENTS:
+    by_kind = _by_felt_kind(timeline.events, preset)
+    left_out = {
+        name: len(by_kind.pop(name))
+        for name, members in list(by_kind.items())
+        if len(members) > 1 and len(members) * preset.kinds[name].spacing_percent > 100.0
+    }
+    felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
+    if len(felt) > MAX_EVENTS:
         raise InputError(
-            f"{timeline.title or 'the timeline'}: {len(timeline.events)} events; "
+            f"{timeline.title or 'the timeline'}: {len(felt)} events; "
             f"a surface holds up to {MAX_EVENTS}, use a shorter window"
         )
     bare = preset.number("surface.friction")
@@ -144,18 +158,19 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
             stacklevel=2,
         )
     names = tuple(preset.kinds)
-    count = len(timeline.events)
+    count = len(felt)
     place = np.zeros(count)
     release = np.zeros(count)
     kind_index = np.zeros(count, dtype=np.int64)
     spans = np.zeros((count, 2))
     raised = np.zeros(CELLS + 1)
-    centres = np.array([event.time_s for event in timeline.events]) / timeline.duration_s * CELLS
-    for name, members in _by_felt_kind(timeline.events, preset).items():
+    centres = np.array([timeline.events[i].time_s for i in felt]) / timeline.duration_s * CELLS
+    for name, indices in by_kind.items():
         kind = preset.kinds[name]
         width = _width_cells(kind, name, timeline.duration_s)
+        members = np.searchsorted(felt, indices)
         centre = centres[members]
-        height = _heights([timeline.events[i] for i in members], name, bare * kind.height)
+        height = _heights([timeline.events[i] for i in indices], name, bare * kind.height)
         _raise(raised, kind.shape, width, centre, height)
         margin = min(width, CELLS) / 2.0
         place[members] = np.minimum(np.maximum(centre, margin), CELLS - margin)
@@ -174,10 +189,11 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         place=place[order] / CELLS,
         release=release[order],
         kind=kind_index[order],
-        event=order.astype(np.int64),
+        event=felt[order],
         span=spans[order] / CELLS,
         kind_names=names,
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
+        left_out=left_out,
     )
 
 

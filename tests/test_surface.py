@@ -38,8 +38,14 @@ def test_any_preset_on_any_timeline_gives_a_surface_with_friction_everywhere(tim
     assert (surface.friction > 0.09 * bare).all()
     if not timeline.gaps:
         assert (surface.friction >= bare).all()
-    count = len(timeline.events)
-    assert sorted(surface.event.tolist()) == list(range(count))
+    felt = [
+        i
+        for i, event in enumerate(timeline.events)
+        if (event.kind if event.kind in preset.kinds else "default") not in surface.left_out
+    ]
+    count = len(felt)
+    assert sorted(surface.event.tolist()) == felt
+    assert count + sum(surface.left_out.values()) == len(timeline.events)
     assert (np.diff(surface.place) >= 0.0).all()
     assert ((surface.place > 0.0) & (surface.place < 1.0)).all()
     assert surface.span.shape == (count, 2)
@@ -241,3 +247,16 @@ def test_the_friction_between_two_points_is_on_the_line_between_them(phi):
     part = at - low
     expected = surface.friction[low] * (1.0 - part) + surface.friction[low + 1] * part
     assert surface.friction_at(phi) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(("count", "felt"), [(100, True), (101, False)])
+def test_events_denser_than_their_spacing_wait_for_a_zoom(count, felt):
+    events = [ov.Event(float(i), "tick") for i in range(count)] + [ov.Event(50.5, "goal")]
+    timeline = ov.Timeline(title="", duration_s=float(count), events=tuple(events))
+    kinds = {
+        "default": ov.Kind(height=4.0, width_percent=0.1),
+        "tick": ov.Kind(height=4.0, width_percent=0.1, spacing_percent=1.0),
+    }
+    surface = ov.build_surface(timeline, ov.Preset("x", "", "", {}, kinds))
+    assert len(surface.event) == (count + 1 if felt else 1)
+    assert surface.left_out == ({} if felt else {"tick": count})

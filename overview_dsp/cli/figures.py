@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from overview_dsp.cli.common import announce_compile, print_json
+from overview_dsp.cli.timeline_options import open_timeline, timeline_options
 
 
 @click.command(name="figures", epilog="Example: overview figures --out pictures")
 @click.option("--out", default=".", show_default=True, help="Folder for the pictures.")
 @click.option("--timeline", default="world-cup-final-2018", show_default=True, help="Any file.")
 @click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def command(out: str, timeline: str, preset: str, as_json: bool) -> None:
+def command(out: str, timeline: str, preset: str, load: dict[str, Any], as_json: bool) -> None:
     """Draw the paper's figures 4 (timeline), 5 (sweeps) and 6 (tap), as PNG and SVG."""
     from overview_dsp.paper_figures import draw, renders
     from overview_dsp.presets import load_preset
-    from overview_dsp.timeline import load_timeline
 
-    data, chosen = load_timeline(timeline), load_preset(preset)
+    data, chosen = open_timeline(timeline, load), load_preset(preset)
     announce_compile()
     files = draw(data, renders(data, chosen), out)
     if as_json:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from overview_dsp.cli.common import announce_compile, part_of, window_options
+from overview_dsp.cli.timeline_options import open_timeline, timeline_options
 
 if TYPE_CHECKING:
     from overview_dsp.engine import Engine
@@ -55,6 +56,7 @@ def _signal_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.option(
     "--headless", "--json", "headless", is_flag=True, help="Lines of JSON, as without a terminal."
 )
+@timeline_options
 @_signal_options
 def command(
     timeline: str,
@@ -70,6 +72,7 @@ def command(
     seed: int,
     seconds: float | None,
     headless: bool,
+    load: dict[str, Any],
     **signals: Any,
 ) -> None:
     """Play TIMELINE live: drag, tap and let go with the mouse or the keys, and hear and feel it.
@@ -85,13 +88,12 @@ def command(
     from overview_dsp.live.output_settings import save_settings
     from overview_dsp.live.player import Player
     from overview_dsp.live.preset_watch import PresetWatch
-    from overview_dsp.timeline import load_timeline
 
     if block_size < 0 or block_size > MAX_BLOCK:
         raise InputError(f"block size {block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
     if record is not None:
         require_writable(record)
-    data = load_timeline(timeline)
+    data = open_timeline(timeline, load)
     part = part_of(data, window, zoom_to)
     if part is not None and window:
         data = data.window(*part)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -13,6 +14,7 @@ from overview_dsp.cli.common import (
     progress_bar,
     window_options,
 )
+from overview_dsp.cli.timeline_options import open_timeline, timeline_options
 from overview_dsp.gestures.spec import FORMS
 
 
@@ -30,6 +32,7 @@ from overview_dsp.gestures.spec import FORMS
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
 @window_options
+@timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
     timeline: str,
@@ -43,6 +46,7 @@ def command(
     tail: str,
     window: tuple[str, str] | None,
     zoom_to: str | None,
+    load: dict[str, Any],
     as_json: bool,
 ) -> None:
     """Play a gesture over TIMELINE into a sound file: left = clicks, right = tactor.
@@ -53,10 +57,9 @@ def command(
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render_to_file, tail_of
-    from overview_dsp.timeline import load_timeline
     from overview_dsp.units import clock_text, gain_to_db
 
-    data = load_timeline(timeline)
+    data = open_timeline(timeline, load)
     part = part_of(data, window, zoom_to)
     if part is not None:
         data = data.window(*part)

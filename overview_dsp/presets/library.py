@@ -1,4 +1,4 @@
-"""Where presets are: the bundled ones by name, any other by its path."""
+"""Where presets are: the bundled ones and a person's own by name, any other by its path."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from overview_dsp.presets.validation import parse_preset
 
 SUFFIX = ".toml"
 MAX_BYTES = 1_000_000
+FOLDER_VARIABLE = "OVERVIEW_PRESETS"
+"""Environment variable that names the folder of own presets."""
 
 
 def bundled_folder() -> Path:
@@ -26,6 +28,23 @@ def bundled_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in bundled_folder().glob("*" + SUFFIX)))
 
 
+def own_folder() -> Path:
+    """The folder of a person's own presets, which may not be there yet."""
+    given = os.environ.get(FOLDER_VARIABLE)
+    if given:
+        return Path(given)
+    import platformdirs
+
+    return platformdirs.user_config_path("overview-dsp", appauthor=False) / "presets"
+
+
+def own_names() -> tuple[str, ...]:
+    """Names of a person's own presets, sorted; a bundled name stays the bundled preset's."""
+    folder = own_folder()
+    found = (path.stem for path in folder.glob("*" + SUFFIX)) if folder.is_dir() else ()
+    return tuple(sorted(set(found) - set(bundled_names())))
+
+
 def preset_path(name: str | Path) -> Path:
     """The file of a preset given by name or path.
 
@@ -37,6 +56,8 @@ def preset_path(name: str | Path) -> Path:
     text = str(name)
     if text in bundled_names():
         return bundled_folder() / (text + SUFFIX)
+    if text in own_names():
+        return own_folder() / (text + SUFFIX)
     path = Path(text)
     if path.suffix == SUFFIX or path.parent != Path("."):
         # os.path: a name that is too long is no file, where pathlib raises
@@ -44,14 +65,15 @@ def preset_path(name: str | Path) -> Path:
             return path
         what = "is a folder" if os.path.isdir(path) else "no such file"
         raise InputError(f"{path}: {what}; give a preset's .toml file or one of the bundled names")
+    known = (*bundled_names(), *own_names())
     raise InputError(
-        f"no preset is called {text!r}{did_you_mean(text, bundled_names())} "
+        f"no preset is called {text!r}{did_you_mean(text, known)} "
         "(or give the path of a .toml file)"
     )
 
 
 def load_preset(name: str | Path) -> Preset:
-    """A preset: a bundled name (`football`) or the path of a TOML file.
+    """A preset: a bundled or own name (`football`) or the path of a TOML file.
 
     Raises
     ------
@@ -59,6 +81,11 @@ def load_preset(name: str | Path) -> Preset:
         No such preset, or one that is not valid: names file, line, key and range.
     """
     path = preset_path(name)
+    return parse_preset(preset_text(path), path.stem, str(path), _base)
+
+
+def preset_text(path: Path) -> str:
+    """The text of a preset file; InputError if it can't be read, is too large or no text."""
     try:
         data = path.read_bytes() if path.stat().st_size <= MAX_BYTES else None
     except OSError as error:
@@ -66,9 +93,16 @@ def load_preset(name: str | Path) -> Preset:
     if data is None:
         raise InputError(f"{path}: larger than {MAX_BYTES:,} bytes; a preset is a short TOML file")
     try:
-        text = data.decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
             f"{path}: not UTF-8 text (byte {error.start}); a preset is a TOML file"
         ) from None
-    return parse_preset(text, path.stem, str(path))
+
+
+def _base(name: str, source: str) -> tuple[str, str]:
+    """What a file extends: a name, or a path from where the file is."""
+    beside = Path(source).parent / name
+    is_file = beside.suffix == SUFFIX and os.path.isfile(beside)
+    path = beside if is_file else preset_path(name)
+    return str(path), preset_text(path)

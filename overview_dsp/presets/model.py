@@ -41,6 +41,7 @@ class Kind:
     width_percent: float | None = None
     width_ms: float | None = None
     shape: str = "gaussian"
+    spacing_percent: float = 0.0
     gain_db: float = 0.0
     modes: tuple[Mode, ...] = ()
 
@@ -59,6 +60,28 @@ class Kind:
         object.__setattr__(self, "modes", tuple(self.modes))
 
 
+TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")
+"""What a preset feels like, on scales of 1 to 5 (after VibViz, Seifi, Zhang and MacLean 2015)."""
+
+
+@dataclass(frozen=True)
+class Tags:
+    """What a preset feels like, 1 (low) to 5 (high) or None, and what it is for."""
+
+    energy: float | None = None
+    roughness: float | None = None
+    tempo: float | None = None
+    pleasantness: float | None = None
+    usage: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in TAG_SCALES:
+            value = getattr(self, name)
+            if value is not None and not 1.0 <= value <= 5.0:
+                raise InputError(f"tags.{name} = {value:g} is out of range; it is 1 to 5")
+        object.__setattr__(self, "usage", tuple(self.usage))
+
+
 @dataclass(frozen=True)
 class Preset:
     """A named set of parameter values and event kinds; values not given are the table's defaults.
@@ -70,6 +93,8 @@ class Preset:
         Complete: every id of the parameter table.
     kinds : mapping of event kind to Kind
         Always has `default`, which serves kinds the preset doesn't name.
+    tags : Tags
+    authors : tuple of str
     """
 
     name: str
@@ -77,6 +102,8 @@ class Preset:
     description: str
     values: Mapping[str, Value]
     kinds: Mapping[str, Kind] = field(default_factory=dict)
+    tags: Tags = field(default_factory=Tags)
+    authors: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         values: dict[str, Value] = {}
@@ -96,6 +123,7 @@ class Preset:
             )
         object.__setattr__(self, "values", MappingProxyType(values))
         object.__setattr__(self, "kinds", MappingProxyType(dict(self.kinds)))
+        object.__setattr__(self, "authors", tuple(self.authors))
 
     def number(self, id: str) -> float:
         """The value of a numeric parameter."""

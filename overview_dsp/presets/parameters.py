@@ -337,6 +337,16 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 choices=SHAPES,
                 surface=True,
             ),
+            _number(
+                "spacing_percent",
+                0.0,
+                0.0,
+                100.0,
+                "%",
+                "Mean distance the kind's events need: denser ones are left out until a zoom "
+                "spreads them.",
+                surface=True,
+            ),
             _number("gain_db", 0.0, -60.0, 12.0, "dB", "Level of the kind's click.", surface=True),
         )
     }

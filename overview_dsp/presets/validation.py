@@ -1,9 +1,11 @@
-"""TOML text to Preset: pydantic models made from the parameter table, errors that name the line."""
+"""A preset file's text to Preset: a pydantic model made from the parameter table checks it.
+
+Errors name file and line, also where the value stands in a file that the preset extends.
+"""
 
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, Literal
@@ -11,7 +13,10 @@ from typing import Any, Literal
 import pydantic
 
 from overview_dsp.errors import InputError
-from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
+from overview_dsp.presets.expressions import FaultyValueError, work_out
+from overview_dsp.presets.layers import Find, Layer, layer_of, merged, read_layers
+from overview_dsp.presets.migrations import SCHEMA
+from overview_dsp.presets.model import DEFAULT_KIND, TAG_SCALES, Kind, Mode, Preset, Tags
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MAX_KINDS,
@@ -23,8 +28,7 @@ from overview_dsp.presets.parameters import (
     shown,
 )
 
-SCHEMA = 1
-HEADER_KEYS = ("schema", "title", "description")
+HEADER_KEYS = ("schema", "extends", "title", "description", "authors", "tags", "variables")
 _STRICT = pydantic.ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
@@ -53,8 +57,11 @@ def preset_model() -> type[pydantic.BaseModel]:
     fields: dict[str, Any] = {
         # an alias: pydantic has a method of the file's name for it
         "schema_version": (int, pydantic.Field(..., alias="schema", ge=SCHEMA, le=SCHEMA)),
-        "title": (str, ...),
-        "description": (str, ...),
+        "title": (str, pydantic.Field(..., description="What the preset is called.")),
+        "description": (str, pydantic.Field(..., description="What it feels like, in a line.")),
+        "authors": (list[str], pydantic.Field(default_factory=list)),
+        "tags": (_tags_model(), pydantic.Field(default_factory=_tags_model())),
+        "variables": (dict[str, float], pydantic.Field(default_factory=dict)),
     }
     for section, members in sections.items():
         # any: the fields come from the table
@@ -73,6 +80,14 @@ def preset_model() -> type[pydantic.BaseModel]:
         pydantic.Field(max_length=MAX_KINDS),
     )
     return pydantic.create_model("Preset", __config__=_STRICT, **fields)
+
+
+@cache
+def _tags_model() -> Any:
+    scale: Any = (float | None, pydantic.Field(None, ge=1.0, le=5.0, description="1 low, 5 high"))
+    fields: dict[str, Any] = dict.fromkeys(TAG_SCALES, scale)
+    fields["usage"] = (list[str], pydantic.Field(default_factory=list))
+    return pydantic.create_model("Tags", __config__=_STRICT, **fields)
 
 
 def line_of(text: str, path: Iterable[str | int]) -> int | None:
@@ -107,6 +122,8 @@ def line_of(text: str, path: Iterable[str | int]) -> int | None:
 def _known_keys(path: tuple[str | int, ...]) -> tuple[str, ...]:
     if not path:
         return (*HEADER_KEYS, *dict.fromkeys(id.split(".")[0] for id in PARAMETERS), "kinds")
+    if path[0] == "tags":
+        return (*TAG_SCALES, "usage")
     if path[0] == "kinds":
         keys = MODE_PARAMETERS if "modes" in path[1:] else KIND_PARAMETERS
         return (*keys, "modes") if "modes" not in path[1:] else tuple(keys)
@@ -141,12 +158,32 @@ def _explain(error: Mapping[str, Any]) -> str:
     if error["type"] == "too_long":
         return f"{name}: {error['msg']}"
     if name == "schema":
-        return f"schema = {shown(given)} is not known; this version reads schema = {SCHEMA}"
+        return f"schema = {shown(given)} is not known; this version reads schema = 1 to {SCHEMA}"
     return f"{name}: {error['msg']}"
 
 
-def parse_preset(text: str, name: str, source: str) -> Preset:
-    """A preset from TOML text; `source` names the file in errors.
+def _is_number(value: object) -> bool:
+    # an int of thousands of digits isn't one here: the check will say so
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+def _no_base(base: str, source: str) -> tuple[str, str]:
+    raise InputError(f"{base!r} can't be looked up here")
+
+
+def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Preset:
+    """A preset from a file's text.
+
+    Parameters
+    ----------
+    text
+        TOML.
+    name
+        Of the preset.
+    source
+        The file, for errors.
+    find
+        Looks up what `extends` names.
 
     Raises
     ------
@@ -154,18 +191,22 @@ def parse_preset(text: str, name: str, source: str) -> Preset:
         Not TOML, an unknown key, a wrong type or a value out of range: names file, line, key and
         range, and how many further faults there are.
     """
+    layers = read_layers(source, text, find)
+    data = merged(layers)
+    variables = data.get("variables", {})
+    if not isinstance(variables, dict):
+        place = _place(layers, ("variables",))
+        raise InputError(f"{place}: variables = {shown(variables)}; it is a table of numbers")
+    numbers = {key: float(number) for key, number in variables.items() if _is_number(number)}
     try:
-        data = tomllib.loads(text)
-    # ValueError: not TOML, and an integer of thousands of digits
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: not TOML: {error}") from None
-    try:
-        checked = preset_model().model_validate(data)
+        checked = preset_model().model_validate(work_out(data, numbers))
+    except FaultyValueError as error:
+        name_of = ".".join(str(part) for part in error.path)
+        raise InputError(f"{_place(layers, error.path)}: {name_of}: {error}") from None
     except pydantic.ValidationError as error:
         faults = error.errors(include_url=False, include_context=False)
-        line = line_of(text, faults[0]["loc"])
-        place = f"{source}:{line}" if line else source
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+        place = _place(layers, faults[0]["loc"])
         raise InputError(f"{place}: {_explain(faults[0])}{more}") from None
     dumped = checked.model_dump()
     kinds: dict[str, Kind] = {}
@@ -174,12 +215,20 @@ def parse_preset(text: str, name: str, source: str) -> Preset:
         try:
             kinds[kind_name] = Kind(modes=modes, **members)
         except InputError as error:
-            line = line_of(text, ("kinds", kind_name))
-            raise InputError(f"{source}:{line}: kinds.{kind_name}: {error}") from None
+            place = _place(layers, ("kinds", kind_name))
+            raise InputError(f"{place}: kinds.{kind_name}: {error}") from None
     if DEFAULT_KIND not in kinds:
         raise InputError(
             f"{source}: kinds.{DEFAULT_KIND} is missing; "
             "add it, for events of a kind the preset doesn't name"
         )
     values = {id: dumped[id.split(".")[0]][id.split(".")[1]] for id in PARAMETERS}
-    return Preset(name, dumped["title"], dumped["description"], values, kinds)
+    tags = Tags(**dumped["tags"])
+    authors = tuple(dumped["authors"])
+    return Preset(name, dumped["title"], dumped["description"], values, kinds, tags, authors)
+
+
+def _place(layers: list[Layer], path: tuple[str | int, ...]) -> str:
+    layer = layer_of(layers, tuple(part for part in path if part != "function-plain"))
+    line = line_of(layer.text, path)
+    return f"{layer.source}:{line}" if line else layer.source

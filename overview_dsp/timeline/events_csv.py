@@ -22,12 +22,15 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from overview_dsp.errors import InputError
+from overview_dsp.files import whole_file
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.excitement import derive_intensity
 from overview_dsp.timeline.model import Event, Timeline
 from overview_dsp.timeline.source import LoadOptions, Source
@@ -39,6 +42,7 @@ _DELIMITERS = (",", ";", "\t")
 # Python's float() also takes "1_000" and other scripts' digits; a file means neither
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_SPECIAL = re.compile(r'[",\r\n]')
 _COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTALL)
 
 
@@ -87,6 +91,11 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
                 f"line {line} repeats line {events[key][1]} ({event.kind} at {event.time_s!r} s, "
                 f"label {checks.shown(event.label)}); remove one or change its label"
             )
+        if len(events) == MAX_EVENTS:
+            raise InputError(
+                f"line {line}: more than the {MAX_EVENTS} events that are read; cut the file into "
+                "parts, or make a curve of them"
+            )
         events[key] = (event, line)
     if not events:
         raise InputError("no events below the header; add one row for each event")
@@ -118,6 +127,38 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
         provenance="; ".join(part for part in ("events: a CSV event list", derived) if part),
         notes=notes,
     )
+
+
+def encode(timeline: Timeline) -> bytes:
+    """Return the events as an event list, UTF-8; the curve, the gaps and the notes stay behind.
+
+    Reading it gives the same events (blanks around a label trimmed), title and duration.
+
+    Raises
+    ------
+    InputError
+        The timeline has no events.
+    """
+    if not timeline.events:
+        raise InputError(
+            "the timeline has no events, which is all an event list holds; write the native "
+            "format (.json)"
+        )
+    title = " ".join(timeline.title.split())
+    lines = [f"# title: {title}", f"# duration_s: {timeline.duration_s!r}", ",".join(COLUMNS)]
+    for event in timeline.events:
+        label = event.label
+        if _SPECIAL.search(label):  # the csv module leaves a lone carriage return unquoted
+            label = '"' + label.replace('"', '""') + '"'
+        lines.append(f"{event.time_s!r},{event.kind},{label},{event.weight!r}")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def save_events(timeline: Timeline, path: str | os.PathLike[str]) -> None:
+    """Write the events as an event list, whole or not at all; errors as `encode` and a write's."""
+    data = encode(timeline)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(data)
 
 
 @dataclass

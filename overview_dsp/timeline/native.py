@@ -8,7 +8,8 @@
      "start": "2012-09-19T09:30:00-04:00",   calendar moment of time 0, ISO 8601, optional
      "intensity": {"time_s": [0, 5],         } either of these two
                    "value": [0.1, 0.4],      } may be left out
-                   "unit": "dB"},            unit optional
+                   "unit": "dB",             unit optional
+                   "percentiles": [1, 99]},  what becomes 0 and 1, [0, 100] if left out
      "gaps": [[300.0, 310.0]],               optional
      "events": [{"time_s": 786.2, "kind": "goal",
                  "label": "1-0 Parris (pen)", "weight": 1.0}],     label, weight optional
@@ -30,6 +31,8 @@ import numpy as np
 from overview_dsp.errors import InputError
 from overview_dsp.files import whole_file
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.event import MAX_EVENTS
+from overview_dsp.timeline.intensity import EXTREMES
 from overview_dsp.timeline.model import Event, Intensity, Timeline
 from overview_dsp.timeline.source import LoadOptions, Source
 
@@ -49,7 +52,7 @@ _TOP_KEYS = (
     "provenance",
     "notes",
 )
-_INTENSITY_KEYS = ("time_s", "value", "unit")
+_INTENSITY_KEYS = ("time_s", "value", "unit", "percentiles")
 _EVENT_KEYS = ("time_s", "kind", "label", "weight")
 
 
@@ -132,10 +135,13 @@ def encode(timeline: Timeline) -> bytes:
             entries.append((key, "[\n  " + ",\n  ".join(_row(event) for event in events) + "\n ]"))
     if timeline.intensity is not None:
         curve = timeline.intensity
+        scaled = curve.percentiles != EXTREMES
+        scale = f', "percentiles": {_json(curve.percentiles)}' if scaled else ""
         entries.append(
             (
                 "intensity",
-                f'{{"unit": {_json(curve.unit)},\n  "time_s": {_json(curve.time_s.tolist())},\n'
+                f'{{"unit": {_json(curve.unit)}{scale},\n'
+                f'  "time_s": {_json(curve.time_s.tolist())},\n'
                 f'  "value": {_json(curve.value.tolist())}}}',
             )
         )
@@ -211,7 +217,13 @@ def _moment(value: object) -> datetime:
 def _events(value: object, duration_s: float, key: str = "events") -> tuple[Event, ...]:
     events: list[Event] = []
     hint = f"times are finite seconds from 0 to duration_s ({duration_s!r})"
-    for i, entry in enumerate(_list(value, key)):
+    listed = _list(value, key)
+    if len(listed) > MAX_EVENTS:
+        raise InputError(
+            f"{key} has {len(listed)} entries, more than the {MAX_EVENTS} that are read; cut the "
+            "file into parts, or make a curve of them"
+        )
+    for i, entry in enumerate(listed):
         place = f"{key}[{i}]"
         row = _table(entry, place, _EVENT_KEYS, required=("time_s", "kind"))
         time_s = checks.number(row["time_s"], f"{place}.time_s", hint)
@@ -240,4 +252,10 @@ def _intensity(value: object) -> Intensity:
         )
         for name in ("time_s", "value")
     ]
-    return Intensity(columns[0], columns[1], checks.text(table.get("unit", ""), "intensity.unit"))
+    percentiles = _list(table.get("percentiles", list(EXTREMES)), "intensity.percentiles")
+    return Intensity(
+        columns[0],
+        columns[1],
+        checks.text(table.get("unit", ""), "intensity.unit"),
+        tuple(percentiles),  # type: ignore[arg-type]  # checked there
+    )

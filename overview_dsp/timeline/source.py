@@ -6,15 +6,21 @@ import codecs
 import json
 import os
 import stat
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.json_limits import check_extent
 
 MAX_TEXT_BYTES = 256 * 1024 * 1024
-"""Largest text file (JSON, CSV) that is read; parsed, it takes several times that in memory."""
+"""Largest text file that is read as a stream without `max_mb`."""
+
+MAX_WHOLE_BYTES = 64 * 1024 * 1024
+"""Largest text file (JSON, CSV) that is read as a whole without `max_mb`: as text it takes up to
+four times that in memory, parsed several times."""
 
 HEAD_BYTES = 65_536
 """How much of a file the readers see before one of them claims it."""
@@ -47,6 +53,10 @@ class LoadOptions:
         Which of the matches in a file: its number (from 1), or words of its line.
     max_mb
         Megabytes (2**20 bytes) a file may have, in place of the format's own limit.
+    progress
+        Called with the part of the file that is read, 0 to 1, by formats that may take long.
+    max_depth
+        Levels of nesting that JSON may have, in place of the usual limit.
     """
 
     duration_s: float | None = None
@@ -56,10 +66,18 @@ class LoadOptions:
     rate: float | None = None
     match: str | None = None
     max_mb: float | None = None
+    progress: Callable[[float], None] | None = field(default=None, compare=False)
+    max_depth: int | None = None
 
     def given(self) -> frozenset[str]:
-        """Return the names of the options that were set."""
-        return frozenset(name for name, value in vars(self).items() if value is not None)
+        """Return the names of the options that were set and say something about the data."""
+        told = {name for name, value in vars(self).items() if value is not None}
+        return frozenset(told - {"progress"})
+
+    def tell(self, part: float) -> None:
+        """Report how much is read, 0 to 1."""
+        if self.progress is not None:
+            self.progress(part)
 
 
 def shown_path(path: str | os.PathLike[str]) -> str:
@@ -67,11 +85,15 @@ def shown_path(path: str | os.PathLike[str]) -> str:
     return os.fsencode(path).decode("utf-8", "backslashreplace")
 
 
+def text_encoding(data: bytes) -> str:
+    """Return the encoding that a byte order mark tells, UTF-8 without one."""
+    return next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
+
+
 def decode_text(data: bytes, where: str) -> str:
     """Decode UTF-8 (with or without a byte order mark) or UTF-16/32 with one; InputError if not."""
-    encoding = next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
     try:
-        return data.decode(encoding)
+        return data.decode(text_encoding(data))
     except UnicodeDecodeError as error:
         raise InputError(
             f"{where}: byte {error.start} isn't {error.encoding} text ({error.reason}); save the "
@@ -115,7 +137,7 @@ def parse_json(text: str, where: str) -> object:
         ) from error
     except RecursionError as error:
         raise InputError(
-            f"{where}: JSON nested too deep to read; a timeline needs four levels"
+            f"{where}: JSON nested too deep for this machine's stack; a timeline needs four levels"
         ) from error
     except MemoryError as error:
         raise InputError(
@@ -136,14 +158,20 @@ class Source:
         Bytes.
     head
         Its first bytes, up to `HEAD_BYTES`, for telling the format.
+    options
+        What the caller added, for formats that bare data alone can't tell apart.
+    origin
+        The compressed file that was unpacked to `path`, None for any other.
     """
 
     path: Path
     size: int
     head: bytes
+    options: LoadOptions = field(default_factory=LoadOptions)
+    origin: Path | None = None
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str]) -> Source:
+    def open(cls, path: str | os.PathLike[str], options: LoadOptions | None = None) -> Source:
         """Look at a file.
 
         Raises
@@ -171,12 +199,17 @@ class Source:
             raise InputError(f"{where}: can't be read ({reason}); check the path") from error
         if not head:
             raise InputError(f"{where}: is empty; check how it was made, or get it again")
-        return cls(Path(path), status.st_size, head)
+        return cls(Path(path), status.st_size, head, options or LoadOptions())
 
     @property
     def where(self) -> str:
         """The path, printable: what an error line begins with."""
-        return shown_path(self.path)
+        return shown_path(self.origin or self.path)
+
+    @property
+    def folder(self) -> Path:
+        """Where companions of the file lie."""
+        return (self.origin or self.path).parent
 
     @property
     def stem(self) -> str:
@@ -186,8 +219,7 @@ class Source:
     @cached_property
     def head_text(self) -> str | None:
         """The head as text, None for binary data."""
-        encoding = next((name for mark, name in _BOMS if self.head.startswith(mark)), "utf-8")
-        decoder = codecs.getincrementaldecoder(encoding)()
+        decoder = codecs.getincrementaldecoder(text_encoding(self.head))()
         try:
             # not final: the head may end inside a character
             text = decoder.decode(self.head, final=self.size <= len(self.head))
@@ -202,21 +234,33 @@ class Source:
 
     @cached_property
     def text(self) -> str:
-        """The whole file as text; InputError if too large or not text."""
-        if self.size > MAX_TEXT_BYTES:
+        """The whole file as text; InputError if too large (`text_limit_mb`) or not text."""
+        limit_mb = self.text_limit_mb
+        if self.size > limit_mb * 2**20:
             raise InputError(
-                f"{self.where}: {self.size / 2**20:.0f} MB, more than the "
-                f"{MAX_TEXT_BYTES // 2**20} MB that are read; cut it into parts or keep fewer "
-                "points"
+                f"{self.where}: {self.size / 2**20:.0f} MB, more than the {limit_mb:g} MB that "
+                "are read; cut it into parts, keep fewer points, or raise the limit with max_mb "
+                "(--max-mb)"
             )
         try:
             with open(self.path, "rb") as stream:
-                data = stream.read(MAX_TEXT_BYTES + 1)
+                # no more than was seen, should the file be growing
+                return decode_text(stream.read(self.size), self.where)
         except OSError as error:
             raise InputError(f"{self.where}: can't be read ({error.strerror})") from error
-        return decode_text(data, self.where)
+        except MemoryError as error:
+            raise InputError(
+                f"{self.where}: too large for this machine's memory; cut it into parts"
+            ) from error
+
+    @property
+    def text_limit_mb(self) -> float:
+        """How large a text may be, MB: `max_mb`, else `MAX_WHOLE_BYTES`."""
+        given = self.options.max_mb
+        return given if given is not None else MAX_WHOLE_BYTES / 2**20
 
     @cached_property
     def json(self) -> object:
-        """The file parsed as JSON; errors as `parse_json`."""
+        """The file parsed as JSON; errors as `check_extent` (before it is parsed), `parse_json`."""
+        check_extent(self.text, self.where, self.text_limit_mb, self.options.max_depth)
         return parse_json(self.text, self.where)

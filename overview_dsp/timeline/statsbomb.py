@@ -43,6 +43,9 @@ GOOD_CHANCE_XG = 0.10
 OWN_GOAL_PAIR_US = 10_000_000
 """Furthest apart the two records of one own goal may be where neither names the other, us."""
 
+MAX_OWN_GOALS = 1000
+"""Most own goals that are paired (the record is 149)."""
+
 PROVENANCE = "events: a StatsBomb open-data event file"
 
 _SAVED = frozenset({"Saved", "Saved to Post", "Saved Off Target"})
@@ -201,7 +204,8 @@ class _Match:
                 label = f"{self._scored(record, record.team)} {short_name(record.player)}".rstrip()
                 yield "goal", label + penalty
             elif (how := _near_miss(record, outcome, on_line)) is not None:
-                yield "near_miss", ", ".join(part for part in (_who(record), how) if part)
+                spot = "penalty " if record.named("shot", "type") == "Penalty" else ""
+                yield "near_miss", ", ".join(part for part in (_who(record), spot + how) if part)
         elif record.position in own_goals:
             team = record.team
             if record.kind == "Own Goal Against":  # alone: its team is the one that suffers
@@ -234,6 +238,10 @@ class _Match:
     def _own_goals(self) -> dict[int, str]:
         """Return who scored each own goal, by the position of the record that stands for it."""
         against = [record for record in self.played if record.kind == "Own Goal Against"]
+        if len(against) > MAX_OWN_GOALS:
+            raise InputError(
+                f"{len(against)} own goals, more than the {MAX_OWN_GOALS} of any match; is it one?"
+            )
         scorers: dict[int, str] = {}
         for record in self.played:
             if record.kind == "Own Goal For":

@@ -85,15 +85,21 @@ class Server:
 
     def python(self, *arguments: object, timeout: float = 120.0) -> str:
         """Run Python with these arguments in a process of its own; what it printed."""
-        done = subprocess.run(
+        done = self.attempt(*arguments, timeout=timeout)
+        assert done.returncode == 0, done.stderr[-3000:]
+        return done.stdout
+
+    def attempt(
+        self, *arguments: object, timeout: float = 120.0
+    ) -> subprocess.CompletedProcess[str]:
+        """The same, however it ends."""
+        return subprocess.run(
             [sys.executable, *map(str, arguments)],
             capture_output=True,
             text=True,
             timeout=timeout,
             env=self.environment,
         )
-        assert done.returncode == 0, done.stderr[-3000:]
-        return done.stdout
 
 
 def run(script: str, *arguments: object) -> str:

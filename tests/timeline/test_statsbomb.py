@@ -201,6 +201,17 @@ def test_a_shot_blocked_on_the_line_is_a_near_miss(
     assert found(document, "near_miss") == expected
 
 
+def test_a_penalty_saved_or_missed_is_a_near_miss_that_says_so() -> None:
+    document = match(
+        shot(1, "00:10:00.000", "Saved", player="Ada Berg", shot_type="Penalty", xg=0.76),
+        shot(1, "00:20:00.000", "Off T", player="Ada Berg", shot_type="Penalty", xg=0.76),
+    )
+    assert [label for _, label in found(document, "near_miss")] == [
+        "Berg (Northport), penalty saved",
+        "Berg (Northport), penalty missed",
+    ]
+
+
 def test_a_foul_and_its_card_are_two_events_at_one_time() -> None:
     document = match(
         foul(1, "00:10:00.000", player="Ada Berg"),

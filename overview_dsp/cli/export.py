@@ -1,0 +1,103 @@
+"""`overview export`: a gesture baked to the haptic formats of phones and controllers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.timeline_options import open_timeline, timeline_options
+from overview_dsp.gestures.spec import FORMS
+
+FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
+_SUFFIXES = {"android": ".json", "wav4": ".wav"}
+
+
+@click.command(
+    name="export",
+    epilog="Example: overview export match.json --gesture sweep:4 --to ahap -o match.ahap",
+)
+@click.argument("timeline")
+@click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@click.option("--gesture", default="sweep:4", show_default=True, help=FORMS + "; + joins parts.")
+@click.option(
+    "--to",
+    "formats",
+    required=True,
+    multiple=True,
+    type=click.Choice(FORMAT_NAMES),
+    help="The format; may be given several times.",
+)
+@click.option("-o", "--out", help="Of one format: its file. Of several: a name without suffix.")
+@click.option(
+    "--points",
+    default=50.0,
+    show_default=True,
+    type=click.FloatRange(1.0, 1000.0),
+    help="Amplitude points to spend, a second.",
+)
+@click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
+@click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
+@timeline_options
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def command(
+    timeline: str,
+    preset: str,
+    gesture: str,
+    formats: tuple[str, ...],
+    out: str | None,
+    points: float,
+    tail: str,
+    seed: int,
+    load: dict[str, Any],
+    as_json: bool,
+) -> None:
+    """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt."""
+    from overview_dsp.export import export
+    from overview_dsp.gestures import parse_gesture
+    from overview_dsp.presets import load_preset
+    from overview_dsp.rendering import render, tail_of
+
+    data, chosen = open_timeline(timeline, load), load_preset(preset)
+    movement, rest = parse_gesture(gesture), tail_of(tail)
+    announce_compile()
+    with progress_bar("rendering") as tell:
+        result = render(data, chosen, movement, seed=seed, tail=rest)
+        tell(1.0)
+    reports: list[dict[str, Any]] = []
+    for to in dict.fromkeys(formats):
+        done = export(result, to, _place(out, to, len(set(formats)) > 1), points)
+        report: dict[str, Any] = {"format": to, "files": [str(path) for path in done.files]}
+        if done.error is not None:
+            report |= {
+                "points": done.points,
+                "transients": done.transients,
+                "median_error_db": round(done.error.median_db, 2),
+                "largest_error_db": round(done.error.largest_db, 2),
+                "within_step_percent": round(done.error.within_percent, 1),
+            }
+        reports.append(report)
+    if as_json:
+        print_json(reports)
+        return
+    for report in reports:
+        files = " and ".join(report["files"])
+        if "points" not in report:
+            click.echo(f"{files}: four channels, clicks on 1 and 2, vibration on 3 and 4")
+            continue
+        click.echo(
+            f"{files}: {report['points']} points, {report['transients']} strikes; against the "
+            f"rendered envelope {report['median_error_db']:.1f} dB (median), "
+            f"{report['within_step_percent']:.0f} % of the clip within a step of 2.3 dB"
+        )
+
+
+def _place(out: str | None, to: str, several: bool) -> Path:
+    suffix = _SUFFIXES.get(to, f".{to}")
+    if out is None:
+        return Path(f"out{suffix}")
+    if several:
+        return Path(out).with_name(Path(out).name + suffix)
+    return Path(out)

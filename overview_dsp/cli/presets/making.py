@@ -1,0 +1,114 @@
+"""`overview presets`: new, edit, morph, randomize."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from overview_dsp.cli.common import print_json
+from overview_dsp.errors import InputError
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
+
+
+@click.command(epilog="Example: overview presets new my-match --from football")
+@click.argument("name")
+@click.option("--from", "base", default="football", show_default=True, help="What it starts from.")
+@click.option("-o", "--out", help="The file.  [default: NAME.toml in your preset folder]")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def new(name: str, base: str, out: str | None, as_json: bool) -> None:
+    """A new preset that extends another, with every parameter in it to be changed."""
+    from overview_dsp.files import make_folder, whole_file
+    from overview_dsp.presets.library import SUFFIX, bundled_names, load_preset, own_folder
+    from overview_dsp.presets.writing import started_from
+
+    if not _NAME.fullmatch(name):
+        raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
+    if out is None and name in bundled_names():
+        raise InputError(f"{name!r} is a bundled preset's name; choose another one")
+    preset = load_preset(base)
+    path = Path(out) if out is not None else make_folder(own_folder()) / (name + SUFFIX)
+    if path.exists():
+        raise InputError(f"{path}: is there already; edit it, or choose another name")
+    named = Path(base).resolve() if base.endswith(SUFFIX) else base
+    with whole_file(path) as temporary:
+        temporary.write_text(started_from(str(named), preset, name), encoding="utf-8", newline="\n")
+    load_preset(path)
+    if as_json:
+        print_json({"file": str(path), "extends": base})
+    else:
+        click.echo(f"{path}: extends {base}; change it with: overview presets edit {out or name}")
+
+
+@click.command(epilog="Example: overview presets edit my-match")
+@click.argument("preset")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def edit(preset: str, as_json: bool) -> None:
+    """Open one of your presets in your editor ($VISUAL, $EDITOR), and check it afterwards."""
+    from overview_dsp.presets import load_preset, preset_path
+    from overview_dsp.presets.library import bundled_names
+
+    if preset in bundled_names():
+        raise InputError(
+            f"{preset!r} is bundled and stays as it is; make your own from it: overview presets "
+            f"new my-{preset} --from {preset}"
+        )
+    path = preset_path(preset)
+    try:
+        click.edit(filename=str(path))
+    except click.ClickException as error:
+        raise InputError(f"{error.message}; set EDITOR to an editor that is there") from None
+    load_preset(path)
+    if as_json:
+        print_json({"file": str(path), "valid": True})
+    else:
+        click.echo(f"{path}: valid")
+
+
+@click.command(epilog="Example: overview presets morph football heart --steps 5 -o between")
+@click.argument("first")
+@click.argument("second")
+@click.option("--steps", default=5, show_default=True, help="How many, both ends among them.")
+@click.option("-o", "--out", default=".", show_default=True, help="Folder for the presets.")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
+    """Presets on the way from FIRST to SECOND."""
+    from overview_dsp.files import make_folder
+    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.blending import morph as blend
+    from overview_dsp.presets.library import SUFFIX
+    from overview_dsp.presets.writing import save_preset
+
+    found = blend(load_preset(first), load_preset(second), steps)
+    folder = make_folder(out)
+    paths = [save_preset(preset, folder / (preset.name + SUFFIX)) for preset in found]
+    _report(paths, as_json)
+
+
+@click.command(epilog="Example: overview presets randomize football --seed 7 -o seven.toml")
+@click.argument("preset")
+@click.option("--seed", default=0, show_default=True, help="The same seed, the same preset.")
+@click.option("--amount", default=0.3, show_default=True, help="How far values go, 0 to 1.")
+@click.option("-o", "--out", help="The file.  [default: PRESET-SEED.toml here]")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def randomize(preset: str, seed: int, amount: float, out: str | None, as_json: bool) -> None:
+    """A preset near PRESET, by chance."""
+    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.blending import randomized
+    from overview_dsp.presets.library import SUFFIX
+    from overview_dsp.presets.writing import save_preset
+
+    if seed < 0:
+        raise InputError(f"seed {seed} is out of range; it is 0 or more")
+    found = randomized(load_preset(preset), seed, amount)
+    _report([save_preset(found, out if out is not None else found.name + SUFFIX)], as_json)
+
+
+def _report(paths: list[Path], as_json: bool) -> None:
+    if as_json:
+        print_json({"files": [str(path) for path in paths]})
+        return
+    for path in paths:
+        click.echo(path)

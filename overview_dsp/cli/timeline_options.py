@@ -1,0 +1,57 @@
+"""The options that say how a file becomes a timeline, the same on every command that takes one."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from overview_dsp.cli.common import progress_bar
+
+if TYPE_CHECKING:
+    from overview_dsp.timeline import Timeline
+
+# name of the option: (name in load_timeline, type, what stands for the value, help)
+_OPTIONS: dict[str, tuple[str, type, str, str]] = {
+    "--value": ("value", str, "COLUMN", "The column of values."),
+    "--time": ("time", str, "COLUMN", "The column of times."),
+    "--map": ("map", str, "WHAT", "What is felt: level, change, activity, volatility, a column."),
+    "--rate": ("rate", float, "HZ", "Samples a second, for a file without times."),
+    "--match": ("match", str, "WORDS", "Which match of a file: its number, or 'France Croatia'."),
+    "--duration": ("duration_s", float, "S", "Length, for an event list that doesn't tell it."),
+    "--max-mb": ("max_mb", float, "MB", "Read files up to so large."),
+    "--max-depth": ("max_depth", int, "LEVELS", "Read JSON nested so deep."),
+}
+
+
+def timeline_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options to a command, which gets what was given as the one argument `load`.
+
+    It opens its file with `open_timeline(path, load)`.
+    """
+
+    @functools.wraps(function)
+    def collected(*arguments: Any, **named: Any) -> Any:
+        load = {name: named.pop(name) for name, *_ in _OPTIONS.values()}
+        given = {name: value for name, value in load.items() if value is not None}
+        return function(*arguments, load=given, **named)
+
+    for option, (name, kind, metavar, text) in reversed(_OPTIONS.items()):
+        collected = click.option(option, name, type=kind, metavar=metavar, help=text)(collected)
+    return collected
+
+
+def open_timeline(path: str, load: dict[str, Any]) -> Timeline:
+    """Load a timeline with the given options, with a progress bar where that takes long.
+
+    Raises
+    ------
+    InputError
+        As `load_timeline`.
+    """
+    from overview_dsp.timeline import load_timeline
+
+    with progress_bar(f"reading {path}") as tell:
+        return load_timeline(path, progress=tell, **load)

@@ -1,0 +1,83 @@
+"""An amplitude curve as few straight pieces, the points spent where they are felt.
+
+A step in amplitude is felt by its ratio, so the error is measured in dB. Points are added one by
+one, in the piece where most is wrong for longest and there at the worst place (Ramer, Douglas and
+Peucker's split, with a queue), until the budget is spent or no error is a third of a step.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.export.clip import FLOOR
+from overview_dsp.measure.felt import JUST_NOTICEABLE_DB
+
+GOOD_ENOUGH_DB = JUST_NOTICEABLE_DB / 3.0
+
+
+def felt_db(amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Amplitude in dB of full scale, silent below `FLOOR`."""
+    return 20.0 * np.log10(np.maximum(amplitude, FLOOR))
+
+
+def breakpoints(
+    level: NDArray[np.float64],
+    budget: int,
+    kept: Iterable[int] = (),
+    least_apart: int = 1,
+    most_apart: int | None = None,
+) -> NDArray[np.int64]:
+    """The places to join by straight lines, both ends among them.
+
+    Parameters
+    ----------
+    level : float64 (n,), n >= 2
+    budget
+        How many places, 2 or more; those that must be are there even if they are more.
+    kept
+        Places that must be there.
+    least_apart, most_apart
+        Distances the format demands between neighbours.
+
+    Returns
+    -------
+    int64 (m,), ascending
+    """
+    last = len(level) - 1
+    target = felt_db(level)
+    places = {0, last}
+    for place in sorted(kept):
+        if 0 < place < last and min(abs(place - other) for other in places) >= least_apart:
+            places.add(place)
+    if most_apart is not None:
+        ordered = sorted(places)
+        for first, end in itertools.pairwise(ordered):
+            pieces = -(-(end - first) // most_apart)
+            places.update(first + (end - first) * k // pieces for k in range(1, pieces))
+    queue: list[tuple[float, int, int, int]] = []
+
+    def measure(first: int, end: int) -> None:
+        low, high = first + least_apart, end - least_apart
+        if high < low:
+            return
+        inside = np.arange(low, high + 1)
+        line = level[first] + (level[end] - level[first]) * (inside - first) / (end - first)
+        error = np.abs(felt_db(line) - target[low : high + 1])
+        worst = int(np.argmax(error))
+        if error[worst] >= GOOD_ENOUGH_DB:
+            heapq.heappush(queue, (-float(error.sum()), low + worst, first, end))
+
+    ordered = sorted(places)
+    for first, end in itertools.pairwise(ordered):
+        measure(first, end)
+    while queue and len(places) < budget:
+        _, place, first, end = heapq.heappop(queue)
+        places.add(place)
+        measure(first, place)
+        measure(place, end)
+    return np.array(sorted(places), dtype=np.int64)

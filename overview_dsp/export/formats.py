@@ -1,0 +1,158 @@
+"""The formats a gesture can be baked to, and the files each one writes."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.export import ahap, android, haptic, hjif
+from overview_dsp.export.clip import Clip, clip_of
+from overview_dsp.export.felt_error import FeltError, felt_error
+from overview_dsp.export.pad_wav import pad_samples
+from overview_dsp.files import whole_file
+from overview_dsp.rendering import Result
+from overview_dsp.sound_file import save_sound
+
+POINTS_PER_S = 50.0
+"""Amplitude points a second by default (Meta's studio has 40; a sweep of a second needs more)."""
+
+Played = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written.
+
+    Attributes
+    ----------
+    files
+        In the order they were written.
+    error : FeltError or None
+        Against the rendered envelope; None where the samples themselves were written.
+    points, transients
+        How many of each.
+    """
+
+    files: tuple[Path, ...]
+    error: FeltError | None
+    points: int
+    transients: int
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format: its suffix, what it is, and what it writes for (clip, points)."""
+
+    name: str
+    suffix: str
+    words: str
+    bake: Callable[[Clip, int], tuple[dict[str, bytes], Played, int]]
+
+
+def _text(document: Any) -> bytes:
+    return (json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def _ahap(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
+    vibration, strikes = ahap.vibration_pattern(clip, budget), ahap.strikes_pattern(clip)
+    points = sum(
+        len(entry["ParameterCurve"]["ParameterCurveControlPoints"])
+        for entry in vibration["Pattern"]
+        if "ParameterCurve" in entry
+    )
+    files = {".ahap": _text(vibration)}
+    if clip.transients:
+        files[".strikes.ahap"] = _text(strikes)
+    return files, ahap.played(vibration, strikes), points
+
+
+def _haptic(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
+    made = haptic.document(clip, budget)
+    points = len(made["signals"]["continuous"]["envelopes"]["amplitude"])
+    return {".haptic": _text(made)}, haptic.played(made), points
+
+
+def _hjif(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
+    made = hjif.document(clip, budget)
+    points = len(made["perceptions"][0]["channels"][0]["bands"][0]["effects"][0]["keyframes"])
+    return {".hjif": _text(made)}, hjif.played(made), points
+
+
+def _android(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
+    made = android.document(clip)
+    files = {".json": _text(made), ".xml": android.waveform_xml(clip)}
+    return files, android.played(made), len(made["waveform"]["timings"])
+
+
+FORMATS: Mapping[str, Format] = MappingProxyType(
+    {
+        made.name: made
+        for made in (
+            Format("ahap", ".ahap", "Apple's haptic patterns, vibration and strikes", _ahap),
+            Format("haptic", ".haptic", "Meta's haptic clip 1.0", _haptic),
+            Format("hjif", ".hjif", "MPEG haptics, with the friction itself", _hjif),
+            Format(
+                "android", ".json", "Android waveform (JSON, XML) and envelope effects", _android
+            ),
+        )
+    }
+)
+"""Formats of amplitude points, by name; `wav4` is written besides."""
+
+NAMES = (*FORMATS, "wav4")
+
+
+def export(
+    result: Result,
+    to: str,
+    path: str | os.PathLike[str],
+    points_per_s: float = POINTS_PER_S,
+) -> Exported:
+    """Write a rendered gesture in a haptic format.
+
+    Parameters
+    ----------
+    result
+        Of `render`, with its trace.
+    to
+        One of `NAMES`.
+    path
+        Of the first file; the others lie beside it under the same name.
+    points_per_s
+        Amplitude points to spend, a second of the clip (formats of fixed steps don't take it).
+
+    Raises
+    ------
+    InputError
+        An unknown format, nothing to vibrate, too long, an unwritable place.
+    """
+    if to not in NAMES:
+        raise InputError(f"no export format is called {to!r}; it is one of {', '.join(NAMES)}")
+    # written so that NaN fails
+    if not 1.0 <= points_per_s <= 1000.0:
+        raise InputError(f"{points_per_s:g} points a second; it is 1 to 1000")
+    target = Path(path)
+    if to == "wav4":
+        save_sound(target, pad_samples(result), result.sample_rate, "PCM_16")
+        return Exported((target,), None, 0, 0)
+    clip = clip_of(result)
+    budget = max(2, round(points_per_s * clip.duration_s))
+    files, played, points = FORMATS[to].bake(clip, budget)
+    stem = target.with_suffix("") if target.suffix else target
+    written = []
+    for suffix, data in files.items():
+        place = target if suffix == FORMATS[to].suffix else stem.with_name(stem.name + suffix)
+        with whole_file(place) as temporary:
+            temporary.write_bytes(data)
+        written.append(place)
+    error = felt_error(played, clip.level)
+    return Exported(tuple(written), error, points, len(clip.transients))

@@ -1,0 +1,15 @@
+"""Four channels for pads whose voice coils are channels 3 and 4 (DualSense): clicks, vibration."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.rendering import Result
+
+CHANNELS = 4
+
+
+def pad_samples(result: Result) -> NDArray[np.float32]:
+    """Return float32 (frames, 4): click left and right, tactor left and right."""
+    return np.ascontiguousarray(result.samples[:, [0, 0, 1, 1]])

@@ -1,0 +1,50 @@
+"""What differs between two presets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One value that differs: its id (`disk.inertia`, `kinds.goal.height`), in each preset."""
+
+    id: str
+    first: Any
+    second: Any
+    unit: str
+
+
+def differences(first: Preset, second: Preset) -> list[Difference]:
+    """Everything that differs, in the order of the parameter table, then kind by kind."""
+    found = [
+        Difference(id, first.values[id], second.values[id], known.unit)
+        for id, known in PARAMETERS.items()
+        if first.values[id] != second.values[id]
+    ]
+    for name in dict.fromkeys((*first.kinds, *second.kinds)):
+        one, other = first.kinds.get(name), second.kinds.get(name)
+        if one is None or other is None:
+            found.append(Difference(f"kinds.{name}", _has(one), _has(other), ""))
+            continue
+        for key, known in KIND_PARAMETERS.items():
+            pair = getattr(one, key), getattr(other, key)
+            if pair[0] != pair[1]:
+                found.append(Difference(f"kinds.{name}.{key}", *pair, known.unit))
+        if one.modes != other.modes:
+            found.append(Difference(f"kinds.{name}.modes", _modes(one), _modes(other), "Hz, ms"))
+    return found
+
+
+def _has(kind: Kind | None) -> str:
+    return "named" if kind is not None else "felt as default"
+
+
+def _modes(kind: Kind) -> str:
+    return (
+        ", ".join(f"{mode.frequency_hz:g} {mode.decay_ms:g}" for mode in kind.modes) or "no click"
+    )

@@ -1,0 +1,99 @@
+"""Values of a preset file that are worked out: `"$hard * 0.5"`, from the file's `[variables]`.
+
+Numbers, `$name`, + - * / and brackets. Nothing else, so a preset from a stranger can do no more
+than arithmetic.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from overview_dsp.errors import InputError
+from overview_dsp.presets.parameters import did_you_mean, shown
+
+MAX_LENGTH = 200
+_NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
+_OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+
+
+def is_expression(value: object) -> bool:
+    """Whether a value of a preset file is to be worked out."""
+    return isinstance(value, str) and _NAME.search(value) is not None
+
+
+def evaluate(text: str, variables: Mapping[str, float]) -> float:
+    """The number an expression stands for; InputError if it is none."""
+    if len(text) > MAX_LENGTH:
+        raise InputError(f"{shown(text)} is too long; an expression has up to {MAX_LENGTH} letters")
+    for name in _NAME.findall(text):
+        if name not in variables:
+            hint = did_you_mean(name, variables) if variables else "; [variables] is empty"
+            raise InputError(f"no variable is called {name!r}{hint}")
+    try:
+        tree = ast.parse(_NAME.sub(r"_\1", text), mode="eval")
+        value = _value(tree.body, {f"_{name}": number for name, number in variables.items()})
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise InputError(
+            f"{shown(text)} can't be worked out; it is numbers, $names, + - * / and brackets"
+        ) from None
+    except (ZeroDivisionError, OverflowError):
+        raise InputError(
+            f"{shown(text)} has no value: it divides by zero or is too large"
+        ) from None
+    if not math.isfinite(value):
+        raise InputError(f"{shown(text)} has no value: it is too large")
+    return value
+
+
+def _value(node: ast.expr, names: Mapping[str, float]) -> float:
+    if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+        return float(node.value)
+    if isinstance(node, ast.Name):
+        return names[node.id] if node.id in names else _none()
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        return -_value(node.operand, names)
+    if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+        return _OPERATORS[type(node.op)](_value(node.left, names), _value(node.right, names))
+    return _none()
+
+
+def _none() -> float:
+    raise ValueError
+
+
+def work_out(data: Any, variables: Mapping[str, float], path: tuple[str | int, ...] = ()) -> Any:
+    """A copy of a file's data with every expression worked out.
+
+    Raises
+    ------
+    FaultyValueError
+        An expression that has no value, with its path.
+    """
+    if isinstance(data, dict):
+        return {key: work_out(value, variables, (*path, key)) for key, value in data.items()}
+    if isinstance(data, list):
+        return [work_out(value, variables, (*path, i)) for i, value in enumerate(data)]
+    if is_expression(data) and path[-1:] not in (("title",), ("description",)):
+        try:
+            return evaluate(data, variables)
+        except InputError as error:
+            raise FaultyValueError(path, str(error)) from None
+    return data
+
+
+class FaultyValueError(InputError):
+    """A value of a preset file that is wrong, and where it is."""
+
+    def __init__(self, path: tuple[str | int, ...], message: str) -> None:
+        super().__init__(message)
+        self.path = path

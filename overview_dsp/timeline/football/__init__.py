@@ -1,0 +1,1 @@
+"""Football from other vendors and lists: Metrica, Wyscout, openfootball, minutes."""

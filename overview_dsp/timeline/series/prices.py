@@ -1,0 +1,80 @@
+"""What a table of prices (open, high, low, close, volume, adjusted close) looks like."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from overview_dsp.timeline.series.table import Column
+
+CURRENCIES = frozenset("$€£¥₹₽₩")
+"""Signs that make a number a price."""
+
+_CLOSE = ("close", "closelast", "closeprice", "last", "lastprice", "c", "closing", "settle")
+_OPEN = ("open", "openprice", "o")
+_HIGH_LOW = ("high", "low", "highprice", "lowprice", "dayhigh", "daylow", "h", "l")
+_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
+_PRICE_WORDS = (
+    "price", "close", "adjclose", "quote", "rate", "usd", "eur", "gbp", "open", "nav", "settle",
+)  # fmt: skip
+
+
+def _key(column: Column) -> str:
+    # Alpha Vantage numbers its columns: "5. adjusted close"
+    return re.sub(r"^\d+", "", column.plain)
+
+
+def is_adjusted(column: Column) -> bool:
+    """Tell whether a column is a price adjusted for splits (and mostly dividends)."""
+    name = _key(column)
+    return name in ("adj", "adjusted") or ("adj" in name and ("clos" in name or "pric" in name))
+
+
+def is_price(column: Column) -> bool:
+    """Tell by its name whether a column is a price."""
+    name = _key(column)
+    return (
+        is_adjusted(column)
+        or name in (*_CLOSE[:6], *_OPEN[:2], *_HIGH_LOW[:6])
+        or any(
+            name.startswith(word) or name.endswith(word) for word in _PRICE_WORDS if len(word) > 3
+        )
+    )
+
+
+def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
+    return next((i for name in names for i, c in enumerate(columns) if _key(c) == name), None)
+
+
+def is_table(columns: Sequence[Column]) -> bool:
+    """Tell whether these columns are a table of prices: a close, and an open, high or low."""
+    return _first(columns, _CLOSE) is not None and (
+        _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
+    )
+
+
+def adjusted(columns: Sequence[Column]) -> int | None:
+    """Return the adjusted column."""
+    return next((i for i, column in enumerate(columns) if is_adjusted(column)), None)
+
+
+def preferred(columns: Sequence[Column]) -> int | None:
+    """Return the column of a table of prices that is the value: adjusted close, else close."""
+    if is_table(columns):
+        found = adjusted(columns)
+        return found if found is not None else _first(columns, _CLOSE)
+    # a close and its volume alone
+    rest = [column for column in columns if _key(column) not in _VOLUME]
+    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0]):
+        return columns.index(rest[0])
+    return None
+
+
+def opening(columns: Sequence[Column]) -> int | None:
+    """Return the opening price."""
+    return _first(columns, _OPEN)
+
+
+def volume(columns: Sequence[Column]) -> int | None:
+    """Return the shares traded."""
+    return _first(columns, _VOLUME)

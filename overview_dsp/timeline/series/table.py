@@ -1,0 +1,179 @@
+"""What every table looks like to the rest of this room, whichever file it came from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.timeline import checks
+
+CHUNK_ROWS = 65_536
+"""Rows read at a time: some 10 MB as text cells, whatever the file's size."""
+
+MAX_COLUMNS = 10_000
+"""Most columns a table may have: each is looked at before one is chosen."""
+
+Cells = list[Any] | NDArray[Any]
+"""One column of a chunk: text and other single values (None = missing), or an array of float64
+(NaN = missing), int64 or datetime64 (NaT = missing)."""
+
+_WITH_UNIT = re.compile(r"(.*?)\s*[(\[]\s*([^()\[\]]{1,24}?)\s*[)\]]\s*", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column: its header as written, and what the header says.
+
+    Parameters
+    ----------
+    header
+        As the file has it, without the blanks around it.
+    name, unit
+        `temp_max` and `°C` of `temp_max (°C)`; the unit is empty where the header has none.
+    zoned
+        Its datetimes are UTC. (Text says so itself.)
+    """
+
+    header: str
+    name: str
+    unit: str = ""
+    zoned: bool = False
+
+    @classmethod
+    def of(cls, header: str, unit: str = "") -> Column:
+        """Take a header apart."""
+        header = " ".join(header.split())
+        found = _WITH_UNIT.fullmatch(header)
+        if unit or found is None or not found[1]:
+            return cls(header, header, unit)
+        return cls(header, found[1], found[2])
+
+    @property
+    def plain(self) -> str:
+        """The name in small letters and digits alone: `adjclose` of `Adj Close**`."""
+        return re.sub(r"[^0-9a-zäöüßéèáíóú]+", "", self.name.lower())
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some rows of some columns.
+
+    Parameters
+    ----------
+    cells
+        One entry a column asked for, all of the same length.
+    first
+        The number of the first row as a person counts (a line, a row, a record).
+    numbers
+        The number of each row where they don't just count on from `first`.
+    part
+        How much of the file has been read, 0 to 1.
+    """
+
+    cells: tuple[Cells, ...]
+    first: int
+    numbers: Sequence[int] | None = None
+    part: float = 1.0
+
+    def __len__(self) -> int:
+        return len(self.cells[0])
+
+    def number(self, i: int) -> int:
+        """The number of row `i` of this chunk."""
+        return self.first + i if self.numbers is None else self.numbers[i]
+
+
+class Table(Protocol):
+    """A table that can be read as often as needed, some rows at a time."""
+
+    @property
+    def kind(self) -> str:
+        """What it is: `CSV`, `Parquet`, `JSON`."""
+        ...
+
+    @property
+    def row_word(self) -> str:
+        """What a row is called in an error line: `line`, `row`, `record`."""
+        ...
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """All columns, in order."""
+        ...
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a person should know about how it was read."""
+        ...
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read these columns from the beginning; InputError names line and column."""
+        ...
+
+
+def column_named(columns: Sequence[Column], wanted: str) -> int | None:
+    """Return the column a person means: the header itself, then its name, in any case.
+
+    Raises
+    ------
+    InputError
+        The words fit several columns.
+    """
+    asked = " ".join(wanted.split())
+    headers, names = [c.header for c in columns], [c.name for c in columns]
+    small = asked.lower()
+    rules = (
+        (headers, asked),
+        (names, asked),
+        ([header.lower() for header in headers], small),
+        ([name.lower() for name in names], small),
+    )
+    for words, word in rules:
+        found = [i for i, candidate in enumerate(words) if candidate == word]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise InputError(
+                f"{len(found)} columns are called {checks.shown(wanted)}; rename one in the file"
+            )
+    return None
+
+
+def listed(columns: Sequence[Column], limit: int = 12) -> str:
+    """Return the columns' headers for a line to a person."""
+    names = [checks.shown(column.header) for column in columns[:limit]]
+    more = len(columns) - limit
+    return ", ".join(names) + (f" and {more} more" if more > 0 else "")
+
+
+def first_rows(table: Table, rows: int) -> list[list[Any]]:
+    """Return the first `rows` rows as one list a column."""
+    wanted = range(len(table.columns))
+    for chunk in table.chunks(wanted):
+        return [as_list(cells[:rows]) for cells in chunk.cells]
+    return [[] for _ in wanted]
+
+
+def as_list(cells: Cells) -> list[Any]:
+    """Return cells as Python values: datetimes stay numpy's, since theirs may not fit Python's."""
+    if isinstance(cells, np.ndarray):
+        return list(cells) if cells.dtype.kind == "M" else list(cells.tolist())
+    return cells
+
+
+def check_single(table: Table, chunk: Chunk, columns: Sequence[int]) -> None:
+    """Refuse a cell that holds a list or an object; InputError names row and column."""
+    for index, cells in zip(columns, chunk.cells, strict=True):
+        for i, cell in enumerate(cells):
+            if isinstance(cell, list | dict):
+                header = checks.shown(table.columns[index].header)
+                raise InputError(
+                    f"{table.row_word} {chunk.number(i)}, column {header}: {checks.shown(cell)} "
+                    "isn't a single value"
+                )

@@ -1,0 +1,101 @@
+"""`overview presets`: new, edit, diff, morph, randomize, audition, docs, schema."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+import soundfile
+
+from .running import overview, refused
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("OVERVIEW_PRESETS", str(tmp_path / "own"))
+    return tmp_path
+
+
+def done(*arguments):
+    outcome = overview(*arguments)
+    assert outcome.code == 0, outcome.err
+    return outcome.out
+
+
+def test_a_new_preset_is_in_the_own_folder_listed_checked_and_played(folder):
+    assert "own" in done("presets", "new", "mine", "--from", "heart")
+    assert (folder / "own" / "mine.toml").is_file()
+    assert "mine" in done("presets", "list")
+    assert "valid" in done("presets", "check", "mine")
+    assert "no difference" in done("presets", "diff", "mine", "heart")
+    refused(overview("presets", "new", "mine"), "is there already")
+    refused(overview("presets", "new", "football"), "bundled")
+    refused(overview("presets", "new", "../x"), "no name")
+    refused(overview("presets", "new", "other", "--from", "nothing"), "nothing")
+
+
+def test_editing_checks_what_was_written(folder, monkeypatch):
+    done("presets", "new", "mine")
+    (folder / "editor").write_text('#!/bin/sh\nprintf "\\n[disk]\\nk1 = 9e9\\n" >> "$1"\n')
+    (folder / "editor").chmod(0o755)
+    monkeypatch.setenv("VISUAL", str(folder / "editor"))
+    refused(overview("presets", "edit", "mine"), "mine.toml:", "disk.k1", "out of range")
+    refused(overview("presets", "edit", "football"), "presets new my-football --from football")
+    monkeypatch.setenv("VISUAL", "true")
+    refused(overview("presets", "edit", "mine"), "disk.k1")
+
+
+def test_diff_says_what_differs_as_a_table_and_as_json(folder):
+    assert "surface.friction" in done("presets", "diff", "football", "crowd")
+    found = json.loads(done("presets", "diff", "football", "crowd", "--json"))
+    assert {"id": "surface.ambience", "first": 0.6, "second": 2.5, "unit": "x"} in found
+
+
+def test_morphs_and_chance_are_written_and_valid(folder):
+    done("presets", "morph", "football", "heart", "--steps", "3", "-o", "between")
+    assert sorted(path.name for path in (folder / "between").iterdir()) == [
+        f"football-heart-{k}.toml" for k in (1, 2, 3)
+    ]
+    done("presets", "check", *map(str, (folder / "between").iterdir()))
+    done("presets", "randomize", "football", "--seed", "7")
+    first = (folder / "football-7.toml").read_bytes()
+    done("presets", "randomize", "football", "--seed", "7", "-o", "again.toml")
+    assert (folder / "again.toml").read_bytes() == first
+    refused(overview("presets", "randomize", "football", "--amount", "2"), "0 to 1")
+    refused(overview("presets", "morph", "football", "heart", "--steps", "1"), "2 to 1000")
+
+
+def test_an_audition_is_a_sound_and_a_picture_of_every_kind(folder):
+    report = json.loads(done("presets", "audition", "crowd", "--json"))
+    samples, _ = soundfile.read(report["file"])
+    assert abs(samples).max(axis=0).min() > 0.01
+    assert [entry["kind"] for entry in report["kinds"]] == [
+        kind for kind in ("default", "cheer", "burst") for _ in range(2)
+    ]
+    assert (folder / "crowd-audition.png").stat().st_size > 10_000
+
+
+def test_the_reference_and_the_schema_are_printed(folder):
+    assert "| `inertia` |" in done("presets", "docs")
+    assert json.loads(done("presets", "schema"))["title"] == "overView preset"
+
+
+def test_feel_is_a_table_json_and_a_picture(folder):
+    assert "slow recoil" in done("presets", "feel", "crowd")
+    report = json.loads(done("presets", "feel", "crowd", "--plot", "feel.png", "--json"))
+    assert {kind["kind"] for kind in report["strokes"][0]["kinds"]} == {"default", "cheer", "burst"}
+    assert (folder / "feel.png").stat().st_size > 10_000
+    refused(overview("presets", "feel", "crowd", "--plot", "feel.txt"), ".png")
+    (folder / "flat.json").write_text(
+        '{"overview_timeline": 1, "duration_s": 9,'
+        ' "intensity": {"time_s": [0, 9], "value": [0, 1]}}'
+    )
+    refused(overview("presets", "feel", "crowd", "flat.json"), "has no events")
+
+
+def test_tune_writes_a_valid_preset(folder):
+    report = json.loads(done("presets", "tune", "crowd", "--target", "cheer>default", "--json"))
+    done("presets", "check", report["file"])
+    assert report["reached"] is (report["least_steps"] >= 2.0)
+    refused(overview("presets", "tune", "crowd", "--target", "cheer"), "two kinds")

@@ -1,0 +1,57 @@
+"""Draw the terminal application into docs/pictures/play.svg: a finger on the way to a goal.
+
+python tools/draw_terminal.py [OUT.svg]
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import sys
+from pathlib import Path
+
+import overview_dsp as ov
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.player import Player
+from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.silent import SilentStream
+from overview_dsp.tui import PlayApp
+from overview_dsp.tui.timeline_view import TimelineView
+
+OUT = Path(__file__).parent.parent / "docs" / "pictures" / "play.svg"
+SIZE = (110, 30)
+WAY = range(5, 70)
+
+
+async def draw(player: Player) -> str:
+    app = PlayApp(player)
+    async with app.run_test(size=SIZE) as pilot:
+        await pilot.pause(0.5)
+        await pilot.mouse_down(TimelineView, offset=(WAY[0], 6))
+        for column in WAY:
+            await pilot.hover(TimelineView, offset=(column, 6))
+            await pilot.pause(0.05)
+        return app.export_screenshot(title="overview play world-cup-final-2018")
+
+
+def main() -> None:
+    out = Path(sys.argv[1]) if len(sys.argv) > 1 else OUT
+    player = Player(
+        ov.load_timeline("world-cup-final-2018"),
+        PresetWatch("football"),
+        lambda engine, settings: SilentStream(engine, 1024, settings),
+        OutputSettings(),
+        callback="python",
+    )
+    try:
+        drawn = asyncio.run(draw(player))
+    finally:
+        player.close()
+    # the viewer's own monospaced font: a picture fetches nothing from elsewhere
+    drawn = re.sub(r"@font-face\s*\{.*?\}", "", drawn, flags=re.DOTALL)
+    out.write_text(drawn.replace("Fira Code", "DejaVu Sans Mono"), encoding="utf-8")
+    print(out)
+
+
+if __name__ == "__main__":
+    main()
