@@ -219,8 +219,11 @@ class Intensity:
         place = ((np.arange(SAMPLED) + random.random(SAMPLED)) * step).astype(np.int64)
         stretch = np.searchsorted(behind, place, side="right")
         index = place - behind[stretch] + stop[stretch]
-        low, high = np.percentile(self.points.value[index].astype(np.float64), self.percentiles)
+        low, high = np.percentile(self._picked(index), self.percentiles)
         return (float(low), float(high)) if low < high else extremes
+
+    def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        return self.points.picked(index)
 
     def _known(self, gaps: Gaps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The stretches of points (first, stop) that lie in no gap; all, if there are none."""
@@ -324,6 +327,10 @@ class Part(Intensity):
         known = ~in_gap(gaps, np.array(self._ends_s))
         ends = self.points.interpolate(self._bounds)[known]
         return min(low, float(ends.min(initial=low))), max(high, float(ends.max(initial=high)))
+
+    def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        # what a zoom has touched stays in memory for the next step
+        return self.points.value[index].astype(np.float64)
 
     @property
     def _shift(self) -> float:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import mmap
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,9 @@ from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.pyramid import Level, Values, build_pyramid
 
 Times = NDArray[np.float64] | EvenTimes
+
+PARTS = 64
+"""So many parts of a long curve are looked at one after another."""
 
 _DIRECT = 1 << 17
 """Up to so many values are looked at one by one."""
@@ -67,6 +72,15 @@ class Points:
         low, high = np.minimum(before, behind), np.maximum(before, behind)
         # clipped: rounding may take the mean past its ends by one unit in the last place
         return np.clip(before * (1.0 - weight) + behind * weight, low, high)
+
+    def picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the values of ascending indices; of values on disk little is kept in memory."""
+        found = np.empty(len(index))
+        for some in np.array_split(np.arange(len(index)), PARTS):
+            found[some] = self.value[index[some]]
+            if isinstance(self.value, np.memmap):
+                _forget(self.value)
+        return found
 
     def extremes(self, first: NDArray[np.int64], stop: NDArray[np.int64]) -> tuple[float, float]:
         """Return the smallest and the largest value of stretches first[i] to stop[i] - 1.
@@ -125,3 +139,12 @@ def _every(first: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int6
     begins = np.cumsum(lengths) - lengths
     index: NDArray[np.int64] = np.arange(int(lengths.sum())) + np.repeat(first - begins, lengths)
     return index
+
+
+def _forget(values: NDArray[np.floating[Any]]) -> None:
+    """Let go of the pages of a file that were mapped: the system reads some around each one."""
+    base: Any = values
+    while isinstance(base, np.ndarray):
+        base = base.base
+    if isinstance(base, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
+        base.madvise(mmap.MADV_DONTNEED)

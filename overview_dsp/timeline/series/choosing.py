@@ -86,7 +86,7 @@ def choose_time(
                 f"column {checks.shown(columns[index].header)} holds "
                 f"{checks.shown(first) if first is not None else 'no values'}, which isn't a time "
                 "in any known way; name another column, or say how times are written "
-                "(time='COLUMN:FORMAT')"
+                "with time (--time COLUMN:FORMAT)"
             )
         return TimeChoice((index,), form, notes=_form_notes(form))
     if rated:
@@ -98,7 +98,8 @@ def choose_time(
             return parts
         raise InputError(
             f"no column looks like times; columns are {listed(columns)}: name one "
-            "(time='COLUMN'), or give the rate of evenly spaced rows (rate=SAMPLES A SECOND)"
+            "with time (--time), or give the samples a second of evenly spaced rows with rate "
+            "(--rate)"
         )
     index, form = found
     if written:
@@ -252,7 +253,7 @@ def choose_value(
     if not series:
         raise InputError(
             f"no column of numbers besides the times; columns are {listed(columns)}: name the "
-            "values (value='COLUMN')"
+            "values with value (--value)"
         )
     offered = [columns[i] for i in series]
     price = prices.preferred(offered)
@@ -266,7 +267,7 @@ def choose_value(
         )
     raise InputError(
         f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "
-        f"(value={checks.shown(offered[0].header)})"
+        f"with value (--value), such as {checks.shown(offered[0].header)}"
     )
 
 

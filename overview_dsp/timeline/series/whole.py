@@ -117,7 +117,7 @@ def _split_notes(
     adjusted = prices.adjusted(plan.table.columns)
     if adjusted is not None:
         header = checks.shown(plan.table.columns[adjusted].header)
-        advice = f"use value={header}, which is"
+        advice = f"take {header} with value (--value), which is"
     else:
         advice = "the table has no adjusted column; get prices that are"
     shown = []
