@@ -245,6 +245,21 @@ def choose_value(
         for i in range(len(columns))
         if i not in times and looks_numeric(head[i]) and not _is_time_too(columns[i], head[i])
     ]
+    if not numeric:
+        raise InputError(
+            f"no column of numbers besides the times; columns are {listed(columns)}: name the "
+            "values with value (--value)"
+        )
+    offered = [columns[i] for i in numeric]
+    price = prices.preferred(offered)
+    if price is not None and len(numeric) > 1:
+        adjusted = prices.is_adjusted(offered[price])
+        why = "the close adjusted for splits and dividends" if adjusted else "the last price"
+        return ValueChoice(
+            numeric[price],
+            f"the value is column {checks.shown(offered[price].header)}, {why} in a table of "
+            f"prices; others can be named: {listed(offered)}",
+        )
     series = [
         i
         for i in numeric
@@ -254,21 +269,7 @@ def choose_value(
         left = [columns[i] for i in numeric if i not in series]
         note = f"left out, as row counts or one number throughout: {listed(left)}"
         return ValueChoice(series[0], note if left else "")
-    if not series:
-        raise InputError(
-            f"no column of numbers besides the times; columns are {listed(columns)}: name the "
-            "values with value (--value)"
-        )
     offered = [columns[i] for i in series]
-    price = prices.preferred(offered)
-    if price is not None:
-        adjusted = prices.is_adjusted(offered[price])
-        why = "the close adjusted for splits and dividends" if adjusted else "the last price"
-        return ValueChoice(
-            series[price],
-            f"the value is column {checks.shown(offered[price].header)}, {why} in a table of "
-            f"prices; others can be named: {listed(offered)}",
-        )
     raise InputError(
         f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "
         f"with value (--value), such as {checks.shown(offered[0].header)}"
