@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from datetime import timedelta
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from overview_dsp.measure.feel_report import FeelReport
+
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#767676"
@@ -38,9 +41,13 @@ KIND_STYLE: dict[str, tuple[str, str, str]] = {
     "red_card": ("D", VERMILION, "red card"),
     "foul": ("x", GREY, "foul"),
     "period": ("|", BLACK, "start or end of a half"),
+    "shot": ("<", GREEN, "shot"),
+    "touch": ("+", GREY, "touch"),
 }
 # of kinds that have no style of their own, one after the other
-_OTHER_MARKERS = "Pv*X<>pd8"
+_OTHER_MARKERS = "Pv*X>pd8"
+_OTHER_COLOURS = (VERMILION, BLUE, YELLOW, SKY, GREEN, ORANGE, PURPLE)
+_LINES = "x|+"  # markers without a face
 GAP_HATCH = "////"
 _POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
 
@@ -51,7 +58,11 @@ def styles_of(timeline: Timeline) -> dict[str, tuple[str, str, str]]:
     known = {kind: style for kind, style in KIND_STYLE.items() if kind in kinds}
     others = sorted(set(kinds) - set(known))
     return known | {
-        kind: (_OTHER_MARKERS[index % len(_OTHER_MARKERS)], PURPLE, kind.replace("_", " "))
+        kind: (
+            _OTHER_MARKERS[index % len(_OTHER_MARKERS)],
+            _OTHER_COLOURS[index % len(_OTHER_COLOURS)],
+            kind.replace("_", " "),
+        )
         for index, kind in enumerate(others)
     }
 
@@ -83,9 +94,22 @@ def plot_timeline(timeline: Timeline) -> Figure:
     """The intensity curve with its events, as in the paper's figure 4; gaps are hatched."""
     figure = _figure(9.0, 3.6)
     axes = figure.subplots()
+    draw_timeline(axes, timeline)
+    figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
+    axes.set_title(timeline.title, loc="left", fontsize=10)
+    if timeline.events or timeline.gaps:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+    return figure
+
+
+def draw_timeline(axes: Axes, timeline: Timeline, like: Timeline | None = None) -> None:
+    """The intensity curve with its events and gaps into axes of any figure.
+
+    Kinds have the markers they have in a picture of `like`, which must have them all.
+    """
     scale, unit = _time_unit(timeline.duration_s)
     times = np.linspace(0.0, timeline.duration_s, 4001)
-    curve = timeline.normalised_intensity_at(times)
+    curve = timeline.normalised_levels(4000)
     curve[in_gap(timeline.gaps, times)] = np.nan  # no line over a gap
     for i, (start, end) in enumerate(timeline.gaps):
         axes.axvspan(
@@ -100,8 +124,10 @@ def plot_timeline(timeline: Timeline) -> Figure:
         )
     axes.fill_between(times / scale, curve, color="#e8eef4", zorder=1)
     axes.plot(times / scale, curve, color=GREY, linewidth=1.2, zorder=2)
-    for kind, (marker, colour, words) in styles_of(timeline).items():
+    for kind, (marker, colour, words) in styles_of(like or timeline).items():
         at = np.array([event.time_s for event in timeline.events if event.kind == kind])
+        if not len(at):
+            continue
         height = timeline.normalised_intensity_at(at)
         goal = kind in ("goal", "own_goal")
         axes.scatter(
@@ -110,8 +136,8 @@ def plot_timeline(timeline: Timeline) -> Figure:
             s=90 if goal else 46,
             marker=marker,
             color=colour,
-            edgecolors=None if marker in "x|" else BLACK,
-            linewidths=1.6 if marker in "x|" else 0.7,
+            edgecolors=None if marker in _LINES else BLACK,
+            linewidths=1.6 if marker in _LINES else 0.7,
             label=f"{words} ({len(at)})",
             zorder=4 if goal else 3,
         )
@@ -132,12 +158,7 @@ def plot_timeline(timeline: Timeline) -> Figure:
     axes.set_ylim(0.0, 1.18)
     _label_time(axes, timeline, scale, unit)
     axes.set_ylabel("intensity")
-    figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
-    axes.set_title(timeline.title, loc="left", fontsize=10)
     _tidy(axes)
-    if timeline.events or timeline.gaps:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
-    return figure
 
 
 def _time_unit(duration_s: float) -> tuple[float, str]:
@@ -155,15 +176,14 @@ def _label_time(axes: Axes, timeline: Timeline, scale: float, unit: str) -> None
         football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
         axes.set_xlabel(f"time of play, {unit}" if football else f"time, {unit}")
         return
-    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
-
+    dates: Any = import_module("matplotlib.dates")  # it has no types
     # the clock on the wall: a zone would be turned into UTC
     first = start.replace(tzinfo=None)
-    locator = AutoDateLocator(minticks=4, maxticks=9)
+    locator = dates.AutoDateLocator(minticks=4, maxticks=9)
     days = np.asarray(locator.tick_values(first, first + timedelta(seconds=timeline.duration_s)))
-    at_s = (days - date2num(first)) * 86_400.0
+    at_s = (days - dates.date2num(first)) * 86_400.0
     shown = (at_s >= 0.0) & (at_s <= timeline.duration_s)
-    words = ConciseDateFormatter(locator).format_ticks(days[shown])
+    words = dates.ConciseDateFormatter(locator).format_ticks(days[shown])
     axes.set_xticks(at_s[shown] / scale, words)
     axes.set_xlabel(f"from {start.isoformat(' ', 'seconds')}")
 
@@ -239,7 +259,7 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
             for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True)
             if timeline.events[event].kind == kind and time <= end
         ]
-        if not at or kind in ("foul", "period"):
+        if not at or kind in ("foul", "period", "touch", "shot"):
             continue
         axes.scatter(
             at,
@@ -299,15 +319,54 @@ def plot_gallery(result: Result, preset: Preset) -> Figure:
     return figure
 
 
+def plot_feel(report: FeelReport) -> Figure:
+    """How far each kind stands out of the rest, stroke by stroke, with the steps of touch."""
+    kinds = list(dict.fromkeys(kind.kind for stroke in report.strokes for kind in stroke.kinds))
+    figure = _figure(9.0, 1.4 + 0.36 * len(kinds))
+    axes = figure.subplots()
+    table = np.full((len(kinds), len(report.strokes)), np.nan)
+    for column, stroke in enumerate(report.strokes):
+        for kind in stroke.kinds:
+            table[kinds.index(kind.kind), column] = kind.contrast_db
+    shown = axes.imshow(table, aspect="auto", cmap="cividis", vmin=0.0, vmax=30.0)
+    for (row, column), value in np.ndenumerate(table):
+        if np.isfinite(value):
+            axes.text(
+                column,
+                row,
+                f"{value:.0f}",
+                ha="center",
+                va="center",
+                fontsize=8,
+                # a step of 2.3 dB is the least that is felt
+                color=VERMILION if value < 2.3 else "white" if value < 18.0 else "black",
+                fontweight="bold" if value < 2.3 else "normal",
+            )
+    axes.set_xticks(range(len(report.strokes)), [stroke.name for stroke in report.strokes])
+    axes.tick_params(axis="x", rotation=25, labelsize=8)
+    axes.set_yticks(range(len(kinds)), kinds)
+    axes.grid(visible=False)
+    figure.colorbar(shown, ax=axes, label="dB above the rest (red: masked)", pad=0.02)
+    axes.set_title(f"{report.preset} on {report.timeline or 'a timeline'}", loc="left", fontsize=10)
+    figure.tight_layout()
+    return figure
+
+
 PICTURES = (".png", ".svg", ".pdf")
 """How a picture may be written, by the suffix of its file."""
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:
     """Refuse early, with InputError, a picture that could not be written at the end."""
-    if Path(path).suffix.lower() not in PICTURES:
-        raise InputError(f"{path}: a picture is {', '.join(PICTURES)}; choose one of them")
+    _picture_suffix(path)
     require_writable(path)
+
+
+def _picture_suffix(path: str | os.PathLike[str]) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix not in PICTURES:
+        raise InputError(f"{path}: a picture is {', '.join(PICTURES)}; choose one of them")
+    return suffix
 
 
 def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -316,12 +375,12 @@ def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
 
     # no date and fixed ids: the same figure gives the same bytes
     metadata = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    require_picture(path)
+    suffix = _picture_suffix(path)
     with (
         matplotlib.rc_context({"svg.hashsalt": "overview", "svg.fonttype": "none"}),
         whole_file(path) as temporary,
     ):
-        figure.savefig(temporary, dpi=150, metadata=metadata[Path(path).suffix.lower()])
+        figure.savefig(temporary, dpi=150, metadata=metadata[suffix])
 
 
 def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:

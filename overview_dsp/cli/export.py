@@ -7,7 +7,19 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.common import (
+    announce_compile,
+    part_of,
+    print_json,
+    progress_bar,
+    window_options,
+)
+from overview_dsp.cli.timeline_options import (
+    open_timeline,
+    preset_for,
+    preset_option,
+    timeline_options,
+)
 from overview_dsp.gestures.spec import FORMS
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
@@ -19,7 +31,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     epilog="Example: overview export match.json --gesture sweep:4 --to ahap -o match.ahap",
 )
 @click.argument("timeline")
-@click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@preset_option
 @click.option("--gesture", default="sweep:4", show_default=True, help=FORMS + "; + joins parts.")
 @click.option(
     "--to",
@@ -39,16 +51,21 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 )
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
+@window_options
+@timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
     timeline: str,
-    preset: str,
+    preset: str | None,
     gesture: str,
     formats: tuple[str, ...],
     out: str | None,
     points: float,
     tail: str,
     seed: int,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
+    load: dict[str, Any],
     as_json: bool,
 ) -> None:
     """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt."""
@@ -56,9 +73,12 @@ def command(
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render, tail_of
-    from overview_dsp.timeline import load_timeline
 
-    data, chosen = load_timeline(timeline), load_preset(preset)
+    data = open_timeline(timeline, load)
+    part = part_of(data, window, zoom_to)
+    if part is not None:
+        data = data.window(*part)
+    chosen = load_preset(preset_for(data, preset))
     movement, rest = parse_gesture(gesture), tail_of(tail)
     announce_compile()
     with progress_bar("rendering") as tell:

@@ -30,13 +30,14 @@ def show(file: str, load: dict[str, Any], events: bool, plot: str | None, as_jso
     """
     from overview_dsp.timeline.describe import describe, describe_json
     from overview_dsp.timeline.loading import list_matches
+    from overview_dsp.timeline.source import LoadOptions
 
     if plot is not None:
         from overview_dsp.plots import require_picture
 
         require_picture(plot)
     if "match" not in load and plot is None:
-        matches = list_matches(file, **_limits(load))
+        matches = list_matches(file, LoadOptions(**load))
         if len(matches) > 1:
             _print_matches(file, matches, as_json)
             return
@@ -100,10 +101,6 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
         f"{out}: {data.title or '(no title)'}, {clock_text(data.duration_s)}, "
         f"{len(data.events)} events, {kept} points{left}"
     )
-
-
-def _limits(load: dict[str, Any]) -> dict[str, Any]:
-    return {name: load[name] for name in ("max_mb", "max_depth") if name in load}
 
 
 def _print_matches(file: str, matches: tuple[str, ...], as_json: bool) -> None:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 from overview_dsp.engine import Engine
-from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.recorder import Recorder
@@ -24,6 +25,7 @@ from overview_dsp.live.stream_meters import StreamMeters, take_peaks
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface import Surface
 from overview_dsp.timeline import Timeline
+from overview_dsp.timeline.zooming import Zoom
 from overview_dsp.units import HALF_TURN
 
 TAP_HOLD_S = 1.0
@@ -31,8 +33,6 @@ LOST_AFTER_S = 1.0
 """An output that hasn't called for so long is lost."""
 
 RETRY_EVERY_S = 1.0
-NARROWEST_S = 0.5
-"""No window is narrower, s (or the whole, where that is shorter)."""
 
 
 class Stream(Protocol):
@@ -200,12 +200,29 @@ class Player:
 
     def zoom(self, factor: float, about: float) -> None:
         """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
-        start, end = self._wanted_window or self.window
-        moment = start + (end - start) * about
-        whole = self.timeline.duration_s
-        width = min(max((end - start) / factor, min(NARROWEST_S, whole)), whole)
-        first = min(max(moment - width * about, 0.0), whole - width)
-        self.show(first, min(first + width, whole))
+        wanted = Zoom(self.timeline, *(self._wanted_window or self.window)).scaled(factor, about)
+        self.show(*wanted.window)
+
+    def go_to_event(self, direction: int, place: float) -> None:
+        """Touch the event after (1) or before (-1) a place of the window, in the window or beyond.
+
+        Beyond its end the window moves along.
+        """
+        zoom = Zoom(self.timeline, *self.window)
+        places = [float(one) for one in self.surface.place]
+        near = 1e-6
+        if direction > 0:
+            wanted = min((one for one in places if one > place + near), default=None)
+            beyond = zoom.next_event_s(zoom.end_s)
+        else:
+            wanted = max((one for one in places if one < place - near), default=None)
+            beyond = zoom.previous_event_s(zoom.start_s)
+        if wanted is None and beyond is not None:
+            moved = zoom.showing(beyond)
+            self.show(*moved.window)
+            wanted = moved.place(beyond)
+        if wanted is not None:
+            self.touch(wanted)
 
     def show(self, start_s: float, end_s: float) -> None:
         """Put a part of the timeline under the hand; InputError if it isn't one."""
@@ -238,21 +255,31 @@ class Player:
 
     def _make_changes(self) -> None:
         """Hand over what is wanted; what finds no free surface slot waits for the next poll."""
-        try:
-            if self._wanted_window is not None:
-                window = self._wanted_window
-                shown = self.timeline.window(*window)
-                self.engine.set_timeline(shown, window=window)
-                self.window, self.shown, self._wanted_window = window, shown, None
-            if self._wanted_preset is not None:
-                self.engine.set_preset(self._wanted_preset)
+        with warnings.catch_warnings(record=True) as noted:
+            warnings.simplefilter("always")
+            try:
+                self._change()
+            except InputError as error:
                 self._wanted_preset = None
-                self._messages.append(f"{self._watch.path.name}: read again")
-        except InputError as error:
+                self._messages.append(
+                    f"{self._watch.path.name}: {error}; the last good one plays on"
+                )
+            except OverviewError:
+                return  # two surfaces fade already
+        self._messages.extend(
+            str(one.message) for one in noted if issubclass(one.category, OverviewWarning)
+        )
+
+    def _change(self) -> None:
+        if self._wanted_window is not None:
+            window = self._wanted_window
+            shown = self.timeline.window(*window)
+            self.engine.set_timeline(shown, window=window)
+            self.window, self.shown, self._wanted_window = window, shown, None
+        if self._wanted_preset is not None:
+            self.engine.set_preset(self._wanted_preset)
             self._wanted_preset = None
-            self._messages.append(f"{self._watch.path.name}: {error}; the last good one plays on")
-        except OverviewError:
-            return  # two surfaces fade already
+            self._messages.append(f"{self._watch.path.name}: read again")
 
     # --- the output -----------------------------------------------------------------------------
 

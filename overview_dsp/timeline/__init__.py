@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from overview_dsp.timeline.excitement import FOOTBALL_KINDS, crowd_curve
-from overview_dsp.timeline.loading import BUNDLED, FORMATS, Format, bundled_timeline, load_timeline
+from overview_dsp.timeline.loading import (
+    BUNDLED,
+    FORMATS,
+    Format,
+    bundled_timeline,
+    list_matches,
+    load_timeline,
+)
 from overview_dsp.timeline.model import Event, Intensity, Timeline
 from overview_dsp.timeline.native import save_timeline
 
@@ -17,6 +24,7 @@ __all__ = [
     "Timeline",
     "bundled_timeline",
     "crowd_curve",
+    "list_matches",
     "load_timeline",
     "save_timeline",
 ]

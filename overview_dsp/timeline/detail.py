@@ -24,8 +24,8 @@ MATTERS = 0.02
 SOME = 7
 """Every so many places tell what is usual."""
 
-WIDENED = 32
-"""Places on either side of a peak that get its height: a thousandth of 65536 in all."""
+WIDENED = 1.0 / 2048.0
+"""Part of the places on either side of a peak that get its height: a thousandth in all."""
 
 
 def with_peaks(mean: NDArray[np.float64], top: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -40,9 +40,9 @@ def with_peaks(mean: NDArray[np.float64], top: NDArray[np.float64]) -> NDArray[n
     if not peak.any():
         return mean
     kept = np.where(peak, top, -np.inf)
-    reach = 0
-    while reach < WIDENED:  # the largest of 2 * reach + 1 places, in few steps
-        step = min(reach + 1 if reach else 1, WIDENED - reach)
+    reach, wanted = 0, round(WIDENED * len(mean))
+    while reach < wanted:  # the largest of 2 * reach + 1 places, in few steps
+        step = min(reach + 1, wanted - reach)
         wider = kept.copy()
         np.maximum(wider[step:], kept[:-step], out=wider[step:])
         np.maximum(wider[:-step], kept[step:], out=wider[:-step])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
 from overview_dsp.errors import InputError
@@ -83,3 +84,14 @@ def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
             )
         seen.add(key)
     return ordered
+
+
+def cut_events(events: tuple[Event, ...], start: float, end: float) -> tuple[Event, ...]:
+    """Return those from `start` to `end`, both included, on a time axis that begins at `start`."""
+    first = bisect_left(events, start, key=_time_s)
+    stop = bisect_right(events, end, key=_time_s)
+    return tuple(event.moved(event.time_s - start) for event in events[first:stop])
+
+
+def _time_s(event: Event) -> float:
+    return event.time_s

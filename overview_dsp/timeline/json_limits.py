@@ -19,8 +19,11 @@ MAX_DEPTH = 64
 MOST_DEPTH = 500
 """Deepest nesting `max_depth` may allow: the parser's own stack ends at about twice that."""
 
+PARSED_MB = 576.0
+"""What a file holds may take in memory, MB; a limit of size above the usual 64 MB raises it too."""
+
 PARSED_TIMES = 9
-"""What a file holds may take so many times the limit of its size: 576 MB for the usual 64 MB."""
+"""So many times the limit of its size is what it may take then."""
 
 # bytes, measured with Python 3.11 on 64 bits, a copy of each number included
 _OBJECT_BYTES, _LIST_BYTES, _VALUE_BYTES, _TEXT_BYTES = 240, 72, 72, 60
@@ -80,7 +83,7 @@ def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None =
     where
         How the error line begins.
     limit_mb
-        What the file may have, MB; parsed it may have `PARSED_TIMES` as many.
+        What the file may have, MB; parsed it may have `PARSED_TIMES` as many, or `PARSED_MB`.
     max_depth
         Levels it may have, in place of `MAX_DEPTH`.
 
@@ -97,10 +100,10 @@ def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None =
             "correct the file, or raise the limit with max_depth (--max-depth), to "
             f"{MOST_DEPTH} at most"
         )
-    budget = limit_mb * PARSED_TIMES
+    budget = max(PARSED_MB, limit_mb * PARSED_TIMES)
     if found.parsed_bytes > budget * 2**20:
         raise InputError(
             f"{where}: what it holds would take about {found.parsed_bytes / 2**20:.0f} MB of "
-            f"memory, more than the {budget:.0f} MB for files up to {limit_mb:g} MB; cut it into "
-            "parts, or raise that limit with max_mb (--max-mb)"
+            f"memory, more than {budget:.0f} MB; cut it into parts, or raise the limit with max_mb "
+            f"(--max-mb), to {found.parsed_bytes / 2**20 / PARSED_TIMES + 1.0:.0f}"
         )

@@ -10,7 +10,7 @@ import contextlib
 import os
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 
 from overview_dsp.errors import InputError
@@ -143,7 +143,10 @@ FORMATS: tuple[Format, ...] = (
 LIMITS = frozenset({"max_mb", "max_depth"})
 """The options every format takes."""
 
-BUNDLED: dict[str, str] = {"world-cup-final-2018": "world_cup_final_2018.json"}
+BUNDLED: dict[str, str] = {
+    "world-cup-final-2018": "world_cup_final_2018.json",
+    "made-up-share": "made_up_share.json",
+}
 """Timelines that come with the package: name and file."""
 
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
@@ -183,16 +186,10 @@ def load_timeline(
     InputError
         One line: what is wrong, where, what is known, what to try.
     """
-    options = LoadOptions(
-        duration_s=_positive(duration_s, "duration_s", "a duration is seconds"),
-        value=_words(value, "value"),
-        time=_words(time, "time"),
-        map=_words(map, "map"),
-        rate=_positive(rate, "rate", "a rate is samples a second"),
-        match=_words(match, "match"),
-        max_mb=_positive(max_mb, "max_mb", "a limit is megabytes"),
-        progress=progress,
-        max_depth=_depth(max_depth),
+    options = _checked(
+        LoadOptions(
+            duration_s, value, time, map, rate, match, max_mb, progress, max_depth=max_depth
+        )
     )
     try:
         name = os.fspath(path)
@@ -235,7 +232,7 @@ def _format_of(source: Source) -> Format:
 
 
 def list_matches(
-    path: str | os.PathLike[str], *, max_mb: float | None = None, max_depth: int | None = None
+    path: str | os.PathLike[str], options: LoadOptions | None = None
 ) -> tuple[str, ...]:
     """Return a line on each match of a file, in the order of their numbers (`match`).
 
@@ -248,8 +245,7 @@ def list_matches(
     """
     if os.fspath(path) in BUNDLED:
         return ()
-    options = LoadOptions(max_mb=max_mb, max_depth=max_depth)
-    with _opened(path, options) as source:
+    with _opened(path, _checked(options or LoadOptions())) as source:
         candidate = _format_of(source)
         return tuple(candidate.matches(source)) if candidate.matches is not None else ()
 
@@ -266,6 +262,21 @@ def bundled_timeline(name: str = "world-cup-final-2018") -> Timeline:
 
 def _bundled_names() -> str:
     return ", ".join(BUNDLED)
+
+
+def _checked(options: LoadOptions) -> LoadOptions:
+    """Return options as the readers take them; InputError names one out of its range."""
+    return replace(
+        options,
+        duration_s=_positive(options.duration_s, "duration_s", "a duration is seconds"),
+        value=_words(options.value, "value"),
+        time=_words(options.time, "time"),
+        map=_words(options.map, "map"),
+        rate=_positive(options.rate, "rate", "a rate is samples a second"),
+        match=_words(options.match, "match"),
+        max_mb=_positive(options.max_mb, "max_mb", "a limit is megabytes"),
+        max_depth=_depth(options.max_depth),
+    )
 
 
 def _positive(given: float | None, name: str, meaning: str) -> float | None:

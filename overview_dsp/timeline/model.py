@@ -5,7 +5,6 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
@@ -15,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
-from overview_dsp.timeline.event import Event, sorted_events
+from overview_dsp.timeline.details import shown_details
+from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.units import clock_text
@@ -48,6 +48,9 @@ class Timeline:
     start
         The calendar moment of time 0, with or without a time zone, or None where there is none
         (a match clock).
+    details
+        Smaller things (a match's passes), as events; kept sorted. They are felt only in a `window`
+        so short that a hand can tell them apart.
 
     Raises
     ------
@@ -63,6 +66,7 @@ class Timeline:
     provenance: str = ""
     notes: tuple[str, ...] = ()
     start: datetime | None = None
+    details: tuple[Event, ...] = ()
 
     def __post_init__(self) -> None:
         checks.text(self.title, "title")
@@ -75,6 +79,8 @@ class Timeline:
         object.__setattr__(self, "notes", notes)
         checks.moment(self.start, duration_s)
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
+        with checks.located("details: "):
+            object.__setattr__(self, "details", sorted_events(self.details, duration_s))
         object.__setattr__(self, "gaps", sorted_gaps(self.gaps, duration_s))
         if self.intensity is not None and self.intensity.last_s > duration_s:
             last = self.intensity.count - 1
@@ -162,10 +168,11 @@ class Timeline:
     def window(self, start_s: float, end_s: float) -> Timeline:
         """Return the part from `start_s` to `end_s` as a timeline of its own, starting at 0.
 
-        Events at the two ends belong to it. The curve is cut with interpolated end points, so it
-        has the same value at the same moment; gaps are cut likewise. A part in which nothing is
-        known (no event, no curve) becomes a flat curve of 0 with a note, since its emptiness is
-        what a hand should feel. The title stays; a note names the part.
+        Events at the two ends belong to it, and details become events where they are few enough to
+        be told apart: the shorter the part, the more of them. The curve is cut with interpolated
+        end points, so it has the same value at the same moment; gaps are cut likewise. A part in
+        which nothing is known (no event, no curve) becomes a flat curve of 0 with a note, since its
+        emptiness is what a hand should feel. The title stays; a note names the part.
 
         Raises
         ------
@@ -173,9 +180,11 @@ class Timeline:
             Not 0 <= start_s < end_s <= duration_s.
         """
         start, end = self.require_window(start_s, end_s)
-        first = bisect_left(self.events, start, key=_time_s)
-        stop = bisect_right(self.events, end, key=_time_s)
-        events = tuple(event.moved(event.time_s - start) for event in self.events[first:stop])
+        events = cut_events(self.events, start, end)
+        details = cut_events(self.details, start, end)
+        shown = shown_details(details, events, end - start)
+        if shown:
+            events = tuple(sorted((*events, *shown), key=lambda event: event.time_s))
         intensity = self.intensity.cut(start, end) if self.intensity is not None else None
         notes = (*self.notes, f"the part from {clock_text(start)} to {clock_text(end)}")
         if not events and intensity is None:
@@ -192,6 +201,7 @@ class Timeline:
             provenance=self.provenance,
             notes=notes,
             start=self.start + timedelta(seconds=start) if self.start is not None else None,
+            details=details,
         )
         return part
 
@@ -233,7 +243,3 @@ class Timeline:
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
-
-
-def _time_s(event: Event) -> float:
-    return event.time_s

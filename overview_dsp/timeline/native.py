@@ -13,6 +13,7 @@
      "gaps": [[300.0, 310.0]],               optional
      "events": [{"time_s": 786.2, "kind": "goal",
                  "label": "1-0 Parris (pen)", "weight": 1.0}],     label, weight optional
+     "details": [{"time_s": 783.9, "kind": "touch"}],   felt when zoomed, as events; optional
      "provenance": "where the data are from",                      optional
      "notes": ["what a person should know"]}                       optional
 
@@ -47,6 +48,7 @@ _TOP_KEYS = (
     "intensity",
     "gaps",
     "events",
+    "details",
     "provenance",
     "notes",
 )
@@ -98,6 +100,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
         title=checks.text(top.get("title", default_title), "title"),
         duration_s=duration_s,
         events=_events(top.get("events", []), duration_s),
+        details=_events(top.get("details", []), duration_s, "details"),
         intensity=_intensity(top["intensity"]) if "intensity" in top else None,
         gaps=tuple(
             (checks.number(start, f"gaps[{i}][0]"), checks.number(end, f"gaps[{i}][1]"))
@@ -127,11 +130,9 @@ def encode(timeline: Timeline) -> bytes:
         entries.append(("notes", _json(timeline.notes)))
     if timeline.gaps:
         entries.append(("gaps", _json(timeline.gaps)))
-    if timeline.events:
-        rows = (
-            _json({name: getattr(event, name) for name in _EVENT_KEYS}) for event in timeline.events
-        )
-        entries.append(("events", "[\n  " + ",\n  ".join(rows) + "\n ]"))
+    for key, events in (("events", timeline.events), ("details", timeline.details)):
+        if events:
+            entries.append((key, "[\n  " + ",\n  ".join(_row(event) for event in events) + "\n ]"))
     if timeline.intensity is not None:
         curve = timeline.intensity
         scaled = curve.percentiles != EXTREMES
@@ -160,6 +161,10 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     data = encode(timeline)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
+
+
+def _row(event: Event) -> str:
+    return _json({name: getattr(event, name) for name in _EVENT_KEYS})
 
 
 def _json(value: object) -> str:
@@ -209,17 +214,17 @@ def _moment(value: object) -> datetime:
         ) from error
 
 
-def _events(value: object, duration_s: float) -> tuple[Event, ...]:
+def _events(value: object, duration_s: float, key: str = "events") -> tuple[Event, ...]:
     events: list[Event] = []
     hint = f"times are finite seconds from 0 to duration_s ({duration_s!r})"
-    listed = _list(value, "events")
+    listed = _list(value, key)
     if len(listed) > MAX_EVENTS:
         raise InputError(
-            f"events has {len(listed)} entries, more than the {MAX_EVENTS} that are read; cut the "
+            f"{key} has {len(listed)} entries, more than the {MAX_EVENTS} that are read; cut the "
             "file into parts, or make a curve of them"
         )
     for i, entry in enumerate(listed):
-        place = f"events[{i}]"
+        place = f"{key}[{i}]"
         row = _table(entry, place, _EVENT_KEYS, required=("time_s", "kind"))
         time_s = checks.number(row["time_s"], f"{place}.time_s", hint)
         if not 0.0 <= time_s <= duration_s:

@@ -82,22 +82,33 @@ class Points:
                 _forget(self.value)
         return found
 
-    def extremes(self, first: int, stop: int) -> tuple[float, float]:
-        """Return the smallest and the largest of the values `first` to `stop` - 1 (one or more)."""
-        count = stop - first
-        if count <= _DIRECT:
-            some = self.value[first:stop]
-            return float(some.min()), float(some.max())
-        level = next((one for one in self.levels if count <= one.width * _DIRECT), self.levels[-1])
+    def extremes(self, first: NDArray[np.int64], stop: NDArray[np.int64]) -> tuple[float, float]:
+        """Return the smallest and the largest value of stretches first[i] to stop[i] - 1.
+
+        Stretches, one or more, ascend, are disjoint and not empty.
+        """
+        count = int((stop - first).sum())
+        # look at few values one by one (two parts of a bin a stretch), and at few bins
+        level = min(
+            self.levels if count > _DIRECT else (),
+            key=lambda one: count / one.width + 2 * len(first) * one.width,
+            default=None,
+        )
+        if level is None:
+            values = self.value[_every(first, stop)]
+            return float(values.min()), float(values.max())
         low_bin, high_bin = -(-first // level.width), stop // level.width
-        low, high = level.low[low_bin:high_bin], level.high[low_bin:high_bin]
-        ends = np.concatenate(
-            (self.value[first : low_bin * level.width], self.value[high_bin * level.width : stop])
-        )
-        return (
-            min(float(low.min()), float(ends.min(initial=np.inf))),
-            max(float(high.max()), float(ends.max(initial=-np.inf))),
-        )
+        whole = low_bin < high_bin
+        left_stop = np.where(whole, low_bin * level.width, stop)
+        right_first = np.where(whole, high_bin * level.width, stop)
+        ends = self.value[np.concatenate((_every(first, left_stop), _every(right_first, stop)))]
+        low, high = float(ends.min(initial=np.inf)), float(ends.max(initial=-np.inf))
+        if whole.any():
+            edges = np.column_stack((low_bin[whole], high_bin[whole])).ravel()
+            edges = edges[: len(edges) - (edges[-1] == len(level.low))]
+            low = min(low, float(np.minimum.reduceat(level.low, edges)[::2].min()))
+            high = max(high, float(np.maximum.reduceat(level.high, edges)[::2].max()))
+        return low, high
 
     def runs(self, edges: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the mean and the largest of the values of each run edges[i] to edges[i + 1] - 1.
@@ -120,6 +131,14 @@ class Points:
         counts = np.diff(np.append(starts, len(mean)))
         total = np.add.reduceat(mean, starts).astype(np.float64)
         return total / np.maximum(counts, 1), np.maximum.reduceat(high, starts).astype(np.float64)
+
+
+def _every(first: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The indices of stretches first[i] to stop[i] - 1, one after the other."""
+    lengths = stop - first
+    begins = np.cumsum(lengths) - lengths
+    index: NDArray[np.int64] = np.arange(int(lengths.sum())) + np.repeat(first - begins, lengths)
+    return index
 
 
 def _forget(values: NDArray[np.floating[Any]]) -> None:

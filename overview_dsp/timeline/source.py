@@ -15,7 +15,10 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.json_limits import check_extent
 
-MAX_TEXT_BYTES = 64 * 1024 * 1024
+MAX_TEXT_BYTES = 256 * 1024 * 1024
+"""Largest text file that is read as a stream without `max_mb`."""
+
+MAX_WHOLE_BYTES = 64 * 1024 * 1024
 """Largest text file (JSON, CSV) that is read as a whole without `max_mb`: as text it takes up to
 four times that in memory, parsed several times."""
 
@@ -252,9 +255,9 @@ class Source:
 
     @property
     def text_limit_mb(self) -> float:
-        """How large a text may be, MB: `max_mb`, else `MAX_TEXT_BYTES`."""
+        """How large a text may be, MB: `max_mb`, else `MAX_WHOLE_BYTES`."""
         given = self.options.max_mb
-        return given if given is not None else MAX_TEXT_BYTES / 2**20
+        return given if given is not None else MAX_WHOLE_BYTES / 2**20
 
     @cached_property
     def json(self) -> object:

@@ -20,7 +20,8 @@ Kinds:
 - `foul`: each Foul Committed, one with a card too (both at the same time).
 - `period`: kick-off at 0, each boundary between periods once, the end of the match.
 
-The intensity is the crowd-excitement curve of these events (`excitement.py`).
+The intensity is the crowd-excitement curve of these events (`excitement.py`); the details, felt
+when zoomed, are what the players do with the ball (`statsbomb_touches.py`).
 """
 
 from __future__ import annotations
@@ -34,12 +35,16 @@ from overview_dsp.timeline.model import Event, Timeline
 from overview_dsp.timeline.names import short_name
 from overview_dsp.timeline.source import LoadOptions, Source
 from overview_dsp.timeline.statsbomb_record import SHOOT_OUT, Record
+from overview_dsp.timeline.statsbomb_touches import touches
 
 GOOD_CHANCE_XG = 0.10
 """Chance (expected goals) from which a shot that misses is a near miss: one in ten goes in."""
 
 OWN_GOAL_PAIR_US = 10_000_000
 """Furthest apart the two records of one own goal may be where neither names the other, us."""
+
+MAX_OWN_GOALS = 1000
+"""Most own goals that are paired (the record is 149)."""
 
 PROVENANCE = "events: a StatsBomb open-data event file"
 
@@ -111,9 +116,11 @@ class _Match:
         own_goals = self._own_goals()
         on_line = _blocked_on_line(self.played)
         seen: dict[tuple[float, str, str], Record] = {}
+        event_records: set[int] = set()
         for record in self.played:
             happened = list(self._kinds(record, own_goals, on_line))
             time_s = self._time_s(record) if happened else 0.0
+            event_records |= {record.position} if happened else set()
             for kind, label in happened:
                 with checks.located(f"{record.place}: "):
                     event = Event(time_s, kind, label)
@@ -133,6 +140,7 @@ class _Match:
             intensity=intensity,
             provenance="; ".join(part for part in (PROVENANCE, derived) if part),
             notes=(*self.notes, *notes),
+            details=touches(self.played, event_records, self._moment_s),
         )
 
     def _lay_end_to_end(self) -> tuple[dict[int, int], int]:
@@ -160,15 +168,20 @@ class _Match:
         return starts, end
 
     def _time_s(self, record: Record) -> float:
-        following = [s for p, s in self.starts_us.items() if p > record.period]
-        end_us = min([*following, self.end_us])
-        time_us = self.starts_us[record.period] + record.clock_us
-        if time_us > end_us:
+        if self.starts_us[record.period] + record.clock_us > self._end_us(record.period):
             self.notes.append(
                 f"{record.place} ({record.kind}) is listed after the end of period "
                 f"{record.period}: put at its end"
             )
-        return min(time_us, end_us) / 1e6
+        return self._moment_s(record)
+
+    def _moment_s(self, record: Record) -> float:
+        time_us = self.starts_us[record.period] + record.clock_us
+        return min(time_us, self._end_us(record.period)) / 1e6
+
+    def _end_us(self, period: int) -> int:
+        following = [start for p, start in self.starts_us.items() if p > period]
+        return min([*following, self.end_us])
 
     def _periods(self) -> Iterator[Event]:
         for period, start_us in self.starts_us.items():
@@ -225,6 +238,10 @@ class _Match:
     def _own_goals(self) -> dict[int, str]:
         """Return who scored each own goal, by the position of the record that stands for it."""
         against = [record for record in self.played if record.kind == "Own Goal Against"]
+        if len(against) > MAX_OWN_GOALS:
+            raise InputError(
+                f"{len(against)} own goals, more than the {MAX_OWN_GOALS} of any match; is it one?"
+            )
         scorers: dict[int, str] = {}
         for record in self.played:
             if record.kind == "Own Goal For":

@@ -150,15 +150,7 @@ class PlayApp(App[None]):
 
     def action_event(self, direction: int) -> None:
         """Touch the next or the previous event."""
-        here = self._finger()
-        places = [float(place) for place in self._player.surface.place]
-        near = 1e-6
-        if direction > 0:
-            wanted = min((place for place in places if place > here + near), default=None)
-        else:
-            wanted = max((place for place in places if place < here - near), default=None)
-        if wanted is not None:
-            self._player.touch(wanted)
+        self._player.go_to_event(direction, self._finger())
 
     # --- the view and the output ------------------------------------------------------------------
 

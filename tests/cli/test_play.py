@@ -77,3 +77,21 @@ def test_a_mistake_is_one_line_and_exit_code_2(arguments, words):
     assert done.returncode == 2
     assert words in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_zoom_is_recorded_and_the_whole_stays_in_reach(tmp_path, match):
+    take = tmp_path / "take.csv"
+    done = played("--input", "sweep:0.5", "--zoom-to", "goal:2:100", "--record", take)
+    assert done.returncode == 0, done.stderr
+    goal = match.event("goal", 2).time_s
+    (change,) = json.loads(take.with_suffix(".json").read_text())["changes"]
+    assert change["window"] == [goal - 75.0, goal + 25.0]
+    assert ov.load_gesture(take).changes[0].what["window"] == change["window"]
+
+
+def test_a_window_may_be_given_by_events_and_clocks():
+    done = played("--input", "tap:0.5:0.1", "--window", "goal:2-1:00", "goal:2+5")
+    assert done.returncode == 0, done.stderr
+    wrong = played("--window", "goal:2", "9:99")
+    assert wrong.returncode == 2
+    assert wrong.stderr.startswith("error: --window: '9:99' is no moment")

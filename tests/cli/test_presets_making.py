@@ -79,3 +79,23 @@ def test_an_audition_is_a_sound_and_a_picture_of_every_kind(folder):
 def test_the_reference_and_the_schema_are_printed(folder):
     assert "| `inertia` |" in done("presets", "docs")
     assert json.loads(done("presets", "schema"))["title"] == "overView preset"
+
+
+def test_feel_is_a_table_json_and_a_picture(folder):
+    assert "slow recoil" in done("presets", "feel", "crowd")
+    report = json.loads(done("presets", "feel", "crowd", "--plot", "feel.png", "--json"))
+    assert {kind["kind"] for kind in report["strokes"][0]["kinds"]} == {"default", "cheer", "burst"}
+    assert (folder / "feel.png").stat().st_size > 10_000
+    refused(overview("presets", "feel", "crowd", "--plot", "feel.txt"), ".png")
+    (folder / "flat.json").write_text(
+        '{"overview_timeline": 1, "duration_s": 9,'
+        ' "intensity": {"time_s": [0, 9], "value": [0, 1]}}'
+    )
+    refused(overview("presets", "feel", "crowd", "flat.json"), "has no events")
+
+
+def test_tune_writes_a_valid_preset(folder):
+    report = json.loads(done("presets", "tune", "crowd", "--target", "cheer>default", "--json"))
+    done("presets", "check", report["file"])
+    assert report["reached"] is (report["least_steps"] >= 2.0)
+    refused(overview("presets", "tune", "crowd", "--target", "cheer"), "two kinds")

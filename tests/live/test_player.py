@@ -188,3 +188,29 @@ def test_lines_of_input_move_the_disk_and_their_end_lets_go(make):
     wait(player, lambda status: not status.touching)
     assert hand.is_over(player.engine)
     assert (hand.refused, hand.first_refused) == (1, "line 1: 'rubbish'")
+
+
+def test_going_from_event_to_event_takes_the_window_along(make):
+    player = make()
+    goals = [event.time_s for event in player.timeline.events]
+    player.show(goals[0], goals[1] - 1.0)
+    wait(player, lambda status: player.window[0] == goals[0])
+    for _ in range(200):
+        player.go_to_event(1, 1.0)
+        player.poll()
+        start, end = player.window
+        if start <= goals[1] <= end:
+            break
+    assert start + (end - start) * player.finger == pytest.approx(goals[1])
+    player.go_to_event(-1, player.finger)
+    assert start + (end - start) * player.finger < goals[1]
+
+
+def test_what_a_person_should_know_of_a_zoom_is_told(make):
+    from dataclasses import replace
+
+    player = make()
+    player.timeline = replace(player.timeline, gaps=((1000.0, 1001.0),))
+    player.show(0.0, 3000.0)
+    said = wait(player, lambda status: player.window == (0.0, 3000.0))
+    assert any("too narrow" in line for line in said + list(player.poll().messages))

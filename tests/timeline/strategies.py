@@ -25,6 +25,13 @@ def timelines(draw: st.DrawFn) -> Timeline:
             unique_by=lambda event: (event.time_s, event.kind, event.label),
         )
     )
+    details = draw(
+        st.lists(
+            st.builds(Event, times, KINDS, TEXT),
+            max_size=6,
+            unique_by=lambda event: (event.time_s, event.kind, event.label),
+        )
+    )
     points = draw(st.lists(times, min_size=0 if events else 1, max_size=12, unique=True))
     intensity = None
     if points:
@@ -43,6 +50,7 @@ def timelines(draw: st.DrawFn) -> Timeline:
         gaps=tuple(zip(edges[::2], edges[1::2], strict=False)),
         provenance=draw(TEXT),
         notes=tuple(draw(st.lists(TEXT, max_size=3))),
+        details=tuple(details),
         start=draw(
             st.none()
             | st.datetimes(

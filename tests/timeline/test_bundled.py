@@ -16,7 +16,7 @@ def bundled() -> Timeline:
 
 def test_the_bundled_file_is_what_the_facts_and_the_formula_give(bundled: Timeline) -> None:
     expected = final()
-    for name in ("title", "duration_s", "events", "gaps", "provenance", "notes"):
+    for name in ("title", "duration_s", "events", "details", "gaps", "provenance", "notes"):
         assert getattr(bundled, name) == getattr(expected, name), name
     assert bundled.intensity is not None
     assert expected.intensity is not None
@@ -55,6 +55,8 @@ def test_what_is_made_up_says_so_and_what_is_a_fact_does_not(bundled: Timeline) 
     assert "synthetic" in bundled.provenance
     assert "public facts" in bundled.provenance
     assert any("made up" in note for note in bundled.notes)
+    assert {event.kind for event in bundled.details} == {"touch"}
+    assert any("touches" in note and "made up" in note for note in bundled.notes)
     assert bundled.intensity is not None
     assert "synthetic" in bundled.intensity.unit
 

@@ -4,15 +4,17 @@ import csv
 import io
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import Event, Timeline, load_timeline
-from overview_dsp.timeline.events_csv import decode
+from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline
+from overview_dsp.timeline.events_csv import decode, encode
 
 from .outcome import timeline_or_one_line
+from .strategies import timelines
 
 SMALL = "time_s,kind,label,weight\n10,beat,one,2\n20.5,beat,,\n"
 
@@ -133,6 +135,25 @@ def test_a_single_event_at_0_needs_a_duration_and_takes_one(tmp_path: Path) -> N
 def test_a_field_beyond_the_csv_modules_limit_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="line 2: field larger"):
         load(tmp_path, f"time_s,kind,label\n1,a,{'x' * 200_000}\n")
+
+
+def test_what_is_written_is_read_back(tmp_path: Path) -> None:
+    timeline = load(tmp_path, "# title: A, B\n# duration_s: 90\n" + SMALL)
+    assert decode(encode(timeline).decode()) == timeline
+    with pytest.raises(InputError, match="no events, which is all an event list holds"):
+        encode(Timeline("x", 9.0, (), Intensity(np.zeros(1), np.zeros(1))))
+
+
+@given(timelines())
+def test_the_events_of_any_timeline_are_written_and_read_back(timeline: Timeline) -> None:
+    if not timeline.events:
+        return
+    again = decode(encode(timeline).decode())
+    assert [(e.time_s, e.kind, e.weight) for e in again.events] == [
+        (e.time_s, e.kind, e.weight) for e in timeline.events
+    ]
+    assert [e.label for e in again.events] == [e.label.strip() for e in timeline.events]
+    assert again.duration_s == timeline.duration_s
 
 
 LABELS = st.text(st.characters(exclude_categories=("Cs", "Cc")), max_size=8).map(str.strip)

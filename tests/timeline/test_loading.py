@@ -153,7 +153,7 @@ def test_a_file_too_large_is_refused_before_it_is_read(
     for content in (NATIVE, EVENT_LIST):
         with open(tmp_path / "big", "wb") as stream:
             stream.write(content.encode())
-            stream.truncate(source.MAX_TEXT_BYTES + 1)  # sparse: takes no space
+            stream.truncate(source.MAX_WHOLE_BYTES + 1)  # sparse: takes no space
         monkeypatch.setattr(source, "HEAD_BYTES", len(content))
         refused(tmp_path / "big", r"big: 64 MB, more than the 64 MB that are read; .*\(--max-mb\)")
 

@@ -121,14 +121,17 @@ def test_every_bin_has_the_extremes_and_the_mean_of_its_values(
         np.testing.assert_allclose(level.mean[:whole], means, atol=2e-6)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=60)
 @given(st.data())
-def test_the_extremes_of_any_stretch_are_exact(data: st.DataObject) -> None:
-    value = np.random.default_rng(1).standard_normal(400_000)
-    points = Points(EvenTimes(len(value), 1.0), value)
-    first = data.draw(st.integers(0, len(value) - 1))
-    stop = data.draw(st.integers(first + 1, len(value)))
-    assert points.extremes(first, stop) == (value[first:stop].min(), value[first:stop].max())
+def test_the_extremes_of_any_stretches_are_exact(data: st.DataObject) -> None:
+    count = data.draw(st.sampled_from((1, 17, 1000, 400_000)))
+    value = np.random.default_rng(1).standard_normal(count)
+    points = Points(EvenTimes(count, 1.0), value)
+    edges = data.draw(st.sets(st.integers(0, count), min_size=2, max_size=40))
+    ascending = np.array(sorted(edges)[: len(edges) // 2 * 2])
+    first, stop = ascending[::2], ascending[1::2]
+    inside = np.concatenate([value[a:b] for a, b in zip(first, stop, strict=True)])
+    assert points.extremes(first, stop) == (inside.min(), inside.max())
 
 
 # --- windows ------------------------------------------------------------------------------------
@@ -196,7 +199,7 @@ def test_a_single_high_sample_is_felt_at_its_full_height_at_its_place(count: int
     ridge = np.flatnonzero(friction > 0.9) / CELLS * (count - 1)
     assert abs(ridge.mean() - at) <= count / CELLS
     if count > 2 * LONG:  # else it is as it would be interpolated
-        assert len(ridge) == pytest.approx(2 * WIDENED + 1, abs=2)
+        assert len(ridge) == pytest.approx(2 * WIDENED * CELLS + 1, abs=2)
 
 
 def test_noise_is_felt_as_its_mean_and_not_as_its_peaks() -> None:
@@ -283,14 +286,15 @@ def test_percentiles_of_a_long_curve_are_near_those_of_all_its_values() -> None:
 
 
 def test_peaks_in_flat_surroundings_and_in_noise() -> None:
-    mean = np.zeros(1000)
-    top = np.zeros(1000)
+    mean = np.zeros(10_000)
+    top = np.zeros(10_000)
     top[500] = 1.0
-    assert np.flatnonzero(with_peaks(mean, top)).tolist() == list(
-        range(500 - WIDENED, 500 + WIDENED + 1)
-    )
+    reach = round(WIDENED * 10_000)
+    assert reach == 5
+    felt_at = np.flatnonzero(with_peaks(mean, top)).tolist()
+    assert felt_at == list(range(500 - reach, 500 + reach + 1))
     random = np.random.default_rng(2)
-    top = 0.3 + 0.05 * random.standard_normal(1000)
+    top = 0.3 + 0.05 * random.standard_normal(10_000)
     assert with_peaks(mean, top).max() == 0.0
     top[500] = 0.9
     assert with_peaks(mean, top).max() == 0.9
@@ -328,7 +332,7 @@ def test_a_long_series_goes_to_a_file_that_nobody_sees_and_that_vanishes(
     assert isinstance(curve.time_s, np.memmap)
     assert np.array_equal(curve.value, value)
     assert os.name == "nt" or os.listdir(tmp_path) == []
-    assert curve.points.extremes(0, 100_000) == (value.min(), value.max())
+    assert curve.points.extremes(np.array([0]), np.array([100_000])) == (value.min(), value.max())
     part = Timeline("t", 999.99, (), curve).window(10.0, 990.0)
     assert ov.build_surface(part, plain_preset()).friction.shape == (CELLS + 1,)
     del curve, part, builder

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -8,10 +9,11 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import Timeline, load_timeline
-from overview_dsp.timeline.football.minute_list import decode
+from overview_dsp.timeline.football.minute_list import COLUMNS, decode, sniff
 from overview_dsp.timeline.football.minute_words import meaning, words_of
 from overview_dsp.timeline.football.minutes import Clock, Minute, parse_minute
 from overview_dsp.timeline.loading import list_matches
+from overview_dsp.timeline.source import Source
 
 from .football_files import GOALSCORERS, MINUTES
 from .outcome import timeline_or_one_line
@@ -61,6 +63,40 @@ def test_the_same_list_written_otherwise_is_the_same(text: str, tmp_path: Path) 
     assert told(load_timeline(tmp_path / "x")) == told(load_timeline(tmp_path / "y"))
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "minute,category,value\n1,a,3\n2,b,4\n",
+        "time,event,value\n0.5,start,3\n1.0,x,4\n",
+        "time,scorer\n1,A\n",
+        "time,action\n12:30,walk\n12:31,run\n",
+        "minute,value\n1,3\n",
+    ],
+)
+def test_a_table_of_something_else_is_left_to_other_readers(text: str, tmp_path: Path) -> None:
+    (tmp_path / "x").write_text(text)
+    assert not sniff(Source.open(tmp_path / "x"))
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    names=st.lists(
+        st.sampled_from(sorted({n for known in COLUMNS.values() for n in known})), max_size=6
+    ),
+    cells=st.lists(
+        st.sampled_from(("45+2", "goal", "x", "", "1", "TRUE", '"', "2014-01-01")), max_size=12
+    ),
+)
+def test_any_header_of_known_columns_gives_a_timeline_or_one_line(
+    names: list[str], cells: list[str], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.mktemp("h") / "x"
+    width = max(len(names), 1)
+    lines = [",".join(cells[i : i + width]) for i in range(0, len(cells), width)]
+    path.write_text("\n".join([",".join(names), *lines]) + "\n")
+    timeline_or_one_line(lambda: load_timeline(path))
+
+
 def test_stoppage_time_may_have_a_column_of_its_own() -> None:
     text = rows("45,2,goal,A,N", "90,,goal,B,S", header="minute,added_time,type,player,team")
     assert [time for time, _, _ in told(decode(text))] == [47 * 60, 92 * 60]
@@ -107,6 +143,52 @@ def test_two_events_of_one_minute_without_names_are_two() -> None:
     assert [label for _, _, label in told(decode(text))] == ["10'", "10' (2)", "10' (3)"]
 
 
+def test_tables_of_other_programs_are_understood() -> None:
+    elapsed = (
+        "time.elapsed,time.extra,team.name,player.name,type,detail\n"
+        "27,,N,A. Berg,Card,Yellow Card\n"
+        "45,2,N,A. Berg,Goal,Penalty\n"
+        "90,3,S,E. Friis,Card,Red Card\n"
+    )
+    assert told(decode(elapsed)) == [
+        (27 * 60, "yellow_card", "Berg (N) 27'"),
+        (47 * 60, "goal", "1-0 Berg (pen) 45+2'"),
+        (95 * 60, "red_card", "Friis (S) 90+3'"),
+    ]
+    with_outcomes = (
+        ",minute,second,expanded_minute,period,type,outcome_type,team,player,card_type,is_own_goal\n"
+        "0,0,0,0,PreMatch,FormationSet,Successful,N,,,False\n"
+        "1,13,6,13,FirstHalf,Goal,Successful,N,A Berg,,False\n"
+        "2,14,6,14,FirstHalf,Foul,Unsuccessful,S,E Friis,,False\n"
+        "3,14,6,14,FirstHalf,Foul,Successful,N,A Berg,,False\n"
+        "4,14,30,14,FirstHalf,Card,Successful,S,E Friis,SecondYellow,False\n"
+        "5,47,30,47,FirstHalf,End,Successful,S,,,False\n"
+        "6,78,5,82,SecondHalf,Goal,Successful,N,A Berg,,True\n"
+        "7,93,10,97,SecondHalf,End,Successful,N,,,False\n"
+        "8,0,0,0,PostGame,End,Successful,N,,,False\n"
+    )
+    assert told(decode(with_outcomes)) == [
+        (786.0, "goal", "1-0 Berg"),
+        (846.0, "foul", "Friis (S)"),
+        (870.0, "red_card", "Friis (S), second yellow"),
+        (2850.0 + 33 * 60 + 5, "own_goal", "1-1 own goal, Berg"),
+    ]
+    assert decode(with_outcomes).duration_s == 2850.0 + 48 * 60 + 10
+    shots = (
+        "id,minute,result,xG,player,h_a,situation,match_id,h_team,a_team,date\n"
+        "1,12,Goal,0.3,E Friis,a,OpenPlay,7,N,S,2017-09-23\n"
+        "2,22,SavedShot,0.3,A Berg,h,OpenPlay,7,N,S,2017-09-23\n"
+        "3,45,OwnGoal,0.3,E Friis,a,OpenPlay,7,N,S,2017-09-23\n"
+        "4,80,Goal,0.7,A Berg,h,Penalty,7,N,S,2017-09-23\n"
+    )
+    assert [label for _, _, label in told(decode(shots))] == [
+        "0-1 Friis 12'",
+        "Berg (N), saved 22'",
+        "1-1 own goal, Friis 45'",
+        "2-1 Berg (pen) 80'",
+    ]
+
+
 def test_a_shoot_out_is_left_out() -> None:
     text = rows("1,10,goal,A,N", "5,120,goal,B,S", "5,120,penalty saved,A,N",
                 header="period,minute,type,player,team")  # fmt: skip
@@ -125,6 +207,9 @@ def test_a_shoot_out_is_left_out() -> None:
         ("Goal (pen)", "", "goal", "pen"),
         ("Goal - Header", "", "goal", ""),
         ("penalty", "", "goal", "pen"),
+        ("Goal (P)", "", "goal", "pen"),
+        ("Shot outside the penalty area", "goal", "goal", ""),
+        ("End", "Successful", "half_end", ""),
         ("Penalty", "missed", "near_miss", "penalty missed"),
         ("Goal", "Missed Penalty", "near_miss", "penalty missed"),
         ("penalty saved", "", "near_miss", "penalty saved"),
@@ -190,11 +275,17 @@ def test_minutes_are_parsed(text: str, minute: Minute) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "x", "-1", "1.5", "12:60", "999", "90+99", "٣", "1e2", "9" * 9]
+    "text",
+    ["", "x", "-1", "1.5", "12:60", "999", "90+99", "٣", "1e2", "9" * 9],
 )
 def test_what_is_no_minute_is_one_line(text: str) -> None:
     with pytest.raises(InputError, match=r"^line 3: .*minute"):
         parse_minute(text, "line 3")
+
+
+def test_a_field_of_blanks_takes_no_time() -> None:
+    with pytest.raises(InputError, match="isn't a minute"):
+        parse_minute("1" + " " * 120_000 + "x", "line 3")
 
 
 @given(st.lists(st.tuples(st.integers(0, 120), st.integers(0, 15)), min_size=1, max_size=8))
@@ -261,6 +352,12 @@ def test_any_change_gives_a_timeline_or_one_line(
     text: str, at: int, length: int, put: str, match: str | None
 ) -> None:
     timeline_or_one_line(lambda: decode(text[:at] + put + text[at + length :], match))
+
+
+def test_every_goal_of_the_real_list_is_counted(data_folder: Path) -> None:
+    lines = list_matches(data_folder / "football/goalscorers_2010s.csv")
+    scores = [re.search(r" (\d+)-(\d+) ", line) for line in lines]
+    assert sum(int(score[1]) + int(score[2]) for score in scores if score) == 9808
 
 
 def test_the_real_list_of_goals_is_exact(data_folder: Path) -> None:

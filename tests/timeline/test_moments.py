@@ -174,7 +174,7 @@ def test_a_zoom_has_the_event_three_quarters_into_a_window_of_the_length_asked_f
     assert zoom_window(MATCH, "event:3:1:40") == (1575.0, 1675.0)
     assert zoom_window(MATCH, "goal:2:2min") == (4595.0, 4715.0)
     start, end = zoom_window(MATCH, "goal:1")
-    assert end - start == pytest.approx(270.0)
+    assert end - start == pytest.approx(540.0)
     assert start < 1650.0 < end
 
 

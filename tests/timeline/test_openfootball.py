@@ -134,6 +134,11 @@ def test_no_or_an_unclear_choice_is_one_line(match: str | None, words: str, tmp_
         load_timeline(tmp_path / "cup.json", match=match)
 
 
+def test_a_whole_word_outranks_a_part_of_one() -> None:
+    cup = openfootball(fixture("Nigeria", "Peru"), fixture("Niger", "Mali"), fixture("A", "B"))
+    assert decode(cup, "niger").title.startswith("Niger 2-1 Mali")
+
+
 def test_a_match_not_played_yet_is_told() -> None:
     with pytest.raises(InputError, match="isn't played yet"):
         decode({"matches": [{"team1": "A", "team2": "B", "date": "2030-01-01"}]})

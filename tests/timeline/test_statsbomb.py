@@ -201,6 +201,17 @@ def test_a_shot_blocked_on_the_line_is_a_near_miss(
     assert found(document, "near_miss") == expected
 
 
+def test_a_penalty_saved_or_missed_is_a_near_miss_that_says_so() -> None:
+    document = match(
+        shot(1, "00:10:00.000", "Saved", player="Ada Berg", shot_type="Penalty", xg=0.76),
+        shot(1, "00:20:00.000", "Off T", player="Ada Berg", shot_type="Penalty", xg=0.76),
+    )
+    assert [label for _, label in found(document, "near_miss")] == [
+        "Berg (Northport), penalty saved",
+        "Berg (Northport), penalty missed",
+    ]
+
+
 def test_a_foul_and_its_card_are_two_events_at_one_time() -> None:
     document = match(
         foul(1, "00:10:00.000", player="Ada Berg"),
@@ -470,3 +481,33 @@ def test_real_near_misses_follow_the_rule(statsbomb_folder: Path) -> None:
         "Messi Cuccittini (Barcelona), on the post",
     ]
     assert len(labels) == 14
+
+
+def test_what_players_do_with_the_ball_is_felt_when_zoomed_and_not_otherwise() -> None:
+    played = match(
+        record(1, "00:10:00.000", "Pass", player="Ada Berg"),
+        record(1, "00:10:01.500", "Ball Receipt*", player="Eva Friis"),
+        record(1, "00:10:01.500", "Carry", player="Eva Friis"),
+        record(1, "00:10:05.000", "Tactical Shift"),
+        shot(1, "00:10:06.000", "Off T", player="Eva Friis", xg=0.02),
+        shot(1, "00:10:20.000", "Goal", player="Ada Berg"),
+        record(2, "00:00:02.000", "Clearance", AWAY, player="Gro van der Holm"),
+        record(5, "00:00:02.000", "Pass", AWAY, player="Gro van der Holm"),
+    )
+    timeline = decode(played)
+    assert [(event.time_s, event.kind, event.label) for event in timeline.details] == [
+        (600.0, "touch", "pass Berg"),
+        (601.5, "touch", "receipt Friis"),
+        (601.5, "touch", "carry Friis"),
+        (606.0, "shot", "shot Friis"),
+        (FIRST_S + 2.0, "touch", "clearance van der Holm"),
+    ]
+    assert {event.kind for event in timeline.events} == {"period", "goal"}
+    shown = [(event.time_s, event.kind) for event in timeline.window(590.0, 630.0).events]
+    assert shown == [(10.0, "touch"), (11.5, "touch"), (16.0, "shot"), (30.0, "goal")]
+
+
+def test_a_touch_listed_after_the_end_is_put_at_the_end_without_a_word() -> None:
+    timeline = decode(match(record(2, "00:47:00.900", "Pass", player="Ada Berg")))
+    assert [event.time_s for event in timeline.details] == [timeline.duration_s]
+    assert timeline.notes == ()

@@ -47,6 +47,20 @@ SYNTHETIC_FOULS_S = (
 SYNTHETIC_NEAR_MISSES_S = (590, 1980, 3190, 4960)
 
 
+def synthetic_touches(duration_s: float) -> tuple[Event, ...]:
+    """Passes and the like, in spells of play with pauses between them, all made up."""
+    random = np.random.default_rng(2018)
+    touches: list[Event] = []
+    time_s = 2.0
+    while time_s < duration_s:
+        for _ in range(random.integers(4, 16)):
+            if time_s < duration_s:
+                touches.append(Event(round(time_s, 1), "touch"))
+            time_s += float(random.uniform(1.5, 4.0))
+        time_s += float(random.uniform(5.0, 25.0))
+    return tuple(touches)
+
+
 def final() -> Timeline:
     """Lay the facts out, each in the middle of its minute: the m-th lasts from m - 1 to m."""
     events = [
@@ -74,14 +88,16 @@ def final() -> Timeline:
         ),
         provenance=(
             "goals and cards: public facts, each in the middle of its reported minute (true to "
-            "30 s); halves of 48 and 50 minutes (approximate) laid end to end; fouls and near "
-            "misses: synthetic; intensity: synthetic, the crowd-excitement formula applied to "
-            "the events, not a recording"
+            "30 s); halves of 48 and 50 minutes (approximate) laid end to end; fouls, near "
+            "misses and touches: synthetic; intensity: synthetic, the crowd-excitement formula "
+            "applied to the events, not a recording"
         ),
         notes=(
             "fouls and near misses labelled (synthetic) are made up: their times aren't public",
             "the intensity is synthetic: no crowd was recorded",
+            "the touches felt when zoomed are made up",
         ),
+        details=synthetic_touches(duration_s),
     )
 
 

@@ -22,6 +22,8 @@ for _one in (
     making.morph,
     making.randomize,
     sounding.audition,
+    sounding.feel,
+    sounding.tune,
     reading.docs,
     reading.schema,
 ):

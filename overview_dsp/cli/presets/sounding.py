@@ -1,12 +1,24 @@
-"""`overview presets audition`: a preset to hear, feel and look at."""
+"""`overview presets`: audition, feel, tune: what a preset is like."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json
+from overview_dsp.cli.common import (
+    announce_compile,
+    part_of,
+    print_json,
+    progress_bar,
+    window_options,
+)
+from overview_dsp.cli.timeline_options import open_timeline, timeline_options
+from overview_dsp.errors import InputError
+
+if TYPE_CHECKING:
+    from overview_dsp.presets.model import Kind
 
 
 @click.command(epilog="Example: overview presets audition heart -o heart.wav")
@@ -15,7 +27,7 @@ from overview_dsp.cli.common import announce_compile, print_json
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def audition(preset: str, out: str | None, seed: int, as_json: bool) -> None:
-    """Sweep over every kind of event of PRESET, twice each: a sound file, and a picture beside it.
+    """Sweep over every kind of event of PRESET, a sound file, and a picture beside it.
 
     Left is what is heard, right what is felt.
     """
@@ -41,5 +53,108 @@ def audition(preset: str, out: str | None, seed: int, as_json: bool) -> None:
             }
         )
         return
-    click.echo(f"{path}: {', '.join(loaded.kinds)}, twice each, out and back")
+    click.echo(f"{path}: {', '.join(loaded.kinds)}, out and back")
     click.echo(pictures[0])
+
+
+@click.command(epilog="Example: overview presets feel football match.json --plot feel.png")
+@click.argument("preset")
+@click.argument("timeline", required=False)
+@click.option("--plot", help="Also draw it, to a .png, .svg or .pdf file.")
+@window_options
+@timeline_options
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def feel(
+    preset: str,
+    timeline: str | None,
+    plot: str | None,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
+    load: dict[str, Any],
+    as_json: bool,
+) -> None:
+    """Measure what a finger gets of each kind of PRESET: slow, medium, fast, a tap, the recoils.
+
+    On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
+    told apart, which are masked or merged, and what to change.
+    """
+    from overview_dsp.audition import gallery
+    from overview_dsp.measure.feel_report import feel_report
+    from overview_dsp.plots import plot_feel, require_picture, save_picture
+    from overview_dsp.presets import load_preset
+
+    loaded = load_preset(preset)
+    data = gallery(loaded)
+    if timeline is not None:
+        data = open_timeline(timeline, load)
+        part = part_of(data, window, zoom_to)
+        data = data if part is None else data.window(*part)
+    if not data.events:
+        raise InputError(f"{timeline}: has no events; there is nothing to tell apart")
+    if plot is not None:
+        require_picture(plot)
+    announce_compile()
+    report = feel_report(loaded, data)
+    if plot is not None:
+        save_picture(plot_feel(report), plot)
+    if as_json:
+        print_json({**report.to_json(), "warnings": report.warnings()})
+        return
+    click.echo(report.table())
+    for line in report.warnings():
+        click.echo(f"note: {line}")
+
+
+@click.command(epilog="Example: overview presets tune my-match --target 'goal>red_card>foul'")
+@click.argument("preset")
+@click.option("--target", required=True, help="Kinds from the strongest down, joined by >.")
+@click.option("--seed", default=0, show_default=True, help="Of the search.")
+@click.option("-o", "--out", help="The file.  [default: PRESET-tuned.toml here]")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def tune(preset: str, target: str, seed: int, out: str | None, as_json: bool) -> None:
+    """Move heights and widths until each kind of the target is two steps above the next."""
+    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import SUFFIX
+    from overview_dsp.presets.writing import save_preset
+    from overview_dsp.tuning import tuned
+
+    loaded = load_preset(preset)
+    names = [name.strip() for name in target.split(">")]
+    announce_compile()
+    with progress_bar(f"tuning {loaded.name}") as tell:
+        found = tuned(loaded, names, seed, tell)
+    path = Path(out) if out is not None else Path(f"{loaded.name}-tuned{SUFFIX}")
+    save_preset(found.preset, path)
+    if as_json:
+        print_json(
+            {
+                "file": str(path),
+                "least_steps": round(found.least_steps, 2),
+                "reached": found.reached,
+                "kinds": {
+                    name: {
+                        "height": found.preset.kinds[name].height,
+                        "width_percent": found.preset.kinds[name].width_percent,
+                        "width_ms": found.preset.kinds[name].width_ms,
+                    }
+                    for name in names
+                },
+            }
+        )
+        return
+    for name in names:
+        before, after = loaded.kinds[name], found.preset.kinds[name]
+        click.echo(
+            f"{name}: height {before.height:g} to {after.height:.4g}, {_widths(before, after)}"
+        )
+    reached = "reached" if found.reached else "not reached: use fewer kinds, or allow more height"
+    click.echo(
+        f"{path}: each at least {found.least_steps:.1f} steps above the next at every speed; two "
+        f"{reached}"
+    )
+
+
+def _widths(before: Kind, after: Kind) -> str:
+    if before.width_percent is not None and after.width_percent is not None:
+        return f"width {before.width_percent:g} to {after.width_percent:.3g} %"
+    return f"width {before.width_ms:g} to {after.width_ms:.4g} ms"

@@ -222,7 +222,8 @@ def _is_penalty(i: int, played: list[_Row]) -> bool:
 def _kicks_off_after(i: int, played: list[_Row]) -> str | None:
     """Return the team that kicks off next in the same period."""
     row = played[i]
-    for later in played[i + 1 :]:
+    for j in range(i + 1, len(played)):
+        later = played[j]
         if later.period != row.period:
             return None
         if later.type == "SET PIECE" and "KICK OFF" in later.words:

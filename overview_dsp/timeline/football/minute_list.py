@@ -46,7 +46,7 @@ from overview_dsp.timeline.football.minutes import (
     parse_minute,
 )
 from overview_dsp.timeline.football.story import GOALS, Happening, Told, team_index
-from overview_dsp.timeline.football.table import header_of, rows
+from overview_dsp.timeline.football.table import MAX_COLUMNS, header_of, rows
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.names import short_name
 from overview_dsp.timeline.source import LoadOptions, Source
@@ -58,6 +58,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
         *("added", "added time", "added minutes", "offset", "extra", "extra minute"),
         *(
             "minute extra",
+            "time extra",
             "extra min",
             "stoppage",
             "stoppage time",
@@ -73,7 +74,15 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
     "details": (
         *("detail", "details", "outcome", "result", "card", "card type", "subtype", "sub type"),
-        *("outcome type", "shot outcome", "event detail", "goal type", "description", "qualifier"),
+        *(
+            "outcome type",
+            "shot outcome",
+            "event detail",
+            "goal type",
+            "situation",
+            "description",
+            "qualifier",
+        ),
     ),
     "player": ("player", "player name", "scorer", "name", "goalscorer", "goal scorer", "athlete"),
     "team": ("team", "team name", "club", "side", "squad", "h a", "for team", "scoring team"),
@@ -151,16 +160,19 @@ def sniff(source: Source) -> bool:
     if source.head_text is None or source.looks_like_json:
         return False
     found = header_of(source.head_text)
-    if found is None or "time_s" in found[0]:
+    if found is None or "time_s" in found[0] or len(found[0]) > MAX_COLUMNS:
         return False
     columns = _columns(found[0])
-    scorers = any("scorer" in name for name in columns.get("player", []))
-    if "kind" not in columns and not scorers:
+    timed = columns.get("minute") or columns.get("clock")
+    if timed is None:
         return False
     if "minute" in columns:
-        return True
-    # "time" may be anything: football's own words must stand beside it
-    return "clock" in columns and _speaks_football(source.head_text, columns)
+        if any("scorer" in name for name in columns.get("player", [])):
+            return True
+        if "kind" in columns and ("team" in columns or "player" in columns):
+            return True
+    # other tables have minutes and types too: football's own words must stand beside them
+    return "kind" in columns and _speaks_football(source.head_text, columns, timed[0])
 
 
 def matches(source: Source) -> list[str]:
@@ -234,7 +246,9 @@ class _Match:
             if minute.period == SHOOT_OUT:
                 kicks += 1
             elif kind in ("half_end", "match_end"):
-                ends[_ended(minute, kind)] = minute
+                period = _ended(minute, kind)
+                if period not in ends or minute.on_clock > ends[period].on_clock:
+                    ends[period] = minute
             elif kind != "period":
                 told.append((row, minute, kind, detail))
         if not told and not ends:
@@ -436,14 +450,23 @@ def _ended(minute: Minute, kind: str) -> int:
     return 3 if kind == "half_end" and minute.base < ENDS[4] else 4
 
 
-def _speaks_football(head: str, columns: dict[str, list[str]]) -> bool:
+def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bool:
     """Tell whether an early row has a minute and, in words, a football kind."""
     whole = head[: head.rfind("\n") + 1] or head
     try:
         for _, fields in itertools.islice(rows(whole), _SNIFFED):
-            parse_minute(fields[columns["clock"][0]], "")
-            if meaning(words_of(fields[columns["kind"][0]]), "", own=False, penalty=False)[0]:
+            kind = words_of(fields[columns["kind"][0]])
+            details = " ".join(words_of(fields[name]) for name in columns.get("details", []))
+            if meaning(kind, details, own=False, penalty=False)[0] and _is_minute(fields[timed]):
                 return True
-    except InputError:
+    except InputError:  # the reader that claims the file says where it is broken
         return False
     return False
+
+
+def _is_minute(text: str) -> bool:
+    try:
+        parse_minute(text, "")
+    except InputError:
+        return False
+    return True

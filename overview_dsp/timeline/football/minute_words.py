@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 
 from overview_dsp.timeline.football.choosing import plain
@@ -14,7 +15,9 @@ _GOAL = re.compile(
     r"|left foot|right foot))"
 )
 _PENALTY = re.compile(r"(?:penalty|pen|penalties|pk|p)")
-_PENALTY_NAMED = re.compile(r"\b(?:penalty|pen|pk)\b(?! (?:area|box|won|conceded|committed))")
+_PENALTY_NAMED = re.compile(
+    r"\b(?:penalty|pen|pk)\b(?! (?:area|box|won|conceded|committed))|\bgoal p\b"
+)
 _MISSED = re.compile(r"miss|missed|saved|failed|off target|post|not scored|no goal|unconverted")
 _OWN = re.compile(r"own goal|owngoal|\bog\b|autogoal")
 _CANCELLED = re.compile(
@@ -38,7 +41,8 @@ _CHANCE = re.compile(r"near miss|big chance|clear chance|great chance|good chanc
 _WON = re.compile(r"\bwon\b|suffered|drawn|received|fouled|against")
 _SHOOT_OUT = re.compile(r"shoot ?out|penalty series|kicks from the (?:penalty )?mark")
 _END_1 = re.compile(
-    r"half ?time|^ht$|end (?:of )?(?:the )?(?:first|1st) half|(?:first|1st) half end"
+    r"half ?time|^ht$|^(?:half |period )?end$|end (?:of )?(?:the )?(?:first|1st) half"
+    r"|(?:first|1st) half end"
 )
 _END = re.compile(
     r"full ?time|^ft$|end (?:of )?(?:the )?(?:second|2nd) half|(?:second|2nd) half end|match end"
@@ -50,11 +54,13 @@ _PERIOD = re.compile(
 )
 
 
+@functools.lru_cache(maxsize=4096)
 def words_of(text: str) -> str:
     """Return text for comparing, `SavedShot` as `saved shot`."""
     return plain(_CAMEL.sub(" ", text))
 
 
+@functools.lru_cache(maxsize=4096)
 def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, str]:
     """Return (kind, detail) of what the columns of a row say.
 
@@ -113,7 +119,7 @@ def _card(kind: str, details: str) -> tuple[str, str] | None:
 
 
 def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
-    bare = re.sub(r"\b(?:penalty|pen|from the spot|kick)\b", " ", kind).strip()
+    bare = re.sub(r"\b(?:penalty|pen|pk|p|from the spot|kick)\b", " ", kind).strip()
     bare = " ".join(bare.split())
     if "goal kick" in kind:
         return False
@@ -127,8 +133,9 @@ def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
 
 
 def _whistle(kind: str, both: str) -> str:
-    if _END_1.search(both):
-        return "half_end"
-    if _END.search(both):
-        return "match_end"
+    for words in (kind, both):
+        if _END_1.search(words):
+            return "half_end"
+        if _END.search(words):
+            return "match_end"
     return "period" if _PERIOD.search(kind) else ""

@@ -26,6 +26,7 @@ SHOOT_OUT = 5
 START_LABELS = {1: "kick-off", 2: "half-time", 3: "extra time", 4: "extra-time half-time"}
 MAX_MINUTE = 150
 _MIDDLE_S = 30.0
+_LONGEST = 24  # characters of a minute, so that no pattern is tried on a long field
 MAX_ADDED = 60
 
 # 38  38'  90+3  90'+3'  90 + 3  12:34  45+2:30
@@ -70,6 +71,8 @@ def parse_minute(text: str, place: str) -> Minute:
     """Return the minute written as `38`, `38'`, `90+3`, `45+2'` or `12:34`; InputError if not."""
     hint = f"minutes are 0 to {MAX_MINUTE}, such as 38 or 90+3"
     written = text.strip()
+    if len(written) > _LONGEST:
+        raise InputError(f"{place}: {checks.shown(text)} isn't a minute; {hint}")
     whole = _WHOLE.fullmatch(written)  # what a table of numbers makes of 38
     found = _MINUTE.fullmatch(whole[1] if whole else written)
     if found is None:

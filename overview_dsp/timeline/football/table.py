@@ -9,8 +9,11 @@ from collections.abc import Iterator
 from overview_dsp.errors import InputError
 
 DELIMITERS = (",", ";", "\t", "|")
-MAX_ROWS = 1_000_000
-"""Most rows that are read: some hundred times those of a match."""
+MAX_ROWS = 200_000
+"""Most rows that are read: a hundred times those of a match."""
+
+MAX_COLUMNS = 1000
+"""Most columns of a table that is read."""
 
 
 def header_of(text: str) -> tuple[list[str], str] | None:
@@ -50,6 +53,8 @@ def rows(text: str) -> Iterator[tuple[int, dict[str, str]]]:
     if found is None:
         raise InputError("no header; the first row names the columns")
     header, delimiter = found
+    if len(header) > MAX_COLUMNS:
+        raise InputError(f"{len(header)} columns in the header, more than {MAX_COLUMNS}")
     named = [name for name in header if name]
     for name in named:
         if named.count(name) > 1:

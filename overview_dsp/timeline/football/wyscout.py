@@ -28,7 +28,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.football.choosing import choose
 from overview_dsp.timeline.football.minutes import SHOOT_OUT, START_LABELS
-from overview_dsp.timeline.football.story import Happening, Told
+from overview_dsp.timeline.football.story import GOALS, Happening, Told
 from overview_dsp.timeline.football.wyscout_matches import Companion, companions
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.names import short_name
@@ -243,20 +243,16 @@ def _is_attempt(event: _Event) -> bool:
 
 
 def _single_goals(happenings: Sequence[Happening], notes: list[str]) -> list[Happening]:
-    """Leave out a goal that repeats one of the same team a moment before."""
+    """Leave out a goal that repeats one of the same team a moment before (given by time)."""
     kept: list[Happening] = []
+    last: dict[int | None, Happening] = {}
     for happening in happenings:
-        if happening.kind in ("goal", "own_goal"):
-            same = [
-                other
-                for other in kept
-                if other.kind in ("goal", "own_goal")
-                and other.team == happening.team
-                and abs(other.time_s - happening.time_s) <= SAME_GOAL_S
-            ]
-            if same:
-                notes.append(f"{happening.place} repeats the goal of {same[-1].place}: left out")
+        if happening.kind in GOALS:
+            before = last.get(happening.team)
+            if before is not None and happening.time_s - before.time_s <= SAME_GOAL_S:
+                notes.append(f"{happening.place} repeats the goal of {before.place}: left out")
                 continue
+            last[happening.team] = happening
         kept.append(happening)
     return kept
 

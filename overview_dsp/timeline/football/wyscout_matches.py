@@ -19,6 +19,8 @@ MAX_FILES = 20
 MAX_MB = 32.0
 """Largest companion that is read, MB; a season's has 5."""
 
+_LABEL_CHARACTERS = 200
+
 # "Leicester City - Liverpool, 2 - 3", "... , 1 - 1 (P)" after a shoot-out
 _LABEL = re.compile(r"(?P<home>.+?) - (?P<away>.+?), ?(?P<score>[0-9]+ ?- ?[0-9]+.*)?")
 
@@ -88,7 +90,8 @@ def _companion(raw: object) -> tuple[str, Companion] | None:
         return None
     ordered = sorted(sides, key=lambda team: sides[team].get("side") != "home")
     label = raw.get("label")
-    named = _LABEL.match(label) if isinstance(label, str) else None
+    # a label is a line; no pattern is tried on megabytes
+    named = _LABEL.match(label[:_LABEL_CHARACTERS]) if isinstance(label, str) else None
     names = [named["home"].strip(), named["away"].strip()] if named else ["", ""]
     goals = [_goals(sides[team]) for team in ordered]
     date = raw.get("dateutc")

@@ -1,0 +1,46 @@
+"""Events that are felt apart: how many knocks of its events a stroke gives a finger.
+
+A knock is a peak of the felt level that stands at least `KNOCK_DB` above its surroundings (its
+prominence), at least `APART_S` from any higher one. It counts where the disk is on an event then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.measure.felt import WINDOW_S, Stroke, window_db
+from overview_dsp.surface import Surface
+
+KNOCK_DB = 2.3
+"""A step of amplitude that the skin notices (Israr and Tan 2006: 2.2 to 2.5 dB)."""
+
+APART_S = 0.030
+"""Two knocks closer than this are felt as one."""
+
+HOP_S = 0.002
+
+
+def events_felt_apart(
+    stroke: Stroke,
+    surface: Surface,
+    columns: Mapping[str, NDArray[np.float64]],
+    tactor: NDArray[np.float32],
+    sample_rate: float,
+) -> int:
+    """How many events of the surface are felt one by one in a stroke.
+
+    Parameters
+    ----------
+    columns : the trace (`cursor` is used)
+    tactor : float32 (frames,), the tactor channel of the same render
+    """
+    from scipy.signal import find_peaks
+
+    cursor = columns["cursor"][stroke.start : stroke.stop]
+    starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, HOP_S)
+    peaks, _ = find_peaks(level, prominence=KNOCK_DB, distance=round(APART_S / HOP_S))
+    middles = (starts[peaks] + WINDOW_S * sample_rate / 2.0).astype(np.int64)
+    return int(np.count_nonzero(surface.in_span(cursor[np.minimum(middles, len(cursor) - 1)])))

@@ -1,0 +1,358 @@
+"""What a person gets of each kind of event, gesture by gesture, and what can't be told apart.
+
+Measured on the tactor and click channels of renders, as a finger and an ear take them:
+
+- *level*: highest RMS over 10 ms while the disk is on the event, dB of full scale, weighted by the
+  skin's sensitivity at the carrier's frequency (`pacinian_db`);
+- *contrast*: level above the median of all that is no event;
+- *sharpness*: steepest rise of the torque, N m/s;
+- *duration*: how long the level stays within 6 dB of its highest, ms;
+- *click*: highest RMS over 10 ms of the click, dB of full scale.
+
+Steps: 2.3 dB of level (Israr and Tan 2006: 2.2 to 2.5 dB); a quarter of duration (0.2 to 0.25 is
+what touch needs for frequency, the same authors); a factor of two in sharpness (our own rule: no
+study gives one for such pulses). Pulses within 30 ms are felt as one. An event less than a step
+above the rest is masked.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.gestures import Gesture, sweep, tap
+from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
+from overview_dsp.presets.model import Preset
+from overview_dsp.rendering import Result, render
+from overview_dsp.timeline import Timeline
+
+STEP_DB = 2.3
+STEP_DURATION = 1.25
+STEP_SHARPNESS = 2.0
+MERGED_S = 0.030
+FALL_DB = 6.0
+
+ARRIVED = 0.005
+"""So near to its end, as a part of the timeline, a stroke is over."""
+
+GESTURES: Mapping[str, Gesture] = {
+    "slow": sweep(6.0),
+    "medium": sweep(3.0),
+    "fast": sweep(1.0),
+    "tap": tap(1.0, 1.5),
+}
+"""Slow, medium and fast sweeps over all of the timeline, and a tap at its end."""
+
+_BEST_HZ = (200.0, 300.0)
+_DB_AN_OCTAVE = 10.0
+_CLICK_BEFORE_S, _CLICK_AFTER_S = 0.005, 0.060
+
+
+def pacinian_db(frequency_hz: float) -> float:
+    """How much weaker a vibration is felt than one of the same amplitude at 200 to 300 Hz, dB <= 0.
+
+    20 dB from 200 to 50 Hz (the equal-sensation filter of Google's audio-to-tactile), the same
+    slope taken above 300 Hz; the threshold is lowest at 150 to 300 Hz (Brisben, Hsiao, Johnson
+    1999).
+    """
+    low, high = _BEST_HZ
+    beyond = max(math.log2(low / frequency_hz), math.log2(frequency_hz / high), 0.0)
+    return -_DB_AN_OCTAVE * beyond
+
+
+@dataclass(frozen=True)
+class KindFeel:
+    """One kind in one stroke: medians over its events; NaN where none was felt."""
+
+    kind: str
+    events: int
+    level_db: float
+    contrast_db: float
+    sharpness: float
+    duration_ms: float
+    click_db: float
+    masked: int
+    merged: int
+
+
+@dataclass(frozen=True)
+class StrokeReport:
+    """One stroke of one gesture.
+
+    Attributes
+    ----------
+    name : str
+        `slow`, `slow recoil`, ..., `tap`, `tap recoil`.
+    event_free_db : float
+        Weighted median level outside all events.
+    kinds : tuple of KindFeel
+    alike : tuple of (kind, kind, steps)
+        Pairs less than a step apart in level, sharpness and duration, and how far they are.
+    """
+
+    name: str
+    event_free_db: float
+    kinds: tuple[KindFeel, ...]
+    alike: tuple[tuple[str, str, float], ...]
+
+
+@dataclass(frozen=True)
+class FeelReport:
+    """How a preset feels on a timeline."""
+
+    preset: str
+    timeline: str
+    strokes: tuple[StrokeReport, ...]
+
+    def stroke(self, name: str) -> StrokeReport:
+        """The stroke of that name."""
+        return next(stroke for stroke in self.strokes if stroke.name == name)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; what was not felt is None."""
+        return {
+            "preset": self.preset,
+            "timeline": self.timeline,
+            "strokes": [
+                {
+                    "name": stroke.name,
+                    "event_free_db": _rounded(stroke.event_free_db),
+                    "kinds": [
+                        {key: _rounded(value) for key, value in vars(kind).items()}
+                        for kind in stroke.kinds
+                    ],
+                    "alike": [[a, b, round(steps, 2)] for a, b, steps in stroke.alike],
+                }
+                for stroke in self.strokes
+            ],
+        }
+
+    def table(self) -> str:
+        """The report as text: a block a stroke."""
+        lines = [f"{self.preset} on {self.timeline or 'a timeline'}"]
+        lines.append(
+            f"{'':<28}{'level':>8}{'contrast':>10}{'sharpness':>11}{'lasts':>8}{'click':>8}"
+            f"{'masked':>8}{'merged':>8}"
+        )
+        lines.append(f"{'':<28}{'dB':>8}{'dB':>10}{'N m/s':>11}{'ms':>8}{'dB':>8}")
+        for stroke in self.strokes:
+            lines.append(f"{stroke.name}: {stroke.event_free_db:.1f} dB between the events")
+            lines += [
+                f"  {kind.kind[:20]:<20}{kind.events:>5} {_cell(kind.level_db, 8, 1)}"
+                f"{_cell(kind.contrast_db, 10, 1)}{_cell(kind.sharpness, 11, 3)}"
+                f"{_cell(kind.duration_ms, 8, 0)}{_cell(kind.click_db, 8, 1)}"
+                f"{kind.masked:>8}{kind.merged:>8}"
+                for kind in stroke.kinds
+            ]
+        return "\n".join(lines)
+
+    def warnings(self) -> list[str]:
+        """What a person would miss, each in a line that says what to change."""
+        lines: list[str] = []
+        for name in dict.fromkeys(kind.kind for stroke in self.strokes for kind in stroke.kinds):
+            masked = [
+                stroke.name
+                for stroke in self.strokes
+                for kind in stroke.kinds
+                if kind.kind == name and 2 * kind.masked > kind.events
+            ]
+            if masked:
+                lines.append(
+                    f"{name} is hardly felt in {_listed(masked)}: raise kinds.{name}.height, or "
+                    "lower surface.ambience"
+                )
+        pairs: dict[tuple[str, str], list[str]] = {}
+        for stroke in self.strokes:
+            for first, second, _ in stroke.alike:
+                pairs.setdefault((first, second), []).append(stroke.name)
+        for (first, second), where in pairs.items():
+            lines.append(
+                f"{first} and {second} feel alike in {_listed(where)}: move their heights or "
+                "widths apart by a third"
+            )
+        merged = {stroke.name: sum(kind.merged for kind in stroke.kinds) for stroke in self.strokes}
+        for name, count in merged.items():
+            if count:
+                lines.append(
+                    f"{count} events come within {1000.0 * MERGED_S:.0f} ms of another in {name} "
+                    "and are felt as one with it: zoom in, or move more slowly"
+                )
+        return lines
+
+
+def _cell(value: float, width: int, digits: int) -> str:
+    if not math.isfinite(value):
+        return f"{'-':>{width}}"
+    text = f"{value:.{digits}f}" if abs(value) < 1e4 else f"{value:.3g}"
+    return f"{text:>{width}}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) if len(names) < 8 else "every stroke"
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return round(value, 4) if math.isfinite(value) else None
+    return value
+
+
+def feel_report(
+    preset: Preset,
+    timeline: Timeline,
+    gestures: Mapping[str, Gesture] = GESTURES,
+    sample_rate: float = 48_000,
+) -> FeelReport:
+    """Measure how a preset feels on a timeline.
+
+    Parameters
+    ----------
+    preset, timeline
+        What is to be felt; the timeline has events.
+    gestures
+        Name to gesture, each of one touch.
+    """
+    reports: list[StrokeReport] = []
+    for name, gesture in gestures.items():
+        result = render(timeline, preset, gesture, sample_rate)
+        trace = result.trace
+        assert trace is not None
+        for stroke in strokes(trace.touching, trace.cursor):
+            called = name if stroke.name == "out" else f"{name} {stroke.name}"
+            moving = _until_arrived(stroke, trace.cursor)
+            reports.append(_stroke_report(called, moving, result, timeline))
+    return FeelReport(preset.name, timeline.title, tuple(reports))
+
+
+def _until_arrived(stroke: Stroke, cursor: NDArray[np.float64]) -> Stroke:
+    """The stroke up to where the disk is at its end: held there, nothing is felt."""
+    way = cursor[stroke.start : stroke.stop]
+    away = np.flatnonzero(np.abs(way - way[-1]) > ARRIVED)
+    stop = stroke.start + int(away[-1]) + 2 if len(away) else stroke.stop
+    return Stroke(stroke.name, stroke.start, min(stop, stroke.stop))
+
+
+def _stroke_report(name: str, stroke: Stroke, result: Result, timeline: Timeline) -> StrokeReport:
+    trace, surface = result.trace, result.engine.surface
+    assert trace is not None
+    felt = stroke_feel(stroke, surface, trace, result.samples[:, 1], result.sample_rate)
+    weight = pacinian_db(result.engine.preset.number("tactor.frequency_hz"))
+    struck = _strikes_in(stroke, result)
+    names = np.array([_kind_of(timeline, surface.kind_names, int(e)) for e in surface.event])
+    durations = _durations(stroke, result)
+    clicks = _clicks(struck, result)
+    near = _merged(struck)
+    found = []
+    for kind in dict.fromkeys(names.tolist()):
+        rows = np.flatnonzero(names == kind)
+        rows = rows[np.isfinite(felt.event_db[rows])]
+        level = felt.event_db[rows]
+        events = surface.event[rows]
+        click = np.array([clicks.get(int(event), math.nan) for event in events])
+        found.append(
+            KindFeel(
+                kind,
+                len(rows),
+                _median(level) + weight,
+                _median(level) - felt.event_free_db,
+                _median(felt.rise[rows]),
+                _median(durations[rows]),
+                _median(click),
+                int(np.count_nonzero(level - felt.event_free_db < STEP_DB)),
+                sum(int(event) in near for event in events),
+            )
+        )
+    alike = tuple(
+        (first.kind, second.kind, apart)
+        for first, second in itertools.combinations(found, 2)
+        if first.events and second.events and (apart := steps_apart(first, second)) < 1.0
+    )
+    return StrokeReport(name, felt.event_free_db + weight, tuple(found), alike)
+
+
+def steps_apart(first: KindFeel, second: KindFeel) -> float:
+    """Just noticeable steps between two kinds, in what they differ most in."""
+    steps = [
+        abs(first.level_db - second.level_db) / STEP_DB,
+        _ratio_steps(first.sharpness, second.sharpness, STEP_SHARPNESS),
+        _ratio_steps(first.duration_ms, second.duration_ms, STEP_DURATION),
+    ]
+    return max((step for step in steps if math.isfinite(step)), default=0.0)
+
+
+def _ratio_steps(first: float, second: float, step: float) -> float:
+    if not (first > 0.0 and second > 0.0):
+        return math.nan
+    return abs(math.log(first / second)) / math.log(step)
+
+
+def _median(values: NDArray[np.float64]) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else math.nan
+
+
+def _kind_of(timeline: Timeline, known: tuple[str, ...], event: int) -> str:
+    kind = timeline.events[event].kind
+    return kind if kind in known else "default"
+
+
+def _strikes_in(stroke: Stroke, result: Result) -> list[tuple[float, int]]:
+    rate = result.sample_rate
+    return [
+        (float(at), int(event))
+        for at, event in zip(result.strikes.time_s, result.strikes.event, strict=True)
+        if stroke.start <= at * rate < stroke.stop
+    ]
+
+
+def _merged(struck: list[tuple[float, int]]) -> set[int]:
+    """Events that strike so soon before or after another one that both are felt as one."""
+    found: set[int] = set()
+    for (at, event), (then, other) in itertools.pairwise(struck):
+        if then - at < MERGED_S and event != other:
+            found |= {event, other}
+    return found
+
+
+def _clicks(struck: list[tuple[float, int]], result: Result) -> dict[int, float]:
+    rate = result.sample_rate
+    found: dict[int, float] = {}
+    for at, event in struck:
+        first = max(0, round((at - _CLICK_BEFORE_S) * rate))
+        samples = result.samples[first : round((at + _CLICK_AFTER_S) * rate), 0]
+        level = window_db(samples, rate, 0.001)[1]
+        if len(level):
+            found[event] = float(level.max())
+    return found
+
+
+def _durations(stroke: Stroke, result: Result) -> NDArray[np.float64]:
+    """How long each event's level stays within 6 dB of its highest, ms; a row a surface's event."""
+    trace, surface = result.trace, result.engine.surface
+    assert trace is not None
+    cursor = trace.cursor[stroke.start : stroke.stop]
+    hop = WINDOW_S / 10.0
+    starts, level = window_db(
+        result.samples[stroke.start : stroke.stop, 1], result.sample_rate, hop
+    )
+    middle = np.minimum((starts + 0.5 * WINDOW_S * result.sample_rate), len(cursor) - 1)
+    place = cursor[middle.astype(np.int64)]
+    found = np.full(len(surface.place), np.nan)
+    for i, (first, last) in enumerate(surface.span):
+        inside = np.flatnonzero((place >= first) & (place <= last))
+        if not len(inside):
+            continue
+        peak = inside[np.argmax(level[inside])]
+        low = high = int(peak)
+        while low > 0 and level[low - 1] >= level[peak] - FALL_DB:
+            low -= 1
+        while high + 1 < len(level) and level[high + 1] >= level[peak] - FALL_DB:
+            high += 1
+        found[i] = (high - low + 1) * hop * 1000.0
+    return found

@@ -1,0 +1,172 @@
+"""A preset's heights and widths moved until its kinds feel as far apart as they should.
+
+The search (scipy's differential evolution, seeded) moves each kind's height and width by ratio,
+renders slow, medium and fast sweeps over the preset's own kinds, and asks that at every speed each
+kind's level is two steps above the next one's, the last one a step above the bare surface; of what
+gives that, it prefers what is nearest to the preset as it was.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.audition import SECONDS_EACH
+from overview_dsp.errors import InputError
+from overview_dsp.gestures import sweep
+from overview_dsp.measure.feel_report import STEP_DB, FeelReport, feel_report
+from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.parameters import KIND_PARAMETERS, did_you_mean
+from overview_dsp.timeline import Event, Timeline
+
+WANTED_STEPS = 2.0
+_AIM_STEPS = 2.2  # a little more, so that the search may stop a little short of it
+SPEEDS = {"slow": sweep(6.0), "medium": sweep(3.0), "fast": sweep(1.0)}
+MOST_HEIGHT = 8.0
+MOST_WIDTH = 2.0
+"""Heights move by up to this ratio, widths by less: a width is a kind's character."""
+
+REPEATS = 2
+GENERATIONS = 40
+POPULATION = 4
+GOOD = 0.03
+"""A cost that only small moves make up: nothing lacks."""
+
+RATE = 8000.0
+"""The disk and its vibration are the same at any rate; a low one is quick."""
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """A tuned preset, the least steps between neighbours of the target, if two were reached."""
+
+    preset: Preset
+    least_steps: float
+    reached: bool
+
+
+def tuned(
+    preset: Preset,
+    target: Sequence[str],
+    seed: int = 0,
+    progress: Callable[[float], None] = lambda part: None,
+) -> Tuned:
+    """Tune a preset.
+
+    Parameters
+    ----------
+    preset
+        Whose kinds are moved.
+    target
+        Kinds, the strongest first: two or more, each named by the preset.
+    seed
+        The same seed gives the same preset.
+    progress
+        Told the part done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        Fewer than two kinds, one that the preset doesn't name, one twice.
+    """
+    from scipy.optimize import differential_evolution
+
+    _check(preset, target)
+    timeline = _timeline(target)
+    done = 0
+    evaluations = (GENERATIONS + 1) * POPULATION * 2 * len(target)
+
+    def cost(moves: NDArray[np.float64]) -> float:
+        nonlocal done
+        done += 1
+        progress(min(1.0, done / evaluations))
+        gaps = _gaps(_moved(preset, target, moves), timeline, target)
+        lacking = np.maximum(_AIM_STEPS - gaps, 0.0)
+        return float(np.sum(lacking**2)) + 0.01 * float(np.mean(moves**2))
+
+    start = np.zeros(2 * len(target))
+    if _gaps(preset, timeline, target).min() < WANTED_STEPS:
+        most = [math.log(MOST_HEIGHT)] * len(target) + [math.log(MOST_WIDTH)] * len(target)
+        found = differential_evolution(
+            cost,
+            [(-limit, limit) for limit in most],
+            x0=start,
+            rng=np.random.default_rng(seed),
+            maxiter=GENERATIONS,
+            popsize=POPULATION,
+            polish=False,
+            tol=0.0,
+            callback=lambda intermediate_result: intermediate_result.fun < GOOD,
+        )
+        start = found.x
+    progress(1.0)
+    best = _moved(preset, target, start)
+    least = float(_gaps(best, timeline, target).min())
+    named = replace(best, name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
+    return Tuned(named, least, least >= WANTED_STEPS)
+
+
+def _check(preset: Preset, target: Sequence[str]) -> None:
+    if len(target) < 2:
+        raise InputError("a target has two kinds or more, the strongest first: goal>foul")
+    for name in target:
+        if name not in preset.kinds:
+            raise InputError(
+                f"preset {preset.name!r} names no kind {name!r}{did_you_mean(name, preset.kinds)}"
+            )
+    if len(set(target)) < len(target):
+        raise InputError("a kind is named twice in the target; name each once")
+
+
+def _timeline(target: Sequence[str]) -> Timeline:
+    names = [name for name in target for _ in range(REPEATS)]
+    # strong and weak in turn, so that none is always met after the strongest
+    order = [*names[::2], *names[1::2][::-1]]
+    spacing = 2.0 * SECONDS_EACH
+    events = tuple(Event(spacing * (i + 1), name) for i, name in enumerate(order))
+    return Timeline(
+        title="the target's kinds", duration_s=spacing * (len(order) + 1), events=events
+    )
+
+
+def _moved(preset: Preset, target: Sequence[str], moves: NDArray[np.float64]) -> Preset:
+    kinds = dict(preset.kinds)
+    for name, height, width in zip(target, moves[: len(target)], moves[len(target) :], strict=True):
+        kinds[name] = _moved_kind(kinds[name], math.exp(height), math.exp(width))
+    return replace(preset, kinds=kinds)
+
+
+def _moved_kind(kind: Kind, height: float, width: float) -> Kind:
+    key = "width_percent" if kind.width_percent is not None else "width_ms"
+    changes: dict[str, Any] = {
+        "height": _within("height", kind.height * height),
+        key: _within(key, getattr(kind, key) * width),
+    }
+    return replace(kind, **changes)
+
+
+def _within(key: str, value: float) -> float:
+    known = KIND_PARAMETERS[key]
+    return min(max(value, known.low), known.high)
+
+
+def _gaps(preset: Preset, timeline: Timeline, target: Sequence[str]) -> NDArray[np.float64]:
+    """Steps from each kind down to the next (the last one: above the rest), at every speed."""
+    report: FeelReport = feel_report(preset, timeline, SPEEDS, RATE)
+    found = []
+    for name in SPEEDS:
+        stroke = report.stroke(name)
+        level = {kind.kind: kind.level_db for kind in stroke.kinds}
+        steps = [level[kind] for kind in target]
+        # the last one needs one step, not two, above the rest
+        steps.append(stroke.event_free_db - STEP_DB)
+        found += [(a - b) / STEP_DB for a, b in itertools.pairwise(steps)]
+    gaps = np.array(found)
+    # not felt at all
+    return np.where(np.isfinite(gaps), gaps, -10.0)

@@ -1,0 +1,102 @@
+"""Draw the paper's two scenarios (its section 4) into docs/pictures: glanced at, then focused on.
+
+python tools/draw_scenarios.py [FOLDER]
+
+A match felt in one twist and then about a goal; a (made-up) share felt over a year and then over
+its last weeks. Left the whole, right the part: the data, the surface, and what a finger feels.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import overview_dsp as ov
+from overview_dsp.measure.felt import WINDOW_S, strokes, window_db
+from overview_dsp.plots import BLUE, GREY, VERMILION, draw_timeline, save_figure
+from overview_dsp.timeline.moments import window_of, zoom_window
+
+FOLDER = Path(__file__).parent.parent / "docs" / "pictures"
+
+
+@dataclass(frozen=True)
+class Look:
+    """One way to look at a timeline: what of it, and how long the hand takes."""
+
+    words: str
+    timeline: ov.Timeline
+    seconds: float
+
+
+def draw(looks: list[Look], preset: ov.Preset) -> Figure:
+    whole = looks[0].timeline
+    every = replace(whole, events=(*whole.events, *whole.details))
+    figure = Figure(figsize=(6.4 * len(looks), 6.6), layout="constrained")
+    grid = figure.subplots(3, len(looks), squeeze=False, sharey="row")
+    for column, look in enumerate(looks):
+        data, surface, felt = grid[:, column]
+        result = ov.render(look.timeline, preset, ov.sweep(look.seconds))
+        (out, *_) = strokes(result.trace.touching, result.trace.cursor)
+        starts, level = window_db(
+            result.samples[out.start : out.stop, 1], result.sample_rate, WINDOW_S / 2.0
+        )
+        middle = np.minimum((starts + WINDOW_S / 2.0 * result.sample_rate).astype(int) + out.start,
+                            out.stop - 1)  # fmt: skip
+        degrees = np.linspace(0.0, 180.0, len(result.engine.surface.friction))
+        draw_timeline(data, look.timeline, every)
+        data.set_title(look.words, loc="left", fontsize=10)
+        surface.plot(degrees, result.engine.surface.friction * 1e3, color=VERMILION, linewidth=0.7)
+        surface.set_yscale("log")
+        surface.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        felt.plot(result.trace.cursor[middle] * 180.0, level, color=BLUE, linewidth=0.8)
+        felt.set_ylim(-60.0, 0.0)
+        felt.set_xlabel(f"turn of the hand, degrees, in {look.seconds:g} s")
+        for axes in (surface, felt):
+            axes.set_xlim(0.0, 180.0)
+            axes.set_xticks(range(0, 181, 30))
+            axes.spines[["top", "right"]].set_visible(False)
+            axes.grid(color="#dddddd", linewidth=0.6)
+        if column == 0:
+            surface.set_ylabel("friction B, mN·m·s/rad")
+            felt.set_ylabel("vibration, dB of full scale")
+    handles: dict[str, object] = {}
+    for axes in grid[0]:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label.rpartition(" (")[0], handle)
+    figure.legend(
+        handles.values(), handles.keys(), loc="outside lower center", ncols=9, frameon=False,
+        fontsize=8, labelcolor=GREY,
+    )  # fmt: skip
+    figure.suptitle(whole.title, x=0.01, ha="left", fontsize=11)
+    return figure
+
+
+def main(folder: Path) -> None:
+    match = ov.load_timeline("world-cup-final-2018")
+    goal = match.window(*zoom_window(match, "goal:2"))
+    before = match.window(*window_of(match, "goal:2-45", "goal:2+5"))
+    share = ov.load_timeline("made-up-share")
+    weeks = share.window(*window_of(share, "end-6w", "end"))
+    football, series = ov.load_preset("football"), ov.load_preset("series")
+    glance = [
+        Look("a twist: the whole match", match, 2.0),
+        Look("--zoom-to goal:2", goal, 8.0),
+        Look("--window goal:2-45 goal:2+5", before, 8.0),
+    ]
+    year = [Look("a twist: the year", share, 2.0), Look("--window end-6w end", weeks, 4.0)]
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, figure in (
+        ("match-zoom", draw(glance, football)),
+        ("share-zoom", draw(year, series)),
+    ):
+        for path in save_figure(figure, folder / name):
+            if path.suffix != ".png":
+                path.unlink()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
