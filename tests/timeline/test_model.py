@@ -355,3 +355,28 @@ def test_the_normalised_curve_stays_within_0_and_1(timeline: Timeline) -> None:
     scaled = timeline.normalised_intensity_at(at)
     assert scaled.min() >= 0.0
     assert scaled.max() <= 1.0
+
+
+def test_percentiles_scale_a_curve_and_clip_it_there_alone() -> None:
+    value = np.concatenate([np.linspace(10.0, 20.0, 101), [1e6]])
+    curve = Intensity(np.arange(102.0), value, "m", (1.0, 90.0))
+    timeline = Timeline("", 101.0, intensity=curve)
+    low, high = np.percentile(value, (1.0, 90.0))
+    expected = np.clip((value - low) / (high - low), 0.0, 1.0)
+    assert timeline.normalised_intensity_at(np.arange(102.0)) == pytest.approx(expected)
+    assert timeline.intensity_at(101.0) == 1e6
+    # values within 0 and 1 are scaled too, once there are percentiles
+    small = Timeline("", 100.0, intensity=Intensity([0, 50, 100], [0.2, 0.4, 0.6], "", (0, 99)))
+    assert small.normalised_intensity_at(0.0) == 0.0
+
+
+def test_percentiles_that_fall_together_give_way_to_the_extremes() -> None:
+    rain = Intensity(np.arange(100.0), np.eye(1, 100, 60)[0] * 8.0, "mm", (1.0, 99.0))
+    timeline = Timeline("", 99.0, intensity=rain)
+    assert timeline.normalised_intensity_at([0.0, 60.0]).tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("given", [(50.0, 50.0), (-1.0, 99.0), (1.0, 101.0), (1.0,), "ab", None])
+def test_percentiles_are_two_rising_ones(given: object) -> None:
+    with pytest.raises(InputError, match=r"intensity\.percentiles"):
+        Intensity([0.0, 1.0], [0.0, 1.0], "", given)  # type: ignore[arg-type]
