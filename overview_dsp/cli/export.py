@@ -7,7 +7,13 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.common import (
+    announce_compile,
+    part_of,
+    print_json,
+    progress_bar,
+    window_options,
+)
 from overview_dsp.cli.timeline_options import open_timeline, timeline_options
 from overview_dsp.gestures.spec import FORMS
 
@@ -40,6 +46,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 )
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
+@window_options
 @timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
@@ -51,6 +58,8 @@ def command(
     points: float,
     tail: str,
     seed: int,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
     load: dict[str, Any],
     as_json: bool,
 ) -> None:
@@ -61,6 +70,9 @@ def command(
     from overview_dsp.rendering import render, tail_of
 
     data, chosen = open_timeline(timeline, load), load_preset(preset)
+    part = part_of(data, window, zoom_to)
+    if part is not None:
+        data = data.window(*part)
     movement, rest = parse_gesture(gesture), tail_of(tail)
     announce_compile()
     with progress_bar("rendering") as tell:
