@@ -14,7 +14,12 @@ from overview_dsp.cli.common import (
     progress_bar,
     window_options,
 )
-from overview_dsp.cli.timeline_options import open_timeline, timeline_options
+from overview_dsp.cli.timeline_options import (
+    open_timeline,
+    preset_for,
+    preset_option,
+    timeline_options,
+)
 from overview_dsp.gestures.spec import FORMS
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
@@ -26,7 +31,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     epilog="Example: overview export match.json --gesture sweep:4 --to ahap -o match.ahap",
 )
 @click.argument("timeline")
-@click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@preset_option
 @click.option("--gesture", default="sweep:4", show_default=True, help=FORMS + "; + joins parts.")
 @click.option(
     "--to",
@@ -51,7 +56,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
     timeline: str,
-    preset: str,
+    preset: str | None,
     gesture: str,
     formats: tuple[str, ...],
     out: str | None,
@@ -69,10 +74,11 @@ def command(
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render, tail_of
 
-    data, chosen = open_timeline(timeline, load), load_preset(preset)
+    data = open_timeline(timeline, load)
     part = part_of(data, window, zoom_to)
     if part is not None:
         data = data.window(*part)
+    chosen = load_preset(preset_for(data, preset))
     movement, rest = parse_gesture(gesture), tail_of(tail)
     announce_compile()
     with progress_bar("rendering") as tell:

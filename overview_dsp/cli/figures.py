@@ -7,21 +7,29 @@ from typing import Any
 import click
 
 from overview_dsp.cli.common import announce_compile, print_json
-from overview_dsp.cli.timeline_options import open_timeline, timeline_options
+from overview_dsp.cli.timeline_options import (
+    open_timeline,
+    preset_for,
+    preset_option,
+    timeline_options,
+)
 
 
 @click.command(name="figures", epilog="Example: overview figures --out pictures")
 @click.option("--out", default=".", show_default=True, help="Folder for the pictures.")
 @click.option("--timeline", default="world-cup-final-2018", show_default=True, help="Any file.")
-@click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@preset_option
 @timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def command(out: str, timeline: str, preset: str, load: dict[str, Any], as_json: bool) -> None:
+def command(
+    out: str, timeline: str, preset: str | None, load: dict[str, Any], as_json: bool
+) -> None:
     """Draw the paper's figures 4 (timeline), 5 (sweeps) and 6 (tap), as PNG and SVG."""
     from overview_dsp.paper_figures import draw, renders
     from overview_dsp.presets import load_preset
 
-    data, chosen = open_timeline(timeline, load), load_preset(preset)
+    data = open_timeline(timeline, load)
+    chosen = load_preset(preset_for(data, preset))
     announce_compile()
     files = draw(data, renders(data, chosen), out)
     if as_json:

@@ -12,7 +12,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from overview_dsp.cli.common import announce_compile, part_of, window_options
-from overview_dsp.cli.timeline_options import open_timeline, timeline_options
+from overview_dsp.cli.timeline_options import (
+    open_timeline,
+    preset_for,
+    preset_option,
+    timeline_options,
+)
 
 if TYPE_CHECKING:
     from overview_dsp.engine import Engine
@@ -41,7 +46,7 @@ def _signal_options(function: Callable[..., Any]) -> Callable[..., Any]:
     epilog="Example: overview play world-cup-final-2018 --preset football --record take.csv",
 )
 @click.argument("timeline")
-@click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@preset_option
 @click.option("--input", "source", help="A gesture or take to play, or - for lines of standard "
               "input: theta2 (rad) and touching (0 or 1).")  # fmt: skip
 @click.option("--device", help="Output: a name or number of `overview devices`, or none.")
@@ -60,7 +65,7 @@ def _signal_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @_signal_options
 def command(
     timeline: str,
-    preset: str,
+    preset: str | None,
     source: str | None,
     device: str | None,
     block_size: int,
@@ -97,7 +102,7 @@ def command(
     part = part_of(data, window, zoom_to)
     if part is not None and window:
         data = data.window(*part)
-    watch = PresetWatch(preset)
+    watch = PresetWatch(preset_for(data, preset))
     gesture = parse_gesture(source) if source is not None and source != "-" else None
     name, rate = _device(device, sample_rate)
     before, settings = _settings(name, signals)

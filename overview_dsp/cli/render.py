@@ -14,7 +14,12 @@ from overview_dsp.cli.common import (
     progress_bar,
     window_options,
 )
-from overview_dsp.cli.timeline_options import open_timeline, timeline_options
+from overview_dsp.cli.timeline_options import (
+    open_timeline,
+    preset_for,
+    preset_option,
+    timeline_options,
+)
 from overview_dsp.gestures.spec import FORMS
 
 
@@ -23,7 +28,7 @@ from overview_dsp.gestures.spec import FORMS
     epilog="Example: overview render match.json --gesture sweep:4 -o match.wav --trace match.npz",
 )
 @click.argument("timeline")
-@click.option("--preset", default="football", show_default=True, help="A name or a .toml file.")
+@preset_option
 @click.option("--gesture", default="sweep:4", show_default=True, help=FORMS + "; + joins parts.")
 @click.option("-o", "--out", default="out.wav", show_default=True, help="WAV, FLAC, ... by suffix.")
 @click.option("--trace", help="Also write what the disk did, to a .npz or .csv file.")
@@ -36,7 +41,7 @@ from overview_dsp.gestures.spec import FORMS
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
     timeline: str,
-    preset: str,
+    preset: str | None,
     gesture: str,
     out: str,
     trace: str | None,
@@ -63,7 +68,7 @@ def command(
     part = part_of(data, window, zoom_to)
     if part is not None:
         data = data.window(*part)
-    chosen = load_preset(preset)
+    chosen = load_preset(preset_for(data, preset))
     movement = parse_gesture(gesture)
     rest = tail_of(tail)
     announce_compile()
@@ -87,8 +92,10 @@ def command(
                 "file": out,
                 "trace": trace,
                 "title": data.title,
+                "preset": chosen.name,
                 "duration_s": done.duration_s,
                 "strikes": done.strikes,
+                "left_out": dict(done.engine.surface.left_out),
                 "peak_click_dbfs": click_db,
                 "peak_tactor_dbfs": tactor_db,
                 "format": done.note,
@@ -96,9 +103,13 @@ def command(
         )
         return
     click.echo(
-        f"{out}: {clock_text(done.duration_s)}, {done.strikes} strikes, "
+        f"{out}: {chosen.name}, {clock_text(done.duration_s)}, {done.strikes} strikes, "
         f"peaks {_level(click_db)} click and {_level(tactor_db)} tactor, {done.note}"
     )
+    for kind, count in done.engine.surface.left_out.items():
+        click.echo(
+            f"left out: {count} {kind}, too dense to be felt one by one; use a shorter window"
+        )
     if trace:
         click.echo(f"{trace}: what the disk did, one row a frame")
 

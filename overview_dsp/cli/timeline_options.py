@@ -43,6 +43,20 @@ def timeline_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return collected
 
 
+def preset_option(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The option --preset, for `preset_for`."""
+    return click.option(
+        "--preset", help="A name or a .toml file.  [default: the one that fits the data]"
+    )(function)
+
+
+def preset_for(timeline: Timeline, preset: str | None) -> str:
+    """The preset that was asked for, or the bundled one that fits the data."""
+    from overview_dsp.presets.library import fitting
+
+    return preset if preset is not None else fitting(timeline.kinds())
+
+
 def open_timeline(path: str, load: dict[str, Any]) -> Timeline:
     """Load a timeline with the given options, with a progress bar where that takes long.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from overview_dsp.errors import InputError
@@ -12,6 +13,9 @@ from overview_dsp.presets.validation import parse_preset
 
 SUFFIX = ".toml"
 MAX_BYTES = 1_000_000
+FOR_DATA = ("football", "series", "heart", "crowd")
+"""The bundled presets made for a sort of data; the first one is for what none of them names."""
+
 FOLDER_VARIABLE = "OVERVIEW_PRESETS"
 """Environment variable that names the folder of own presets."""
 
@@ -82,6 +86,22 @@ def load_preset(name: str | Path) -> Preset:
     """
     path = preset_path(name)
     return parse_preset(preset_text(path), path.stem, str(path), _base)
+
+
+def fitting(kinds: Mapping[str, int]) -> str:
+    """The bundled preset made for data with these kinds of events: the one that names most of them.
+
+    Parameters
+    ----------
+    kinds
+        How many events there are of each kind; none is a series.
+    """
+    if not kinds:
+        return "series"
+    named = {name: load_preset(name).kinds for name in FOR_DATA}
+    return max(
+        FOR_DATA, key=lambda name: sum(n for kind, n in kinds.items() if kind in named[name])
+    )
 
 
 def preset_text(path: Path) -> str:

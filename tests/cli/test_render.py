@@ -33,7 +33,7 @@ def test_render_writes_what_ov_render_gives(folder, match, football):
 def test_render_says_what_it_wrote(folder):
     outcome = overview("render", MATCH, *QUICK, "-o", "a.flac", "--trace", "a.csv")
     lines = outcome.out.splitlines()
-    assert lines[0].startswith("a.flac: 0:00.1, ")
+    assert lines[0].startswith("a.flac: football, 0:00.1, ")
     assert "dBFS click" in lines[0]
     assert "FLAC PCM_24, no dither" in lines[0]
     assert lines[1].startswith("a.csv: ")
@@ -145,3 +145,24 @@ def test_a_window_is_given_as_a_clock_an_event_or_a_length(folder, match, footba
         result = ov.render(part, football, ov.tap(0.2, 0.05), 8000, tail=0.05)
         samples, _ = soundfile.read(folder / name, dtype="float32")
         assert np.array_equal(samples, result.samples)
+
+
+def test_the_preset_follows_the_data_unless_it_is_given(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "beats.csv").write_text("time_s,kind\n1,beat\n2,beat\n3,premature\n4,beat\n")
+    quick = ("--gesture", "tap:0.5:0.1", "--tail", "none")
+    assert overview("render", "beats.csv", *quick).out.startswith("out.wav: heart, ")
+    given = overview("render", "beats.csv", "--preset", "series", *quick)
+    assert given.out.startswith("out.wav: series, ")
+
+
+def test_a_kind_too_dense_to_be_felt_is_said(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rows = "".join(f"{i},beat\n" for i in range(1, 200))
+    (tmp_path / "beats.csv").write_text(f"time_s,kind\n{rows}")
+    done = overview("render", "beats.csv", "--gesture", "tap:0.5:0.1", "--tail", "none")
+    assert "left out: 199 beat" in done.out
+    near = overview(
+        "render", "beats.csv", "--gesture", "tap:0.5:0.1", "--tail", "none", "--window", "10", "60"
+    )
+    assert "left out" not in near.out

@@ -144,3 +144,18 @@ def test_the_character_follows_from_the_disks_equation(football):
     )
     facts = character(football.with_values(surface__friction=critical))
     assert facts["held_damping"] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "name"),
+    [
+        ({"goal": 3, "foul": 20}, "football"),
+        ({"beat": 900, "premature": 3}, "heart"),
+        ({"cheer": 1}, "crowd"),
+        ({"highest": 1, "year": 10}, "series"),
+        ({}, "series"),
+        ({"sneeze": 2}, "football"),
+    ],
+)
+def test_the_preset_that_names_most_of_the_kinds_fits(kinds, name):
+    assert library.fitting(kinds) == name

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.common import (
+    announce_compile,
+    part_of,
+    print_json,
+    progress_bar,
+    window_options,
+)
+from overview_dsp.cli.timeline_options import open_timeline, timeline_options
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
@@ -54,8 +61,18 @@ def audition(preset: str, out: str | None, seed: int, as_json: bool) -> None:
 @click.argument("preset")
 @click.argument("timeline", required=False)
 @click.option("--plot", help="Also draw it, to a .png, .svg or .pdf file.")
+@window_options
+@timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def feel(preset: str, timeline: str | None, plot: str | None, as_json: bool) -> None:
+def feel(
+    preset: str,
+    timeline: str | None,
+    plot: str | None,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
+    load: dict[str, Any],
+    as_json: bool,
+) -> None:
     """Measure what a finger gets of each kind of PRESET: slow, medium, fast, a tap, the recoils.
 
     On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
@@ -65,10 +82,13 @@ def feel(preset: str, timeline: str | None, plot: str | None, as_json: bool) -> 
     from overview_dsp.measure.feel_report import feel_report
     from overview_dsp.plots import plot_feel, require_picture, save_picture
     from overview_dsp.presets import load_preset
-    from overview_dsp.timeline import load_timeline
 
     loaded = load_preset(preset)
-    data = load_timeline(timeline) if timeline is not None else gallery(loaded)
+    data = gallery(loaded)
+    if timeline is not None:
+        data = open_timeline(timeline, load)
+        part = part_of(data, window, zoom_to)
+        data = data if part is None else data.window(*part)
     if not data.events:
         raise InputError(f"{timeline}: has no events; there is nothing to tell apart")
     if plot is not None:
