@@ -21,8 +21,10 @@ from overview_dsp.timeline.curve_builder import CurveBuilder
 from overview_dsp.timeline.detail import WIDENED, with_peaks
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.intensity import LONG, Part
+from overview_dsp.timeline.native import MAX_POINTS, decode, encode
 from overview_dsp.timeline.points import Points
 from overview_dsp.timeline.pyramid import BIN, RATIO, build_pyramid
+from overview_dsp.timeline.source import parse_json
 from overview_dsp.timeline.store import Store
 
 from ..examples import plain_preset
@@ -181,6 +183,17 @@ def test_a_window_of_a_long_series_costs_no_copy() -> None:
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 100_000
+
+
+def test_a_series_too_long_for_a_native_file_is_refused_and_its_windows_are_not() -> None:
+    count = MAX_POINTS + 1
+    curve = Intensity(EvenTimes(count, 1.0), np.zeros(count, np.float32))
+    timeline = Timeline("t", float(count), (), curve)
+    with pytest.raises(InputError, match=rf"{count} points.*{MAX_POINTS}.*shorter window"):
+        encode(timeline)
+    part = timeline.window(0.0, 100_000.0)
+    again = decode(parse_json(encode(part).decode(), "x"))
+    assert again.intensity == part.intensity
 
 
 # --- surfaces -----------------------------------------------------------------------------------

@@ -281,7 +281,9 @@ def test_a_window_starts_at_zero_and_has_what_lies_in_it() -> None:
 
 def test_a_window_begins_at_its_own_calendar_moment() -> None:
     timeline = Timeline("a day", 86_400.0, (Event(1.0, "a"),), start=datetime(2012, 9, 19))
-    assert timeline.window(3600.0, 7200.0).start == datetime(2012, 9, 19, 1)
+    part = timeline.window(3600.0, 7200.0)
+    assert part.start == datetime(2012, 9, 19, 1)
+    assert part.notes[0] == "the part from 2012-09-19 01:00:00 to 2012-09-19 02:00:00"
 
 
 def test_events_at_both_ends_of_a_window_belong_to_it() -> None:
