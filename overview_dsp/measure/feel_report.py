@@ -6,7 +6,8 @@ Measured on the tactor and click channels of renders, as a finger and an ear tak
   skin's sensitivity at the carrier's frequency (`pacinian_db`);
 - *contrast*: level above the median of all that is no event;
 - *sharpness*: steepest rise of the torque, N m/s;
-- *duration*: how long the level stays within 6 dB of its highest, ms;
+- *duration*: how long the level stays within 6 dB of its highest, ms (of what stands out by less
+  than 12 dB: in the upper half of its contrast);
 - *click*: highest RMS over 10 ms of the click, dB of full scale.
 
 Steps: 2.3 dB of level (Israr and Tan 2006: 2.2 to 2.5 dB); a quarter of duration (0.2 to 0.25 is
@@ -218,7 +219,7 @@ def _rounded(value: Any) -> Any:
 
 def feel_report(
     preset: Preset,
-    timeline: Timeline,
+    timeline: Timeline | Sequence[Timeline],
     gestures: Mapping[str, Gesture] = GESTURES,
     sample_rate: float = 48_000,
 ) -> FeelReport:
@@ -227,20 +228,50 @@ def feel_report(
     Parameters
     ----------
     preset, timeline
-        What is to be felt; the timeline has events.
+        What is to be felt; the timeline has events. Of several, what is felt on all of them.
     gestures
         Name to gesture, each of one touch.
     """
-    reports: list[StrokeReport] = []
-    for name, gesture in gestures.items():
-        result = render(timeline, preset, gesture, sample_rate)
-        trace = result.trace
-        assert trace is not None
-        for stroke in strokes(trace.touching, trace.cursor):
-            called = name if stroke.name == "out" else f"{name} {stroke.name}"
-            moving = _until_arrived(stroke, trace.cursor)
-            reports.append(_stroke_report(called, moving, result, timeline))
-    return FeelReport(preset.name, timeline.title, tuple(reports))
+    timelines = [timeline] if isinstance(timeline, Timeline) else list(timeline)
+    reports = [
+        _combined(parts)
+        for name, gesture in gestures.items()
+        for parts in zip(
+            *(_stroke_reports(name, gesture, each, preset, sample_rate) for each in timelines),
+            strict=True,
+        )
+    ]
+    return FeelReport(preset.name, timelines[0].title, tuple(reports))
+
+
+def _stroke_reports(
+    name: str, gesture: Gesture, timeline: Timeline, preset: Preset, sample_rate: float
+) -> list[StrokeReport]:
+    """Both strokes of a gesture: out, and its recoil."""
+    result = render(timeline, preset, gesture, sample_rate)
+    trace = result.trace
+    assert trace is not None
+    return [
+        _stroke_report(
+            name if stroke.name == "out" else f"{name} {stroke.name}",
+            _until_arrived(stroke, trace.cursor),
+            result,
+            timeline,
+        )
+        for stroke in strokes(trace.touching, trace.cursor)
+    ]
+
+
+def _combined(parts: Sequence[StrokeReport]) -> StrokeReport:
+    """One stroke over several timelines with different kinds."""
+    if len(parts) == 1:
+        return parts[0]
+    kinds = tuple(kind for part in parts for kind in part.kinds)
+    level, sharpness, density, free = (
+        float(np.median([getattr(part, name) for part in parts]))
+        for name in ("level_db", "sharpness", "density_hz", "event_free_db")
+    )
+    return StrokeReport(parts[0].name, free, level, sharpness, density, kinds, _alike(kinds))
 
 
 def _until_arrived(stroke: Stroke, cursor: NDArray[np.float64]) -> Stroke:
@@ -258,7 +289,7 @@ def _stroke_report(name: str, stroke: Stroke, result: Result, timeline: Timeline
     weight = pacinian_db(result.engine.preset.number("tactor.frequency_hz"))
     struck = _strikes_in(stroke, result)
     names = np.array([_kind_of(timeline, surface.kind_names, int(e)) for e in surface.event])
-    durations = _durations(stroke, result)
+    durations = _durations(stroke, result, felt.event_free_db)
     clicks = _clicks(struck, result)
     near = _merged(struck)
     found = []
@@ -281,13 +312,20 @@ def _stroke_report(name: str, stroke: Stroke, result: Result, timeline: Timeline
                 sum(int(event) in near for event in events),
             )
         )
-    alike = tuple(
-        (first.kind, second.kind, apart)
-        for first, second in itertools.combinations(found, 2)
-        if first.events and second.events and (apart := steps_apart(first, second)) < 1.0
-    )
     return StrokeReport(
-        name, felt.event_free_db + weight, *_character(stroke, result, weight), tuple(found), alike
+        name,
+        felt.event_free_db + weight,
+        *_character(stroke, result, weight),
+        tuple(found),
+        _alike(found),
+    )
+
+
+def _alike(kinds: Sequence[KindFeel]) -> tuple[tuple[str, str, float], ...]:
+    return tuple(
+        (first.kind, second.kind, apart)
+        for first, second in itertools.combinations(kinds, 2)
+        if first.events and second.events and (apart := steps_apart(first, second)) < 1.0
     )
 
 
@@ -380,8 +418,8 @@ def _clicks(struck: list[tuple[float, int]], result: Result) -> dict[int, float]
     return found
 
 
-def _durations(stroke: Stroke, result: Result) -> NDArray[np.float64]:
-    """How long each event's level stays within 6 dB of its highest, ms; a row a surface's event."""
+def _durations(stroke: Stroke, result: Result, free_db: float) -> NDArray[np.float64]:
+    """How long each event's level stays near its highest, ms; a row a surface's event."""
     trace, surface = result.trace, result.engine.surface
     assert trace is not None
     cursor = trace.cursor[stroke.start : stroke.stop]
@@ -398,9 +436,11 @@ def _durations(stroke: Stroke, result: Result) -> NDArray[np.float64]:
             continue
         peak = inside[np.argmax(level[inside])]
         low = high = int(peak)
-        while low > 0 and level[low - 1] >= level[peak] - FALL_DB:
+        contrast = level[peak] - free_db
+        least = level[peak] - (min(FALL_DB, 0.5 * contrast) if contrast > 0.0 else FALL_DB)
+        while low > 0 and level[low - 1] >= least:
             low -= 1
-        while high + 1 < len(level) and level[high + 1] >= level[peak] - FALL_DB:
+        while high + 1 < len(level) and level[high + 1] >= least:
             high += 1
         found[i] = (high - low + 1) * hop * 1000.0
     return found

@@ -8,7 +8,8 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.measure.feel_report import GESTURES, feel_report, pacinian_db
-from overview_dsp.tuning import SPEEDS, WANTED_STEPS, tuned
+from overview_dsp.tuning import tuned
+from overview_dsp.tuning.ordering import SPEEDS, WANTED_STEPS
 
 
 def preset_of(**heights):

@@ -78,23 +78,24 @@ def feel(
     On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
     told apart, which are masked or merged, and what to change.
     """
-    from overview_dsp.audition import gallery
+    from overview_dsp.audition import pages
     from overview_dsp.measure.feel_report import feel_report
     from overview_dsp.plots import plot_feel, require_picture, save_picture
     from overview_dsp.presets import load_preset
 
     loaded = load_preset(preset)
-    data = gallery(loaded)
+    timelines = pages(loaded)
     if timeline is not None:
         data = open_timeline(timeline, load)
         part = part_of(data, window, zoom_to)
         data = data if part is None else data.window(*part)
-    if not data.events:
-        raise InputError(f"{timeline}: has no events; there is nothing to tell apart")
+        if not data.events:
+            raise InputError(f"{timeline}: has no events; there is nothing to tell apart")
+        timelines = (data,)
     if plot is not None:
         require_picture(plot)
     announce_compile()
-    report = feel_report(loaded, data)
+    report = feel_report(loaded, timelines)
     if plot is not None:
         save_picture(plot_feel(report), plot)
     if as_json:

@@ -1,4 +1,4 @@
-"""A preset's heights and widths moved until its kinds feel as far apart as they should.
+"""Heights and widths moved until kinds follow each other in strength, two steps apart.
 
 The search (scipy's differential evolution, seeded) moves each kind's height and width by ratio,
 renders slow, medium and fast sweeps over the preset's own kinds, and asks that at every speed each
@@ -9,10 +9,8 @@ gives that, it prefers what is nearest to the preset as it was.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,34 +19,20 @@ from overview_dsp.audition import SECONDS_EACH
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import sweep
 from overview_dsp.measure.feel_report import STEP_DB, FeelReport, feel_report
-from overview_dsp.presets.model import Kind, Preset
-from overview_dsp.presets.parameters import KIND_PARAMETERS, did_you_mean
+from overview_dsp.presets.model import Preset
+from overview_dsp.presets.parameters import did_you_mean
 from overview_dsp.timeline import Event, Timeline
+from overview_dsp.tuning.moves import RATE, Tuned, limits, moved
 
 WANTED_STEPS = 2.0
 _AIM_STEPS = 2.2  # a little more, so that the search may stop a little short of it
 SPEEDS = {"slow": sweep(6.0), "medium": sweep(3.0), "fast": sweep(1.0)}
-MOST_HEIGHT = 8.0
-MOST_WIDTH = 2.0
-"""Heights move by up to this ratio, widths by less: a width is a kind's character."""
 
 REPEATS = 2
 GENERATIONS = 40
 POPULATION = 4
 GOOD = 0.03
 """A cost that only small moves make up: nothing lacks."""
-
-RATE = 8000.0
-"""The disk and its vibration are the same at any rate; a low one is quick."""
-
-
-@dataclass(frozen=True)
-class Tuned:
-    """A tuned preset, the least steps between neighbours of the target, if two were reached."""
-
-    preset: Preset
-    least_steps: float
-    reached: bool
 
 
 def tuned(
@@ -77,7 +61,7 @@ def tuned(
     """
     from scipy.optimize import differential_evolution
 
-    _check(preset, target)
+    check_target(preset, target)
     timeline = _timeline(target)
     done = 0
     evaluations = (GENERATIONS + 1) * POPULATION * 2 * len(target)
@@ -86,16 +70,16 @@ def tuned(
         nonlocal done
         done += 1
         progress(min(1.0, done / evaluations))
-        gaps = _gaps(_moved(preset, target, moves), timeline, target)
+        gaps = _gaps(moved(preset, target, moves), timeline, target)
         lacking = np.maximum(_AIM_STEPS - gaps, 0.0)
         return float(np.sum(lacking**2)) + 0.01 * float(np.mean(moves**2))
 
     start = np.zeros(2 * len(target))
     if _gaps(preset, timeline, target).min() < WANTED_STEPS:
-        most = [math.log(MOST_HEIGHT)] * len(target) + [math.log(MOST_WIDTH)] * len(target)
+        most = limits(len(target))
         found = differential_evolution(
             cost,
-            [(-limit, limit) for limit in most],
+            list(zip(-most, most, strict=True)),
             x0=start,
             rng=np.random.default_rng(seed),
             maxiter=GENERATIONS,
@@ -106,13 +90,14 @@ def tuned(
         )
         start = found.x
     progress(1.0)
-    best = _moved(preset, target, start)
+    best = moved(preset, target, start)
     least = float(_gaps(best, timeline, target).min())
     named = replace(best, name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
     return Tuned(named, least, least >= WANTED_STEPS)
 
 
-def _check(preset: Preset, target: Sequence[str]) -> None:
+def check_target(preset: Preset, target: Sequence[str]) -> None:
+    """InputError unless these are two kinds or more that the preset names, each once."""
     if len(target) < 2:
         raise InputError("a target has two kinds or more, the strongest first: goal>foul")
     for name in target:
@@ -133,27 +118,6 @@ def _timeline(target: Sequence[str]) -> Timeline:
     return Timeline(
         title="the target's kinds", duration_s=spacing * (len(order) + 1), events=events
     )
-
-
-def _moved(preset: Preset, target: Sequence[str], moves: NDArray[np.float64]) -> Preset:
-    kinds = dict(preset.kinds)
-    for name, height, width in zip(target, moves[: len(target)], moves[len(target) :], strict=True):
-        kinds[name] = _moved_kind(kinds[name], math.exp(height), math.exp(width))
-    return replace(preset, kinds=kinds)
-
-
-def _moved_kind(kind: Kind, height: float, width: float) -> Kind:
-    key = "width_percent" if kind.width_percent is not None else "width_ms"
-    changes: dict[str, Any] = {
-        "height": _within("height", kind.height * height),
-        key: _within(key, getattr(kind, key) * width),
-    }
-    return replace(kind, **changes)
-
-
-def _within(key: str, value: float) -> float:
-    known = KIND_PARAMETERS[key]
-    return min(max(value, known.low), known.high)
 
 
 def _gaps(preset: Preset, timeline: Timeline, target: Sequence[str]) -> NDArray[np.float64]:

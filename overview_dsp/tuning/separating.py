@@ -1,0 +1,125 @@
+"""Heights and widths moved until no two kinds of a preset feel alike at any speed.
+
+A local search, seeded: the kind that is most in the way is moved a little, and stays there if all
+kinds together are better apart for it (level, sharpness or duration: `steps_apart`), with none
+masked and none run together.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.audition import pages
+from overview_dsp.gestures import sweep
+from overview_dsp.measure.feel_report import STEP_DB, KindFeel, feel_report, steps_apart
+from overview_dsp.presets.model import Preset
+from overview_dsp.timeline import Timeline
+from overview_dsp.tuning.moves import RATE, Tuned, limits, moved
+from overview_dsp.tuning.ordering import check_target
+
+WANTED_STEPS = 1.0
+_AIM_STEPS = 1.15
+"""A little more, so that other speeds than the measured ones hold it too."""
+
+SPEEDS = {f"{seconds:g} s": sweep(seconds) for seconds in (1.0, 1.5, 2.5, 4.0, 6.0)}
+FAULT = 2.0
+"""What a masked or merged event costs, as a pair of kinds that lack so many steps, squared."""
+
+TRIES = 3000
+SPREAD = (0.3, 0.15)
+"""Of a try, in logarithms of the height's and the width's ratio."""
+
+Feels = Mapping[str, Mapping[str, KindFeel]]
+
+
+def separated(
+    preset: Preset,
+    order: Sequence[str] = (),
+    seed: int = 0,
+    progress: Callable[[float], None] = lambda part: None,
+) -> Tuned:
+    """Set all kinds of a preset at least a step apart, in sweeps of 1 to 6 s.
+
+    Parameters
+    ----------
+    order
+        Kinds of which each is stronger than the next by a step of level.
+    seed
+        The same seed gives the same preset.
+    progress
+        Told the part done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        The order has a kind that the preset doesn't name, or one twice.
+    """
+    if order:
+        check_target(preset, order)
+    names = tuple(preset.kinds)
+    rng = np.random.default_rng(seed)
+    most = limits(len(names))
+    all_pages = pages(preset)
+    page_of = {kind: page for page in all_pages for kind in page.kinds()}
+    best = np.zeros(2 * len(names))
+    feels = _felt(preset, all_pages)
+    lacking = _lacking(feels, names, order)
+    for count in range(TRIES):
+        if not lacking.any():
+            break
+        progress(count / TRIES)
+        share = lacking.sum(axis=0) + lacking.sum(axis=1)
+        which = int(rng.choice(len(names), p=share / share.sum()))
+        tried = best.copy()
+        size = rng.choice([1.0, 0.3])
+        tried[[which, which + len(names)]] += size * rng.normal(0.0, SPREAD)
+        tried = np.clip(tried, -most, most)
+        felt = _felt(moved(preset, names, tried), (page_of[names[which]],))
+        merged = {speed: {**feels[speed], **felt[speed]} for speed in SPEEDS}
+        now = _lacking(merged, names, order)
+        if now.sum() < lacking.sum():
+            best, feels, lacking = tried, merged, now
+    progress(1.0)
+    found = moved(preset, names, best)
+    least = min(_least_steps(kinds, order) for kinds in feels.values())
+    faults = sum(kind.masked + kind.merged for kinds in feels.values() for kind in kinds.values())
+    named = replace(found, name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
+    return Tuned(named, least, least >= WANTED_STEPS and not faults)
+
+
+def _felt(preset: Preset, timelines: Sequence[Timeline]) -> Feels:
+    report = feel_report(preset, timelines, SPEEDS, RATE)
+    return {speed: {kind.kind: kind for kind in report.stroke(speed).kinds} for speed in SPEEDS}
+
+
+def _least_steps(kinds: Mapping[str, KindFeel], order: Sequence[str]) -> float:
+    pairs = itertools.combinations(kinds.values(), 2)
+    steps = [steps_apart(first, second) for first, second in pairs]
+    steps += [_above(kinds[first], kinds[second]) for first, second in itertools.pairwise(order)]
+    return min(steps, default=np.inf)
+
+
+def _above(first: KindFeel, second: KindFeel) -> float:
+    return (first.level_db - second.level_db) / STEP_DB
+
+
+def _lacking(feels: Feels, names: Sequence[str], order: Sequence[str]) -> NDArray[np.float64]:
+    """What lacks, (kinds, kinds): between two kinds, or of one by itself on the diagonal."""
+    found = np.zeros((len(names), len(names)))
+    place = {name: i for i, name in enumerate(names)}
+    for kinds in feels.values():
+        for first, second in itertools.combinations(names, 2):
+            steps = steps_apart(kinds[first], kinds[second])
+            found[place[first], place[second]] += max(0.0, _AIM_STEPS - steps) ** 2
+        for first, second in itertools.pairwise(order):
+            steps = _above(kinds[first], kinds[second])
+            found[place[first], place[second]] += max(0.0, _AIM_STEPS - steps) ** 2
+        for name, i in place.items():
+            kind = kinds[name]
+            found[i, i] += FAULT**2 * (kind.masked + kind.merged + (kind.events == 0))
+    return found
