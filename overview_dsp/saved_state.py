@@ -28,6 +28,7 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
             name: {
                 **vars(kind),
                 "points": list(kind.points),
+                "also": list(kind.also),
                 "modes": [vars(mode) for mode in kind.modes],
             }
             for name, kind in preset.kinds.items()
@@ -98,4 +99,9 @@ def _kind_of(name: str, data: dict[str, Any]) -> Kind:
         )
         for mode in data["modes"]
     )
-    return Kind(modes=modes, points=tuple(data.get("points", ())), **values)  # type: ignore[arg-type]
+    return Kind(
+        modes=modes,
+        points=tuple(data.get("points", ())),
+        also=tuple(data.get("also", ())),
+        **values,  # type: ignore[arg-type]
+    )

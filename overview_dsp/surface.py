@@ -156,7 +156,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         )
         ambient[missing] = bare * friction
 
-    unknown = sorted({event.kind for event in timeline.events} - set(preset.kinds))
+    unknown = sorted(kind for kind in timeline.kinds() if preset.kind_for(kind) is None)
     if unknown:
         warnings.warn(
             f"preset {preset.name!r} has no {', '.join(unknown)}: felt as its "
@@ -208,7 +208,7 @@ def _by_felt_kind(events: tuple[Event, ...], preset: Preset) -> dict[str, NDArra
     """The indices of the events that take each of the preset's kinds."""
     found: dict[str, list[int]] = {}
     for i, event in enumerate(events):
-        name = event.kind if event.kind in preset.kinds else DEFAULT_KIND
+        name = preset.kind_for(event.kind) or DEFAULT_KIND
         found.setdefault(name, []).append(i)
     return {name: np.array(members) for name, members in found.items()}
 

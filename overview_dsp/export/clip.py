@@ -139,6 +139,7 @@ def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, 
     release = {
         int(event): float(b) for event, b in zip(surface.event, surface.release, strict=True)
     }
+    taken = {int(event): int(kind) for event, kind in zip(surface.event, surface.kind, strict=True)}
     found: list[tuple[float, Transient]] = []
     for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True):
         at = round(time * LEVELS_PER_S)
@@ -148,10 +149,8 @@ def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, 
         peak = level[max(0, at - before) : at + after + 1].max()
         if peak < FLOOR:
             continue
-        kind = events[event].kind
-        name = kind if kind in surface.kind_names else "default"
-        modes = surface.kind_modes[surface.kind_names.index(name)]
-        strike = Transient(float(time), float(peak), _sharpness(modes), kind)
+        modes = surface.kind_modes[taken[int(event)]]
+        strike = Transient(float(time), float(peak), _sharpness(modes), events[event].kind)
         found.append((release[int(event)], strike))
     kept: list[tuple[float, Transient]] = []
     # the higher event first: a goal isn't given up for a foul beside it

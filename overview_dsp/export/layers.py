@@ -62,7 +62,7 @@ def _mode(strike: Transient, loudest: float) -> Mode:
 
 def with_layer(preset: Preset, kind: str, clip: PlayedClip, layer: Layer) -> Preset:
     """The preset with a clip laid into one of its kinds, which is made from `default` if new."""
-    base: Kind = preset.kinds.get(kind, preset.kinds[DEFAULT_KIND])
+    base: Kind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], also=())
     if layer in ("tactor", "both"):
         base = replace(base, points=course(clip))
     if layer in ("click", "both"):

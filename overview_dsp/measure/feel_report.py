@@ -256,7 +256,6 @@ def _stroke_reports(
             name if stroke.name == "out" else f"{name} {stroke.name}",
             _until_arrived(stroke, trace.cursor),
             result,
-            timeline,
         )
         for stroke in strokes(trace.touching, trace.cursor)
     ]
@@ -282,13 +281,13 @@ def _until_arrived(stroke: Stroke, cursor: NDArray[np.float64]) -> Stroke:
     return Stroke(stroke.name, stroke.start, min(stop, stroke.stop))
 
 
-def _stroke_report(name: str, stroke: Stroke, result: Result, timeline: Timeline) -> StrokeReport:
+def _stroke_report(name: str, stroke: Stroke, result: Result) -> StrokeReport:
     trace, surface = result.trace, result.engine.surface
     assert trace is not None
     felt = stroke_feel(stroke, surface, trace, result.samples[:, 1], result.sample_rate)
     weight = pacinian_db(result.engine.preset.number("tactor.frequency_hz"))
     struck = _strikes_in(stroke, result)
-    names = np.array([_kind_of(timeline, surface.kind_names, int(e)) for e in surface.event])
+    names = np.array(surface.kind_names)[surface.kind]
     durations = _durations(stroke, result, felt.event_free_db)
     clicks = _clicks(struck, result)
     near = _merged(struck)
@@ -381,11 +380,6 @@ def _ratio_steps(first: float, second: float, step: float) -> float:
 def _median(values: NDArray[np.float64]) -> float:
     known = values[np.isfinite(values)]
     return float(np.median(known)) if len(known) else math.nan
-
-
-def _kind_of(timeline: Timeline, known: tuple[str, ...], event: int) -> str:
-    kind = timeline.events[event].kind
-    return kind if kind in known else "default"
 
 
 def _strikes_in(stroke: Stroke, result: Result) -> list[tuple[float, int]]:

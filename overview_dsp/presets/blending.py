@@ -43,19 +43,20 @@ def morph(first: Preset, second: Preset, steps: int) -> list[Preset]:
 
 
 def _between(first: Preset, second: Preset, names: tuple[str, ...], part: float, k: int) -> Preset:
+    near = first if part < 0.5 else second
     values = {
         id: _mix(known, first.values[id], second.values[id], part)
         for id, known in PARAMETERS.items()
     }
     kinds = {
         name: _mixed_kind(
-            first.kinds.get(name, first.kinds[DEFAULT_KIND]),
-            second.kinds.get(name, second.kinds[DEFAULT_KIND]),
+            first.kinds[first.kind_for(name) or DEFAULT_KIND],
+            second.kinds[second.kind_for(name) or DEFAULT_KIND],
             part,
+            near.kinds[name].also if name in near.kinds else (),
         )
         for name in names
     }
-    near = first if part < 0.5 else second
     title = f"{first.title} to {second.title}, {100.0 * part:.0f} %"
     description = f"{100.0 * (1.0 - part):.0f} % {first.name}, {100.0 * part:.0f} % {second.name}"
     name = f"{first.name}-{second.name}-{k}"
@@ -76,7 +77,7 @@ def _mix(known: Parameter, first: Value | None, second: Value | None, part: floa
     return chosen
 
 
-def _mixed_kind(first: Kind, second: Kind, part: float) -> Kind:
+def _mixed_kind(first: Kind, second: Kind, part: float, also: tuple[str, ...]) -> Kind:
     near = first if part < 0.5 else second
     values: dict[str, Any] = {}
     for key, known in KIND_PARAMETERS.items():
@@ -85,7 +86,7 @@ def _mixed_kind(first: Kind, second: Kind, part: float) -> Kind:
         values[key] = getattr(near, key) if None in pair else _mix(known, *pair, part)
     modes = _mixed_modes(first.modes, second.modes, part)
     # a course by hand can't be mixed: the nearer preset's stays
-    return Kind(modes=modes, points=near.points, **values)
+    return Kind(modes=modes, points=near.points, also=also, **values)
 
 
 def _mixed_modes(

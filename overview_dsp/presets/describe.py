@@ -36,8 +36,9 @@ def character(preset: Preset) -> dict[str, float]:
 def _kind_line(name: str, kind: Kind) -> str:
     width = f"{kind.width_percent:g} %" if kind.width_percent else f"{kind.width_ms:g} ms"
     modes = ", ".join(f"{mode.frequency_hz:g} Hz {mode.decay_ms:g} ms" for mode in kind.modes)
+    also = f"; also {', '.join(kind.also)}" if kind.also else ""
     shape = f"{len(kind.points)} points" if kind.points else kind.shape
-    return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}"
+    return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}{also}"
 
 
 def describe(preset: Preset) -> str:
@@ -85,6 +86,7 @@ def describe_json(preset: Preset) -> dict[str, Any]:
         "kinds": {
             name: {
                 **vars(kind),
+                "also": list(kind.also),
                 "points": list(kind.points),
                 "modes": [vars(mode) for mode in kind.modes],
             }

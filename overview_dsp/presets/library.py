@@ -98,9 +98,10 @@ def fitting(kinds: Mapping[str, int]) -> str:
     """
     if not kinds:
         return "series"
-    named = {name: load_preset(name).kinds for name in FOR_DATA}
+    presets = {name: load_preset(name) for name in FOR_DATA}
     return max(
-        FOR_DATA, key=lambda name: sum(n for kind, n in kinds.items() if kind in named[name])
+        FOR_DATA,
+        key=lambda name: sum(n for kind, n in kinds.items() if presets[name].kind_for(kind)),
     )
 
 

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from overview_dsp.errors import InputError
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
+    MAX_ALSO,
     MAX_KINDS,
     MAX_MODES,
     MAX_POINTS,
@@ -36,7 +37,8 @@ class Kind:
 
     `height` is in bare surfaces (x `surface.friction`); exactly one of the widths is given, at half
     height: `width_percent` of the timeline or `width_ms` of the data's time. `points` (0..1, over
-    two widths) are a course in place of the shape's.
+    two widths) are a course in place of the shape's. `also` are other event kinds that feel like
+    this one.
     """
 
     height: float
@@ -47,6 +49,7 @@ class Kind:
     spacing_percent: float = 0.0
     gain_db: float = 0.0
     modes: tuple[Mode, ...] = ()
+    also: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):
@@ -61,6 +64,11 @@ class Kind:
             for key, known in MODE_PARAMETERS.items():
                 replace(known, id=f"modes.{index}.{key}").check(getattr(mode, key))
         object.__setattr__(self, "modes", tuple(self.modes))
+        object.__setattr__(self, "also", tuple(self.also))
+        if not all(isinstance(name, str) and name for name in self.also):
+            raise InputError("also is a list of event kinds")
+        if len(self.also) > MAX_ALSO:
+            raise InputError(f"{len(self.also)} names in also; a kind stands for up to {MAX_ALSO}")
         object.__setattr__(self, "points", tuple(float(point) for point in self.points))
         if self.points and not 2 <= len(self.points) <= MAX_POINTS:
             raise InputError(f"{len(self.points)} points; a course has 2 to {MAX_POINTS}")
@@ -115,6 +123,7 @@ class Preset:
     kinds: Mapping[str, Kind] = field(default_factory=dict)
     tags: Tags = field(default_factory=Tags)
     authors: tuple[str, ...] = ()
+    _served: Mapping[str, str] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         values: dict[str, Value] = {}
@@ -135,6 +144,20 @@ class Preset:
         object.__setattr__(self, "values", MappingProxyType(values))
         object.__setattr__(self, "kinds", MappingProxyType(dict(self.kinds)))
         object.__setattr__(self, "authors", tuple(self.authors))
+        served = {name: kind for kind, members in self.kinds.items() for name in members.also}
+        for kind, members in self.kinds.items():
+            for name in members.also:
+                if served[name] != kind:
+                    raise InputError(
+                        f"preset {self.name!r}: {name!r} is in kinds.{kind}.also and in "
+                        f"kinds.{served[name]}.also; leave it in one"
+                    )
+        # a kind of that name comes before those that stand for it
+        object.__setattr__(self, "_served", served | {name: name for name in self.kinds})
+
+    def kind_for(self, event_kind: str) -> str | None:
+        """The name of the kind that events of this kind take; None if it is `default` for want."""
+        return self._served.get(event_kind)
 
     def number(self, id: str) -> float:
         """The value of a numeric parameter."""

@@ -21,6 +21,7 @@ MAX_MODES = 6
 """Event kinds of a preset and modes of a kind: what the engine has room for."""
 
 MAX_POINTS = 256
+MAX_ALSO = 64
 """Points of a kind's own course."""
 
 _SHORT = reprlib.Repr()

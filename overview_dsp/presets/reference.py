@@ -45,7 +45,8 @@ def reference() -> str:
     )
     parts.append(
         "`points` (a list of 2 to 256 numbers, 0 to 1) is a course over two widths in place of the "
-        "shape's.\n"
+        "shape's. `also` (a list of names) are other kinds of event that feel like this one,\n"
+        "unless the preset names them.\n"
     )
     parts.append(
         "## kinds.NAME.modes\n\nA list of modal resonators, struck when the disk passes.\n\n"

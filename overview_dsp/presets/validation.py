@@ -19,6 +19,7 @@ from overview_dsp.presets.migrations import SCHEMA
 from overview_dsp.presets.model import DEFAULT_KIND, TAG_SCALES, Kind, Mode, Preset, Tags
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
+    MAX_ALSO,
     MAX_KINDS,
     MAX_MODES,
     MAX_POINTS,
@@ -83,6 +84,14 @@ def preset_model() -> type[pydantic.BaseModel]:
             description="The friction's course over two widths, 0 to 1, in place of the shape's.",
         ),
     )
+    kind_fields["also"] = (
+        list[str],
+        pydantic.Field(
+            default_factory=list,
+            max_length=MAX_ALSO,
+            description="Other kinds of event that feel like this one, unless they are named.",
+        ),
+    )
     kind = pydantic.create_model("Kind", __config__=_STRICT, **kind_fields)
     fields["kinds"] = (
         dict[str, kind],  # type: ignore[valid-type]
@@ -135,7 +144,7 @@ def _known_keys(path: tuple[str | int, ...]) -> tuple[str, ...]:
         return (*TAG_SCALES, "usage")
     if path[0] == "kinds":
         keys = MODE_PARAMETERS if "modes" in path[1:] else KIND_PARAMETERS
-        return (*keys, "points", "modes") if "modes" not in path[1:] else tuple(keys)
+        return (*keys, "also", "points", "modes") if "modes" not in path[1:] else tuple(keys)
     return tuple(id.split(".")[1] for id in PARAMETERS if id.split(".")[0] == path[0])
 
 
@@ -234,7 +243,10 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
     values = {id: dumped[id.split(".")[0]][id.split(".")[1]] for id in PARAMETERS}
     tags = Tags(**dumped["tags"])
     authors = tuple(dumped["authors"])
-    return Preset(name, dumped["title"], dumped["description"], values, kinds, tags, authors)
+    try:
+        return Preset(name, dumped["title"], dumped["description"], values, kinds, tags, authors)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
 
 
 def _place(layers: list[Layer], path: tuple[str | int, ...]) -> str:

@@ -99,6 +99,10 @@ def test_tune_writes_a_valid_preset(folder):
     done("presets", "check", report["file"])
     assert report["reached"] is (report["least_steps"] >= 2.0)
     refused(overview("presets", "tune", "crowd", "--target", "cheer"), "two kinds")
+    refused(overview("presets", "tune", "crowd"), "--target", "--apart")
+    report = json.loads(done("presets", "tune", "crowd", "--apart", "--json"))
+    assert report["reached"]
+    assert list(report["kinds"]) == ["default", "cheer", "burst"]
 
 
 def test_a_clip_is_laid_into_a_preset(folder):

@@ -7,8 +7,10 @@ import json
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.audition import pages
+from overview_dsp.gestures import sweep
 from overview_dsp.measure.feel_report import GESTURES, feel_report, pacinian_db
-from overview_dsp.tuning import tuned
+from overview_dsp.tuning import separated, tuned
 from overview_dsp.tuning.ordering import SPEEDS, WANTED_STEPS
 
 
@@ -111,6 +113,21 @@ def test_tuning_sets_kinds_two_steps_apart_at_every_speed():
     for name in SPEEDS:
         strong, weak = report.stroke(name).kinds
         assert strong.level_db > weak.level_db + 2.3
+
+
+def test_no_two_kinds_feel_alike_once_they_are_set_apart():
+    preset = preset_of(a=20.0, b=20.0, c=20.0, d=8.0)
+    found = separated(preset, ("a", "d"), seed=1)
+    assert found.reached
+    report = feel_report(
+        found.preset, pages(found.preset), {"slow": sweep(5.0), "fast": sweep(1.0)}
+    )
+    for name in ("slow", "fast"):
+        assert report.stroke(name).alike == ()
+        levels = {kind.kind: kind.level_db for kind in report.stroke(name).kinds}
+        assert levels["a"] > levels["d"] + 2.3
+    assert separated(preset, ("a", "d"), seed=1).preset.kinds == found.preset.kinds
+    assert separated(found.preset, ("a", "d"), seed=2).preset.kinds == found.preset.kinds
 
 
 def test_a_target_that_is_none_is_one_line():

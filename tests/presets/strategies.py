@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 from hypothesis import strategies as st
@@ -45,8 +46,12 @@ def kinds(draw: st.DrawFn) -> ov.Kind:
 def presets(draw: st.DrawFn, max_kinds: int = 5) -> ov.Preset:
     """Any valid preset."""
     named = draw(st.dictionaries(KIND_NAMES, kinds(), max_size=min(max_kinds, MAX_KINDS) - 1))
+    named["default"] = draw(kinds())
+    for other in draw(st.lists(KIND_NAMES, unique=True, max_size=4)):
+        like = draw(st.sampled_from(sorted(named)))
+        named[like] = replace(named[like], also=(*named[like].also, other))
     given = {id: draw(values(known)) for id, known in PARAMETERS.items()}
-    return ov.Preset("drawn", draw(TEXT), draw(TEXT), given, {**named, "default": draw(kinds())})
+    return ov.Preset("drawn", draw(TEXT), draw(TEXT), given, named)
 
 
 def toml_value(value: float | bool | str) -> str:
@@ -81,6 +86,8 @@ def toml_of(preset: ov.Preset) -> str:
             for key in KIND_PARAMETERS
             if (value := getattr(kind, key)) is not None
         ]
+        if kind.also:
+            lines.append(f"also = {json.dumps(kind.also)}")
         if kind.points:
             lines.append(f"points = {list(kind.points)}")
         for mode in kind.modes:

@@ -108,22 +108,32 @@ def feel(
 
 @click.command(epilog="Example: overview presets tune my-match --target 'goal>red_card>foul'")
 @click.argument("preset")
-@click.option("--target", required=True, help="Kinds from the strongest down, joined by >.")
+@click.option("--target", help="Kinds from the strongest down, joined by >.")
+@click.option("--apart", is_flag=True, help="Set all kinds apart, a step in any way they are felt.")
 @click.option("--seed", default=0, show_default=True, help="Of the search.")
 @click.option("-o", "--out", help="The file.  [default: PRESET-tuned.toml here]")
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def tune(preset: str, target: str, seed: int, out: str | None, as_json: bool) -> None:
-    """Move heights and widths until each kind of the target is two steps above the next."""
+def tune(
+    preset: str, target: str | None, apart: bool, seed: int, out: str | None, as_json: bool
+) -> None:
+    """Move heights and widths until each kind of the target is two steps above the next.
+
+    With --apart until no two kinds of PRESET feel alike; a target's kinds are then a step above the
+    next.
+    """
     from overview_dsp.presets import load_preset
     from overview_dsp.presets.library import SUFFIX
     from overview_dsp.presets.writing import save_preset
-    from overview_dsp.tuning import tuned
+    from overview_dsp.tuning import separated, tuned
 
+    if target is None and not apart:
+        raise InputError("give --target KIND>KIND, --apart, or both")
     loaded = load_preset(preset)
-    names = [name.strip() for name in target.split(">")]
+    order = [] if target is None else [name.strip() for name in target.split(">")]
     announce_compile()
     with progress_bar(f"tuning {loaded.name}") as tell:
-        found = tuned(loaded, names, seed, tell)
+        found = (separated if apart else tuned)(loaded, order, seed, tell)
+    names = list(loaded.kinds) if apart else order
     path = Path(out) if out is not None else Path(f"{loaded.name}-tuned{SUFFIX}")
     save_preset(found.preset, path)
     if as_json:
@@ -149,10 +159,8 @@ def tune(preset: str, target: str, seed: int, out: str | None, as_json: bool) ->
             f"{name}: height {before.height:g} to {after.height:.4g}, {_widths(before, after)}"
         )
     reached = "reached" if found.reached else "not reached: use fewer kinds, or allow more height"
-    click.echo(
-        f"{path}: each at least {found.least_steps:.1f} steps above the next at every speed; two "
-        f"{reached}"
-    )
+    wanted = "from any other at every speed; one" if apart else "above the next at every speed; two"
+    click.echo(f"{path}: each at least {found.least_steps:.1f} steps {wanted} {reached}")
 
 
 def _widths(before: Kind, after: Kind) -> str:
