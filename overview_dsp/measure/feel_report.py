@@ -346,19 +346,27 @@ def _character(stroke: Stroke, result: Result, weight: float) -> tuple[float, fl
 def character_steps(first: FeelReport, second: FeelReport) -> float:
     """Just noticeable steps between two presets on one timeline, in what they differ most in.
 
-    The medians over all strokes of the steps in level, in sharpness and in density.
+    The medians of the steps in level, in sharpness and in density over all strokes; the recoils,
+    which are much the same after any gesture, count as one.
     """
-    differences = []
-    for one, other in zip(first.strokes, second.strokes, strict=True):
-        differences.append(
-            (
-                abs(one.level_db - other.level_db) / STEP_DB,
-                _ratio_steps(one.sharpness, other.sharpness, STEP_SHARPNESS),
-                # a pulse a second is the least that is called a rhythm
-                _ratio_steps(one.density_hz + 1.0, other.density_hz + 1.0, STEP_DURATION),
-            )
-        )
-    return float(np.nanmax(np.nanmedian(np.array(differences), axis=0)))
+    differences = np.array(
+        [
+            _character_differences(one, other)
+            for one, other in zip(first.strokes, second.strokes, strict=True)
+        ]
+    )
+    recoils = np.array([stroke.name.endswith("recoil") for stroke in first.strokes])
+    each = [*differences[~recoils], np.nanmedian(differences[recoils], axis=0)]
+    return float(np.nanmax(np.nanmedian(each, axis=0)))
+
+
+def _character_differences(one: StrokeReport, other: StrokeReport) -> tuple[float, float, float]:
+    return (
+        abs(one.level_db - other.level_db) / STEP_DB,
+        _ratio_steps(one.sharpness, other.sharpness, STEP_SHARPNESS),
+        # a pulse a second is the least that is called a rhythm
+        _ratio_steps(one.density_hz + 1.0, other.density_hz + 1.0, STEP_DURATION),
+    )
 
 
 def steps_apart(first: KindFeel, second: KindFeel) -> float:
