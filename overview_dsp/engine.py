@@ -406,7 +406,8 @@ class Engine:
         surface = self._slot_surfaces[int(self._w[layout.ACTIVE_SLOT])]
         return Strikes(
             time_s=self._m[layout.LOG_TIME + at] / self._sample_rate,
-            event=surface.event[self._w[layout.LOG_EVENT + at]],
+            # -1 = the bare surface
+            event=np.append(surface.event, -1)[self._w[layout.LOG_EVENT + at]],
             torque=self._m[layout.LOG_TORQUE + at],
             level=self._m[layout.LOG_LEVEL + at],
         )

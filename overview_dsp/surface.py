@@ -3,6 +3,7 @@
     B = friction * (1 + ambience * intensity + pattern)
         + max over events of height * weight * profile
 
+Bristles, where the preset has them, come beside it (`bristle_field`).
 The intensity is the timeline's curve scaled to 0..1; where data is missing there are ribs instead
 (`gap_ribs`). Overlapping profiles combine by their maximum,
 so that none is drowned in a sum and each stays findable; every event keeps a strike of its own.
@@ -25,10 +26,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.bristle_field import BristleField, BristleLayer, has_bristles
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.gap_ribs import ribs
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
-from overview_dsp.profiles import Points, profile, reach, span
+from overview_dsp.profiles import bumps, profile, span
 from overview_dsp.surface_pattern import pattern
 
 if TYPE_CHECKING:
@@ -40,9 +42,6 @@ CELLS = 65536
 MAX_EVENTS = 16384
 MAX_FRICTION = 1e6
 """No event is higher, N m s/rad, however great its weight: ten million bare surfaces' friction."""
-
-AT_A_TIME = 1 << 17
-"""Points of profiles worked out at once."""
 
 MIN_WIDTH_CELLS = 4.0
 """A profile narrower than this would fall between the table's points."""
@@ -71,6 +70,8 @@ class Surface:
         Event kinds with their clicks; a mode's gain includes its kind's.
     left_out : mapping of kind to count
         Events that lie too densely to be felt one by one.
+    bristles : BristleField or None
+        Where bristles grip; None = viscous friction alone.
     """
 
     friction: NDArray[np.float64]
@@ -82,6 +83,7 @@ class Surface:
     kind_names: tuple[str, ...]
     kind_modes: tuple[tuple[Mode, ...], ...]
     left_out: Mapping[str, int] = field(default_factory=dict)
+    bristles: BristleField | None = None
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
@@ -171,6 +173,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     kind_index = np.zeros(count, dtype=np.int64)
     spans = np.zeros((count, 2))
     raised = np.zeros(CELLS + 1)
+    bristles = BristleLayer(preset, ambient) if has_bristles(preset) else None
     centres = np.array([timeline.events[i].time_s for i in felt]) / timeline.duration_s * CELLS
     for name, indices in by_kind.items():
         kind = preset.kinds[name]
@@ -178,7 +181,15 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         members = np.searchsorted(felt, indices)
         centre = centres[members]
         height = _heights([timeline.events[i] for i in indices], name, bare * kind.height)
-        _raise(raised, kind.shape, kind.points, width, centre, height)
+        profiles = bumps(kind.shape, kind.points, width, centre, height, CELLS)
+        if bristles is not None and kind.model == "bristle":
+            bristles.check(name, height)
+            for i, start, bump in profiles:
+                bristles.raise_to(int(members[i]), start, bump)
+        else:
+            for _, start, bump in profiles:
+                below = raised[start : start + len(bump)]
+                np.maximum(below, bump, out=below)
         margin = min(width, CELLS) / 2.0
         place[members] = np.minimum(np.maximum(centre, margin), CELLS - margin)
         there = profile(kind.shape, place[members] - centre, width, kind.points)
@@ -201,6 +212,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         kind_names=names,
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
         left_out=left_out,
+        bristles=bristles.field(np.argsort(order)) if bristles is not None else None,
     )
 
 
@@ -228,30 +240,6 @@ def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.floa
             height = MAX_FRICTION
         heights.append(height)
     return np.array(heights)
-
-
-def _raise(
-    table: NDArray[np.float64],
-    shape: str,
-    points: Points,
-    width: float,
-    centre: NDArray[np.float64],
-    height: NDArray[np.float64],
-) -> None:
-    """Raise the table to the profiles of events of one shape and width (cells)."""
-    most = reach(shape, points) * width
-    low = np.floor(centre - most)
-    steps = np.arange(math.ceil(2.0 * most) + 2)
-    begin = np.maximum(low, 0.0).astype(np.int64)
-    end = np.minimum(np.ceil(centre + most), CELLS).astype(np.int64) + 1
-    skipped = begin - low.astype(np.int64)
-    rows = max(1, AT_A_TIME // len(steps))
-    for start in range(0, len(centre), rows):
-        some = slice(start, start + rows)
-        distance = low[some, None] + steps - centre[some, None]
-        bumps = height[some, None] * profile(shape, distance, width, points)
-        for bump, a, b, skip in zip(bumps, begin[some], end[some], skipped[some], strict=True):
-            np.maximum(table[a:b], bump[skip : skip + b - a], out=table[a:b])
 
 
 def _modes(kind: Kind) -> tuple[Mode, ...]:

@@ -140,7 +140,8 @@ def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, 
         int(event): float(b) for event, b in zip(surface.event, surface.release, strict=True)
     }
     found: list[tuple[float, Transient]] = []
-    for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True):
+    strikes = result.strikes.of_events()
+    for time, event in zip(strikes.time_s, strikes.event, strict=True):
         at = round(time * LEVELS_PER_S)
         if at >= len(level):
             continue

@@ -20,8 +20,8 @@ stored energy S = stiffness * z**2/2 and dtheta = vm * dt,
 
     torque * dtheta = S1 - S0 + stiffness * (z1*A*dtheta + (z1 - z0)**2/2) + damping part,
 
-whose last three terms are losses >= 0. Damping acts only while the deflection grows: bristles that spring back in
-sliding would otherwise give energy.
+whose last three terms are losses >= 0. Damping acts only while the deflection grows: bristles that
+spring back in sliding would otherwise give energy.
 
 Thread: audio.
 """
@@ -32,6 +32,15 @@ from math import sqrt
 
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.elementary import exp
+
+CREEP = 0.02  # rad/s: well below it a torque holds the disk, and isn't felt
+
+
+@point
+def moving(omega):
+    """How much of a torque that doesn't fade by itself is felt: 0 at rest, 1 in motion."""
+    squared = omega * omega
+    return squared / (squared + CREEP * CREEP)
 
 
 @point

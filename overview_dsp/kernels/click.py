@@ -24,6 +24,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.bristle import moving
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.elementary import cos_turns, exp, power, sin_turns
 
@@ -36,7 +37,13 @@ def strike(m, w, slot, event, approach, sample, fraction):
 
     `approach` is the speed the disk came with, rad/s.
     """
-    log_strike(m, w, event, m[slot + layout.SLOT_RELEASE + event] * approach, sample, fraction)
+    speed = approach
+    if w[slot + layout.SLOT_MODELS] > 0:
+        kind = w[slot + layout.SLOT_KIND + event]
+        row = slot + layout.BRISTLES + kind * layout.BRISTLE_PARAMETERS
+        if w[row + layout.P_MODEL] == layout.BRISTLE_EVENT:
+            speed = moving(approach)
+    log_strike(m, w, event, m[slot + layout.SLOT_RELEASE + event] * speed, sample, fraction)
 
 
 @point

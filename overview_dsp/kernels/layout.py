@@ -233,7 +233,10 @@ BRISTLES = SLOT_OWNER + CELLS + 1  # the parameters of each bank's bristles:
     P_STATIC,  # static torque over sliding torque
     P_STRIBECK,  # rad/s
     P_BREAK_AWAY,  # part of the deflection that is elastic only
-) = range(5)
+    P_MODEL,  # w: how hard the kind's events strike, one of:
+) = range(6)
+VISCOUS_EVENT = 0  # the torque taken from the arriving disk: release times its speed
+BRISTLE_EVENT = 1  # the same at any speed
 BRISTLE_PARAMETERS = 8
 SLOT_SIZE = (BRISTLES + BANKS * BRISTLE_PARAMETERS + 7) // 8 * 8
 TOTAL = SURFACES + SLOTS * SLOT_SIZE

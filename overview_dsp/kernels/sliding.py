@@ -6,21 +6,14 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.bristle import bristle_step, converted, speed_after, steady_torque
+from overview_dsp.kernels.bristle import bristle_step, converted, moving, speed_after, steady_torque
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.friction import friction_at
 
 LEAST_GRIP = 1e-12  # N m: from here there are no bristles
-CREEP = 0.02  # rad/s: well below it a torque holds the disk, and isn't felt
 SLIP = 0.05  # of the sliding torque: the least that a slip lets go
+STANDSTILL = 1e-150  # cells: smaller would become denormal
 STOPPED = 0.5  # of the Stribeck speed: below it the disk sticks again
-
-
-@point
-def moving(omega):
-    """How much of a torque that doesn't fade by itself is felt: 0 at rest, 1 in motion."""
-    squared = omega * omega
-    return squared / (squared + CREEP * CREEP)
 
 
 @point
@@ -105,6 +98,8 @@ def slide(m, w, slot, old_slot, old_part, x, v, push, resistance):
             steady,
             m[row + layout.P_BREAK_AWAY],
         )
+        if abs(z) < STANDSTILL:
+            z = 0.0
         torque = torque * to_omega
         after = speed_after(v, middle)
         m[layout.BRISTLE] = z

@@ -21,6 +21,12 @@ from overview_dsp.presets.parameters import (
 DEFAULT_KIND = "default"
 
 
+def _default(key: str) -> float:
+    value = KIND_PARAMETERS[key].default
+    assert isinstance(value, float)
+    return value
+
+
 @dataclass(frozen=True)
 class Mode:
     """A modal resonator of a click: frequency (Hz), time to -60 dB (ms), level (dB)."""
@@ -37,6 +43,7 @@ class Kind:
     `height` is in bare surfaces (x `surface.friction`); exactly one of the widths is given, at half
     height: `width_percent` of the timeline or `width_ms` of the data's time. `points` (0..1, over
     two widths) are a course in place of the shape's.
+    `model` says what friction it is; what is below it is for bristles.
     """
 
     height: float
@@ -47,6 +54,12 @@ class Kind:
     spacing_percent: float = 0.0
     gain_db: float = 0.0
     modes: tuple[Mode, ...] = ()
+    model: str = "viscous"
+    stiffness: float = _default("stiffness")
+    damping: float = _default("damping")
+    static_ratio: float = _default("static_ratio")
+    stribeck_speed: float = _default("stribeck_speed")
+    break_away: float = _default("break_away")
 
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):
