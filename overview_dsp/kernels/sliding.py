@@ -85,9 +85,6 @@ def slide(m, w, slot, old_slot, old_part, x, v, push, resistance):
         if z != 0.0 and stiffness != m[layout.BRISTLE_STIFFNESS]:
             z = converted(z, m[layout.BRISTLE_STIFFNESS], stiffness)
         static = m[row + layout.P_STATIC]
-        most = sliding * static / a_cell
-        # where the grip falls, what it can't hold is lost
-        z = min(max(z, -most), most)
         steady = steady_torque(sliding, static, stribeck, v * to_omega) / a_cell
         middle, z, torque = bristle_step(
             push,
