@@ -53,8 +53,8 @@ class Meters:
 class Strikes:
     """Events passed by the disk, and slips where bristles held it, in order.
 
-    `time_s` (with its fraction of a sample), `event` (index into the timeline's events; -1 = a slip
-    on the bare surface), `torque` (released, N m), `level` (amplitude after compression): arrays
+    `time_s` (with its fraction of a sample), `event` (index into the timeline's events; -1 = the
+    bare surface), `torque` (released, N m), `level` (amplitude after compression): arrays
     of equal length.
     """
 

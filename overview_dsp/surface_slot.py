@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.bristle_field import BristleField
+from overview_dsp.bristle_field import BARE, BristleField
 from overview_dsp.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
 from overview_dsp.presets.model import Mode
@@ -20,15 +20,20 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     base = layout.SURFACES + slot * layout.SLOT_SIZE
     table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
     _write_table(table, surface.friction)
-    count = len(surface.place)
+    place = np.concatenate([surface.place, surface.impacts.place])
+    order = _strike_order(surface)
+    count = len(order)
     w[base + layout.SLOT_EVENTS] = count
-    m[base + layout.SLOT_PLACE :][:count] = surface.place * layout.CELLS
-    m[base + layout.SLOT_RELEASE :][:count] = surface.release
-    w[base + layout.SLOT_KIND :][:count] = surface.kind
+    m[base + layout.SLOT_PLACE :][:count] = place[order] * layout.CELLS
+    release = np.concatenate([surface.release, surface.impacts.release])
+    m[base + layout.SLOT_RELEASE :][:count] = release[order]
+    own = np.full(len(surface.impacts.place), layout.MAX_KINDS)
+    w[base + layout.SLOT_KIND :][:count] = np.concatenate([surface.kind, own])[order]
     w[base + layout.SLOT_MODELS] = 0
     if surface.bristles is not None:
-        _write_bristles(m, base, surface.bristles)
-    for kind, modes in enumerate(surface.kind_modes):
+        rank = np.append(np.argsort(order), BARE)
+        _write_bristles(m, base, surface.bristles, rank)
+    for kind, modes in [*enumerate(surface.kind_modes), (layout.MAX_KINDS, surface.own_modes)]:
         heard: list[tuple[Mode, Mapping[int, float]]] = []
         for mode in modes:
             columns = mode_coefficients(mode, sample_rate)
@@ -42,6 +47,19 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
                 m[base + column + kind * layout.MAX_MODES + index] = value
 
 
+def struck_event(surface: Surface, number: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The timeline's events by the kernel's numbers for them; -1 = the bare surface (as BARE)."""
+    own = np.full(len(surface.impacts.place), BARE)
+    events = np.concatenate([surface.event, own])[_strike_order(surface)]
+    return np.append(events, BARE)[number]
+
+
+def _strike_order(surface: Surface) -> NDArray[np.int64]:
+    """The surface's events, then its impacts, in the order of their places."""
+    place = np.concatenate([surface.place, surface.impacts.place])
+    return np.argsort(place, kind="stable")
+
+
 def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> None:
     """Values at the table's points and the slopes between them, interleaved."""
     table[0::2] = values
@@ -49,11 +67,13 @@ def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> Non
     table[-1] = 0.0
 
 
-def _write_bristles(m: NDArray[np.float64], base: int, field: BristleField) -> None:
+def _write_bristles(
+    m: NDArray[np.float64], base: int, field: BristleField, rank: NDArray[np.int64]
+) -> None:
     w = m.view(np.int64)
     w[base + layout.SLOT_MODELS] |= layout.HAS_BRISTLES
     _write_table(m[base + layout.SLOT_GRIP :][: 2 * (layout.CELLS + 1)], field.grip)
-    w[base + layout.SLOT_OWNER :][: layout.CELLS + 1] = field.owner
+    w[base + layout.SLOT_OWNER :][: layout.CELLS + 1] = rank[field.owner]
     of_bank = [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]
     for bank, bristles in of_bank:
         row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.bristle_field import BARE
 from overview_dsp.errors import InputError
 from overview_dsp.rendering import Result
 from overview_dsp.surface import Surface
@@ -139,9 +140,9 @@ def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, 
     release = {
         int(event): float(b) for event, b in zip(surface.event, surface.release, strict=True)
     }
+    release[BARE] = 0.0
     found: list[tuple[float, Transient]] = []
-    strikes = result.strikes.of_events()
-    for time, event in zip(strikes.time_s, strikes.event, strict=True):
+    for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True):
         at = round(time * LEVELS_PER_S)
         if at >= len(level):
             continue
@@ -149,9 +150,13 @@ def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, 
         peak = level[max(0, at - before) : at + after + 1].max()
         if peak < FLOOR:
             continue
-        kind = events[event].kind
-        name = kind if kind in surface.kind_names else "default"
-        modes = surface.kind_modes[surface.kind_names.index(name)]
+        kind, modes = "surface", surface.own_modes
+        if event != BARE:
+            kind = events[event].kind
+            name = kind if kind in surface.kind_names else "default"
+            modes = surface.kind_modes[surface.kind_names.index(name)]
+        elif not modes:
+            continue
         strike = Transient(float(time), float(peak), _sharpness(modes), kind)
         found.append((release[int(event)], strike))
     kept: list[tuple[float, Transient]] = []

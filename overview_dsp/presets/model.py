@@ -43,7 +43,8 @@ class Kind:
     `height` is in bare surfaces (x `surface.friction`); exactly one of the widths is given, at half
     height: `width_percent` of the timeline or `width_ms` of the data's time. `points` (0..1, over
     two widths) are a course in place of the shape's.
-    `model` says what friction it is; what is below it is for bristles.
+    `model` says what friction it is, the five below it what its bristles are like. Where there are
+    no `modes`, `material` and `pitch_hz` make them.
     """
 
     height: float
@@ -60,6 +61,8 @@ class Kind:
     static_ratio: float = _default("static_ratio")
     stribeck_speed: float = _default("stribeck_speed")
     break_away: float = _default("break_away")
+    material: str = "none"
+    pitch_hz: float = _default("pitch_hz")
 
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):

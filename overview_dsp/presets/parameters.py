@@ -108,6 +108,24 @@ def _flag(id: str, doc: str) -> Parameter:
 PATTERNS = ("none", "waves", "ridges", "teeth", "grains")
 SURFACE_MODELS = ("viscous", "bristle")
 KIND_MODELS = ("viscous", "bristle")
+MATERIALS = ("none", "glass", "wood", "metal", "plastic", "card")
+
+
+def _material(section: str, doc: str) -> tuple[Parameter, ...]:
+    """What is struck: of the bare surface, or of an event kind."""
+    return (
+        Parameter(section + "material", "none", doc=doc, choices=MATERIALS, surface=True),
+        _number(
+            section + "pitch_hz",
+            800.0,
+            40.0,
+            8000.0,
+            "Hz",
+            "Lowest mode of the material: higher is smaller.",
+            "log",
+            surface=True,
+        ),
+    )
 
 
 def _bristles(section: str) -> tuple[Parameter, ...]:
@@ -278,6 +296,19 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 surface=True,
             ),
             *_bristles("surface."),
+            *_material(
+                "surface.",
+                "What the bare surface sounds like where bristles slip: none is silent.",
+            ),
+            _number(
+                "surface.gain_db",
+                0.0,
+                -60.0,
+                12.0,
+                "dB",
+                "Level of the bare surface's own clicks.",
+                surface=True,
+            ),
             _number(
                 "surface.gap_height",
                 1.8,
@@ -465,6 +496,7 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 surface=True,
             ),
             *_bristles(""),
+            *_material("", "What the click sounds like, where no modes are given."),
         )
     }
 )
