@@ -23,7 +23,7 @@ from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS, Parameter, Value
 from overview_dsp.saved_state import decode_state, encode_state, preset_to_dict
 from overview_dsp.surface import Surface, build_surface
-from overview_dsp.surface_slot import write_surface
+from overview_dsp.surface_slot import struck_event, write_surface
 from overview_dsp.tail import tail_seconds
 
 if TYPE_CHECKING:
@@ -406,7 +406,7 @@ class Engine:
         surface = self._slot_surfaces[int(self._w[layout.ACTIVE_SLOT])]
         return Strikes(
             time_s=self._m[layout.LOG_TIME + at] / self._sample_rate,
-            event=surface.event[self._w[layout.LOG_EVENT + at]],
+            event=struck_event(surface, self._w[layout.LOG_EVENT + at]),
             torque=self._m[layout.LOG_TORQUE + at],
             level=self._m[layout.LOG_LEVEL + at],
         )

@@ -51,16 +51,22 @@ class Meters:
 
 @dataclass(frozen=True)
 class Strikes:
-    """Events passed by the disk, in order.
+    """Events passed by the disk, and slips where bristles held it, in order.
 
-    `time_s` (with its fraction of a sample), `event` (index into the timeline's events), `torque`
-    (released, N m), `level` (amplitude after compression): arrays of equal length.
+    `time_s` (with its fraction of a sample), `event` (index into the timeline's events; -1 = the
+    bare surface), `torque` (released, N m), `level` (amplitude after compression): arrays
+    of equal length.
     """
 
     time_s: NDArray[np.float64]
     event: NDArray[np.int64]
     torque: NDArray[np.float64]
     level: NDArray[np.float64]
+
+    def of_events(self) -> Strikes:
+        """Without those of the bare surface."""
+        kept = self.event >= 0
+        return Strikes(self.time_s[kept], self.event[kept], self.torque[kept], self.level[kept])
 
     def __len__(self) -> int:
         return len(self.time_s)

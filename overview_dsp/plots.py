@@ -253,10 +253,11 @@ def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> 
 def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) -> None:
     # a row of marks just above the axes
     above = axes.get_xaxis_transform()
+    strikes = result.strikes.of_events()
     for kind, (marker, colour, words) in styles_of(timeline).items():
         at = [
             time
-            for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True)
+            for time, event in zip(strikes.time_s, strikes.event, strict=True)
             if timeline.events[event].kind == kind and time <= end
         ]
         if not at or kind in ("foul", "period", "touch", "shot"):
@@ -294,7 +295,8 @@ def plot_gallery(result: Result, preset: Preset) -> Figure:
     felt.set_ylim(-60.0, 3.0)
     felt.set_xlabel("time, s")
     seen: set[str] = set()
-    for at, event in zip(result.strikes.time_s, result.strikes.event, strict=True):
+    strikes = result.strikes.of_events()
+    for at, event in zip(strikes.time_s, strikes.event, strict=True):
         if at * rate >= count:
             continue
         for axes in (heard, felt):

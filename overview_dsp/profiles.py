@@ -18,12 +18,15 @@ to d = w.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+AT_A_TIME = 1 << 17
+"""Points of profiles worked out at once."""
 
 SPAN_LEVEL = 0.1
 """A profile's span is where it exceeds this part of its height."""
@@ -111,3 +114,28 @@ def span(shape: str, width: float, points: Points = ()) -> tuple[float, float]:
         return float(fine[over[0]]) * width, float(fine[over[-1]]) * width
     first, last = _SPANS[shape]
     return first * width, last * width
+
+
+def bumps(
+    shape: str, points: Points, width: float, centre: Array, height: Array, cells: int
+) -> Iterator[tuple[int, int, Array]]:
+    """The profiles of events of one shape and width, on a table of cells + 1 points.
+
+    For each event: its index, its first point, and its profile from there.
+    """
+    most = reach(shape, points) * width
+    low = np.floor(centre - most)
+    steps = np.arange(math.ceil(2.0 * most) + 2)
+    begin = np.maximum(low, 0.0).astype(np.int64)
+    end = np.minimum(np.ceil(centre + most), cells).astype(np.int64) + 1
+    skipped = begin - low.astype(np.int64)
+    rows = max(1, AT_A_TIME // len(steps))
+    for start in range(0, len(centre), rows):
+        some = slice(start, start + rows)
+        distance = low[some, None] + steps - centre[some, None]
+        high = height[some, None] * profile(shape, distance, width, points)
+        numbers = range(start, start + len(high))
+        for i, bump, a, b, skip in zip(
+            numbers, high, begin[some], end[some], skipped[some], strict=True
+        ):
+            yield i, int(a), bump[skip : skip + b - a]

@@ -1,11 +1,10 @@
 """Timeline + preset -> surface: the friction table B(phi) and the event table.
 
-    B = friction * (1 + ambience * intensity + pattern)
-        + max over events of height * weight * profile
+    B = bare surface + max over events of height * weight * profile
 
-The intensity is the timeline's curve scaled to 0..1; where data is missing there are ribs instead
-(`gap_ribs`). Overlapping profiles combine by their maximum,
-so that none is drowned in a sum and each stays findable; every event keeps a strike of its own.
+The bare surface is `bare_surface`'s; bristles, where the preset has them, lie beside it
+(`bristle_field`). Overlapping profiles combine by their maximum, so that none is drowned in a sum
+and each stays findable; every event keeps a strike of its own.
 
 A kind whose events lie denser than its `spacing_percent` is left out as a whole: a thousand beats
 of a heart would be one blur. A window that spreads them brings them up.
@@ -25,11 +24,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.bare_surface import bare_surface
+from overview_dsp.bristle_field import BristleField, BristleLayer, has_bristles
 from overview_dsp.errors import InputError, OverviewWarning
-from overview_dsp.gap_ribs import ribs
+from overview_dsp.impacts import NONE as NO_IMPACTS
+from overview_dsp.impacts import Impacts
+from overview_dsp.materials import louder, modes_of
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
-from overview_dsp.profiles import Points, profile, reach, span
-from overview_dsp.surface_pattern import pattern
+from overview_dsp.profiles import bumps, profile, span
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Event, Timeline
@@ -40,9 +42,6 @@ CELLS = 65536
 MAX_EVENTS = 16384
 MAX_FRICTION = 1e6
 """No event is higher, N m s/rad, however great its weight: ten million bare surfaces' friction."""
-
-AT_A_TIME = 1 << 17
-"""Points of profiles worked out at once."""
 
 MIN_WIDTH_CELLS = 4.0
 """A profile narrower than this would fall between the table's points."""
@@ -71,6 +70,12 @@ class Surface:
         Event kinds with their clicks; a mode's gain includes its kind's.
     left_out : mapping of kind to count
         Events that lie too densely to be felt one by one.
+    own_modes : tuple of Mode
+        What the bare surface sounds like.
+    impacts : Impacts
+        Where it is struck, besides events.
+    bristles : BristleField or None
+        Where bristles grip; None = viscous friction alone.
     """
 
     friction: NDArray[np.float64]
@@ -82,6 +87,9 @@ class Surface:
     kind_names: tuple[str, ...]
     kind_modes: tuple[tuple[Mode, ...], ...]
     left_out: Mapping[str, int] = field(default_factory=dict)
+    own_modes: tuple[Mode, ...] = ()
+    impacts: Impacts = NO_IMPACTS
+    bristles: BristleField | None = None
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
@@ -133,28 +141,13 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         if len(members) > 1 and len(members) * preset.kinds[name].spacing_percent > 100.0
     }
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
-    if len(felt) > MAX_EVENTS:
+    under = bare_surface(timeline, preset, CELLS)
+    if len(felt) + len(under.impacts.place) > MAX_EVENTS:
+        own = f" and {len(under.impacts.place)} crests" if len(under.impacts.place) else ""
         raise InputError(
-            f"{timeline.title or 'the timeline'}: {len(felt)} events; "
+            f"{timeline.title or 'the timeline'}: {len(felt)} events{own}; "
             f"a surface holds up to {MAX_EVENTS}, use a shorter window"
         )
-    bare = preset.number("surface.friction")
-    intensity = timeline.normalised_levels(CELLS)
-    ambient = bare * (1.0 + preset.number("surface.ambience") * intensity)
-    made_of = preset.values["surface.pattern"]
-    if made_of != "none":
-        period = preset.number("surface.pattern_period_percent")
-        ridge = bare * preset.number("surface.pattern_height")
-        ambient += ridge * pattern(str(made_of), CELLS, period)
-    if timeline.gaps:
-        missing, friction = ribs(
-            timeline.gaps,
-            timeline.duration_s,
-            CELLS,
-            preset.number("surface.gap_height"),
-            preset.number("surface.gap_period_percent"),
-        )
-        ambient[missing] = bare * friction
 
     unknown = sorted(kind for kind in timeline.kinds() if preset.kind_for(kind) is None)
     if unknown:
@@ -170,7 +163,9 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     release = np.zeros(count)
     kind_index = np.zeros(count, dtype=np.int64)
     spans = np.zeros((count, 2))
+    bare = preset.number("surface.friction")
     raised = np.zeros(CELLS + 1)
+    bristles = BristleLayer(preset, under.friction) if has_bristles(preset) else None
     centres = np.array([timeline.events[i].time_s for i in felt]) / timeline.duration_s * CELLS
     for name, indices in by_kind.items():
         kind = preset.kinds[name]
@@ -178,7 +173,15 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         members = np.searchsorted(felt, indices)
         centre = centres[members]
         height = _heights([timeline.events[i] for i in indices], name, bare * kind.height)
-        _raise(raised, kind.shape, kind.points, width, centre, height)
+        profiles = bumps(kind.shape, kind.points, width, centre, height, CELLS)
+        if bristles is not None and kind.model == "bristle":
+            bristles.check(name, height)
+            for i, start, bump in profiles:
+                bristles.raise_to(int(members[i]), start, bump)
+        else:
+            for _, start, bump in profiles:
+                below = raised[start : start + len(bump)]
+                np.maximum(below, bump, out=below)
         margin = min(width, CELLS) / 2.0
         place[members] = np.minimum(np.maximum(centre, margin), CELLS - margin)
         there = profile(kind.shape, place[members] - centre, width, kind.points)
@@ -192,7 +195,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
 
     order = np.argsort(place, kind="stable")
     return Surface(
-        friction=ambient + raised,
+        friction=under.friction + raised,
         place=place[order] / CELLS,
         release=release[order],
         kind=kind_index[order],
@@ -201,6 +204,9 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         kind_names=names,
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
         left_out=left_out,
+        own_modes=under.modes,
+        impacts=under.impacts,
+        bristles=bristles.field(np.argsort(order)) if bristles is not None else None,
     )
 
 
@@ -230,31 +236,5 @@ def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.floa
     return np.array(heights)
 
 
-def _raise(
-    table: NDArray[np.float64],
-    shape: str,
-    points: Points,
-    width: float,
-    centre: NDArray[np.float64],
-    height: NDArray[np.float64],
-) -> None:
-    """Raise the table to the profiles of events of one shape and width (cells)."""
-    most = reach(shape, points) * width
-    low = np.floor(centre - most)
-    steps = np.arange(math.ceil(2.0 * most) + 2)
-    begin = np.maximum(low, 0.0).astype(np.int64)
-    end = np.minimum(np.ceil(centre + most), CELLS).astype(np.int64) + 1
-    skipped = begin - low.astype(np.int64)
-    rows = max(1, AT_A_TIME // len(steps))
-    for start in range(0, len(centre), rows):
-        some = slice(start, start + rows)
-        distance = low[some, None] + steps - centre[some, None]
-        bumps = height[some, None] * profile(shape, distance, width, points)
-        for bump, a, b, skip in zip(bumps, begin[some], end[some], skipped[some], strict=True):
-            np.maximum(table[a:b], bump[skip : skip + b - a], out=table[a:b])
-
-
 def _modes(kind: Kind) -> tuple[Mode, ...]:
-    return tuple(
-        Mode(mode.frequency_hz, mode.decay_ms, mode.gain_db + kind.gain_db) for mode in kind.modes
-    )
+    return louder(kind.modes or modes_of(kind.material, kind.pitch_hz), kind.gain_db)

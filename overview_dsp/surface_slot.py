@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.bristle_field import BARE, BristleField
 from overview_dsp.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
 from overview_dsp.presets.model import Mode
@@ -18,15 +19,21 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     w = m.view(np.int64)
     base = layout.SURFACES + slot * layout.SLOT_SIZE
     table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
-    table[0::2] = surface.friction
-    table[1:-1:2] = np.diff(surface.friction)
-    table[-1] = 0.0
-    count = len(surface.place)
+    _write_table(table, surface.friction)
+    place = np.concatenate([surface.place, surface.impacts.place])
+    order = _strike_order(surface)
+    count = len(order)
     w[base + layout.SLOT_EVENTS] = count
-    m[base + layout.SLOT_PLACE :][:count] = surface.place * layout.CELLS
-    m[base + layout.SLOT_RELEASE :][:count] = surface.release
-    w[base + layout.SLOT_KIND :][:count] = surface.kind
-    for kind, modes in enumerate(surface.kind_modes):
+    m[base + layout.SLOT_PLACE :][:count] = place[order] * layout.CELLS
+    release = np.concatenate([surface.release, surface.impacts.release])
+    m[base + layout.SLOT_RELEASE :][:count] = release[order]
+    own = np.full(len(surface.impacts.place), layout.MAX_KINDS)
+    w[base + layout.SLOT_KIND :][:count] = np.concatenate([surface.kind, own])[order]
+    w[base + layout.SLOT_MODELS] = 0
+    if surface.bristles is not None:
+        rank = np.append(np.argsort(order), BARE)
+        _write_bristles(m, base, surface.bristles, rank)
+    for kind, modes in [*enumerate(surface.kind_modes), (layout.MAX_KINDS, surface.own_modes)]:
         heard: list[tuple[Mode, Mapping[int, float]]] = []
         for mode in modes:
             columns = mode_coefficients(mode, sample_rate)
@@ -38,3 +45,42 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
         for index, (_, columns) in enumerate(heard):
             for column, value in columns.items():
                 m[base + column + kind * layout.MAX_MODES + index] = value
+
+
+def struck_event(surface: Surface, number: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The timeline's events by the kernel's numbers for them; -1 = the bare surface (as BARE)."""
+    own = np.full(len(surface.impacts.place), BARE)
+    events = np.concatenate([surface.event, own])[_strike_order(surface)]
+    return np.append(events, BARE)[number]
+
+
+def _strike_order(surface: Surface) -> NDArray[np.int64]:
+    """The surface's events, then its impacts, in the order of their places."""
+    place = np.concatenate([surface.place, surface.impacts.place])
+    return np.argsort(place, kind="stable")
+
+
+def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    """Values at the table's points and the slopes between them, interleaved."""
+    table[0::2] = values
+    table[1:-1:2] = np.diff(values)
+    table[-1] = 0.0
+
+
+def _write_bristles(
+    m: NDArray[np.float64], base: int, field: BristleField, rank: NDArray[np.int64]
+) -> None:
+    w = m.view(np.int64)
+    w[base + layout.SLOT_MODELS] |= layout.HAS_BRISTLES
+    _write_table(m[base + layout.SLOT_GRIP :][: 2 * (layout.CELLS + 1)], field.grip)
+    w[base + layout.SLOT_OWNER :][: layout.CELLS + 1] = rank[field.owner]
+    of_bank = [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]
+    for bank, bristles in of_bank:
+        row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
+        sticks = bank < len(field.sticks) and field.sticks[bank]
+        w[row + layout.P_MODEL] = layout.BRISTLE_EVENT if sticks else layout.VISCOUS_EVENT
+        m[row + layout.P_STIFFNESS] = bristles.stiffness
+        m[row + layout.P_DAMPING] = bristles.damping
+        m[row + layout.P_STATIC] = bristles.static_ratio
+        m[row + layout.P_STRIBECK] = bristles.stribeck_speed
+        m[row + layout.P_BREAK_AWAY] = bristles.break_away

@@ -41,7 +41,12 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
         fall += float(slow.max()) * max(0.0, math.log(1.0 / (last * CELLS)))
         longest = max(longest, fall)
     ring = max(
-        (mode.decay_ms * 1e-3 for modes in surface.kind_modes for mode in modes), default=0.0
+        (
+            mode.decay_ms * 1e-3
+            for modes in (*surface.kind_modes, surface.own_modes)
+            for mode in modes
+        ),
+        default=0.0,
     )
     skin = _SKIN_FALLS * (number("tactor.decay_ms") + 2.0 * number("tactor.rise_ms")) * 1e-3
     settle = 40.0 * number("input.smoothing_ms") * 1e-3

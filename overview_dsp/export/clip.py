@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.bristle_field import BARE
 from overview_dsp.errors import InputError
 from overview_dsp.rendering import Result
 from overview_dsp.surface import Surface
@@ -139,6 +140,7 @@ def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, 
     release = {
         int(event): float(b) for event, b in zip(surface.event, surface.release, strict=True)
     }
+    release[BARE] = 0.0
     taken = {int(event): int(kind) for event, kind in zip(surface.event, surface.kind, strict=True)}
     found: list[tuple[float, Transient]] = []
     for time, event in zip(result.strikes.time_s, result.strikes.event, strict=True):
@@ -149,8 +151,12 @@ def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, 
         peak = level[max(0, at - before) : at + after + 1].max()
         if peak < FLOOR:
             continue
-        modes = surface.kind_modes[taken[int(event)]]
-        strike = Transient(float(time), float(peak), _sharpness(modes), events[event].kind)
+        kind, modes = "surface", surface.own_modes
+        if event != BARE:
+            kind, modes = events[event].kind, surface.kind_modes[taken[int(event)]]
+        elif not modes:
+            continue
+        strike = Transient(float(time), float(peak), _sharpness(modes), kind)
         found.append((release[int(event)], strike))
     kept: list[tuple[float, Transient]] = []
     # the higher event first: a goal isn't given up for a foul beside it

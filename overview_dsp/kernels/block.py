@@ -68,6 +68,7 @@ def is_finite(m):
         + m[layout.CLICK_DC_OUT]
         + m[layout.TEXTURE]
         + m[layout.PHASE]
+        + m[layout.BRISTLE]
     )
     return total - total == 0.0
 

@@ -24,6 +24,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.bristle import moving
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.elementary import cos_turns, exp, power, sin_turns
 
@@ -36,7 +37,18 @@ def strike(m, w, slot, event, approach, sample, fraction):
 
     `approach` is the speed the disk came with, rad/s.
     """
-    torque = m[slot + layout.SLOT_RELEASE + event] * approach
+    speed = approach
+    if w[slot + layout.SLOT_MODELS] > 0:
+        kind = w[slot + layout.SLOT_KIND + event]
+        row = slot + layout.BRISTLES + kind * layout.BRISTLE_PARAMETERS
+        if w[row + layout.P_MODEL] == layout.BRISTLE_EVENT:
+            speed = moving(approach)
+    log_strike(m, w, event, m[slot + layout.SLOT_RELEASE + event] * speed, sample, fraction)
+
+
+@point
+def log_strike(m, w, event, torque, sample, fraction):
+    """Log that a torque (N m) is let go at an event (-1 = the bare surface)."""
     hardness = torque * m[layout.C_STRIKE_TORQUE]
     level = 0.0
     if hardness > 1e-12:
@@ -61,7 +73,8 @@ def blow_weight(number):
 def blow(m, w, at, number, rest):
     """Give blow `number` of the strike at log entry `at` to its modes, `rest` samples late."""
     slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
-    kind = w[slot + layout.SLOT_KIND + w[layout.LOG_EVENT + at]]
+    event = w[layout.LOG_EVENT + at]
+    kind = w[slot + layout.SLOT_KIND + event] if event >= 0 else layout.MAX_KINDS
     modes = w[slot + layout.KIND_MODES + kind]
     if modes == 0:
         return

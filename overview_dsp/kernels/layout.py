@@ -18,6 +18,7 @@ from __future__ import annotations
 CELLS = 65536
 MAX_EVENTS = 16384  # of a slot
 MAX_KINDS = 32  # event kinds with clicks of their own
+BANKS = MAX_KINDS + 1  # clicks: of each kind, and of the bare surface (the last)
 MAX_MODES = 6  # modal resonators of a kind
 SOURCES = 6  # touch, twist, serial, OSC, MIDI, remote: this order settles ties
 RING = 4096  # control events waiting, a source (a power of two)
@@ -101,18 +102,21 @@ STATE = SETTINGS + 8
     CLICK_DC_OUT,
     NOISE,  # u
     RINGING,  # w: number of kinds that sound
-) = range(STATE, STATE + 26)
+    BRISTLE,  # deflection of the bristles, cells
+    BRISTLE_STIFFNESS,  # of the bristles deflected, N m/rad
+    SLIP_PEAK,  # highest |torque| of the bristles since they stuck, N m; -1 = they slide
+) = range(STATE, STATE + 29)
 SOURCE_TOUCHING = STATE + 32  # w: of each source
 SOURCE_TOUCHED_AT = SOURCE_TOUCHING + SOURCES  # w: TOUCH_COUNT when it last touched
 SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # rad
 RINGING_KIND = SOURCE_THETA2 + SOURCES  # w: the RINGING first entries name the kinds that sound
-BANK_LEFT = RINGING_KIND + MAX_KINDS  # w: samples until a kind is silent
-BANK_MODES = BANK_LEFT + MAX_KINDS  # w: modes of a kind when struck
-BANK_RE = BANK_MODES + MAX_KINDS  # modal state, kind by kind
-BANK_IM = BANK_RE + MAX_KINDS * MAX_MODES
-BANK_COS = BANK_IM + MAX_KINDS * MAX_MODES  # rotation loaded at the strike
-BANK_SIN = BANK_COS + MAX_KINDS * MAX_MODES
-METERS = BANK_SIN + MAX_KINDS * MAX_MODES
+BANK_LEFT = RINGING_KIND + BANKS  # w: samples until a kind is silent
+BANK_MODES = BANK_LEFT + BANKS  # w: modes of a kind when struck
+BANK_RE = BANK_MODES + BANKS  # modal state, kind by kind
+BANK_IM = BANK_RE + BANKS * MAX_MODES
+BANK_COS = BANK_IM + BANKS * MAX_MODES  # rotation loaded at the strike
+BANK_SIN = BANK_COS + BANKS * MAX_MODES
+METERS = BANK_SIN + BANKS * MAX_MODES
 
 # --- meters (cleared by reset) ----------------------------------------------------------------
 (
@@ -148,7 +152,7 @@ HOST_VALUE = HOST_WHAT + HOST_RING
 COMMAND_SURFACE = -1  # value: slot to crossfade to
 COMMAND_RELEASE_RETURNS = -2  # value: 0 or 1
 LOG_TIME = HOST_VALUE + HOST_RING  # strike log: sample with its fraction
-LOG_EVENT = LOG_TIME + STRIKE_LOG  # w: index in the surface's event table
+LOG_EVENT = LOG_TIME + STRIKE_LOG  # w: index in the surface's event table, -1 = the bare surface
 LOG_TORQUE = LOG_EVENT + STRIKE_LOG  # torque released, N m
 LOG_LEVEL = LOG_TORQUE + STRIKE_LOG  # strike amplitude after compression
 STRIKES_SOUNDED = LOG_LEVEL + STRIKE_LOG  # w: strikes the bank has taken, a blow of CONTACT
@@ -207,18 +211,34 @@ SURFACES = L_BUSY + BUSY_BINS
 
 # --- a surface slot, relative to its start -----------------------------------------------------
 SLOT_EVENTS = 0  # w: number of events
+SLOT_MODELS = 1  # w: which of the friction models below it has, HAS_... added up; 0 = viscous only
+HAS_BRISTLES = 1
 SLOT_TABLE = 8  # friction and its slope to the next point, interleaved, CELLS + 1 pairs
 SLOT_PLACE = SLOT_TABLE + 2 * (CELLS + 1)  # where each event strikes, cells, ascending
 SLOT_RELEASE = SLOT_PLACE + MAX_EVENTS  # friction that lets go there, N m s/rad
 SLOT_KIND = SLOT_RELEASE + MAX_EVENTS  # w: kind of each event
 KIND_MODES = SLOT_KIND + MAX_EVENTS  # w: modes of each kind
-KIND_RING = KIND_MODES + MAX_KINDS  # w: samples a kind rings
-MODE_COS = KIND_RING + MAX_KINDS  # r cos w: rotation and decay a sample
-MODE_SIN = MODE_COS + MAX_KINDS * MAX_MODES
-MODE_TURNS = MODE_SIN + MAX_KINDS * MAX_MODES  # turns a sample
-MODE_DECAY = MODE_TURNS + MAX_KINDS * MAX_MODES  # ln of the decay a sample
-MODE_GAIN = MODE_DECAY + MAX_KINDS * MAX_MODES
-SLOT_SIZE = (MODE_GAIN + MAX_KINDS * MAX_MODES + 7) // 8 * 8
+KIND_RING = KIND_MODES + BANKS  # w: samples a kind rings
+MODE_COS = KIND_RING + BANKS  # r cos w: rotation and decay a sample
+MODE_SIN = MODE_COS + BANKS * MAX_MODES
+MODE_TURNS = MODE_SIN + BANKS * MAX_MODES  # turns a sample
+MODE_DECAY = MODE_TURNS + BANKS * MAX_MODES  # ln of the decay a sample
+MODE_GAIN = MODE_DECAY + BANKS * MAX_MODES
+SLOT_GRIP = MODE_GAIN + BANKS * MAX_MODES  # sliding torque and its slope, N m, as SLOT_TABLE
+SLOT_OWNER = SLOT_GRIP + 2 * (CELLS + 1)  # w: the event whose bristles are there, -1 = the surface
+BRISTLES = SLOT_OWNER + CELLS + 1  # the parameters of each bank's bristles:
+(
+    P_STIFFNESS,  # N m/rad
+    P_DAMPING,  # N m s/rad
+    P_STATIC,  # static torque over sliding torque
+    P_STRIBECK,  # rad/s
+    P_BREAK_AWAY,  # part of the deflection that is elastic only
+    P_MODEL,  # w: how hard the kind's events strike, one of:
+) = range(6)
+VISCOUS_EVENT = 0  # the torque taken from the arriving disk: release times its speed
+BRISTLE_EVENT = 1  # the same at any speed
+BRISTLE_PARAMETERS = 8
+SLOT_SIZE = (BRISTLES + BANKS * BRISTLE_PARAMETERS + 7) // 8 * 8
 TOTAL = SURFACES + SLOTS * SLOT_SIZE
 
 # --- trace: columns of one frame ----------------------------------------------------------------

@@ -8,10 +8,11 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.click import strike
+from overview_dsp.kernels.click import log_strike, strike
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.friction import friction_at
 from overview_dsp.kernels.glide import smooth_step
+from overview_dsp.kernels.sliding import slide
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
@@ -21,6 +22,7 @@ PER_CELL = 1.0 / layout.CELLS
 FAR = 1e300  # cells: beyond any place
 RETREAT = 1e-6  # cells: how far the disk must go back before an event counts as passed again
 NEAR_REST = layout.CELLS / 1000.0  # cells
+STUCK = 1e-4  # rad/s: where friction can hold the disk, this is rest too
 STANDSTILL = 1e-150  # cells, cells a sample, rad/s: smaller would become denormal
 
 
@@ -56,9 +58,11 @@ def move(m, w, frames, trace, at, traced):
 
     slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     table = slot + layout.SLOT_TABLE
-    old_table = table
+    old_slot = slot
     if fading > 0:
-        old_table = layout.SURFACES + w[layout.FADING_SLOT] * layout.SLOT_SIZE + layout.SLOT_TABLE
+        old_slot = layout.SURFACES + w[layout.FADING_SLOT] * layout.SLOT_SIZE
+    old_table = old_slot + layout.SLOT_TABLE
+    modelled = w[slot + layout.SLOT_MODELS] + w[old_slot + layout.SLOT_MODELS] > 0
     per_fade = 1.0 / float(w[layout.S_FADE])
     places = slot + layout.SLOT_PLACE
     events = w[slot + layout.SLOT_EVENTS]
@@ -70,17 +74,31 @@ def move(m, w, frames, trace, at, traced):
         y1, y2 = smooth(target, y1, y2, smoothing)
         ahead = x + 0.5 * v
         friction = friction_at(m, table, ahead)
+        left = 0.0
         if fading > 0:
             before = friction_at(m, old_table, ahead)
             left = smooth_step(float(fading) * per_fade)
             friction = friction + (before - friction) * left
             fading -= 1
         rest = y2 if held == 1 else 0.0
-        middle = midpoint_speed(x, v, rest, spring, inertia, denominator, friction)
         was = x
-        x = x + middle
-        still = still + 1 if abs(x - rest) < NEAR_REST else 0
-        v = 2.0 * middle - v
+        if modelled:
+            push = inertia * (2.0 * v + spring * (rest - x))
+            middle, v, torque, released, event = slide(
+                m, w, slot, old_slot, left, x, v, push, denominator + friction
+            )
+            torque = torque + friction * (middle * to_omega)
+            x = x + middle
+            stands = abs(x - rest) < NEAR_REST or abs(middle * to_omega) < STUCK
+            still = still + 1 if stands else 0
+            if released > 0.0:
+                log_strike(m, w, event, released, clock + n, 0.5)
+        else:
+            middle = midpoint_speed(x, v, rest, spring, inertia, denominator, friction)
+            torque = friction * (middle * to_omega)
+            x = x + middle
+            still = still + 1 if abs(x - rest) < NEAR_REST else 0
+            v = 2.0 * middle - v
         if abs(v) < STANDSTILL:
             v = 0.0
         if abs(x) < STANDSTILL:
@@ -90,7 +108,7 @@ def move(m, w, frames, trace, at, traced):
         if approach < STANDSTILL:
             approach = 0.0
         phase = advance(phase, carrier)
-        m[layout.D_TORQUE + n] = friction * omega
+        m[layout.D_TORQUE + n] = torque
         m[layout.D_OMEGA + n] = omega
         m[layout.D_PHASE + n] = phase
 
@@ -114,7 +132,7 @@ def move(m, w, frames, trace, at, traced):
             trace[at + 4] = v * to_omega
             trace[at + 5] = x * PER_CELL
             trace[at + 6] = friction
-            trace[at + 7] = friction * omega
+            trace[at + 7] = torque
             at += layout.TRACE
 
     m[layout.X] = x

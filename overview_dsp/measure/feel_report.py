@@ -392,9 +392,10 @@ def _median(values: NDArray[np.float64]) -> float:
 
 def _strikes_in(stroke: Stroke, result: Result) -> list[tuple[float, int]]:
     rate = result.sample_rate
+    strikes = result.strikes.of_events()
     return [
         (float(at), int(event))
-        for at, event in zip(result.strikes.time_s, result.strikes.event, strict=True)
+        for at, event in zip(strikes.time_s, strikes.event, strict=True)
         if stroke.start <= at * rate < stroke.stop
     ]
 

@@ -37,7 +37,11 @@ def _kind_line(name: str, kind: Kind) -> str:
     width = f"{kind.width_percent:g} %" if kind.width_percent else f"{kind.width_ms:g} ms"
     modes = ", ".join(f"{mode.frequency_hz:g} Hz {mode.decay_ms:g} ms" for mode in kind.modes)
     also = f"; also {', '.join(kind.also)}" if kind.also else ""
+    if not modes and kind.material != "none":
+        modes = f"{kind.material} {kind.pitch_hz:g} Hz"
     shape = f"{len(kind.points)} points" if kind.points else kind.shape
+    if kind.model != "viscous":
+        shape = f"{shape}, {kind.model}"
     return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}{also}"
 
 

@@ -22,6 +22,12 @@ from overview_dsp.presets.parameters import (
 DEFAULT_KIND = "default"
 
 
+def _default(key: str) -> float:
+    value = KIND_PARAMETERS[key].default
+    assert isinstance(value, float)
+    return value
+
+
 @dataclass(frozen=True)
 class Mode:
     """A modal resonator of a click: frequency (Hz), time to -60 dB (ms), level (dB)."""
@@ -39,6 +45,8 @@ class Kind:
     height: `width_percent` of the timeline or `width_ms` of the data's time. `points` (0..1, over
     two widths) are a course in place of the shape's. `also` are other event kinds that feel like
     this one.
+    `model` says what friction it is, the five below it what its bristles are like. Where there are
+    no `modes`, `material` and `pitch_hz` make them.
     """
 
     height: float
@@ -50,6 +58,14 @@ class Kind:
     gain_db: float = 0.0
     modes: tuple[Mode, ...] = ()
     also: tuple[str, ...] = ()
+    model: str = "viscous"
+    stiffness: float = _default("stiffness")
+    damping: float = _default("damping")
+    static_ratio: float = _default("static_ratio")
+    stribeck_speed: float = _default("stribeck_speed")
+    break_away: float = _default("break_away")
+    material: str = "none"
+    pitch_hz: float = _default("pitch_hz")
 
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):

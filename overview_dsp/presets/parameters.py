@@ -107,6 +107,82 @@ def _flag(id: str, doc: str) -> Parameter:
 
 
 PATTERNS = ("none", "waves", "ridges", "teeth", "grains")
+SURFACE_MODELS = ("viscous", "bristle")
+KIND_MODELS = ("viscous", "bristle")
+MATERIALS = ("none", "glass", "wood", "metal", "plastic", "card")
+
+
+def _material(section: str, doc: str) -> tuple[Parameter, ...]:
+    """What is struck: of the bare surface, or of an event kind."""
+    return (
+        Parameter(section + "material", "none", doc=doc, choices=MATERIALS, surface=True),
+        _number(
+            section + "pitch_hz",
+            800.0,
+            40.0,
+            8000.0,
+            "Hz",
+            "Lowest mode of the material: higher is smaller.",
+            "log",
+            surface=True,
+        ),
+    )
+
+
+def _bristles(section: str) -> tuple[Parameter, ...]:
+    """What bristles are like: of the bare surface, or of an event kind."""
+    return (
+        _number(
+            section + "stiffness",
+            20.0,
+            0.1,
+            1e6,
+            "N·m/rad",
+            "Of stuck bristles: more holds the disk closer to where it stopped.",
+            "log",
+            surface=True,
+        ),
+        _number(
+            section + "damping",
+            1e-3,
+            0.0,
+            1.0,
+            "N·m·s/rad",
+            "Of bristles that are being bent: more calms the disk where it sticks.",
+            surface=True,
+        ),
+        _number(
+            section + "static_ratio",
+            2.0,
+            1.0,
+            20.0,
+            "x",
+            "Torque that breaks the disk loose over the torque that goes on braking it: more creaks"
+            " more, 1 slides.",
+            surface=True,
+        ),
+        _number(
+            section + "stribeck_speed",
+            0.3,
+            0.01,
+            20.0,
+            "rad/s",
+            "Speed by which the breaking torque has fallen to the sliding one: a disk pulled faster"
+            " slides.",
+            "log",
+            surface=True,
+        ),
+        _number(
+            section + "break_away",
+            0.7,
+            0.05,
+            0.95,
+            "",
+            "Part of the bristles' bend that springs back; beyond it they begin to give way.",
+            surface=True,
+        ),
+    )
+
 
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     {
@@ -200,6 +276,38 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "%",
                 "From one ridge of the pattern to the next, of the surface.",
                 "log",
+                surface=True,
+            ),
+            Parameter(
+                "surface.model",
+                "viscous",
+                doc="Friction of the bare surface: viscous alone (grows with speed), or with "
+                "bristles that stick, break loose and slide.",
+                choices=SURFACE_MODELS,
+                surface=True,
+            ),
+            _number(
+                "surface.grip",
+                10.0,
+                0.0,
+                10_000.0,
+                "x",
+                "Sliding torque of the bristles, in what the viscous surface (with ambience and "
+                "pattern) has at 1 rad/s.",
+                surface=True,
+            ),
+            *_bristles("surface."),
+            *_material(
+                "surface.",
+                "What the bare surface sounds like where bristles slip: none is silent.",
+            ),
+            _number(
+                "surface.gain_db",
+                0.0,
+                -60.0,
+                12.0,
+                "dB",
+                "Level of the bare surface's own clicks.",
                 surface=True,
             ),
             _number(
@@ -380,6 +488,16 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 surface=True,
             ),
             _number("gain_db", 0.0, -60.0, 12.0, "dB", "Level of the kind's click.", surface=True),
+            Parameter(
+                "model",
+                "viscous",
+                doc="What the height is: viscous friction, or the sliding torque of bristles that "
+                "stick, break loose and slide: what viscous friction would have at 1 rad/s.",
+                choices=KIND_MODELS,
+                surface=True,
+            ),
+            *_bristles(""),
+            *_material("", "What the click sounds like, where no modes are given."),
         )
     }
 )

@@ -1,0 +1,35 @@
+"""Where the disk strikes the bare surface itself: crests of its pattern, the material heard there.
+
+A crest takes torque from the arriving disk and lets it go, as an event does: its release is the
+friction that the pattern adds at its top. A surface without material has none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Impacts:
+    """Crests: `place` (cursor, ascending) and `release` (N m s/rad), float64 of equal length."""
+
+    place: NDArray[np.float64]
+    release: NDArray[np.float64]
+
+
+NONE = Impacts(np.zeros(0), np.zeros(0))
+
+
+def crests(course: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The points of a table that are higher than the one before and not lower than the next."""
+    inner = course[1:-1]
+    return np.flatnonzero((inner > course[:-2]) & (inner >= course[2:])) + 1
+
+
+def impacts_of(course: NDArray[np.float64], top: float) -> Impacts:
+    """The crests of a pattern (0 to 1 at the table's points), whose 1 is `top` N m s/rad."""
+    at = crests(course)
+    return Impacts(at / (len(course) - 1), top * course[at])

@@ -1,0 +1,123 @@
+"""Named materials: their modes, and where the bare surface is struck."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import overview_dsp as ov
+from overview_dsp.kernels import layout
+from overview_dsp.materials import modes_of
+from overview_dsp.presets.parameters import KIND_PARAMETERS, MATERIALS, MAX_MODES
+from overview_dsp.surface_slot import struck_event
+from tests.examples import plain_preset, preset_with, timeline_of
+
+PITCH = KIND_PARAMETERS["pitch_hz"]
+
+
+@given(st.sampled_from(MATERIALS), st.floats(PITCH.low, PITCH.high))
+def test_every_material_at_every_pitch_is_a_click_a_kind_may_have(material, pitch):
+    modes = modes_of(material, pitch)
+    kind = ov.Kind(height=1.0, width_percent=1.0, modes=modes)
+    assert (len(kind.modes) == 0) == (material == "none")
+    assert len(modes) <= MAX_MODES
+    if modes:
+        assert modes[0].frequency_hz == pitch
+        assert (np.diff([mode.frequency_hz for mode in modes]) > 0.0).all()
+
+
+def test_materials_are_told_apart_by_how_long_they_ring():
+    decay = {name: modes_of(name, 1000.0)[0].decay_ms for name in MATERIALS if name != "none"}
+    order = sorted(decay, key=decay.__getitem__)
+    assert order == ["card", "plastic", "wood", "glass", "metal"]
+    # a just noticeable step of decay is about a third: each is well beyond
+    assert all(decay[b] > 2.0 * decay[a] for a, b in itertools.pairwise(order))
+
+
+def test_a_struck_bar_of_wood_decays_by_its_internal_friction():
+    first, second, *_ = modes_of("wood", 440.0)
+    assert first.decay_ms == pytest.approx(1000.0 * math.log(1000.0) / (math.pi * 440.0 * 0.02))
+    assert second.frequency_hz / first.frequency_hz == pytest.approx(2.757)
+    assert second.decay_ms == pytest.approx(first.decay_ms / 2.757, rel=1e-9)
+
+
+def test_modes_that_are_given_win_over_the_material():
+    given_ = ov.Mode(1234.0, 50.0)
+    base = preset_with(modes=())
+    for modes, expected in (((given_,), (given_,)), ((), modes_of("glass", 2000.0))):
+        kind = replace(base.kinds["default"], material="glass", pitch_hz=2000.0, modes=modes)
+        preset = replace(base, kinds={"default": kind})
+        assert ov.build_surface(timeline_of(50.0), preset).kind_modes == (expected,)
+
+
+def rough(**changes):
+    values = {
+        "surface__pattern": "waves",
+        "surface__pattern_height": 3.0,
+        "surface__pattern_period_percent": 5.0,
+        "surface__material": "card",
+        "click__gain_db": 12.0,
+        **changes,
+    }
+    return plain_preset(**values)
+
+
+def test_a_crest_of_the_pattern_strikes_the_material():
+    result = ov.render(timeline_of(), rough(), ov.sweep(4.0, 0.0, 0.985), tail="none")
+    strikes = result.strikes
+    assert (strikes.event == -1).all()
+    crests = (np.arange(20) + 0.5) / 20
+    time = np.interp(crests, result.trace.cursor[:-1], result.trace.time[:-1])
+    assert len(strikes) == 20
+    assert strikes.time_s == pytest.approx(time, abs=2e-3)
+    assert np.abs(result.samples[:, 0]).max() > 0.01
+
+
+def test_a_surface_without_material_or_pattern_strikes_nothing():
+    for bare in (rough(surface__material="none"), rough(surface__pattern="none")):
+        result = ov.render(timeline_of(), bare, ov.sweep(1.0), tail="none")
+        assert len(result.strikes) == 0
+
+
+def test_events_among_crests_keep_their_numbers():
+    timeline = timeline_of(70.0, 20.0, 50.0)
+    preset = replace(rough(), kinds=preset_with(width=0.5).kinds)
+    surface = ov.build_surface(timeline, preset)
+    count = len(surface.place) + len(surface.impacts.place)
+    events = struck_event(surface, np.arange(count))
+    assert events[events >= 0].tolist() == surface.event.tolist()
+    assert struck_event(surface, np.array([-1])).tolist() == [-1]
+    result = ov.render(timeline, preset, ov.sweep(5.0), tail="none")
+    out = result.strikes.time_s < 5.5
+    assert result.strikes.event[out & (result.strikes.event >= 0)].tolist() == [
+        int(event) for event in surface.event
+    ]
+    # and bristles name the same events
+    kind = replace(preset.kinds["default"], model="bristle", height=1.0)
+    stuck = replace(preset, kinds={"default": kind})
+    engine = ov.render(timeline, stuck, ov.sweep(2.0), tail="none").engine
+    base = layout.SURFACES + layout.SLOT_OWNER
+    cells = (engine.surface.place * layout.CELLS).astype(int)
+    owners = engine.memory.view(np.int64)[base + cells]
+    assert struck_event(engine.surface, owners).tolist() == engine.surface.event.tolist()
+
+
+def test_gaps_have_no_crests():
+    whole = ov.build_surface(timeline_of(), rough())
+    gapped = replace(timeline_of(), gaps=((40.0, 60.0),))
+    surface = ov.build_surface(gapped, rough())
+    assert len(whole.impacts.place) == 20
+    assert len(surface.impacts.place) == 16
+
+
+def test_more_events_and_crests_than_fit_are_refused_in_a_line():
+    times = np.linspace(1.0, 99.0, 16_000)
+    preset = rough(surface__pattern_period_percent=0.05)
+    with pytest.raises(ov.InputError, match=r"16000 events and 2000 crests; a surface holds"):
+        ov.build_surface(timeline_of(*times), preset)
