@@ -43,7 +43,8 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
     friction = bare * (1.0 + preset.number("surface.ambience") * intensity)
     material = str(preset.values["surface.material"])
     modes = louder(
-        modes_of(material, preset.number("surface.pitch_hz")), preset.number("surface.gain_db")
+        modes_of(material, preset.number("surface.pitch_hz"), preset.number("surface.ring")),
+        preset.number("surface.gain_db"),
     )
     made_of = str(preset.values["surface.pattern"])
     top = bare * preset.number("surface.pattern_height")

@@ -237,4 +237,4 @@ def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.floa
 
 
 def _modes(kind: Kind) -> tuple[Mode, ...]:
-    return louder(kind.modes or modes_of(kind.material, kind.pitch_hz), kind.gain_db)
+    return louder(kind.modes or modes_of(kind.material, kind.pitch_hz, kind.ring), kind.gain_db)

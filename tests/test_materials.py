@@ -121,3 +121,9 @@ def test_more_events_and_crests_than_fit_are_refused_in_a_line():
     preset = rough(surface__pattern_period_percent=0.05)
     with pytest.raises(ov.InputError, match=r"16000 events and 2000 crests; a surface holds"):
         ov.build_surface(timeline_of(*times), preset)
+
+
+def test_what_is_held_rings_as_much_shorter_at_the_same_pitches():
+    free, held = modes_of("metal", 2000.0), modes_of("metal", 2000.0, 0.1)
+    assert [mode.frequency_hz for mode in held] == [mode.frequency_hz for mode in free]
+    assert held[0].decay_ms == pytest.approx(0.1 * free[0].decay_ms)

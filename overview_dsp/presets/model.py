@@ -46,7 +46,7 @@ class Kind:
     two widths) are a course in place of the shape's. `also` are other event kinds that feel like
     this one.
     `model` says what friction it is, the five below it what its bristles are like. Where there are
-    no `modes`, `material` and `pitch_hz` make them.
+    no `modes`, `material`, `pitch_hz` and `ring` make them.
     """
 
     height: float
@@ -66,6 +66,7 @@ class Kind:
     break_away: float = _default("break_away")
     material: str = "none"
     pitch_hz: float = _default("pitch_hz")
+    ring: float = _default("ring")
 
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):

@@ -126,6 +126,16 @@ def _material(section: str, doc: str) -> tuple[Parameter, ...]:
             "log",
             surface=True,
         ),
+        _number(
+            section + "ring",
+            1.0,
+            0.01,
+            1.0,
+            "x",
+            "How long the material rings, of what it does hung free: 0.1 is held.",
+            "log",
+            surface=True,
+        ),
     )
 
 
