@@ -90,7 +90,7 @@ def test_an_unknown_name_is_one_line_that_knows_a_near_one():
         parameter("tactor.gain_dB")
 
 
-@pytest.mark.filterwarnings("ignore:.*narrower than the surface:overview_dsp.OverviewWarning")
+@pytest.mark.filterwarnings("ignore:.*:overview_dsp.OverviewWarning")
 @settings(deadline=None, max_examples=50)
 @given(presets())
 def test_values_of_the_tables_ranges_make_valid_presets(preset):
