@@ -70,15 +70,12 @@ class BristleField:
         Whose they are from a point to the next: index of the surface's event, or `BARE`.
     of_kind : tuple of Bristles
         Of each of the surface's kinds.
-    sticks : tuple of bool
-        Whether each of the kinds has bristles.
     bare : Bristles
     """
 
     grip: NDArray[np.float64]
     owner: NDArray[np.int64]
     of_kind: tuple[Bristles, ...]
-    sticks: tuple[bool, ...]
     bare: Bristles
 
 
@@ -112,7 +109,6 @@ class BristleLayer:
             self._grip,
             np.append(number, BARE)[self._owner],
             tuple(Bristles.of_kind(kind) for kind in self._preset.kinds.values()),
-            tuple(kind.model == "bristle" for kind in self._preset.kinds.values()),
             Bristles.of_surface(self._preset),
         )
 
