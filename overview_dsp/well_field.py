@@ -71,11 +71,12 @@ class WellLayer:
         # beyond the ends there is only the stop
         pull[[0, -1]] = 0.0
         between = 0.5 * (pull[1:] + pull[:-1])
+        stiffness = self._preset.number("surface.end_stiffness")
         return WellField(
             pull,
             np.concatenate([[0.0], np.cumsum(between)]),
-            self._preset.number("surface.end_stiffness"),
-            self._preset.number("surface.end_damping"),
+            stiffness,
+            self._preset.number("surface.end_damping") if stiffness > 0.0 else 0.0,
         )
 
 

@@ -135,37 +135,35 @@ def test_a_stop_is_a_spring_on_its_way_up_and_holds_eight_times_as_much_from_beh
 
 
 def test_the_disk_rests_in_the_well_nearest_to_the_finger():
-    preset = dial()
-    pull, k = 8e-3, 0.05
+    preset = dial(disk__k2=0.5, surface__friction=6e-3, surface__grip=8.0 / 6.0)
+    pull, k = 8e-3, 0.5
     for place in (0.17, 0.385, 0.62, 0.78):
         result = ov.render(timeline_of(), preset, ov.tap(place, 3.0), tail="none")
         cursor = result.trace.cursor[-100]
         well = round(place * 20) / 20
         assert abs(cursor - well) < abs(place - well)
         # where the shaft's pull and the well's are equal
-        theta = math.pi * (cursor - place)
-        back = k * theta + pull * math.sin(2 * math.pi * 20 * cursor)
+        back = k * math.pi * (cursor - place) + pull * math.sin(2 * math.pi * 20 * cursor)
         assert back == pytest.approx(0.0, abs=0.05 * pull)
         assert result.trace.envelope[-200:-50].max() == 0.0
 
 
 def test_a_swing_in_a_well_has_its_own_frequency():
-    preset = dial(surface__friction=1e-5, surface__grip=800.0)
+    preset = dial(surface__grip=800.0)
     engine = ov.Engine(preset, timeline_of())
     engine.prepare(48_000, 48_000)
-    engine.control(0.5 * math.pi + 0.02, True)
-    out, table = np.zeros((48_000, 2), dtype=np.float32), np.zeros((48_000, 9))
-    engine.process(out)
+    engine.control(0.3, True)
+    out, table = np.zeros((4800, 2), dtype=np.float32), np.zeros((4800, 9))
     engine.process(out, table)
     phi = math.pi * table[:, 5]
-    swing = phi - phi.mean()
-    crossings = np.flatnonzero((swing[:-1] < 0) & (swing[1:] >= 0))
+    swing = phi - phi[-100:].mean()
+    crossings = np.flatnonzero((swing[:-1] < 0) & (swing[1:] >= 0))[:10]
     hz = 48_000 / np.diff(crossings).mean()
     # pull = grip sin(40 phi), phi = theta1 (k1 + k2)/k2
     k1, k2 = 1e-3, 0.05
-    stiffness = 8e-3 * 40 * (k1 + k2) / k2 + k1 + k2
+    stiffness = 0.8 * 40 * (k1 + k2) / k2 + k1 + k2
     assert np.abs(swing).max() < 0.02
-    assert hz == pytest.approx(math.sqrt(stiffness / J) / (2 * math.pi), rel=0.02)
+    assert hz == pytest.approx(math.sqrt(stiffness / J) / (2 * math.pi), rel=5e-3)
 
 
 def test_each_well_clicks_as_the_disk_falls_into_it():
@@ -176,11 +174,12 @@ def test_each_well_clicks_as_the_disk_falls_into_it():
     cursor = np.interp(strikes.time_s, result.trace.time, result.trace.cursor)
     assert np.abs(cursor * 20 - np.round(cursor * 20)).max() < 0.02
     assert set(np.round(cursor * 20).astype(int)) == set(range(1, 20))
-    # it falls: it comes faster than the finger goes
-    speed = strikes.torque.max() / (strikes.torque.max() / 1.0)
-    assert speed > 0.0
-    loudest = strikes.torque.max()
-    assert 2e-3 < loudest < 50e-3
+    # as hard as the depth that it fell, or harder
+    depth = 8e-3 * 0.05 / math.pi * math.pi * 0.05 / 0.051
+    fallen = math.sqrt(2.0 * depth / J)
+    release = result.engine.surface.impacts.release[0]
+    assert release == pytest.approx(math.sqrt(8e-3 * J / (math.pi / 80 * 0.05 / 0.051)))
+    assert 0.3 * fallen < np.median(strikes.torque) / release < 1.5 * fallen
 
 
 def test_a_detent_event_clicks_and_is_named():
