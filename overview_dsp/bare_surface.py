@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.gap_ribs import ribs
+from overview_dsp.holding import warn_of_hold
 from overview_dsp.impacts import NONE, Impacts, impacts_of, troughs_of
 from overview_dsp.materials import louder, modes_of
 from overview_dsp.presets.model import Mode, Preset
@@ -83,6 +84,7 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
     impacts = NONE
     if model == "detent":
         pull = number("surface.grip") * bare
+        warn_of_hold(preset, "surface.grip", pull * loud.max(), "it")
         width = period / 100.0 * cells
         energy = _wells(course, pull, width, loud * known)
         if modes and pull > 0.0:

@@ -192,6 +192,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         height = _heights([timeline.events[i] for i in indices], name, bare * kind.height)
         shape, points = shape_of(kind)
         if wells is not None and kind.model in WELL_MODELS:
+            wells.check(name, height)
             high = height * energy_of(1.0, shape, points, width)
             for _, start, bump in bumps(shape, points, width, centre, high, CELLS):
                 wells.lay(kind.model, start, bump)

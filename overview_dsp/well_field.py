@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.holding import warn_of_hold
 from overview_dsp.presets.model import Kind, Preset
 from overview_dsp.profiles import Points, profile, reach
 
@@ -57,6 +58,10 @@ class WellLayer:
         self._under = under
         self._deep = np.zeros(len(under))
         self._high = np.zeros(len(under))
+
+    def check(self, name: str, height: Array) -> None:
+        """Warn (OverviewWarning) if events of a kind, whose pull is given, hold for good."""
+        warn_of_hold(self._preset, f"kinds.{name}", height.max(), "its height")
 
     def lay(self, model: str, start: int, bump: Array) -> None:
         """Lay an event's well or stop (N m cells) from the point `start` on."""

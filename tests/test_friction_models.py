@@ -71,9 +71,9 @@ def test_the_height_of_bristles_is_the_torque_that_viscous_friction_has_at_1_rad
 
 
 def test_bristles_that_no_spring_can_pull_over_are_named():
-    with pytest.warns(ov.OverviewWarning, match=r"kinds\.default.*hold against.*disk\.k2"):
+    with pytest.warns(ov.OverviewWarning, match=r"kinds\.default holds the disk against.*disk\.k2"):
         ov.build_surface(timeline_of(50.0), sticky(height=1000.0))
-    with pytest.warns(ov.OverviewWarning, match=r"surface\.grip.*hold against"):
+    with pytest.warns(ov.OverviewWarning, match=r"surface\.grip holds the disk"):
         ov.build_surface(timeline_of(), creaking(surface__grip=10_000.0))
 
 
@@ -195,6 +195,25 @@ def test_stuck_for_good_the_tail_ends():
     assert result.trace.cursor[-1] > 0.8  # held where it was let go
     assert result.trace.time[-1] < 5.0
     assert np.all(result.samples[-1] == 0.0)
+
+
+@pytest.mark.parametrize("model", ["bristle", "detent", "end_stop"])
+def test_the_stated_tail_is_long_enough(model):
+    preset = creaking(surface__friction=1e-3, surface__grip=3.0, surface__material="glass")
+    kind = replace(preset.kinds["default"], model=model, height=5.0)
+    preset = replace(preset, kinds={"default": kind})
+    if model != "bristle":
+        preset = preset.with_values(surface__model="detent", surface__pattern="waves")
+    engine = ov.Engine(preset, timeline_of(20.0, 45.0, 80.0))
+    engine.prepare(RATE, RATE)
+    out = np.zeros((RATE, 2), dtype=np.float32)
+    engine.control(3.0, True)
+    engine.process(out)
+    engine.control(3.0, False)
+    for _ in range(math.ceil(engine.tail_seconds)):
+        engine.process(out)
+    engine.process(out)
+    assert not out.any()
 
 
 def schedule(engine):

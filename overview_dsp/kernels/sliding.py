@@ -14,7 +14,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import converted, moving, speed_after, steady_torque
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.friction import friction_at
-from overview_dsp.kernels.wells import beyond, contact, mixed, step_in_wells
+from overview_dsp.kernels.wells import contact, mixed, step_in_wells, within
 
 LEAST_GRIP = 1e-12  # N m: from here there are no bristles
 SLIP = 0.05  # of the sliding torque: the least that a slip lets go
@@ -57,7 +57,7 @@ def knock(m, w, slot, before, after, omega):
     """
     if w[slot + layout.SLOT_MODELS] & layout.HAS_WELLS == 0:
         return 0.0
-    if beyond(after) == 0.0 or beyond(before) != 0.0:
+    if within(after) == after or within(before) != before:
         return 0.0
     inertia = m[layout.C_INERTIA] / m[layout.S_SAMPLE_RATE]
     return abs(omega) * sqrt(m[slot + layout.SLOT_END_STIFFNESS] * inertia)
@@ -123,7 +123,7 @@ def slide(m, w, slot, old_slot, old_part, x, v, push, resistance):
         torque = steady_torque(sliding, static, m[row + layout.P_STRIBECK], v * to_omega)
         steady = torque / per_cell
     stop = 0.0
-    if beyond(ahead) != 0.0:
+    if within(ahead) != ahead:
         stop = mixed(end_damping(m, w, slot), end_damping(m, w, old_slot), old_part)
     stiffness = per_cell / to_omega
     damping = m[row + layout.P_DAMPING]

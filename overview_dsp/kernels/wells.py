@@ -24,21 +24,20 @@ from overview_dsp.kernels.bristle import bristle_step
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.friction import friction_at
 
-SHORT = 1e-4  # cells: on a shorter way the mean pull is the mean of the pulls at both ends
+SHORT = 0.5  # cells: on a shorter way no difference of energies is taken, which would cancel
 ROUNDS = 60
 BISECTED = 10  # the round from which halving takes over
 CLOSE = 1e-13  # of the pull
-CLOSE_ENERGY = 1e-15  # of the energies, whose rounding is as large
+CLOSE_ENERGY = 1e-15  # of the energy, whose rounding is as large
 
 
 @point
-def beyond(place):
-    """How far a place (cells) is past an end of the surface, signed; 0 = it isn't."""
-    if place < 0.0:
-        return place
-    if place > layout.CELLS:
-        return place - layout.CELLS
-    return 0.0
+def within(place):
+    """A place (cells) kept to the surface."""
+    # a NaN fails both comparisons and must not become an index
+    if not place > 0.0:
+        return 0.0
+    return place if place < layout.CELLS else float(layout.CELLS)
 
 
 @point
@@ -46,28 +45,48 @@ def pull_at(m, w, slot, place):
     """The pull of a surface slot at a place (cells), N m."""
     if w[slot + layout.SLOT_MODELS] & layout.HAS_WELLS == 0:
         return 0.0
-    over = beyond(place)
-    if over != 0.0:
-        return over * m[slot + layout.SLOT_END_STIFFNESS] * m[layout.C_THETA]
+    inside = within(place)
+    if inside != place:
+        return (place - inside) * m[slot + layout.SLOT_END_STIFFNESS] * m[layout.C_THETA]
     return friction_at(m, slot + layout.SLOT_PULL, place)
 
 
 @point
-def energy_at(m, w, slot, place):
-    """The energy of a surface slot at a place (cells), N m cells."""
+def energy_at(m, w, slot, inside):
+    """The energy of a surface slot's wells at a place on the surface (cells), N m cells."""
     if w[slot + layout.SLOT_MODELS] & layout.HAS_WELLS == 0:
         return 0.0
-    over = beyond(place)
-    stop = 0.5 * m[slot + layout.SLOT_END_STIFFNESS] * m[layout.C_THETA] * over * over
-    # a NaN fails both comparisons and must not become an index
-    if not place > 0.0:
-        place = 0.0
-    if place > layout.CELLS:
-        place = float(layout.CELLS)
-    i = int(place)
-    part = place - float(i)
+    i = int(inside)
+    part = inside - float(i)
     at = slot + layout.SLOT_PULL + 2 * i
-    return m[slot + layout.SLOT_WELL + i] + part * (m[at] + 0.5 * part * m[at + 1]) + stop
+    return m[slot + layout.SLOT_WELL + i] + part * (m[at] + 0.5 * part * m[at + 1])
+
+
+@point
+def mean_pull(m, w, slot, x, way):
+    """The mean pull of a surface slot (N m) on a way of some cells, other than 0, from x."""
+    if w[slot + layout.SLOT_MODELS] & layout.HAS_WELLS == 0:
+        return 0.0
+    start = within(x)
+    end = within(x + way)
+    over = x - start
+    over_after = x + way - end
+    spring = m[slot + layout.SLOT_END_STIFFNESS] * m[layout.C_THETA]
+    stop = 0.5 * spring * (over_after + over) * ((over_after - over) / way)
+    if abs(end - start) > SHORT:
+        risen = energy_at(m, w, slot, end) - energy_at(m, w, slot, start)
+        return risen / way + stop
+    # at most one point of the table is passed, where the pull bends
+    table = slot + layout.SLOT_PULL
+    first = friction_at(m, table, start)
+    last = friction_at(m, table, end)
+    bend = float(max(int(start), int(end)))
+    if int(start) == int(end):
+        risen = 0.5 * (first + last) * (end - start)
+    else:
+        there = friction_at(m, table, bend)
+        risen = 0.5 * ((first + there) * (bend - start) + (there + last) * (end - bend))
+    return risen / way + stop
 
 
 @point
@@ -94,8 +113,6 @@ def step_in_wells(
     Returns speed, deflection and torque as `contact`, and the mean pull (N m).
     """
     per_omega = 1.0 / m[layout.C_OMEGA]
-    start = mixed(energy_at(m, w, slot, x), energy_at(m, w, old_slot, x), old_part)
-    here = mixed(pull_at(m, w, slot, x), pull_at(m, w, old_slot, x), old_part)
     pull = mixed(pull_at(m, w, slot, ahead), pull_at(m, w, old_slot, ahead), old_part)
     middle, bent, torque = 0.0, 0.0, 0.0
     last_pull, last_miss = 0.0, 0.0
@@ -105,20 +122,16 @@ def step_in_wells(
         middle, bent, torque = contact(
             push - pull * per_omega, resistance, z, stiffness, damping, steady, break_away
         )
-        end = mixed(
-            energy_at(m, w, slot, x + middle), energy_at(m, w, old_slot, x + middle), old_part
-        )
-        if abs(middle) > SHORT:
-            found = (end - start) / middle
+        if middle == 0.0:
+            found = mixed(pull_at(m, w, slot, x), pull_at(m, w, old_slot, x), old_part)
         else:
-            there = mixed(
-                pull_at(m, w, slot, x + middle), pull_at(m, w, old_slot, x + middle), old_part
+            found = mixed(
+                mean_pull(m, w, slot, x, middle), mean_pull(m, w, old_slot, x, middle), old_part
             )
-            found = 0.5 * (here + there)
         miss = found - pull
         if abs(miss) <= CLOSE * (abs(found) + abs(pull)):
             break
-        if abs(miss * middle) <= CLOSE_ENERGY * (abs(start) + abs(end)):
+        if abs(miss * middle) <= CLOSE_ENERGY * abs(energy_at(m, w, slot, within(x))):
             break
         if miss > 0.0:
             low, lows = pull, 1
