@@ -3,7 +3,8 @@
     B = friction * (1 + ambience * intensity + pattern_height * pattern)
 
 The intensity is the timeline's curve scaled to 0..1; where data is missing there are ribs instead
-(`gap_ribs`).
+(`gap_ribs`). With the model `detent` the pattern is wells in place of friction, as deep as the
+intensity is high, a period's mean; in a gap there are none.
 """
 
 from __future__ import annotations
@@ -15,20 +16,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.gap_ribs import ribs
-from overview_dsp.impacts import NONE, Impacts, impacts_of
+from overview_dsp.holding import warn_of_hold
+from overview_dsp.impacts import NONE, Impacts, impacts_of, troughs_of
 from overview_dsp.materials import louder, modes_of
 from overview_dsp.presets.model import Mode, Preset
 from overview_dsp.surface_pattern import pattern
+from overview_dsp.well_field import impedance
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
 
 
+Array = NDArray[np.float64]
+
+
 @dataclass(frozen=True, eq=False)
 class BareSurface:
-    """Its friction at the table's points (N m s/rad), what it sounds like, where it is struck."""
+    """The bare surface.
+
+    Attributes
+    ----------
+    friction : float64 (cells + 1,)
+        Viscous friction at the table's points, N m s/rad.
+    energy : float64 (cells + 1,)
+        Of its wells, N m cells (`well_field`).
+    modes : tuple of Mode
+        What it sounds like.
+    impacts : Impacts
+        Where it is struck.
+    """
 
     friction: NDArray[np.float64]
+    energy: NDArray[np.float64]
     modes: tuple[Mode, ...]
     impacts: Impacts
 
@@ -38,28 +57,53 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
 
     Warns (OverviewWarning) of gaps too narrow to be felt.
     """
-    bare = preset.number("surface.friction")
-    intensity = timeline.normalised_levels(cells)
-    friction = bare * (1.0 + preset.number("surface.ambience") * intensity)
-    material = str(preset.values["surface.material"])
-    modes = louder(
-        modes_of(material, preset.number("surface.pitch_hz"), preset.number("surface.ring")),
-        preset.number("surface.gain_db"),
-    )
+    number = preset.number
+    bare, model = number("surface.friction"), preset.values["surface.model"]
+    loud = 1.0 + number("surface.ambience") * timeline.normalised_levels(cells)
+    friction = bare * loud
     made_of = str(preset.values["surface.pattern"])
-    top = bare * preset.number("surface.pattern_height")
-    course = np.zeros(cells + 1)
-    if made_of != "none":
-        course = pattern(made_of, cells, preset.number("surface.pattern_period_percent"))
+    period = number("surface.pattern_period_percent")
+    course = pattern(made_of, cells, period)
+    top = bare * number("surface.pattern_height")
+    if made_of != "none" and model != "detent":
         friction += top * course
+    known = np.ones(cells + 1)
     if timeline.gaps:
         missing, ribbed = ribs(
             timeline.gaps,
             timeline.duration_s,
             cells,
-            preset.number("surface.gap_height"),
-            preset.number("surface.gap_period_percent"),
+            number("surface.gap_height"),
+            number("surface.gap_period_percent"),
         )
         friction[missing] = bare * ribbed
-        course[missing] = 0.0
-    return BareSurface(friction, modes, impacts_of(course, top) if modes else NONE)
+        known[missing] = 0.0
+    material = str(preset.values["surface.material"])
+    free = modes_of(material, number("surface.pitch_hz"), number("surface.ring"))
+    modes = louder(free, number("surface.gain_db"))
+    energy = np.zeros(cells + 1)
+    impacts = NONE
+    if model == "detent":
+        pull = number("surface.grip") * bare
+        warn_of_hold(preset, "surface.grip", pull * loud.max(), "it")
+        width = period / 100.0 * cells
+        energy = _wells(course, pull, width, loud * known)
+        if modes and pull > 0.0:
+            impacts = troughs_of(course * known, impedance(preset, pull, width / 4.0, cells))
+    elif modes:
+        grip = number("surface.grip") if model == "bristle" else 1.0
+        impacts = impacts_of(course * known, grip * top)
+    return BareSurface(friction, energy, modes, impacts)
+
+
+def _wells(course: Array, pull: float, period: float, loud: Array) -> Array:
+    """Energy (N m cells) of wells whose steepest slope pulls with `pull` N m where loud is 1."""
+    steepest = float(np.abs(np.gradient(course)).max())
+    if steepest == 0.0:
+        return np.zeros(len(course))
+    places = np.arange(len(course))
+    # constant over a period, so that a quick curve makes no wells of its own
+    number = (places / period).astype(np.int64)
+    means = np.bincount(number, loud) / np.bincount(number)
+    centres = (np.arange(len(means)) + 0.5) * period
+    return pull / steepest * course * np.interp(places, centres, means)

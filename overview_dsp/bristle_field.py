@@ -10,14 +10,12 @@ profiles overlap the higher one is felt, with bristles of its own kind.
 
 from __future__ import annotations
 
-import math
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import OverviewWarning
+from overview_dsp.holding import warn_of_hold
 from overview_dsp.presets.model import Kind, Preset
 
 BARE = -1
@@ -70,15 +68,12 @@ class BristleField:
         Whose they are from a point to the next: index of the surface's event, or `BARE`.
     of_kind : tuple of Bristles
         Of each of the surface's kinds.
-    sticks : tuple of bool
-        Whether each of the kinds has bristles.
     bare : Bristles
     """
 
     grip: NDArray[np.float64]
     owner: NDArray[np.int64]
     of_kind: tuple[Bristles, ...]
-    sticks: tuple[bool, ...]
     bare: Bristles
 
 
@@ -91,7 +86,8 @@ class BristleLayer:
         self._grip = np.zeros(len(ambient))
         if preset.values["surface.model"] == "bristle":
             self._grip = preset.number("surface.grip") * ambient
-            _warn_of_hold(preset, "surface.grip", self._grip.max(), Bristles.of_surface(preset))
+            static = self._grip.max() * preset.number("surface.static_ratio")
+            warn_of_hold(preset, "surface.grip", static, "it or surface.static_ratio")
         self._owner = np.full(len(ambient), BARE)
 
     def raise_to(self, event: int, first: int, bump: NDArray[np.float64]) -> None:
@@ -103,8 +99,8 @@ class BristleLayer:
 
     def check(self, name: str, height: NDArray[np.float64]) -> None:
         """Warn (OverviewWarning) if events of a kind can never be passed."""
-        of_kind = Bristles.of_kind(self._preset.kinds[name])
-        _warn_of_hold(self._preset, f"kinds.{name}", height.max(), of_kind)
+        static = height.max() * self._preset.kinds[name].static_ratio
+        warn_of_hold(self._preset, f"kinds.{name}", static, "its height or static_ratio")
 
     def field(self, number: NDArray[np.int64]) -> BristleField:
         """The field; `number` gives the events the numbers they have in the surface."""
@@ -112,7 +108,6 @@ class BristleLayer:
             self._grip,
             np.append(number, BARE)[self._owner],
             tuple(Bristles.of_kind(kind) for kind in self._preset.kinds.values()),
-            tuple(kind.model == "bristle" for kind in self._preset.kinds.values()),
             Bristles.of_surface(self._preset),
         )
 
@@ -121,17 +116,3 @@ def has_bristles(preset: Preset) -> bool:
     """Whether a preset has any."""
     models = [kind.model for kind in preset.kinds.values()]
     return "bristle" in (preset.values["surface.model"], *models)
-
-
-def _warn_of_hold(preset: Preset, name: str, sliding: float, bristles: Bristles) -> None:
-    """Warn if bristles with a sliding torque (N m) hold against all that the springs can pull."""
-    most = preset.number("disk.k2") * math.pi
-    static = sliding * bristles.static_ratio
-    if static >= most:
-        warnings.warn(
-            f"{name}: its bristles hold against {static * 1e3:.3g} mN·m, and the "
-            f"springs pull with {most * 1e3:.3g} mN·m at most: a disk stuck there stays; lower "
-            "its height or static_ratio, or raise disk.k2",
-            OverviewWarning,
-            stacklevel=4,
-        )

@@ -1,7 +1,8 @@
-"""Where the disk strikes the bare surface itself: crests of its pattern, the material heard there.
+"""Where the disk strikes the bare surface itself, whose material is heard there.
 
-A crest takes torque from the arriving disk and lets it go, as an event does: its release is the
-friction that the pattern adds at its top. A surface without material has none.
+At the crests of its pattern: a crest takes torque from the arriving disk and lets it go, as an
+event does; its release is the friction, or the grip, that the pattern adds at its top. Where the
+pattern is wells, the disk falls into their troughs. A surface without material has none.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class Impacts:
-    """Crests: `place` (cursor, ascending) and `release` (N m s/rad), float64 of equal length."""
+    """Crests or troughs: `place` (cursor, ascending), `release` (N m s/rad); float64 (n,)."""
 
     place: NDArray[np.float64]
     release: NDArray[np.float64]
@@ -33,3 +34,9 @@ def impacts_of(course: NDArray[np.float64], top: float) -> Impacts:
     """The crests of a pattern (0 to 1 at the table's points), whose 1 is `top` N m s/rad."""
     at = crests(course)
     return Impacts(at / (len(course) - 1), top * course[at])
+
+
+def troughs_of(course: NDArray[np.float64], impedance: float) -> Impacts:
+    """The troughs of a pattern of wells, which take `impedance` N m s/rad from the disk."""
+    at = crests(-course)
+    return Impacts(at / (len(course) - 1), np.full(len(at), impedance))

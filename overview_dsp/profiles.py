@@ -11,6 +11,9 @@ place minus the event's, in the width's unit; the timeline runs towards positive
 | ramp_down | ramp_up seen from the other end |
 | plateau | exp(-ln2 (2d/w)**10): a flat top with steep, smooth edges |
 
+`stop`, a spring from d = -w to the event and an eighth of w back, is the energy of an end stop
+(`well_field`), and no shape of friction.
+
 A course drawn by hand, or taken from a haptic clip, is a list of points joined by lines from d = -w
 to d = w.
 """
@@ -55,12 +58,17 @@ def _plateau(d: Array) -> Array:
     return np.exp(-math.log(2.0) * (2.0 * d) ** 10)
 
 
+def _stop(d: Array) -> Array:
+    return np.where(d < 0.0, np.maximum(1.0 + d, 0.0), np.maximum(1.0 - d / _FALL, 0.0)) ** 2
+
+
 _SHAPES: dict[str, Callable[[Array], Array]] = {
     "gaussian": _gaussian,
     "raised_cosine": _raised_cosine,
     "ramp_up": _ramp_up,
     "ramp_down": _ramp_down,
     "plateau": _plateau,
+    "stop": _stop,
 }
 
 _COSINE_SPAN = math.acos(2.0 * SPAN_LEVEL - 1.0) / math.pi
@@ -69,6 +77,7 @@ _SPANS: dict[str, tuple[float, float]] = {
     "raised_cosine": (-_COSINE_SPAN, _COSINE_SPAN),
     "ramp_up": (-_RISE * (1.0 - SPAN_LEVEL), _FALL * (1.0 - SPAN_LEVEL)),
     "ramp_down": (-_FALL * (1.0 - SPAN_LEVEL), _RISE * (1.0 - SPAN_LEVEL)),
+    "stop": (-1.0 + math.sqrt(SPAN_LEVEL), _FALL * (1.0 - math.sqrt(SPAN_LEVEL))),
     "plateau": (-(foot := 0.5 * math.log2(1.0 / SPAN_LEVEL) ** 0.1), foot),
 }
 
@@ -77,6 +86,7 @@ REACH: dict[str, float] = {
     "raised_cosine": 1.0,
     "ramp_up": _RISE,
     "ramp_down": _RISE,
+    "stop": 1.0,
     "plateau": 1.05,  # exactly 0 from there, as float64 has it
 }
 """No profile reaches further than this many widths."""

@@ -2,9 +2,9 @@
 
     B = bare surface + max over events of height * weight * profile
 
-The bare surface is `bare_surface`'s; bristles, where the preset has them, lie beside it
-(`bristle_field`). Overlapping profiles combine by their maximum, so that none is drowned in a sum
-and each stays findable; every event keeps a strike of its own.
+The bare surface is `bare_surface`'s; bristles and wells, where the preset has them, lie beside it
+(`bristle_field`, `well_field`). Overlapping profiles combine by their maximum, so that none is
+drowned in a sum and each stays findable; every event keeps a strike of its own.
 
 A kind whose events lie denser than its `spacing_percent` is left out as a whole: a thousand beats
 of a heart would be one blur. A window that spreads them brings them up.
@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -32,6 +32,15 @@ from overview_dsp.impacts import Impacts
 from overview_dsp.materials import louder, modes_of
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
 from overview_dsp.profiles import bumps, profile, span
+from overview_dsp.well_field import (
+    WELL_MODELS,
+    WellField,
+    WellLayer,
+    energy_of,
+    has_wells,
+    impedance,
+    shape_of,
+)
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Event, Timeline
@@ -74,8 +83,12 @@ class Surface:
         What the bare surface sounds like.
     impacts : Impacts
         Where it is struck, besides events.
+    kind_models, own_model : tuple of str, str
+        What friction the kinds are, and the bare surface.
     bristles : BristleField or None
-        Where bristles grip; None = viscous friction alone.
+        Where bristles grip, if anywhere.
+    wells : WellField or None
+        Where wells and stops pull, if anywhere.
     """
 
     friction: NDArray[np.float64]
@@ -89,7 +102,10 @@ class Surface:
     left_out: Mapping[str, int] = field(default_factory=dict)
     own_modes: tuple[Mode, ...] = ()
     impacts: Impacts = NO_IMPACTS
+    kind_models: tuple[str, ...] = ()
+    own_model: str = "viscous"
     bristles: BristleField | None = None
+    wells: WellField | None = None
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
@@ -165,6 +181,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     spans = np.zeros((count, 2))
     bare = preset.number("surface.friction")
     raised = np.zeros(CELLS + 1)
+    wells = WellLayer(preset, under.energy) if has_wells(preset) else None
     bristles = BristleLayer(preset, under.friction) if has_bristles(preset) else None
     centres = np.array([timeline.events[i].time_s for i in felt]) / timeline.duration_s * CELLS
     for name, indices in by_kind.items():
@@ -173,21 +190,32 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         members = np.searchsorted(felt, indices)
         centre = centres[members]
         height = _heights([timeline.events[i] for i in indices], name, bare * kind.height)
-        profiles = bumps(kind.shape, kind.points, width, centre, height, CELLS)
-        if bristles is not None and kind.model == "bristle":
-            bristles.check(name, height)
-            for i, start, bump in profiles:
-                bristles.raise_to(int(members[i]), start, bump)
+        shape, points = shape_of(kind)
+        if wells is not None and kind.model in WELL_MODELS:
+            wells.check(name, height)
+            high = height * energy_of(1.0, shape, points, width)
+            for _, start, bump in bumps(shape, points, width, centre, high, CELLS):
+                wells.lay(kind.model, start, bump)
+            if kind.model == "end_stop":
+                damping = np.full(len(centre), kind.damping)
+                _raise(raised, bumps(shape, points, width, centre, damping, CELLS))
         else:
-            for _, start, bump in profiles:
-                below = raised[start : start + len(bump)]
-                np.maximum(below, bump, out=below)
+            profiles = bumps(shape, points, width, centre, height, CELLS)
+            if bristles is not None and kind.model == "bristle":
+                bristles.check(name, height)
+                for i, start, bump in profiles:
+                    bristles.raise_to(int(members[i]), start, bump)
+            else:
+                _raise(raised, profiles)
         margin = min(width, CELLS) / 2.0
         place[members] = np.minimum(np.maximum(centre, margin), CELLS - margin)
-        there = profile(kind.shape, place[members] - centre, width, kind.points)
+        there = profile(shape, place[members] - centre, width, points)
         # a ramp that falls towards its end of the timeline is over half a width from it
         release[members] = height * np.maximum(there, 0.5)
-        first, last = span(kind.shape, width, kind.points)
+        if kind.model == "detent":
+            takes = [impedance(preset, pull, width / 2.0, CELLS) for pull in height]
+            release[members] = takes
+        first, last = span(shape, width, points)
         # past an end the look-up stays at the end, and with it in the event
         spans[members, 0] = np.where(centre + first > 0.0, centre + first, -math.inf)
         spans[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
@@ -206,6 +234,9 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         left_out=left_out,
         own_modes=under.modes,
         impacts=under.impacts,
+        kind_models=tuple(kind.model for kind in preset.kinds.values()),
+        own_model=str(preset.values["surface.model"]),
+        wells=wells.field() if wells is not None else None,
         bristles=bristles.field(np.argsort(order)) if bristles is not None else None,
     )
 
@@ -234,6 +265,15 @@ def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.floa
             height = MAX_FRICTION
         heights.append(height)
     return np.array(heights)
+
+
+def _raise(
+    table: NDArray[np.float64], bumps: Iterator[tuple[int, int, NDArray[np.float64]]]
+) -> None:
+    """Raise the table to the profiles of events."""
+    for _, start, bump in bumps:
+        there = table[start : start + len(bump)]
+        np.maximum(there, bump, out=there)
 
 
 def _modes(kind: Kind) -> tuple[Mode, ...]:

@@ -12,6 +12,14 @@ from overview_dsp.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
 from overview_dsp.presets.model import Mode
 from overview_dsp.surface import Surface
+from overview_dsp.well_field import WellField
+
+_STRIKES = {
+    "viscous": layout.STRIKE_BY_APPROACH,
+    "bristle": layout.STRIKE_BY_TORQUE,
+    "detent": layout.STRIKE_BY_SPEED,
+    "end_stop": layout.STRIKE_BY_TORQUE,
+}
 
 
 def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_rate: float) -> None:
@@ -30,6 +38,11 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     own = np.full(len(surface.impacts.place), layout.MAX_KINDS)
     w[base + layout.SLOT_KIND :][:count] = np.concatenate([surface.kind, own])[order]
     w[base + layout.SLOT_MODELS] = 0
+    for bank, model in [*enumerate(surface.kind_models), (layout.MAX_KINDS, surface.own_model)]:
+        row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
+        w[row + layout.P_STRIKE] = _STRIKES[model]
+    if surface.wells is not None:
+        _write_wells(m, base, surface.wells)
     if surface.bristles is not None:
         rank = np.append(np.argsort(order), BARE)
         _write_bristles(m, base, surface.bristles, rank)
@@ -77,10 +90,16 @@ def _write_bristles(
     of_bank = [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]
     for bank, bristles in of_bank:
         row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
-        sticks = bank < len(field.sticks) and field.sticks[bank]
-        w[row + layout.P_MODEL] = layout.BRISTLE_EVENT if sticks else layout.VISCOUS_EVENT
         m[row + layout.P_STIFFNESS] = bristles.stiffness
         m[row + layout.P_DAMPING] = bristles.damping
         m[row + layout.P_STATIC] = bristles.static_ratio
         m[row + layout.P_STRIBECK] = bristles.stribeck_speed
         m[row + layout.P_BREAK_AWAY] = bristles.break_away
+
+
+def _write_wells(m: NDArray[np.float64], base: int, field: WellField) -> None:
+    m.view(np.int64)[base + layout.SLOT_MODELS] |= layout.HAS_WELLS
+    _write_table(m[base + layout.SLOT_PULL :][: 2 * (layout.CELLS + 1)], field.pull)
+    m[base + layout.SLOT_WELL :][: layout.CELLS + 1] = field.energy
+    m[base + layout.SLOT_END_STIFFNESS] = field.end_stiffness
+    m[base + layout.SLOT_END_DAMPING] = field.end_damping

@@ -32,18 +32,20 @@ BLOW_SPACING = 0.5  # samples
 
 
 @point
-def strike(m, w, slot, event, approach, sample, fraction):
+def strike(m, w, slot, event, approach, speed, sample, fraction):
     """Log that an event is passed `fraction` of a sample after time `sample`.
 
-    `approach` is the speed the disk came with, rad/s.
+    `approach` is the speed the disk came with, `speed` the one it has, rad/s.
     """
-    speed = approach
+    counts = approach
     if w[slot + layout.SLOT_MODELS] > 0:
         kind = w[slot + layout.SLOT_KIND + event]
-        row = slot + layout.BRISTLES + kind * layout.BRISTLE_PARAMETERS
-        if w[row + layout.P_MODEL] == layout.BRISTLE_EVENT:
-            speed = moving(approach)
-    log_strike(m, w, event, m[slot + layout.SLOT_RELEASE + event] * speed, sample, fraction)
+        how = w[slot + layout.BRISTLES + kind * layout.BRISTLE_PARAMETERS + layout.P_STRIKE]
+        if how == layout.STRIKE_BY_TORQUE:
+            counts = moving(approach)
+        elif how == layout.STRIKE_BY_SPEED:
+            counts = speed
+    log_strike(m, w, event, m[slot + layout.SLOT_RELEASE + event] * counts, sample, fraction)
 
 
 @point

@@ -213,6 +213,9 @@ SURFACES = L_BUSY + BUSY_BINS
 SLOT_EVENTS = 0  # w: number of events
 SLOT_MODELS = 1  # w: which of the friction models below it has, HAS_... added up; 0 = viscous only
 HAS_BRISTLES = 1
+HAS_WELLS = 2  # or end stops
+SLOT_END_STIFFNESS = 2  # of the springs beyond the ends, N m/rad
+SLOT_END_DAMPING = 3  # N m s/rad
 SLOT_TABLE = 8  # friction and its slope to the next point, interleaved, CELLS + 1 pairs
 SLOT_PLACE = SLOT_TABLE + 2 * (CELLS + 1)  # where each event strikes, cells, ascending
 SLOT_RELEASE = SLOT_PLACE + MAX_EVENTS  # friction that lets go there, N m s/rad
@@ -226,17 +229,20 @@ MODE_DECAY = MODE_TURNS + BANKS * MAX_MODES  # ln of the decay a sample
 MODE_GAIN = MODE_DECAY + BANKS * MAX_MODES
 SLOT_GRIP = MODE_GAIN + BANKS * MAX_MODES  # sliding torque and its slope, N m, as SLOT_TABLE
 SLOT_OWNER = SLOT_GRIP + 2 * (CELLS + 1)  # w: the event whose bristles are there, -1 = the surface
-BRISTLES = SLOT_OWNER + CELLS + 1  # the parameters of each bank's bristles:
+SLOT_PULL = SLOT_OWNER + CELLS + 1  # pull of the wells and its slope, N m, as SLOT_TABLE
+SLOT_WELL = SLOT_PULL + 2 * (CELLS + 1)  # its integral: their energy, N m cells
+BRISTLES = SLOT_WELL + CELLS + 1  # the parameters of each bank's bristles:
 (
     P_STIFFNESS,  # N m/rad
     P_DAMPING,  # N m s/rad
     P_STATIC,  # static torque over sliding torque
     P_STRIBECK,  # rad/s
     P_BREAK_AWAY,  # part of the deflection that is elastic only
-    P_MODEL,  # w: how hard the kind's events strike, one of:
+    P_STRIKE,  # w: how hard the kind's events strike, one of:
 ) = range(6)
-VISCOUS_EVENT = 0  # the torque taken from the arriving disk: release times its speed
-BRISTLE_EVENT = 1  # the same at any speed
+STRIKE_BY_APPROACH = 0  # release times the highest recent speed: what viscous friction took
+STRIKE_BY_TORQUE = 1  # release, at any speed: what bristles or a stop held
+STRIKE_BY_SPEED = 2  # release times the speed: what the disk brings to the bottom of a well
 BRISTLE_PARAMETERS = 8
 SLOT_SIZE = (BRISTLES + BANKS * BRISTLE_PARAMETERS + 7) // 8 * 8
 TOTAL = SURFACES + SLOTS * SLOT_SIZE

@@ -113,7 +113,8 @@ def move(m, w, frames, trace, at, traced):
         m[layout.D_PHASE + n] = phase
 
         while x >= above:
-            strike(m, w, slot, following, approach, clock + n, (above - was) / (x - was))
+            fraction = (above - was) / (x - was)
+            strike(m, w, slot, following, approach, abs(omega), clock + n, fraction)
             following += 1
             below = above - RETREAT
             above = m[places + following] if following < events else FAR
@@ -121,7 +122,7 @@ def move(m, w, frames, trace, at, traced):
             following -= 1
             above = m[places + following]
             fraction = (was - above) / (was - x) if was > above else 0.0
-            strike(m, w, slot, following, approach, clock + n, fraction)
+            strike(m, w, slot, following, approach, abs(omega), clock + n, fraction)
             below = m[places + following - 1] - RETREAT if following > 0 else -FAR
 
         if traced:

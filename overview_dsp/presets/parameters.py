@@ -107,8 +107,8 @@ def _flag(id: str, doc: str) -> Parameter:
 
 
 PATTERNS = ("none", "waves", "ridges", "teeth", "grains")
-SURFACE_MODELS = ("viscous", "bristle")
-KIND_MODELS = ("viscous", "bristle")
+SURFACE_MODELS = ("viscous", "bristle", "detent")
+KIND_MODELS = ("viscous", "bristle", "detent", "end_stop")
 MATERIALS = ("none", "glass", "wood", "metal", "plastic", "card")
 
 
@@ -139,7 +139,7 @@ def _material(section: str, doc: str) -> tuple[Parameter, ...]:
     )
 
 
-def _bristles(section: str) -> tuple[Parameter, ...]:
+def _bristles(section: str, damping: str) -> tuple[Parameter, ...]:
     """What bristles are like: of the bare surface, or of an event kind."""
     return (
         _number(
@@ -158,7 +158,7 @@ def _bristles(section: str) -> tuple[Parameter, ...]:
             0.0,
             1.0,
             "N·m·s/rad",
-            "Of bristles that are being bent: more calms the disk where it sticks.",
+            damping,
             surface=True,
         ),
         _number(
@@ -291,8 +291,9 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             Parameter(
                 "surface.model",
                 "viscous",
-                doc="Friction of the bare surface: viscous alone (grows with speed), or with "
-                "bristles that stick, break loose and slide.",
+                doc="What the bare surface is besides viscous friction (which grows with speed): "
+                "bristles that stick, break loose and slide, or detents, wells the disk clicks "
+                "into, where the pattern has its troughs.",
                 choices=SURFACE_MODELS,
                 surface=True,
             ),
@@ -303,13 +304,34 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 10_000.0,
                 "x",
                 "Sliding torque of the bristles, in what the viscous surface (with ambience and "
-                "pattern) has at 1 rad/s.",
+                "pattern) has at 1 rad/s; or the detents' greatest pull (with ambience).",
                 surface=True,
             ),
-            *_bristles("surface."),
+            *_bristles(
+                "surface.", "Of bristles that are being bent: more calms the disk where it sticks."
+            ),
             *_material(
                 "surface.",
-                "What the bare surface sounds like where bristles slip: none is silent.",
+                "What the bare surface sounds like, struck at crests, in troughs, by slips and "
+                "at the ends; none is silent.",
+            ),
+            _number(
+                "surface.end_stiffness",
+                0.0,
+                0.0,
+                1000.0,
+                "N·m/rad",
+                "Of the stops at both ends, which an overshooting disk meets; 0 is no stop.",
+                surface=True,
+            ),
+            _number(
+                "surface.end_damping",
+                0.01,
+                0.0,
+                1.0,
+                "N·m·s/rad",
+                "Of the stops at both ends: more makes the disk bounce less.",
+                surface=True,
             ),
             _number(
                 "surface.gain_db",
@@ -501,12 +523,17 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             Parameter(
                 "model",
                 "viscous",
-                doc="What the height is: viscous friction, or the sliding torque of bristles that "
-                "stick, break loose and slide: what viscous friction would have at 1 rad/s.",
+                doc="What the height is: viscous friction, or as much torque as that has at 1 "
+                "rad/s: the sliding torque of bristles that stick and break loose, the greatest "
+                "pull of a detent (a well the disk clicks into), or of an end stop (a spring over "
+                "one width before the event, which lets go there and holds from behind).",
                 choices=KIND_MODELS,
                 surface=True,
             ),
-            *_bristles(""),
+            *_bristles(
+                "",
+                "Of bristles that are being bent, or of an end stop: more calms the disk there.",
+            ),
             *_material("", "What the click sounds like, where no modes are given."),
         )
     }
