@@ -7,7 +7,8 @@ import json
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.measure.feel_report import GESTURES, feel_report, pacinian_db
+from overview_dsp.measure.feel_report import GESTURES, feel_report
+from overview_dsp.skin import pacinian_db
 from overview_dsp.tuning import SPEEDS, WANTED_STEPS, tuned
 
 
