@@ -10,6 +10,9 @@ place minus the event's, in the width's unit; the timeline runs towards positive
 | ramp_up | rises in a line from d = -15/8 w, falls off within w/8 after the event |
 | ramp_down | ramp_up seen from the other end |
 | plateau | exp(-ln2 (2d/w)**10): a flat top with steep, smooth edges |
+
+A course drawn by hand, or taken from a haptic clip, is a list of points joined by lines from d = -w
+to d = w.
 """
 
 from __future__ import annotations
@@ -76,7 +79,15 @@ REACH: dict[str, float] = {
 """No profile reaches further than this many widths."""
 
 
-def profile(shape: str, distance: Array, width: float) -> Array:
+Points = tuple[float, ...]
+
+
+def reach(shape: str, points: Points = ()) -> float:
+    """How many widths the profile reaches at most."""
+    return 1.0 if points else REACH[shape]
+
+
+def profile(shape: str, distance: Array, width: float, points: Points = ()) -> Array:
     """The profile's value, 0 to 1, at each distance from the event.
 
     Parameters
@@ -84,11 +95,19 @@ def profile(shape: str, distance: Array, width: float) -> Array:
     shape : one of `presets.parameters.SHAPES`
     distance : float64 array, in the same unit as `width`
     width : full width at half height, > 0
+    points : a course in place of the shape's
     """
+    if points:
+        places = np.linspace(-1.0, 1.0, len(points))
+        return np.interp(distance / width, places, points, left=0.0, right=0.0)
     return _SHAPES[shape](distance / width)
 
 
-def span(shape: str, width: float) -> tuple[float, float]:
+def span(shape: str, width: float, points: Points = ()) -> tuple[float, float]:
     """Where the profile exceeds a tenth of its height: distances from the event, (first, last)."""
+    if points:
+        fine = np.linspace(-1.0, 1.0, 16 * (len(points) - 1) + 1)
+        over = np.flatnonzero(profile(shape, fine, 1.0, points) > SPAN_LEVEL * max(points))
+        return float(fine[over[0]]) * width, float(fine[over[-1]]) * width
     first, last = _SPANS[shape]
     return first * width, last * width

@@ -18,6 +18,7 @@ from overview_dsp.engine import TRACE_COLUMNS, Engine, Strikes
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import SOURCES, Gesture
 from overview_dsp.presets.model import Preset
+from overview_dsp.result_page import Row, result_page
 from overview_dsp.sound_file import save_sound
 from overview_dsp.timeline import Timeline
 
@@ -113,6 +114,19 @@ class Result:
     def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
         """Write the samples to a sound file; the suffix says the format (WAV, FLAC, ...)."""
         save_sound(path, self.samples, self.sample_rate, subtype)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a player and the gesture's curves."""
+        rows: list[Row] = []
+        if self.trace is not None:
+            rows = [
+                ("hand, rad", self.trace.theta2 * self.trace.touching, "#009E73"),
+                ("cursor", self.trace.cursor, "#000000"),
+                ("torque, mN·m", 1e3 * self.trace.torque, "#0072B2"),
+                ("vibration", self.trace.envelope, "#D55E00"),
+            ]
+        title = f"{self.engine.timeline.title or 'timeline'}, preset {self.engine.preset.name}"
+        return result_page(title, self.samples, self.sample_rate, rows)
 
 
 def tail_of(text: str) -> Tail:

@@ -25,7 +25,11 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
         "description": preset.description,
         "values": dict(preset.values),
         "kinds": {
-            name: {**vars(kind), "modes": [vars(mode) for mode in kind.modes]}
+            name: {
+                **vars(kind),
+                "points": list(kind.points),
+                "modes": [vars(mode) for mode in kind.modes],
+            }
             for name, kind in preset.kinds.items()
         },
         "tags": {**vars(preset.tags), "usage": list(preset.tags.usage)},
@@ -94,4 +98,4 @@ def _kind_of(name: str, data: dict[str, Any]) -> Kind:
         )
         for mode in data["modes"]
     )
-    return Kind(modes=modes, **values)  # type: ignore[arg-type]
+    return Kind(modes=modes, points=tuple(data.get("points", ())), **values)  # type: ignore[arg-type]

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.gap_ribs import ribs
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
-from overview_dsp.profiles import REACH, profile, span
+from overview_dsp.profiles import Points, profile, reach, span
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Event, Timeline
@@ -171,13 +171,13 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         members = np.searchsorted(felt, indices)
         centre = centres[members]
         height = _heights([timeline.events[i] for i in indices], name, bare * kind.height)
-        _raise(raised, kind.shape, width, centre, height)
+        _raise(raised, kind.shape, kind.points, width, centre, height)
         margin = min(width, CELLS) / 2.0
         place[members] = np.minimum(np.maximum(centre, margin), CELLS - margin)
-        there = profile(kind.shape, place[members] - centre, width)
+        there = profile(kind.shape, place[members] - centre, width, kind.points)
         # a ramp that falls towards its end of the timeline is over half a width from it
         release[members] = height * np.maximum(there, 0.5)
-        first, last = span(kind.shape, width)
+        first, last = span(kind.shape, width, kind.points)
         # past an end the look-up stays at the end, and with it in the event
         spans[members, 0] = np.where(centre + first > 0.0, centre + first, -math.inf)
         spans[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
@@ -226,22 +226,23 @@ def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.floa
 def _raise(
     table: NDArray[np.float64],
     shape: str,
+    points: Points,
     width: float,
     centre: NDArray[np.float64],
     height: NDArray[np.float64],
 ) -> None:
     """Raise the table to the profiles of events of one shape and width (cells)."""
-    reach = REACH[shape] * width
-    low = np.floor(centre - reach)
-    steps = np.arange(math.ceil(2.0 * reach) + 2)
+    most = reach(shape, points) * width
+    low = np.floor(centre - most)
+    steps = np.arange(math.ceil(2.0 * most) + 2)
     begin = np.maximum(low, 0.0).astype(np.int64)
-    end = np.minimum(np.ceil(centre + reach), CELLS).astype(np.int64) + 1
+    end = np.minimum(np.ceil(centre + most), CELLS).astype(np.int64) + 1
     skipped = begin - low.astype(np.int64)
     rows = max(1, AT_A_TIME // len(steps))
     for start in range(0, len(centre), rows):
         some = slice(start, start + rows)
         distance = low[some, None] + steps - centre[some, None]
-        bumps = height[some, None] * profile(shape, distance, width)
+        bumps = height[some, None] * profile(shape, distance, width, points)
         for bump, a, b, skip in zip(bumps, begin[some], end[some], skipped[some], strict=True):
             np.maximum(table[a:b], bump[skip : skip + b - a], out=table[a:b])
 

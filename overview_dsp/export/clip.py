@@ -37,7 +37,7 @@ FELT_MS = 9
 _PEAK_S = (0.06, 0.015)
 """Its level is reached so long before or after its strike: the disk is held, then breaks loose."""
 
-_DULL_HZ, _SHARP_HZ = 100.0, 6400.0
+DULL_HZ, SHARP_HZ = 100.0, 6400.0
 MAX_CLIP_S = 600.0
 
 
@@ -171,5 +171,5 @@ def _sharpness(modes: tuple[object, ...]) -> float:
     weight = np.array([10.0 ** (mode.gain_db / 20.0) for mode in modes])  # type: ignore[attr-defined]
     pitch = np.array([math.log(mode.frequency_hz) for mode in modes])  # type: ignore[attr-defined]
     mean = float((weight * pitch).sum() / weight.sum())
-    part = (mean - math.log(_DULL_HZ)) / math.log(_SHARP_HZ / _DULL_HZ)
+    part = (mean - math.log(DULL_HZ)) / math.log(SHARP_HZ / DULL_HZ)
     return min(max(part, 0.0), 1.0)

@@ -84,7 +84,8 @@ def _mixed_kind(first: Kind, second: Kind, part: float) -> Kind:
         # a width of the other sort can't be mixed: the nearer preset's stays
         values[key] = getattr(near, key) if None in pair else _mix(known, *pair, part)
     modes = _mixed_modes(first.modes, second.modes, part)
-    return Kind(modes=modes, **values)
+    # a course by hand can't be mixed: the nearer preset's stays
+    return Kind(modes=modes, points=near.points, **values)
 
 
 def _mixed_modes(

@@ -35,6 +35,9 @@ def differences(first: Preset, second: Preset) -> list[Difference]:
             pair = getattr(one, key), getattr(other, key)
             if pair[0] != pair[1]:
                 found.append(Difference(f"kinds.{name}.{key}", *pair, known.unit))
+        if one.points != other.points:
+            counts = [f"{len(kind.points)} points" for kind in (one, other)]
+            found.append(Difference(f"kinds.{name}.points", counts[0], counts[1], ""))
         if one.modes != other.modes:
             found.append(Difference(f"kinds.{name}.modes", _modes(one), _modes(other), "Hz, ms"))
     return found

@@ -36,7 +36,8 @@ def character(preset: Preset) -> dict[str, float]:
 def _kind_line(name: str, kind: Kind) -> str:
     width = f"{kind.width_percent:g} %" if kind.width_percent else f"{kind.width_ms:g} ms"
     modes = ", ".join(f"{mode.frequency_hz:g} Hz {mode.decay_ms:g} ms" for mode in kind.modes)
-    return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {kind.shape:<13}  {modes or 'no click'}"
+    shape = f"{len(kind.points)} points" if kind.points else kind.shape
+    return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}"
 
 
 def describe(preset: Preset) -> str:
@@ -82,7 +83,11 @@ def describe_json(preset: Preset) -> dict[str, Any]:
         },
         "character": character(preset),
         "kinds": {
-            name: {**vars(kind), "modes": [vars(mode) for mode in kind.modes]}
+            name: {
+                **vars(kind),
+                "points": list(kind.points),
+                "modes": [vars(mode) for mode in kind.modes],
+            }
             for name, kind in preset.kinds.items()
         },
     }

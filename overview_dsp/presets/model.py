@@ -11,6 +11,7 @@ from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MAX_KINDS,
     MAX_MODES,
+    MAX_POINTS,
     MODE_PARAMETERS,
     PARAMETERS,
     Value,
@@ -34,13 +35,15 @@ class Kind:
     """What an event kind does to the surface, and how it clicks.
 
     `height` is in bare surfaces (x `surface.friction`); exactly one of the widths is given, at half
-    height: `width_percent` of the timeline or `width_ms` of the data's time.
+    height: `width_percent` of the timeline or `width_ms` of the data's time. `points` (0..1, over
+    two widths) are a course in place of the shape's.
     """
 
     height: float
     width_percent: float | None = None
     width_ms: float | None = None
     shape: str = "gaussian"
+    points: tuple[float, ...] = ()
     spacing_percent: float = 0.0
     gain_db: float = 0.0
     modes: tuple[Mode, ...] = ()
@@ -58,6 +61,14 @@ class Kind:
             for key, known in MODE_PARAMETERS.items():
                 replace(known, id=f"modes.{index}.{key}").check(getattr(mode, key))
         object.__setattr__(self, "modes", tuple(self.modes))
+        object.__setattr__(self, "points", tuple(float(point) for point in self.points))
+        if self.points and not 2 <= len(self.points) <= MAX_POINTS:
+            raise InputError(f"{len(self.points)} points; a course has 2 to {MAX_POINTS}")
+        # written so that NaN fails
+        if self.points and not (
+            all(0.0 <= point <= 1.0 for point in self.points) and any(self.points)
+        ):
+            raise InputError("points are 0 to 1, and not all of them 0")
 
 
 TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")

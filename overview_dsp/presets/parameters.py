@@ -20,6 +20,9 @@ MAX_KINDS = 32
 MAX_MODES = 6
 """Event kinds of a preset and modes of a kind: what the engine has room for."""
 
+MAX_POINTS = 256
+"""Points of a kind's own course."""
+
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
 

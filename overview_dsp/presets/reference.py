@@ -44,6 +44,10 @@ def reference() -> str:
         "`kinds.default` serves\nevents of any other kind.\n\n" + _table(KIND_PARAMETERS.values())
     )
     parts.append(
+        "`points` (a list of 2 to 256 numbers, 0 to 1) is a course over two widths in place of the "
+        "shape's.\n"
+    )
+    parts.append(
         "## kinds.NAME.modes\n\nA list of modal resonators, struck when the disk passes.\n\n"
         + _table(MODE_PARAMETERS.values())
     )

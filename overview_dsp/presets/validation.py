@@ -21,6 +21,7 @@ from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MAX_KINDS,
     MAX_MODES,
+    MAX_POINTS,
     MODE_PARAMETERS,
     PARAMETERS,
     Parameter,
@@ -74,6 +75,14 @@ def preset_model() -> type[pydantic.BaseModel]:
         list[mode],  # type: ignore[valid-type]
         pydantic.Field(default_factory=list, max_length=MAX_MODES),
     )
+    kind_fields["points"] = (
+        list[float],
+        pydantic.Field(
+            default_factory=list,
+            max_length=MAX_POINTS,
+            description="The friction's course over two widths, 0 to 1, in place of the shape's.",
+        ),
+    )
     kind = pydantic.create_model("Kind", __config__=_STRICT, **kind_fields)
     fields["kinds"] = (
         dict[str, kind],  # type: ignore[valid-type]
@@ -126,7 +135,7 @@ def _known_keys(path: tuple[str | int, ...]) -> tuple[str, ...]:
         return (*TAG_SCALES, "usage")
     if path[0] == "kinds":
         keys = MODE_PARAMETERS if "modes" in path[1:] else KIND_PARAMETERS
-        return (*keys, "modes") if "modes" not in path[1:] else tuple(keys)
+        return (*keys, "points", "modes") if "modes" not in path[1:] else tuple(keys)
     return tuple(id.split(".")[1] for id in PARAMETERS if id.split(".")[0] == path[0])
 
 

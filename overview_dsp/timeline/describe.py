@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from datetime import timedelta
 from typing import Any
 
 import numpy as np
 
-from overview_dsp.timeline.model import Timeline
+from overview_dsp.timeline.model import Event, Timeline
 from overview_dsp.units import clock_text
 
 _GAPS_SHOWN = 5
@@ -36,6 +37,7 @@ def describe_json(timeline: Timeline, *, events: bool = False) -> dict[str, Any]
         "highest": float(np.max(curve.value)) if curve is not None else None,
         "events": len(timeline.events),
         "kinds": timeline.kinds(),
+        "details": _counts(timeline.details),
         "gaps": [list(gap) for gap in timeline.gaps],
         "gaps_s": sum(end - start for start, end in timeline.gaps),
         "notes": list(timeline.notes),
@@ -69,6 +71,9 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
         yield f"curve    {len(curve.value)} points, {low:.6g} to {high:.6g}, {unit}"
     kinds = ", ".join(f"{count} {kind}" for kind, count in timeline.kinds().items())
     yield f"events   {len(timeline.events)}{': ' if kinds else ''}{kinds}"
+    if timeline.details:
+        counts = ", ".join(f"{n} {kind}" for kind, n in _counts(timeline.details).items())
+        yield f"details  {len(timeline.details)}: {counts}; felt in short windows"
     yield f"gaps     {_gaps(timeline)}"
     if timeline.provenance:
         yield f"from     {timeline.provenance}"
@@ -84,6 +89,10 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
             weight = f"  (weight {event.weight:g})" if event.weight != 1.0 else ""
             at = _moment(timeline, event.time_s)
             yield f"{at:>12}  {name:<{width + 4}}  {event.label}{weight}".rstrip()
+
+
+def _counts(events: tuple[Event, ...]) -> dict[str, int]:
+    return dict(Counter(event.kind for event in events))
 
 
 def span_text(seconds: float) -> str:

@@ -209,35 +209,33 @@ class Intensity:
 
         Points inside gaps don't count, unless all are.
         """
-        first, stop = self._between
-        spans = self._known(gaps, first, stop) or [(first, stop)]
-        ends = [self.points.extremes(*span) for span in spans]
-        extremes = min(low for low, _ in ends), max(high for _, high in ends)
+        first, stop = self._known(gaps)
+        extremes = self.points.extremes(first, stop)
         if self.percentiles == EXTREMES:
             return extremes
         random = np.random.default_rng(0)
-        lengths = np.array([b - a for a, b in spans])
-        behind = np.cumsum(lengths)
+        behind = np.cumsum(stop - first)
         step = behind[-1] / SAMPLED
         place = ((np.arange(SAMPLED) + random.random(SAMPLED)) * step).astype(np.int64)
-        span = np.searchsorted(behind, place, side="right")
-        index = place - (behind - lengths)[span] + np.array([a for a, _ in spans])[span]
-        low, high = np.percentile(self.points.value[index].astype(np.float64), self.percentiles)
+        stretch = np.searchsorted(behind, place, side="right")
+        index = place - behind[stretch] + stop[stretch]
+        low, high = np.percentile(self._picked(index), self.percentiles)
         return (float(low), float(high)) if low < high else extremes
 
-    def _known(self, gaps: Gaps, first: int, stop: int) -> list[tuple[int, int]]:
-        """The runs of points that lie in no gap."""
-        if not gaps:
-            return [(first, stop)]
-        starts, ends = (
-            np.array(edge, dtype=np.float64) + self._shift for edge in zip(*gaps, strict=True)
-        )
+    def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        return self.points.picked(index)
+
+    def _known(self, gaps: Gaps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The stretches of points (first, stop) that lie in no gap; all, if there are none."""
+        first, stop = self._between
+        starts, ends = np.array(gaps, dtype=np.float64).reshape(-1, 2).T + self._shift
         inside = np.clip(self.points.first_after(starts), first, stop)
         behind = np.clip(self.points.first_from(ends), first, stop)
         holding = inside < behind
-        lows = np.concatenate(([first], behind[holding]))
-        highs = np.concatenate((inside[holding], [stop]))
-        return [(int(a), int(b)) for a, b in zip(lows, highs, strict=True) if a < b]
+        firsts = np.concatenate(([first], behind[holding]))
+        stops = np.concatenate((inside[holding], [stop]))
+        some = firsts < stops
+        return (firsts[some], stops[some]) if some.any() else (np.array([first]), np.array([stop]))
 
     # --- where the points lie ---------------------------------------------------------------------
 
@@ -329,6 +327,10 @@ class Part(Intensity):
         known = ~in_gap(gaps, np.array(self._ends_s))
         ends = self.points.interpolate(self._bounds)[known]
         return min(low, float(ends.min(initial=low))), max(high, float(ends.max(initial=high)))
+
+    def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        # what a zoom has touched stays in memory for the next step
+        return self.points.value[index].astype(np.float64)
 
     @property
     def _shift(self) -> float:

@@ -186,7 +186,7 @@ class Timeline:
         if shown:
             events = tuple(sorted((*events, *shown), key=lambda event: event.time_s))
         intensity = self.intensity.cut(start, end) if self.intensity is not None else None
-        notes = (*self.notes, f"the part from {clock_text(start)} to {clock_text(end)}")
+        notes = (*self.notes, f"the part from {self.moment_text(start)} to {self.moment_text(end)}")
         if not events and intensity is None:
             unit = self.intensity.unit if self.intensity is not None else ""
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
@@ -204,6 +204,13 @@ class Timeline:
             details=details,
         )
         return part
+
+    def moment_text(self, time_s: float) -> str:
+        """Return a moment for a person: its date where there is a calendar, else a clock."""
+        if self.start is None:
+            return clock_text(time_s)
+        moment = self.start + timedelta(seconds=time_s)
+        return moment.isoformat(sep=" ", timespec="seconds")
 
     def require_window(self, start_s: float, end_s: float) -> tuple[float, float]:
         """Return a window's ends as floats; InputError if it is none, as `window`."""

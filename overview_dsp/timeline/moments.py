@@ -25,7 +25,6 @@ from datetime import UTC, datetime, timedelta
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.timeline import checks, written_times
 from overview_dsp.timeline.model import Timeline
-from overview_dsp.units import clock_text
 
 HINT = (
     "give seconds (90.5), m:ss, h:mm:ss, 15min, 6h, 3d or 2w after the start, a date "
@@ -209,7 +208,7 @@ def _stopped(text: str, moment: _Moment, timeline: Timeline) -> float:
         return moment.time_s
     end = "start" if within == 0.0 else "end"
     warnings.warn(
-        f"{text} lies beyond the timeline's {end} and stops there ({_shown(within, timeline)})",
+        f"{text} lies beyond the timeline's {end} and stops there ({timeline.moment_text(within)})",
         OverviewWarning,
         stacklevel=3,
     )
@@ -217,11 +216,5 @@ def _stopped(text: str, moment: _Moment, timeline: Timeline) -> float:
 
 
 def _reach(timeline: Timeline) -> str:
-    first, last = _shown(0.0, timeline), _shown(timeline.duration_s, timeline)
+    first, last = timeline.moment_text(0.0), timeline.moment_text(timeline.duration_s)
     return f"it reaches from {first} to {last}"
-
-
-def _shown(time_s: float, timeline: Timeline) -> str:
-    if timeline.start is None:
-        return clock_text(time_s)
-    return (timeline.start + timedelta(seconds=time_s)).isoformat(sep=" ", timespec="seconds")

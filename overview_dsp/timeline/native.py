@@ -39,6 +39,9 @@ from overview_dsp.timeline.source import LoadOptions, Source
 VERSION = 1
 """The version of the format this module reads and writes."""
 
+MAX_POINTS = 5_000_000
+"""Points of a curve in a native file: about as many as a file that can be read again holds."""
+
 _KEY = "overview_timeline"
 _TOP_KEYS = (
     _KEY,
@@ -116,7 +119,13 @@ def decode(document: object, default_title: str = "") -> Timeline:
 
 
 def encode(timeline: Timeline) -> bytes:
-    """Return a Timeline as native JSON, UTF-8: one line a top-level key, one line an event."""
+    """Return a Timeline as native JSON, UTF-8: one line a top-level key, one line an event.
+
+    Raises
+    ------
+    InputError
+        A curve of more than `MAX_POINTS` points.
+    """
     entries: list[tuple[str, str]] = [
         (_KEY, str(VERSION)),
         ("title", _json(timeline.title)),
@@ -135,6 +144,11 @@ def encode(timeline: Timeline) -> bytes:
             entries.append((key, "[\n  " + ",\n  ".join(_row(event) for event in events) + "\n ]"))
     if timeline.intensity is not None:
         curve = timeline.intensity
+        if curve.count > MAX_POINTS:
+            raise InputError(
+                f"the curve has {curve.count} points; a native file holds up to {MAX_POINTS}, give "
+                "a shorter window"
+            )
         scaled = curve.percentiles != EXTREMES
         scale = f', "percentiles": {_json(curve.percentiles)}' if scaled else ""
         entries.append(
@@ -154,7 +168,7 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     InputError
-        The folder doesn't exist or can't be written.
+        The folder doesn't exist or can't be written, or the curve has too many points.
     OutputError
         The disk is full or broken.
     """

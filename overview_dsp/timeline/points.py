@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import mmap
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,9 @@ from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.pyramid import Level, Values, build_pyramid
 
 Times = NDArray[np.float64] | EvenTimes
+
+PARTS = 64
+"""So many parts of a long curve are looked at one after another."""
 
 _DIRECT = 1 << 17
 """Up to so many values are looked at one by one."""
@@ -68,22 +73,42 @@ class Points:
         # clipped: rounding may take the mean past its ends by one unit in the last place
         return np.clip(before * (1.0 - weight) + behind * weight, low, high)
 
-    def extremes(self, first: int, stop: int) -> tuple[float, float]:
-        """Return the smallest and the largest of the values `first` to `stop` - 1 (one or more)."""
-        count = stop - first
-        if count <= _DIRECT:
-            some = self.value[first:stop]
-            return float(some.min()), float(some.max())
-        level = next((one for one in self.levels if count <= one.width * _DIRECT), self.levels[-1])
+    def picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the values of ascending indices; of values on disk little is kept in memory."""
+        found = np.empty(len(index))
+        for some in np.array_split(np.arange(len(index)), PARTS):
+            found[some] = self.value[index[some]]
+            if isinstance(self.value, np.memmap):
+                _forget(self.value)
+        return found
+
+    def extremes(self, first: NDArray[np.int64], stop: NDArray[np.int64]) -> tuple[float, float]:
+        """Return the smallest and the largest value of stretches first[i] to stop[i] - 1.
+
+        Stretches, one or more, ascend, are disjoint and not empty.
+        """
+        count = int((stop - first).sum())
+        # look at few values one by one (two parts of a bin a stretch), and at few bins
+        level = min(
+            self.levels if count > _DIRECT else (),
+            key=lambda one: count / one.width + 2 * len(first) * one.width,
+            default=None,
+        )
+        if level is None:
+            values = self.value[_every(first, stop)]
+            return float(values.min()), float(values.max())
         low_bin, high_bin = -(-first // level.width), stop // level.width
-        low, high = level.low[low_bin:high_bin], level.high[low_bin:high_bin]
-        ends = np.concatenate(
-            (self.value[first : low_bin * level.width], self.value[high_bin * level.width : stop])
-        )
-        return (
-            min(float(low.min()), float(ends.min(initial=np.inf))),
-            max(float(high.max()), float(ends.max(initial=-np.inf))),
-        )
+        whole = low_bin < high_bin
+        left_stop = np.where(whole, low_bin * level.width, stop)
+        right_first = np.where(whole, high_bin * level.width, stop)
+        ends = self.value[np.concatenate((_every(first, left_stop), _every(right_first, stop)))]
+        low, high = float(ends.min(initial=np.inf)), float(ends.max(initial=-np.inf))
+        if whole.any():
+            edges = np.column_stack((low_bin[whole], high_bin[whole])).ravel()
+            edges = edges[: len(edges) - (edges[-1] == len(level.low))]
+            low = min(low, float(np.minimum.reduceat(level.low, edges)[::2].min()))
+            high = max(high, float(np.maximum.reduceat(level.high, edges)[::2].max()))
+        return low, high
 
     def runs(self, edges: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the mean and the largest of the values of each run edges[i] to edges[i + 1] - 1.
@@ -106,3 +131,20 @@ class Points:
         counts = np.diff(np.append(starts, len(mean)))
         total = np.add.reduceat(mean, starts).astype(np.float64)
         return total / np.maximum(counts, 1), np.maximum.reduceat(high, starts).astype(np.float64)
+
+
+def _every(first: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The indices of stretches first[i] to stop[i] - 1, one after the other."""
+    lengths = stop - first
+    begins = np.cumsum(lengths) - lengths
+    index: NDArray[np.int64] = np.arange(int(lengths.sum())) + np.repeat(first - begins, lengths)
+    return index
+
+
+def _forget(values: NDArray[np.floating[Any]]) -> None:
+    """Let go of the pages of a file that were mapped: the system reads some around each one."""
+    base: Any = values
+    while isinstance(base, np.ndarray):
+        base = base.base
+    if isinstance(base, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
+        base.madvise(mmap.MADV_DONTNEED)

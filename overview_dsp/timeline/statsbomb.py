@@ -31,11 +31,12 @@ from collections.abc import Iterator
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.excitement import derive_intensity
+from overview_dsp.timeline.football.touches import touches
 from overview_dsp.timeline.model import Event, Timeline
 from overview_dsp.timeline.names import short_name
 from overview_dsp.timeline.source import LoadOptions, Source
 from overview_dsp.timeline.statsbomb_record import SHOOT_OUT, Record
-from overview_dsp.timeline.statsbomb_touches import touches
+from overview_dsp.timeline.statsbomb_touches import told
 
 GOOD_CHANCE_XG = 0.10
 """Chance (expected goals) from which a shot that misses is a near miss: one in ten goes in."""
@@ -140,7 +141,7 @@ class _Match:
             intensity=intensity,
             provenance="; ".join(part for part in (PROVENANCE, derived) if part),
             notes=(*self.notes, *notes),
-            details=touches(self.played, event_records, self._moment_s),
+            details=touches(told(self.played, event_records, self._moment_s)),
         )
 
     def _lay_end_to_end(self) -> tuple[dict[int, int], int]:

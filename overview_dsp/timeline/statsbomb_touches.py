@@ -1,14 +1,9 @@
-"""What a zoom into a match shows besides its events: what the players do with the ball.
-
-`touch`: passes, receipts, carries, dribbles, duels, recoveries, clearances, blocks, saves, pressure
-on the ball. `shot`: a shot that is no event of its own (neither a goal nor a near miss).
-"""
+"""Which of StatsBomb's records are touches of the ball, and how their labels begin."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator
 
-from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.names import short_name
 from overview_dsp.timeline.statsbomb_record import Record
 
@@ -29,17 +24,14 @@ TOUCHES = {
     "Dispossessed": "dispossessed",
     "50/50": "fifty-fifty",
     "Shield": "shield",
+    "Shot": "shot",
 }
-"""Record kinds that are touches, and how their labels begin."""
-
-SHOT_WEIGHT = 1.5
-"""Against 1 of a touch: of two too close to be told apart, the shot is shown."""
 
 
-def touches(
+def told(
     records: Iterable[Record], happened: Collection[int], time_of: Callable[[Record], float]
-) -> tuple[Event, ...]:
-    """Return the details of a match.
+) -> Iterator[tuple[float, str, str]]:
+    """Yield (time_s, what, who) of the records that are touches or shots.
 
     Parameters
     ----------
@@ -50,14 +42,6 @@ def touches(
     time_of
         The moment of a record, s.
     """
-    found: dict[tuple[float, str, str], Event] = {}
     for record in records:
-        shot = record.kind == "Shot"
-        if record.position in happened or not (shot or record.kind in TOUCHES):
-            continue
-        what = "shot" if shot else TOUCHES[record.kind]
-        label = f"{what} {short_name(record.player)}".rstrip()
-        kind = "shot" if shot else "touch"
-        event = Event(time_of(record), kind, label, SHOT_WEIGHT if shot else 1.0)
-        found.setdefault((event.time_s, kind, label), event)
-    return tuple(found.values())
+        if record.kind in TOUCHES and record.position not in happened:
+            yield time_of(record), TOUCHES[record.kind], short_name(record.player)

@@ -99,3 +99,10 @@ def test_tune_writes_a_valid_preset(folder):
     done("presets", "check", report["file"])
     assert report["reached"] is (report["least_steps"] >= 2.0)
     refused(overview("presets", "tune", "crowd", "--target", "cheer"), "two kinds")
+
+
+def test_a_clip_is_laid_into_a_preset(folder):
+    done("export", "world-cup-final-2018", "--gesture", "tap:0.5:0.3", "--to", "haptic", "-o", "c")
+    done("presets", "import", "c", "--kind", "goal", "-o", "mine.toml")
+    assert "kinds.goal.points" in done("presets", "diff", "football", "mine.toml")
+    refused(overview("presets", "import", "mine.toml", "--kind", "goal"), "not JSON")

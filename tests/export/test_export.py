@@ -172,3 +172,19 @@ def test_what_cannot_be_exported_is_one_line(match, football, tmp_path):
     with pytest.raises(InputError, match="trace"):
         export(bare, "ahap", tmp_path / "x.ahap")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_part_can_be_exported(tmp_path, monkeypatch):
+    from tests.cli.running import overview
+
+    monkeypatch.chdir(tmp_path)
+    for name, options in (("a", ("--window", "goal:2-45", "goal:2+5")), ("b", ())):
+        outcome = overview(
+            *("export", "world-cup-final-2018", "--gesture", "sweep:0.5", "--to", "wav4"),
+            *(*options, "-o", f"{name}.wav"),
+        )
+        assert outcome.code == 0, outcome.err
+    assert (tmp_path / "a.wav").read_bytes() != (tmp_path / "b.wav").read_bytes()
+    refused = overview(*("export", "world-cup-final-2018", "--to", "wav4", "--zoom-to", "dog:1"))
+    assert refused.code == 2
+    assert refused.errors[0].startswith("error: --zoom-to: the timeline has no event of kind 'dog'")

@@ -133,7 +133,6 @@ def test_long_play_keeps_its_memory_its_clock_and_its_feel():
     assert late["kb"] <= early["kb"] + GROWN_KB
     # clock
     assert abs(drift_percent) <= 0.05
-    assert report["device"]["late"] == 0
     # state
     voice = report["voice"]
     assert voice["resets"] == voice["dropped_events"] == voice["late_events"] == 0

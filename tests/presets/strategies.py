@@ -35,7 +35,10 @@ MODES = st.builds(ov.Mode, **{key: values(known) for key, known in MODE_PARAMETE
 def kinds(draw: st.DrawFn) -> ov.Kind:
     given = {key: draw(values(known)) for key, known in KIND_PARAMETERS.items()}
     del given[draw(st.sampled_from(["width_percent", "width_ms"]))]
-    return ov.Kind(modes=tuple(draw(st.lists(MODES, max_size=MAX_MODES))), **given)
+    points = draw(st.just([]) | st.lists(st.floats(0.0, 1.0), min_size=2, max_size=9).filter(any))
+    return ov.Kind(
+        modes=tuple(draw(st.lists(MODES, max_size=MAX_MODES))), points=tuple(points), **given
+    )
 
 
 @st.composite
@@ -78,6 +81,8 @@ def toml_of(preset: ov.Preset) -> str:
             for key in KIND_PARAMETERS
             if (value := getattr(kind, key)) is not None
         ]
+        if kind.points:
+            lines.append(f"points = {list(kind.points)}")
         for mode in kind.modes:
             lines.append(f"[[kinds.{name}.modes]]")
             lines += [f"{key} = {toml_value(getattr(mode, key))}" for key in MODE_PARAMETERS]

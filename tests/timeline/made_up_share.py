@@ -49,7 +49,9 @@ def share() -> Timeline:
         Event(float(days[lowest]) * DAY_S, "record_low", f"{price[lowest]:.2f}, year's lowest"),
     ]
     events += [
-        Event(float(days[i]) * DAY_S, "large_move", f"{price[i] / price[i - 1] - 1:+.1%} in a day")
+        Event(
+            float(days[i]) * DAY_S, "largest_rise", f"{price[i] / price[i - 1] - 1:+.1%} in a day"
+        )
         for i in sorted(largest)
         if i not in (highest, lowest)
     ]

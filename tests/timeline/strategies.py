@@ -40,6 +40,7 @@ def timelines(draw: st.DrawFn) -> Timeline:
             np.array(sorted(points)),
             np.array([draw(value) for _ in points]),
             draw(TEXT),
+            draw(st.sampled_from([(0.0, 100.0), (1.0, 99.0), (12.5, 50.0)])),
         )
     edges = sorted(draw(st.lists(times, max_size=8, unique=True)))
     return Timeline(

@@ -21,8 +21,10 @@ from overview_dsp.timeline.curve_builder import CurveBuilder
 from overview_dsp.timeline.detail import WIDENED, with_peaks
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.intensity import LONG, Part
+from overview_dsp.timeline.native import MAX_POINTS, decode, encode
 from overview_dsp.timeline.points import Points
 from overview_dsp.timeline.pyramid import BIN, RATIO, build_pyramid
+from overview_dsp.timeline.source import parse_json
 from overview_dsp.timeline.store import Store
 
 from ..examples import plain_preset
@@ -121,14 +123,17 @@ def test_every_bin_has_the_extremes_and_the_mean_of_its_values(
         np.testing.assert_allclose(level.mean[:whole], means, atol=2e-6)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=60)
 @given(st.data())
-def test_the_extremes_of_any_stretch_are_exact(data: st.DataObject) -> None:
-    value = np.random.default_rng(1).standard_normal(400_000)
-    points = Points(EvenTimes(len(value), 1.0), value)
-    first = data.draw(st.integers(0, len(value) - 1))
-    stop = data.draw(st.integers(first + 1, len(value)))
-    assert points.extremes(first, stop) == (value[first:stop].min(), value[first:stop].max())
+def test_the_extremes_of_any_stretches_are_exact(data: st.DataObject) -> None:
+    count = data.draw(st.sampled_from((1, 17, 1000, 400_000)))
+    value = np.random.default_rng(1).standard_normal(count)
+    points = Points(EvenTimes(count, 1.0), value)
+    edges = data.draw(st.sets(st.integers(0, count), min_size=2, max_size=40))
+    ascending = np.array(sorted(edges)[: len(edges) // 2 * 2])
+    first, stop = ascending[::2], ascending[1::2]
+    inside = np.concatenate([value[a:b] for a, b in zip(first, stop, strict=True)])
+    assert points.extremes(first, stop) == (inside.min(), inside.max())
 
 
 # --- windows ------------------------------------------------------------------------------------
@@ -178,6 +183,17 @@ def test_a_window_of_a_long_series_costs_no_copy() -> None:
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 100_000
+
+
+def test_a_series_too_long_for_a_native_file_is_refused_and_its_windows_are_not() -> None:
+    count = MAX_POINTS + 1
+    curve = Intensity(EvenTimes(count, 1.0), np.zeros(count, np.float32))
+    timeline = Timeline("t", float(count), (), curve)
+    with pytest.raises(InputError, match=rf"{count} points.*{MAX_POINTS}.*shorter window"):
+        encode(timeline)
+    part = timeline.window(0.0, 100_000.0)
+    again = decode(parse_json(encode(part).decode(), "x"))
+    assert again.intensity == part.intensity
 
 
 # --- surfaces -----------------------------------------------------------------------------------
@@ -329,7 +345,7 @@ def test_a_long_series_goes_to_a_file_that_nobody_sees_and_that_vanishes(
     assert isinstance(curve.time_s, np.memmap)
     assert np.array_equal(curve.value, value)
     assert os.name == "nt" or os.listdir(tmp_path) == []
-    assert curve.points.extremes(0, 100_000) == (value.min(), value.max())
+    assert curve.points.extremes(np.array([0]), np.array([100_000])) == (value.min(), value.max())
     part = Timeline("t", 999.99, (), curve).window(10.0, 990.0)
     assert ov.build_surface(part, plain_preset()).friction.shape == (CELLS + 1,)
     del curve, part, builder

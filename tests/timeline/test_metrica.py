@@ -138,3 +138,17 @@ def test_the_real_match_is_exact(data_folder: Path) -> None:
     cards = [e.label for e in timeline.events if e.kind == "yellow_card"]
     assert [label.split("(")[1] for label in cards] == ["Home)", "Away)", "Home)", "Away)"]
     assert timeline.event("own_goal", 1).label == "1-1 own goal, Player5"
+
+
+def test_what_is_no_event_is_a_detail_that_is_felt_when_zoomed() -> None:
+    timeline = decode(METRICA)
+    assert [(e.time_s, e.kind, e.label) for e in timeline.details[:3]] == [
+        (0.04, "touch", "set piece Player9"),
+        (50.2, "touch", "ball lost Player1"),
+        (140.0, "touch", "set piece Player9"),
+    ]
+    assert [e.time_s for e in timeline.details if e.kind == "shot"] == [220.5]
+    part = timeline.window(80.0, 230.0)
+    assert [event.kind for event in part.events] == [
+        *("goal", "touch", "near_miss", "near_miss", "shot"),
+    ]

@@ -281,7 +281,9 @@ def test_a_window_starts_at_zero_and_has_what_lies_in_it() -> None:
 
 def test_a_window_begins_at_its_own_calendar_moment() -> None:
     timeline = Timeline("a day", 86_400.0, (Event(1.0, "a"),), start=datetime(2012, 9, 19))
-    assert timeline.window(3600.0, 7200.0).start == datetime(2012, 9, 19, 1)
+    part = timeline.window(3600.0, 7200.0)
+    assert part.start == datetime(2012, 9, 19, 1)
+    assert part.notes[0] == "the part from 2012-09-19 01:00:00 to 2012-09-19 02:00:00"
 
 
 def test_events_at_both_ends_of_a_window_belong_to_it() -> None:
@@ -355,3 +357,28 @@ def test_the_normalised_curve_stays_within_0_and_1(timeline: Timeline) -> None:
     scaled = timeline.normalised_intensity_at(at)
     assert scaled.min() >= 0.0
     assert scaled.max() <= 1.0
+
+
+def test_percentiles_scale_a_curve_and_clip_it_there_alone() -> None:
+    value = np.concatenate([np.linspace(10.0, 20.0, 101), [1e6]])
+    curve = Intensity(np.arange(102.0), value, "m", (1.0, 90.0))
+    timeline = Timeline("", 101.0, intensity=curve)
+    low, high = np.percentile(value, (1.0, 90.0))
+    expected = np.clip((value - low) / (high - low), 0.0, 1.0)
+    assert timeline.normalised_intensity_at(np.arange(102.0)) == pytest.approx(expected)
+    assert timeline.intensity_at(101.0) == 1e6
+    # values within 0 and 1 are scaled too, once there are percentiles
+    small = Timeline("", 100.0, intensity=Intensity([0, 50, 100], [0.2, 0.4, 0.6], "", (0, 99)))
+    assert small.normalised_intensity_at(0.0) == 0.0
+
+
+def test_percentiles_that_fall_together_give_way_to_the_extremes() -> None:
+    rain = Intensity(np.arange(100.0), np.eye(1, 100, 60)[0] * 8.0, "mm", (1.0, 99.0))
+    timeline = Timeline("", 99.0, intensity=rain)
+    assert timeline.normalised_intensity_at([0.0, 60.0]).tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("given", [(50.0, 50.0), (-1.0, 99.0), (1.0, 101.0), (1.0,), "ab", None])
+def test_percentiles_are_two_rising_ones(given: object) -> None:
+    with pytest.raises(InputError, match=r"intensity\.percentiles"):
+        Intensity([0.0, 1.0], [0.0, 1.0], "", given)  # type: ignore[arg-type]

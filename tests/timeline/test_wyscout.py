@@ -221,3 +221,25 @@ def test_the_real_match_is_exact(data_folder: Path) -> None:
         (1574.16, "Liv"),
         (2768.30, "Lei"),
     ]
+
+
+def test_what_is_no_event_is_a_detail_that_is_felt_when_zoomed() -> None:
+    timeline = decode(
+        {
+            "events": [
+                wyscout_event("1H", 1.0, HOME_ID, 8),
+                wyscout_event("1H", 5.5, AWAY_ID, 1),
+                wyscout_event("1H", 9.0, HOME_ID, 10, 2101),
+                wyscout_event("1H", 20.0, HOME_ID, 10, 101),
+                wyscout_event("1H", 40.0, HOME_ID, 5),
+                wyscout_event("2H", 2.0, AWAY_ID, 7),
+            ]
+        }
+    )
+    assert [(e.time_s, e.kind, e.label) for e in timeline.details] == [
+        (1.0, "touch", "pass"),
+        (5.5, "touch", "duel"),
+        (9.0, "shot", "shot"),
+        (42.0, "touch", "touch"),
+    ]
+    assert {"touch", "shot"}.isdisjoint(timeline.kinds())

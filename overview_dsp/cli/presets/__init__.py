@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.presets import making, reading, sounding
+from overview_dsp.cli.presets import making, reading, sounding, taking
 
 
 @click.group(name="presets", epilog="Example: overview presets show football")
@@ -21,6 +21,7 @@ for _one in (
     making.edit,
     making.morph,
     making.randomize,
+    taking.import_,
     sounding.audition,
     sounding.feel,
     sounding.tune,

@@ -14,6 +14,8 @@ Kinds:
 - `foul`: a FAULT RECEIVED, by the other team (the file names who was fouled).
 - `yellow_card`, `red_card`: CARD with YELLOW, with RED (a second yellow too).
 - `period`: where periods begin and the last action ends.
+
+Any other action with the ball is a detail, felt when zoomed (`touches`).
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ from overview_dsp.timeline import checks
 from overview_dsp.timeline.football.minutes import SHOOT_OUT, START_LABELS, STARTS
 from overview_dsp.timeline.football.story import Happening, Told
 from overview_dsp.timeline.football.table import header_of, rows
+from overview_dsp.timeline.football.touches import touches
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.source import LoadOptions, Source
 
@@ -38,6 +41,9 @@ SLACK_S = 60.0
 
 MAX_S = 86_400.0
 
+_TOUCHES = frozenset(
+    {"PASS", "CHALLENGE", "RECOVERY", "BALL LOST", "BALL OUT", "SET PIECE", "SHOT"}
+)
 _CLOCK_STARTS_S = (0.0, *(60.0 * minute for minute in STARTS.values()))
 _NEEDED = ("team", "type", "subtype", "period", "start time [s]")
 _NUMBER = re.compile(r"\d{1,9}(\.\d+)?(e[+-]?\d{1,2})?", re.ASCII | re.IGNORECASE)
@@ -107,11 +113,14 @@ def decode(text: str, default_title: str = "") -> Timeline:
             f"{checks.shown(names[0])} and {checks.shown(names[1])}; keep one match a file"
         )
     happenings = []
+    others = []
     for i, row in enumerate(played):
         kind, team, detail = _happened(i, row, played, teams, notes)
         if kind:
             time_s = row.start_s + shift[row.period]
             happenings.append(Happening(time_s, kind, team, row.player, detail, "", row.place))
+        elif row.type in _TOUCHES:
+            others.append((row.start_s + shift[row.period], row.type.lower(), row.player))
     begins = {
         period: min(row.start_s for row in played if row.period == period) + shift[period]
         for period in sorted(shift)
@@ -122,7 +131,7 @@ def decode(text: str, default_title: str = "") -> Timeline:
     periods = [(begin_s, START_LABELS[period]) for period, begin_s in begins.items()]
     periods.append((end_s, "full time" if len(begins) > 1 else "end"))
     return Told(teams, happenings, periods, end_s).timeline(
-        PROVENANCE, notes, default_title=default_title
+        PROVENANCE, notes, default_title=default_title, details=touches(others)
     )
 
 

@@ -79,6 +79,7 @@ class Told:
         default_title: str = "",
         about: Sequence[str] = (),
         final: tuple[int, int] | None = None,
+        details: Sequence[Event] = (),
     ) -> Timeline:
         """Count the score, write the labels and derive the curve.
 
@@ -94,6 +95,8 @@ class Told:
             What the title adds (competition, round, date).
         final
             The score the source states, without a shoot-out; a count that differs is noted.
+        details
+            What is felt when zoomed (`touches`).
         """
         score = [0, 0]
         known = len(self.teams) == 2
@@ -135,6 +138,7 @@ class Told:
             intensity=intensity,
             provenance="; ".join(part for part in (provenance, derived) if part),
             notes=(*said, *derived_notes),
+            details=tuple(details),
         )
 
     def _label(self, happening: Happening, score: Sequence[int] | None) -> str:

@@ -16,6 +16,8 @@ Tags tell what happened:
 - `foul`: every event 2; `yellow_card` 1702, `red_card` 1701 and 1703 (second yellow).
 - `period`: kick-off, each boundary once, the end.
 
+Any other event with the ball is a detail, felt when zoomed (`touches`).
+
 The companion `matches_*.json` beside the file gives names, home team and score (`wyscout_matches`).
 """
 
@@ -29,6 +31,7 @@ from overview_dsp.timeline import checks
 from overview_dsp.timeline.football.choosing import choose
 from overview_dsp.timeline.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.timeline.football.story import GOALS, Happening, Told
+from overview_dsp.timeline.football.touches import touches
 from overview_dsp.timeline.football.wyscout_matches import Companion, companions
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.names import short_name
@@ -59,6 +62,15 @@ _EVENTS = {
     "pass": 8,
     "save attempt": 9,
     "shot": 10,
+}
+_TOUCHES = {
+    1: "duel",
+    3: "free kick",
+    4: "goalkeeper",
+    7: "touch",
+    8: "pass",
+    9: "save",
+    10: "shot",
 }
 _SUB_EVENTS = {"free kick shot": 33, "penalty": 35}
 _SNIFFED = 50
@@ -184,8 +196,13 @@ def _timeline(
     ids, names = _teams(document, played, companion, notes)
     players = _players(document)
     happenings: list[Happening] = []
+    others: list[tuple[float, str, str]] = []
     for event in played:
-        for kind, own, detail in _happened(event):
+        happened = _happened(event)
+        if not happened and event.event in _TOUCHES:
+            what = "shot" if _is_attempt(event) else _TOUCHES[event.event]
+            others.append((begins[event.period] + event.sec, what, players.get(event.player, "")))
+        for kind, own, detail in happened:
             team = _team(event, ids, needed=kind in ("goal", "own_goal"))
             if own and team is not None:
                 team = 1 - team
@@ -208,6 +225,7 @@ def _timeline(
         default_title=default_title,
         about=[companion.date] if companion else [],
         final=companion.score if companion else None,
+        details=touches(others),
     )
 
 

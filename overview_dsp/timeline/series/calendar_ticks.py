@@ -72,9 +72,8 @@ def _calendar(unit: str, start: datetime, duration_s: float) -> Iterator[Event]:
         time_s = (moment - start).total_seconds()
         if time_s >= duration_s:
             return
-        if time_s > 0.0:
-            kind = _kind(unit, moment)
-            yield Event(time_s, kind, _label(kind, moment))
+        kind = _kind(unit, moment)
+        yield Event(time_s, kind, _label(kind, moment))
 
 
 def _floor(unit: str, at: datetime) -> datetime:

@@ -86,7 +86,7 @@ def choose_time(
                 f"column {checks.shown(columns[index].header)} holds "
                 f"{checks.shown(first) if first is not None else 'no values'}, which isn't a time "
                 "in any known way; name another column, or say how times are written "
-                "(time='COLUMN:FORMAT')"
+                "with time (--time COLUMN:FORMAT)"
             )
         return TimeChoice((index,), form, notes=_form_notes(form))
     if rated:
@@ -98,7 +98,8 @@ def choose_time(
             return parts
         raise InputError(
             f"no column looks like times; columns are {listed(columns)}: name one "
-            "(time='COLUMN'), or give the rate of evenly spaced rows (rate=SAMPLES A SECOND)"
+            "with time (--time), or give the samples a second of evenly spaced rows with rate "
+            "(--rate)"
         )
     index, form = found
     if written:
@@ -125,7 +126,7 @@ def _best(columns: Sequence[Column], head: Sequence[list[Any]]) -> tuple[int, Fo
     ranked: list[tuple[int, int, Format]] = []
     for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
         form = told_format(column, cells)
-        if form is None:
+        if form is None or (form.name != "year" and _is_constant(cells)):
             continue
         name = column.plain
         named = name in _DATE_NAMES or any(word in name for word in _DATE_WORDS)
@@ -244,30 +245,43 @@ def choose_value(
         for i in range(len(columns))
         if i not in times and looks_numeric(head[i]) and not _is_time_too(columns[i], head[i])
     ]
-    series = [i for i in numeric if not _is_counter(columns[i], head[i])] or numeric
-    if len(series) == 1:
-        left = [i for i in numeric if i not in series]
-        note = f"column {listed([columns[i] for i in left])} counts rows and was left out"
-        return ValueChoice(series[0], note if left else "")
-    if not series:
+    if not numeric:
         raise InputError(
             f"no column of numbers besides the times; columns are {listed(columns)}: name the "
-            "values (value='COLUMN')"
+            "values with value (--value)"
         )
-    offered = [columns[i] for i in series]
+    offered = [columns[i] for i in numeric]
     price = prices.preferred(offered)
-    if price is not None:
+    if price is not None and len(numeric) > 1:
         adjusted = prices.is_adjusted(offered[price])
         why = "the close adjusted for splits and dividends" if adjusted else "the last price"
         return ValueChoice(
-            series[price],
+            numeric[price],
             f"the value is column {checks.shown(offered[price].header)}, {why} in a table of "
             f"prices; others can be named: {listed(offered)}",
         )
+    series = [
+        i
+        for i in numeric
+        if not _is_counter(columns[i], head[i]) and not _is_constant(head[i], zero=False)
+    ] or numeric
+    if len(series) == 1:
+        left = [columns[i] for i in numeric if i not in series]
+        note = f"left out, as row counts or one number throughout: {listed(left)}"
+        return ValueChoice(series[0], note if left else "")
+    offered = [columns[i] for i in series]
     raise InputError(
         f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "
-        f"(value={checks.shown(offered[0].header)})"
+        f"with value (--value), such as {checks.shown(offered[0].header)}"
     )
+
+
+def _is_constant(cells: list[Any], zero: bool = True) -> bool:
+    """Tell whether three or more cells are all the same: a station's number, a table's date."""
+    known = [cell for cell in cells if not is_missing(cell)]
+    if len(known) < 3 or any(cell != known[0] for cell in known):
+        return False
+    return zero or _float(known[0]) != 0.0
 
 
 def _is_time_too(column: Column, cells: list[Any]) -> bool:

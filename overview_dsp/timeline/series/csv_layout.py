@@ -7,6 +7,7 @@ may be the header).
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from dataclasses import dataclass
 
@@ -24,6 +25,8 @@ _COLUMN_ROWS = 50
 _BLANKS_COST = 0.25
 _LONGEST_UNIT = 24
 _TIME_HEADERS = ("date", "time", "datum", "zeit", "year", "fecha")
+_SEPARATOR_LINE = re.compile(r'"?sep=.?"?\s*', re.IGNORECASE)  # what spreadsheets begin with
+_WIDTH = re.compile(r"\d+[sdn]", re.ASCII)  # what a field of an RDB file may hold
 _EVENT_LIST = {"time_s", "kind"}
 
 Rows = list[tuple[int, list[str]]]
@@ -68,6 +71,8 @@ def layout_of(source: Source) -> Layout | None:
         return None
     head = delimited.head_lines(source, encoding)[:SAMPLE_LINES]
     lines = [(i, line) for i, line in enumerate(head, 1) if line.strip()]
+    if lines and _SEPARATOR_LINE.fullmatch(lines[0][1]):
+        del lines[0]
     # where most lines begin with # (rank, hash tags), they are rows
     comments = 2 * sum(line.startswith("#") for _, line in lines) <= len(lines)
     kept = [entry for entry in lines if not (comments and entry[1].startswith("#"))]
@@ -134,6 +139,8 @@ def _header(rows: Rows, commented: list[str]) -> tuple[tuple[str, ...], tuple[st
         header, first = top, first + 1
         if len(below) > 1 and _is_units(below[0], below[1:]):
             units, first, below = below[0], rows[1][0] + 1, below[1:]
+        elif len(below) > 1 and all(_WIDTH.fullmatch(cell.strip()) for cell in below[0]):
+            first, below = rows[1][0] + 1, below[1:]
     else:
         below = [top, *below]
         header = commented

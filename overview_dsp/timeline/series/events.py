@@ -14,7 +14,7 @@
 `crossing_up`, `crossing_down`
     Round levels crossed, with hysteresis (`crossings`).
 `split`
-    A share split the prices aren't adjusted for (`splits`); its step is no move.
+    A share split the prices aren't adjusted for (`splits`); steps are taken without it.
 `century` to `minute`
     Ticks of the calendar (`calendar_ticks`).
 
@@ -174,8 +174,7 @@ def _turns(series: Series, extremes: set[int], duration_s: float) -> tuple[list[
 
 
 def _moves(series: Series) -> list[Event]:
-    step = series.step.copy()
-    step[[split.index for split in series.splits]] = np.nan
+    step = series.step
     known = np.abs(step[~np.isnan(step)])
     if not known.size or float(known.max()) == 0.0:
         return []

@@ -89,7 +89,8 @@ def chosen_group(table: Table, wish: str) -> OneGroup:
     if found:
         names = ", ".join(checks.shown(table.columns[i].header) for i in found)
         raise InputError(
-            f"match {checks.shown(wish)}: columns {names} hold it; write match='COLUMN={wanted}'"
+            f"match {checks.shown(wish)}: columns {names} hold it; give match (--match) as "
+            f"'COLUMN={wanted}'"
         )
     there = f"; it holds {', '.join(examples)}" if examples else ""
     raise InputError(f"match {checks.shown(wish)}: no row holds that{there}")
@@ -136,5 +137,5 @@ def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
     header = table.columns[column].header
     raise InputError(
         f"column {checks.shown(header)} tells {len(texts)} series apart ({shown}{more}); choose "
-        f"one (match={checks.shown(texts[0])})"
+        f"one with match (--match), such as {checks.shown(texts[0])}"
     )

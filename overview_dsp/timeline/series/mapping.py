@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.series import prices
 
 MAPS = ("level", "change", "activity", "volatility")
 """What a series may be mapped by, besides its columns' names."""
@@ -227,15 +228,15 @@ def filled(value: NDArray[np.float64], wanted: NDArray[np.bool_]) -> NDArray[np.
     return np.where(wanted & np.isnan(value), value[nearest], value)
 
 
-def grows_like_a_price(value: NDArray[np.float64]) -> bool:
+def grows_like_a_price(value: NDArray[np.float64], unit: str) -> bool:
     """Tell whether per cent fit a series that isn't called a price.
 
-    All values above 0, the largest at least 5 times the smallest, and nine of ten steps smaller
-    than 6 %: it got there by growing, not by jumping about.
+    All values above 0 and nine of ten steps smaller than 6 %; and money, or the largest at least 5
+    times the smallest: it got there by growing, not by jumping about.
     """
     known = value[~np.isnan(value)]
     if len(known) < 20 or float(known.min()) <= 0.0:
         return False
-    if float(known.max()) < 5.0 * float(known.min()):
+    if unit not in prices.CURRENCIES and float(known.max()) < 5.0 * float(known.min()):
         return False
     return float(np.percentile(np.abs(np.diff(np.log(known))), 90.0)) <= 0.06

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 TOKENS = frozenset(
     {"", ".", "..", "...", "-", "--", "---", "–", "—", "?", "*", "m", "na", "n/a", "#n/a", "n.a."}
     | {"#na", "#n/a n/a", "<na>", "nan", "-nan", "nat", "nil", "none", "null", "missing", "\\n"}
-    | {"#value!", "#ref!", "#div/0!", "no data", "nodata"}
+    | {"#value!", "#ref!", "#div/0!", "no data", "nodata", "unavailable", "unknown"}
 )
 """Cells that mean "no value", in small letters, without the blanks around them."""
 

@@ -22,11 +22,11 @@ from overview_dsp.timeline.intensity import MAX_VALUE
 from overview_dsp.timeline.series.missing import is_missing
 from overview_dsp.timeline.series.table import Cells
 
-CURRENCIES = "$€£¥₹₽₩"
+_CURRENCIES = "$€£¥₹₽₩"
 _MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
 _GROUPS = "'’ \u00a0\u202f_"
 _WHOLE = re.compile(
-    rf"(?P<open>\()?\s*(?P<sign1>[+\-−]?)\s*(?P<currency>[{CURRENCIES}]?)\s*(?P<sign>[+\-−]?)"
+    rf"(?P<open>\()?\s*(?P<sign1>[+\-−]?)\s*(?P<currency>[{_CURRENCIES}]?)\s*(?P<sign>[+\-−]?)"
     rf"(?P<digits>\d(?:[\d.,{_GROUPS}]*\d)?[.,]?|[.,]\d+)(?P<power>[eE][+\-]?\d+)?"
     r"\s*(?P<unit>[^\d\s().,+\-:/][^\d\s():/]{0,7})?\s*(?(open)\))",
     re.ASCII,

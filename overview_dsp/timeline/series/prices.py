@@ -10,13 +10,15 @@ from overview_dsp.timeline.series.table import Column
 CURRENCIES = frozenset("$€£¥₹₽₩")
 """Signs that make a number a price."""
 
-_CLOSE = ("close", "closelast", "closeprice", "last", "lastprice", "c", "closing", "settle")
-_OPEN = ("open", "openprice", "o")
-_HIGH_LOW = ("high", "low", "highprice", "lowprice", "dayhigh", "daylow", "h", "l")
-_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
-_PRICE_WORDS = (
-    "price", "close", "adjclose", "quote", "rate", "usd", "eur", "gbp", "open", "nav", "settle",
+_CLOSE = (
+    "close", "closelast", "closeprice", "last", "lastprice", "closing", "settle", "price",
+    "schlusskurs", "schluss", "zuletzt", "cierre", "dernier", "c",
 )  # fmt: skip
+_OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
+_HIGH_LOW = (
+    "high", "low", "highprice", "lowprice", "dayhigh", "daylow", "hoch", "tief", "h", "l",
+)  # fmt: skip
+_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
 
 
 def _key(column: Column) -> str:
@@ -35,10 +37,9 @@ def is_price(column: Column) -> bool:
     name = _key(column)
     return (
         is_adjusted(column)
-        or name in (*_CLOSE[:6], *_OPEN[:2], *_HIGH_LOW[:6])
-        or any(
-            name.startswith(word) or name.endswith(word) for word in _PRICE_WORDS if len(word) > 3
-        )
+        or name in (*_CLOSE[:-1], *_OPEN[:-1], *_HIGH_LOW[:-2])
+        or name.endswith(("price", "close", "quote"))
+        or name.startswith("price")
     )
 
 

@@ -76,7 +76,7 @@ def _read(source: Source, options: LoadOptions, open_table: Callable[[Source], T
     if source.size > limit * 2**20:
         raise InputError(
             f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit:g} MB that are "
-            "read; keep fewer columns or rows, or raise the limit (max_mb)"
+            "read; keep fewer columns or rows, or raise the limit with max_mb (--max-mb)"
         )
     with checks.located(f"{source.where}: "):
         return series_of(open_table(source), options, source.stem)

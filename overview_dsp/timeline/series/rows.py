@@ -155,7 +155,7 @@ def settled(table: Table, choice: TimeChoice) -> TimeChoice:
     if not name:
         raise InputError(
             f"column {header}: {checks.shown(example)} may be day/month or month/day, and no row "
-            f"tells; say which (time='{column.header}:dmy' or time='{column.header}:mdy')"
+            f"tells; say which with time (--time): '{column.header}:dmy' or '{column.header}:mdy'"
         )
     words = Format(name).words
     told = (

@@ -103,20 +103,17 @@ class _Stream:
         self.start = self.reader.time.start(self._first_s)
         self._absent = [sentinel(value) for value in block.values]
         value = self._known(block, 0)
-        self.relative = self._is_price() or mapping.grows_like_a_price(value)
+        unit = self.plan.value_column.unit or self.reader.numbers[0].unit or ""
+        price = prices.is_price(self.plan.value_column)
+        self.relative = price or mapping.grows_like_a_price(value, unit)
+        if self.relative and not price:
+            self.notes.append(mapping.GROWS)
         if self.start is None and self._first_s != 0.0:
             self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
         for index, absent in zip(self.plan.columns, self._absent, strict=True):
             if absent is not None:
                 header = checks.shown(self.plan.table.columns[index].header)
                 self.notes.append(f"values of {absent:g} in column {header} count as missing")
-
-    def _is_price(self) -> bool:
-        column = self.plan.value_column
-        return (
-            prices.is_price(column)
-            or (column.unit or self.reader.numbers[0].unit) in prices.CURRENCIES
-        )
 
     def _known(self, block: Rows, i: int) -> NDArray[np.float64]:
         """A column of a block, NaN where it holds the number for nothing."""
@@ -220,8 +217,6 @@ class _Stream:
         curve = self._curve(plan.map.unit(mapped_unit, relative))
         if self.reader.skipped:
             self.notes.append(f"{self.reader.skipped} rows without time and value were left out")
-        if self.relative and not self._is_price():
-            self.notes.append(mapping.GROWS)
         self.notes.append(
             f"of {self.count} samples, events are found among the lowest and highest of every "
             f"{self.thinner.run} and the largest steps; share splits aren't looked for"

@@ -102,9 +102,6 @@ class ParquetTable:
     def _cells(self, column: Any) -> Cells:
         """A batch's column as numpy numbers or datetimes, or as Python values."""
         types, kind = self._arrow.types, column.type
-        if types.is_dictionary(kind):
-            column = column.dictionary_decode()
-            kind = column.type
         if types.is_timestamp(kind):
             naive = column.cast(self._arrow.timestamp(kind.unit))
             found = naive.to_numpy(zero_copy_only=False)

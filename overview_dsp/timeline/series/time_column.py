@@ -212,7 +212,7 @@ class TimeColumn:
             if outside.size:
                 raise InputError(
                     f"{place(int(outside[0]))}: the time lies outside the years 1 to 9999; say how "
-                    "times are written (time='COLUMN:FORMAT')"
+                    "times are written with time (--time COLUMN:FORMAT)"
                 )
         return seconds
 
@@ -313,7 +313,7 @@ class TimeColumn:
         return (
             f"{place}: {checks.shown(cell)} isn't a time as the column's others "
             f"({self.format.words}); correct it, or say how times are written "
-            f"(time='COLUMN:FORMAT' with {', '.join(FORMATS)})"
+            f"with time (--time COLUMN:FORMAT; {', '.join(FORMATS)})"
         )
 
     def _of_datetimes(

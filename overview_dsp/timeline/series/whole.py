@@ -37,8 +37,8 @@ def look_at(plan: Plan, samples: Samples) -> Found:
     gaps = gaps_of(time_s, np.where(np.isnan(level), np.nan, value), holes.after)
     require_few_gaps(len(gaps))
 
-    price = prices.is_price(plan.value_column) or unit in prices.CURRENCIES
-    relative = price or mapping.grows_like_a_price(value)
+    price = prices.is_price(plan.value_column)
+    relative = price or mapping.grows_like_a_price(value, unit)
     splits = _splits(plan, by_column) if relative else []
     calendar = Calendar(samples.start, _dates_only(samples))
     notes = [*samples.notes, *_split_notes(plan, value, time_s, splits, calendar)]
@@ -117,7 +117,7 @@ def _split_notes(
     adjusted = prices.adjusted(plan.table.columns)
     if adjusted is not None:
         header = checks.shown(plan.table.columns[adjusted].header)
-        advice = f"use value={header}, which is"
+        advice = f"take {header} with value (--value), which is"
     else:
         advice = "the table has no adjusted column; get prices that are"
     shown = []

@@ -184,13 +184,13 @@ def test_of_rows_of_one_time_the_last_with_a_value_counts(tmp_path: Path) -> Non
 
 
 def test_several_series_below_each_other_are_asked_about_and_told_apart(tmp_path: Path) -> None:
-    text = "date,symbol,price\n" + "".join(
-        f"2020-01-{day:02d},{name},{day * factor}\n"
+    text = "date,half,symbol,price\n" + "".join(
+        f"2020-01-{day:02d},{'ab'[day % 2]},{name},{day * factor}\n"
         for day in range(1, 6)
         for name, factor in (("AAA", 1), ("BBB", 10))
     )
     words = refusal(lambda: load(tmp_path, text))
-    assert "column 'symbol' tells 2 series apart ('AAA', 'BBB'); choose one (match='AAA')" in words
+    assert "column 'symbol' tells 2 series apart ('AAA', 'BBB'); choose one with match" in words
     for match in ("BBB", "bbb", "symbol=BBB"):
         assert values(load(tmp_path, text, match=match)) == [10.0, 20.0, 30.0, 40.0, 50.0]
     assert "no row holds that" in refusal(lambda: load(tmp_path, text, match="CCC"))

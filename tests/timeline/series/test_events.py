@@ -57,6 +57,14 @@ def test_a_record_is_a_peak_above_all_before_it(tmp_path: Path) -> None:
     assert found(timeline, "record_high")[0][1] == "record high 4, 2019-01-05"
 
 
+def test_a_peak_at_the_very_beginning_is_no_record(tmp_path: Path) -> None:
+    level = np.zeros(200)
+    level[[5, 90, 150]] = 4.0, 6.0, 9.0
+    timeline = load(tmp_path, daily(level))
+    assert [day for day, _ in found(timeline, "peak")] == [5.0]
+    assert [day for day, _ in found(timeline, "record_high")] == [90.0]
+
+
 def test_turning_points_are_the_most_prominent_and_apart(tmp_path: Path) -> None:
     random = np.random.default_rng(2)
     level = np.cumsum(random.normal(0.0, 1.0, 2000))
@@ -112,6 +120,15 @@ def test_a_price_moves_in_per_cent(tmp_path: Path) -> None:
     level = [100.0] * 30 + [50.0] * 30 + [60.0] * 30
     timeline = load(tmp_path, daily(level, "price"))
     assert found(timeline, "largest_rise") == [(60.0, "+20.00 % to 60, 2019-03-02")]
+
+
+def test_a_price_below_0_has_no_step_in_per_cent_from_there(tmp_path: Path) -> None:
+    level = [20.0, 21.0] * 40 + [-37.0, 10.0] + [13.0, 14.0] * 20
+    timeline = load(tmp_path, daily(level, "price"))
+    falls = [day for day, _ in found(timeline, "largest_fall")]
+    assert 80.0 in falls
+    assert 81.0 not in falls
+    assert [day for day, _ in found(timeline, "lowest")] == [80.0]
 
 
 def test_levels_are_crossed_with_hysteresis(tmp_path: Path) -> None:

@@ -135,7 +135,7 @@ def test_a_loggers_number_for_nothing_is_no_value(tmp_path: Path) -> None:
     assert timeline.gaps == ((3 * DAY, 5 * DAY),)
     assert noted(timeline, "1 values of -9999 in column 'level' count as missing")
     # a depth of -99 among its likes is one
-    rows = [(day, -99 if i == 4 else -80 - 4 * i) for i, day in enumerate(days(9))]
+    rows = [(day, -99 if i == 4 else -80 - 2 * i) for i, day in enumerate(days(9))]
     assert load(tmp_path, series(rows)).gaps == ()
 
 

@@ -82,6 +82,13 @@ def test_one_number_of_thousands_does_not_turn_a_column_of_commas(tmp_path: Path
     assert values(load(tmp_path, text)) == [1.5, 2.25, 1002.125]
 
 
+def test_a_comma_that_nothing_tells_is_decimal_where_semicolons_separate(tmp_path: Path) -> None:
+    text = "date;level\n2020-01-01;1,500\n2020-01-02;2,250\n"
+    assert values(load(tmp_path, text)) == [1.5, 2.25]
+    text = 'date,level\n2020-01-01,"1,500"\n2020-01-02,"2,250"\n'
+    assert values(load(tmp_path, text)) == [1500.0, 2250.0]
+
+
 def test_a_column_that_is_mostly_numbers_looks_numeric() -> None:
     assert looks_numeric(["1", "", "NA", "2.5", None])
     assert looks_numeric(["1", "2", "x"])

@@ -1,0 +1,70 @@
+"""A haptic clip as a layer of a preset: its vibration as an event's friction, its strikes as modes.
+
+The friction's course over the event is the clip's amplitude over its length; what was time becomes
+the way over the event, so the hand plays the clip, as fast as it moves and backwards too. Strikes
+become modes of the click: sharpness is pitch, strength is level.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from overview_dsp.errors import InputError
+from overview_dsp.export.clip import DULL_HZ, SHARP_HZ, Transient
+from overview_dsp.export.reading import PlayedClip
+from overview_dsp.export.strikes import with_strikes
+from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
+from overview_dsp.presets.parameters import MAX_MODES, MODE_PARAMETERS
+
+POINTS = 64
+Layer = Literal["tactor", "click", "both"]
+
+_DULL_MS, _SHARP_MS = 60.0, 12.0
+
+
+def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
+    """The clip's amplitude, strikes among it, at `count` places, its highest 1."""
+    struck = [(strike.time_s, strike.amplitude) for strike in clip.transients]
+    level = with_strikes(clip.level, struck)
+    edges = np.linspace(0, len(level), count + 1).astype(np.int64)
+    edges = np.minimum(edges[:-1], len(level) - 1)
+    highest = np.maximum.reduceat(level, edges)
+    if highest.max() <= 0.0:
+        raise InputError("the clip is silent")
+    return tuple(round(float(value), 4) for value in highest / highest.max())
+
+
+def modes(clip: PlayedClip) -> tuple[Mode, ...]:
+    """The clip's strikes as modes, the strongest first, a pitch once."""
+    found: list[Transient] = []
+    for strike in sorted(clip.transients, key=lambda strike: -strike.amplitude):
+        if strike.amplitude > 0.0 and all(
+            abs(strike.sharpness - other.sharpness) > 0.02 for other in found
+        ):
+            found.append(strike)
+    if not found:
+        raise InputError("the clip has no strikes (transients, emphasis) to make a click of")
+    return tuple(_mode(strike, found[0].amplitude) for strike in found[:MAX_MODES])
+
+
+def _mode(strike: Transient, loudest: float) -> Mode:
+    ratio = strike.sharpness
+    hz = DULL_HZ * (SHARP_HZ / DULL_HZ) ** ratio
+    decay = _DULL_MS * (_SHARP_MS / _DULL_MS) ** ratio
+    lowest = MODE_PARAMETERS["gain_db"].low
+    gain = max(lowest, 20.0 * math.log10(strike.amplitude / loudest))
+    return Mode(round(hz, 1), round(decay, 1), round(gain, 1))
+
+
+def with_layer(preset: Preset, kind: str, clip: PlayedClip, layer: Layer) -> Preset:
+    """The preset with a clip laid into one of its kinds, which is made from `default` if new."""
+    base: Kind = preset.kinds.get(kind, preset.kinds[DEFAULT_KIND])
+    if layer in ("tactor", "both"):
+        base = replace(base, points=course(clip))
+    if layer in ("click", "both"):
+        base = replace(base, modes=modes(clip))
+    return replace(preset, kinds={**preset.kinds, kind: base})
