@@ -216,6 +216,8 @@ def blocks(
         done += frames
         meters = engine.meters
         at_rest = min(meters.silent_samples, meters.still_samples, done - end)
+        if stage is not None:
+            at_rest = min(at_rest, stage.silent_samples)
         finished = tail == "rest" and at_rest >= quiet
         if finished:
             # cut where rest was reached: the end doesn't depend on the blocks
@@ -243,7 +245,8 @@ def render(
     """Render a gesture to arrays.
 
     `tail` is "rest" (on until the disk has come to rest, at most 30 s), "none" or seconds.
-    With an `actuator` the tactor's channel is its drive, within what it may be given. The same arguments give the same bits on every machine.
+    With an `actuator` the tactor's channel is its drive, within what it may be given.
+    The same arguments give the same bits on every machine.
 
     Raises
     ------

@@ -24,11 +24,12 @@ from overview_dsp.units import db_to_gain, gain_to_db
 HIGHEST_PART = 0.45
 """A resonance must lie below this part of the sample rate."""
 
-INPUT_HEADROOM = 2.0
-"""What is asked for bends from the nominal drive towards this many times it."""
+LEAST_ROOM = 1e-6
+"""From the nominal drive to the peak, where they are the same."""
 
 MEMORY = 1.0 / 8.0
-"""The heat's memory, of the window: longer allows longer bursts, and less for good."""
+"""The heat's memory, of the window, where the duty is 1; up to a window longer where it is less.
+A longer one allows longer bursts, and less for good."""
 
 KNEE = 0.25
 """The drive is taken back within this part of the heat's limit below it."""
@@ -63,11 +64,10 @@ def write_actuator(
     at: int,
     actuator: Actuator | None,
     sample_rate: float,
-    ceiling: float = 1.0,
 ) -> None:
     """Put an actuator's coefficients into memory at `at`, its state as new; None: no actuator.
 
-    No sample of its drive will pass `ceiling` either. Before the audio runs.
+    Before the audio runs.
 
     Raises
     ------
@@ -80,8 +80,9 @@ def write_actuator(
     memory.view(np.int64)[at + layout.ACT_ON] = 1
     coefficients = {
         layout.ACT_NOMINAL: actuator.nominal * db_to_gain(actuator.gain_db),
-        layout.ACT_INPUT: INPUT_HEADROOM * actuator.nominal,
-        layout.ACT_PEAK: TOP * min(actuator.peak, ceiling),
+        layout.ACT_BEND: TOP * actuator.nominal,
+        layout.ACT_PEAK: TOP * actuator.peak,
+        layout.ACT_ROOM: max(LEAST_ROOM, TOP * (actuator.peak - actuator.nominal)),
         **_sharpening(actuator, sample_rate),
         **_protection(actuator, sample_rate),
         **_weighting(bool(actuator.values["shaping.equal_sensation"]), actuator, sample_rate),
@@ -140,7 +141,7 @@ def _poles_at(turns: float, trace: float, product: float) -> float:
 def _protection(actuator: Actuator, sample_rate: float) -> dict[int, float]:
     """The heat's leak and limit, such that the mean over the window never passes its own."""
     window = actuator.window_s * sample_rate
-    memory = MEMORY * actuator.window_s
+    memory = (MEMORY + 1.0 - actuator.number("drive.duty")) * actuator.window_s
     leak = one_pole(memory, sample_rate)
     limit = TOP * actuator.mean_square * window / (window + 1.0 / leak)
     knee = KNEE * limit
@@ -222,7 +223,13 @@ class ActuatorStage:
         """Turn one channel of float32 (frames, channels) into the drive, in place."""
         frames, channels = samples.shape
         memory = self._memory
-        drive_block(memory, memory.view(np.int64), 0, samples.reshape(-1), frames, channels, channel)
+        w = memory.view(np.int64)
+        drive_block(memory, w, 0, samples.reshape(-1), frames, channels, channel)
+
+    @property
+    def silent_samples(self) -> int:
+        """Samples since the drive was last other than zero."""
+        return int(self._memory.view(np.int64)[layout.ACT_SILENT])
 
     @property
     def protected(self) -> Protected:

@@ -5,7 +5,7 @@ to sample by its exact matrix:
 
     s'' + w0/Q s' + w0**2 s = w0**2 y
 
-    e = limit(nominal * weight(x), input)      what is asked for
+    e = bend(nominal * weight(x))              what is asked for, smoothly below the peak
     t = clip((limit - heat) * knee, 0, 1)      1, or less where the heat nears its limit
     g = sqrt(t smoothed)
     y = clip(forward * g * e - k1 s - k2 v, -g * peak, g * peak)
@@ -33,7 +33,7 @@ from math import sqrt
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import entry, point
-from overview_dsp.kernels.limiter import limit
+from overview_dsp.kernels.elementary import tanh_positive
 
 SILENCE = 1e-9  # a place, speed or taken part below it is zero
 LARGEST = 1e6  # of full scale: a signal beyond it counts as this
@@ -51,6 +51,17 @@ def weigh(m, at, x):
     m[at + layout.ACT_W_DELAY_1] = 0.0 if silent else first
     m[at + layout.ACT_W_DELAY_2] = 0.0 if silent else second
     return y
+
+
+@point
+def bend(m, at, x):
+    """x where it is within the nominal drive, bent towards the peak beyond."""
+    over = abs(x) - m[at + layout.ACT_BEND]
+    if over <= 0.0:
+        return x
+    room = m[at + layout.ACT_ROOM]
+    y = m[at + layout.ACT_BEND] + room * tanh_positive(over / room)
+    return y if x > 0.0 else -y
 
 
 @point
@@ -88,8 +99,8 @@ def drive(m, w, at, x):
         x = 0.0
     x = min(max(x, -LARGEST), LARGEST)
     gain = sqrt(max(0.0, 1.0 - taken_back(m, at)))
-    asked = gain * limit(m[at + layout.ACT_NOMINAL] * weigh(m, at, x), m[at + layout.ACT_INPUT])
-    y = m[at + layout.ACT_FORWARD] * asked
+    asked = bend(m, at, m[at + layout.ACT_NOMINAL] * weigh(m, at, x))
+    y = m[at + layout.ACT_FORWARD] * gain * asked
     y = y - m[at + layout.ACT_FROM_PLACE] * m[at + layout.ACT_PLACE]
     y = y - m[at + layout.ACT_FROM_SPEED] * m[at + layout.ACT_SPEED]
     if x == 0.0 and abs(y) < SILENCE:
@@ -106,6 +117,7 @@ def drive(m, w, at, x):
     heat = kept + leak * (y * y)
     m[at + layout.ACT_HEAT] = heat if heat > COLD else 0.0
     move_mass(m, at, y)
+    w[at + layout.ACT_SILENT] = w[at + layout.ACT_SILENT] + 1 if y == 0.0 else 0
     return y
 
 

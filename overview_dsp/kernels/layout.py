@@ -207,8 +207,9 @@ SHORTEST_S = 1e-7
 (
     ACT_ON,  # w: 1 = the signal goes through it
     ACT_NOMINAL,  # drive of a signal of 1, of full scale
-    ACT_INPUT,  # what the drive asked for bends towards
+    ACT_BEND,  # where the drive asked for begins to bend towards the peak
     ACT_PEAK,  # no drive passes it
+    ACT_ROOM,  # from that bend to the peak
     ACT_FORWARD,  # inverse filter: what of the drive asked for is given,
     ACT_FROM_PLACE,  # and what of the modelled mass's place
     ACT_FROM_SPEED,  # and speed is taken off
@@ -228,7 +229,7 @@ SHORTEST_S = 1e-7
     ACT_W_BACK_1,
     ACT_W_BACK_2,
     ACT_STATE,
-) = range(23)
+) = range(24)
 (
     ACT_W_DELAY_1,
     ACT_W_DELAY_2,
@@ -238,8 +239,9 @@ SHORTEST_S = 1e-7
     ACT_TAKEN,  # part of the drive's power that is taken back
     ACT_MOST_TAKEN,  # highest of that so far
     ACT_AT_PEAK,  # w: samples held at the peak so far
-) = range(ACT_STATE, ACT_STATE + 8)
-ACT_SIZE = 32
+    ACT_SILENT,  # w: samples since the drive was last other than zero
+) = range(ACT_STATE, ACT_STATE + 9)
+ACT_SIZE = 40
 L_ACTUATOR = L_BUSY + BUSY_BINS
 SURFACES = L_ACTUATOR + ACT_SIZE
 
