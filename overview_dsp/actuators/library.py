@@ -61,6 +61,17 @@ def actuator_path(name: str | Path) -> Path:
     )
 
 
+def reference(actuator: Actuator) -> str:
+    """What `load_actuator` finds it by again, from any folder: its name, else its whole path."""
+    source = os.path.abspath(actuator.source)
+    known = actuator.name in actuator_names()
+    return (
+        actuator.name
+        if known and source == os.path.abspath(actuator_path(actuator.name))
+        else source
+    )
+
+
 def load_actuator(name: str | Path) -> Actuator:
     """An actuator: a bundled or own name (`c2`) or the path of a TOML file; not calibrated.
 

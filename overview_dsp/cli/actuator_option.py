@@ -28,18 +28,6 @@ def calibrated(name: str | None) -> Actuator | None:
     return None if name is None or name == NONE else calibrated_actuator(name)
 
 
-def protected_json(actuator: Actuator | None, protected: Protected | None) -> Any:
-    """An actuator and what its protection did, for a report."""
-    if actuator is None or protected is None:
-        return None
-    return {
-        "name": actuator.name,
-        "calibration_db": actuator.gain_db,
-        "taken_back_db": round(protected.taken_db, 1),
-        "samples_at_peak": protected.at_peak,
-    }
-
-
 def told(actuator: Actuator, protected: Protected) -> str:
     """An actuator and what its protection did, in a line."""
     gain = f", calibrated {actuator.gain_db:+.1f} dB" if actuator.gain_db else ""

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.actuator_option import actuator_option, calibrated, protected_json, told
+from overview_dsp.cli.actuator_option import actuator_option, calibrated, told
 from overview_dsp.cli.common import (
     announce_compile,
     part_of,
@@ -62,6 +62,7 @@ def command(
     TIMELINE is any supported file, told by its content, or the bundled match
     (world-cup-final-2018).
     """
+    from overview_dsp.actuators.stage import protected_report
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render_to_file, tail_of
@@ -104,7 +105,7 @@ def command(
                 "peak_click_dbfs": click_db,
                 "peak_tactor_dbfs": tactor_db,
                 "format": done.note,
-                "actuator": protected_json(driven, done.protected),
+                "actuator": protected_report(driven, done.protected),
             }
         )
         return

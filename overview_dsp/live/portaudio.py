@@ -134,7 +134,7 @@ class OutputStream:
         """Open an output device (None = the default) at the engine's sample rate; `start` plays.
 
         `block_size` is in frames; 0 lets the device choose, at most the engine's prepared size.
-        `settings` say which channels, gains, delays and ceilings; left out,
+        `settings` say which channels, gains, delays, ceilings and actuator; left out,
         the engine's channels and the signals as they are.
 
         Raises
@@ -207,7 +207,7 @@ class OutputStream:
             raise self._sounddevice.CallbackStop
 
     def set(self, settings: OutputSettings) -> None:
-        """Change gains, mutes, delays and ceilings while it plays; the channels stay."""
+        """Change gains, mutes, delays and ceilings while it plays; channels and actuator stay."""
         settings.write(self._memory, self._engine.sample_rate)
 
     def start(self) -> None:

@@ -56,3 +56,37 @@ def test_a_carrier_beside_the_resonance_is_a_note(folder):
     done = overview("render", MATCH, *QUICK, "--actuator", "lra")
     assert done.code == 0
     assert "note: lra moves" in done.err
+
+
+def test_a_device_keeps_its_actuator_until_another_or_none_is_named(tmp_path, monkeypatch):
+    from overview_dsp.cli.output_options import output_settings
+    from overview_dsp.live import output_settings as kept
+
+    path = tmp_path / "outputs.json"
+    monkeypatch.setattr(kept, "settings_file", lambda: path)
+    nothing = {
+        f"{signal}_{key}": None
+        for signal in ("click", "tactor")
+        for key in ("channel", "gain", "mute", "delay", "ceiling")
+    }
+
+    def played(actuator, **options):
+        chosen = output_settings("pad", {**nothing, **options}, actuator)
+        if chosen.differ(chosen.settings):
+            kept.save_settings("pad", chosen.settings)
+        return chosen.settings
+
+    assert played(None).actuator is None
+    assert not path.exists()
+    assert played("c2").actuator == load_actuator("c2")
+    again = played(None, tactor_gain=-3.0)
+    assert again.actuator == load_actuator("c2")
+    assert played(None) == again
+    assert played("none").actuator is None
+    assert played(None).actuator is None
+    assert played(None).tactor.gain_db == -3.0
+    path.write_text(path.read_text().replace('"actuator": null', '"actuator": "gone"'))
+    with pytest.raises(ov.InputError, match=r"outputs\.json: the actuator of 'pad': no actuator"):
+        played(None)
+    assert played("none").actuator is None
+    assert output_settings(None, nothing, None).settings == kept.OutputSettings()
