@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from overview_dsp.errors import InputError
@@ -150,6 +150,12 @@ class Actuator:
     def window_s(self) -> float:
         """Over how long that mean is taken, s."""
         return self.number("drive.burst_ms") * 1e-3 / self.number("drive.duty")
+
+    @property
+    def unshaped(self) -> Actuator:
+        """The same, driven as it is: not sharpened, not weighted, not calibrated."""
+        plain = {"shaping.sharpen": 1.0, "shaping.equal_sensation": False}
+        return replace(self, values={**self.values, **plain}, gain_db=0.0)
 
     def response_db(self, frequency_hz: float) -> float:
         """How much it moves at a frequency, dB of what it does at its resonance."""

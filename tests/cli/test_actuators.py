@@ -9,7 +9,7 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-from overview_dsp.actuators import calibration, load_actuator
+from overview_dsp.actuators import actuator_names, calibration, load_actuator
 
 from .running import MATCH, QUICK, overview, refused
 
@@ -90,3 +90,58 @@ def test_a_device_keeps_its_actuator_until_another_or_none_is_named(tmp_path, mo
         played(None)
     assert played("none").actuator is None
     assert output_settings(None, nothing, None).settings == kept.OutputSettings()
+
+
+def test_the_list_names_every_actuator_and_leaves_out_a_broken_one(tmp_path, monkeypatch):
+    monkeypatch.setenv("OVERVIEW_ACTUATORS", str(tmp_path))
+    (tmp_path / "mine.toml").write_text("schema = 1\n", encoding="utf-8")
+    done = overview("actuators", "list")
+    assert done.code == 0
+    assert [line.split()[0] for line in done.out.splitlines()] == list(actuator_names())[:-1]
+    assert "note: left out: " in done.err
+    assert "mine.toml" in done.err
+    report = json.loads(overview("actuators", "list", "--json").out)
+    assert "c2" in [entry["name"] for entry in report]
+
+
+def test_an_actuator_is_shown_with_what_its_values_amount_to():
+    text = overview("actuators", "show", "c2").out
+    for words in ("rise_ms          33 ms", "0.5 A", "Q 11.8", "-3.0 dBFS", "Assumptions"):
+        assert words in text
+    report = json.loads(overview("actuators", "show", "c2", "--json").out)
+    assert report["values"]["drive.peak"] == 0.5
+    assert report["rms_limit_dbfs"] == pytest.approx(-6.02)
+    refused(overview("actuators", "show", "c"), "no actuator is called 'c'", "c2")
+
+
+def test_a_sweep_is_written_within_the_rating_and_says_where_it_sags(folder):
+    quick = ("--seconds", 2, "--sample-rate", 8000, "-o", "s.flac")
+    done = overview("actuators", "sweep", "c2", *quick)
+    assert done.code == 0, done.err
+    assert "note" not in done.err
+    samples, rate = soundfile.read(folder / "s.flac")
+    assert rate == 8000
+    assert samples.shape == (16_000, 2)
+    assert not samples[:, 0].any()
+    nominal = 10 ** (-9 / 20) * load_actuator("c2").nominal
+    assert np.abs(samples[:, 1]).max() == pytest.approx(nominal, rel=1e-3)
+    loud = overview("actuators", "sweep", "c2", *quick, "--level", 0, "--json")
+    assert "were taken back for its rating" in loud.err
+    assert json.loads(loud.out)["actuator"]["taken_back_db"] > 0.5
+
+
+def test_a_shaped_sweep_is_what_presets_are_driven_with(folder):
+    plain, shaped = (
+        overview("actuators", "sweep", "c2", "--seconds", 2, "-o", name, *option).code
+        for name, option in (("a.wav", ()), ("b.wav", ("--shaped",)))
+    )
+    assert plain == shaped == 0
+    a, b = (np.abs(soundfile.read(folder / name)[0][:, 1]) for name in ("a.wav", "b.wav"))
+    # beside the resonance, a drive for a lower q gives more
+    assert b[: len(b) // 2].max() > 2.0 * a[: len(a) // 2].max()
+
+
+@pytest.mark.parametrize("option", [("--from", 2000), ("--seconds", 0), ("--level", 1)])
+def test_a_sweep_that_cannot_be_writes_nothing(folder, option):
+    refused(overview("actuators", "sweep", "c2", *option))
+    assert list(folder.iterdir()) == []
