@@ -7,20 +7,22 @@ made for one at `REFERENCE_DB`: whoever needs more gets so much more, who needs 
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import platformdirs
 
-from overview_dsp.actuators.library import load_actuator
+from overview_dsp.actuators.library import load_actuator, reference
 from overview_dsp.actuators.model import MAX_CALIBRATION_DB, Actuator
 from overview_dsp.errors import InputError
 from overview_dsp.files import make_folder, whole_file
 
 REFERENCE_DB = -40.0
 """The threshold that needs no gain (our own choice: 40 dB from just felt to the nominal drive)."""
+
+LOWEST_DB, HIGHEST_DB = REFERENCE_DB - MAX_CALIBRATION_DB, REFERENCE_DB + MAX_CALIBRATION_DB
+"""Thresholds that a gain can make up for."""
 
 
 def calibration_file() -> Path:
@@ -30,43 +32,42 @@ def calibration_file() -> Path:
 
 def gain_for(threshold_db: float) -> float:
     """The gain, dB, for a threshold; InputError for one that is out of reach."""
-    low, high = REFERENCE_DB - MAX_CALIBRATION_DB, REFERENCE_DB + MAX_CALIBRATION_DB
     # written so that NaN fails
-    if not low <= threshold_db <= high:
+    if not LOWEST_DB <= threshold_db <= HIGHEST_DB:
         raise InputError(
-            f"threshold {threshold_db:g} dB is out of range; it is {low:g} to {high:g} dB of the "
-            "nominal drive"
+            f"threshold {threshold_db:g} dB is out of range; it is {LOWEST_DB:g} to "
+            f"{HIGHEST_DB:g} dB of the nominal drive"
         )
     return threshold_db - REFERENCE_DB
 
 
-def save_threshold(name: str, threshold_db: float) -> None:
+def save_threshold(actuator: Actuator, threshold_db: float) -> None:
     """Remember an actuator's threshold; InputError or OutputError if that can't be written."""
-    kept = _read()
-    kept[name] = {"threshold_db": threshold_db, "gain_db": gain_for(threshold_db)}
-    path = calibration_file()
-    make_folder(path.parent)
-    with whole_file(path) as temporary:
-        temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
+    entry = {"threshold_db": threshold_db, "gain_db": gain_for(threshold_db)}
+    _write({**_read(), reference(actuator): entry})
 
 
-def forget_threshold(name: str) -> bool:
+def forget_threshold(actuator: Actuator) -> bool:
     """Forget an actuator's threshold; whether there was one."""
     kept = _read()
-    if kept.pop(name, None) is None:
+    if kept.pop(reference(actuator), None) is None:
         return False
-    with whole_file(calibration_file()) as temporary:
-        temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
+    _write(kept)
     return True
 
 
-def gain_of(name: str) -> float:
+def gain_of(actuator: Actuator) -> float:
     """The gain an actuator was calibrated to, dB; 0 if it wasn't. InputError: a damaged file."""
+    name = reference(actuator)
     kept = _read().get(name)
     if kept is None:
         return 0.0
     gain = kept.get("gain_db") if isinstance(kept, dict) else None
-    if isinstance(gain, bool) or not isinstance(gain, int | float) or not math.isfinite(gain):
+    if (
+        isinstance(gain, bool)
+        or not isinstance(gain, int | float)
+        or not -MAX_CALIBRATION_DB <= gain <= MAX_CALIBRATION_DB
+    ):
         raise InputError(
             f"{calibration_file()}: the gain of {name!r} is damaged; correct or delete the file"
         )
@@ -76,7 +77,14 @@ def gain_of(name: str) -> float:
 def calibrated_actuator(name: str | Path) -> Actuator:
     """The actuator of that name or file with the gain it was calibrated to."""
     actuator = load_actuator(name)
-    return replace(actuator, gain_db=gain_of(actuator.name))
+    return replace(actuator, gain_db=gain_of(actuator))
+
+
+def _write(kept: dict[str, Any]) -> None:
+    path = calibration_file()
+    make_folder(path.parent)
+    with whole_file(path) as temporary:
+        temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
 
 
 def _read() -> dict[str, Any]:

@@ -13,7 +13,7 @@ import click
 
 from overview_dsp.cli.actuator_option import actuator_option
 from overview_dsp.cli.common import announce_compile, part_of, window_options
-from overview_dsp.cli.output_options import output_options, output_settings
+from overview_dsp.cli.output_options import SILENT, device_named, output_options, output_settings
 from overview_dsp.cli.timeline_options import (
     open_timeline,
     preset_for,
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from overview_dsp.engine import Engine
     from overview_dsp.live.output_settings import OutputSettings
     from overview_dsp.live.player import Stream
-
-SILENT = "none"
 
 
 @click.command(
@@ -151,12 +149,8 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
         return SILENT, sample_rate or 48_000.0
     from overview_dsp.live.portaudio import find_output
 
-    found = find_output(_wanted(device))
+    found = find_output(device_named(device))
     return f"{found.name} ({found.host})", sample_rate or found.sample_rate
-
-
-def _wanted(device: str | None) -> int | str | None:
-    return int(device) if device is not None and device.isdecimal() else device
 
 
 def _opener(
@@ -175,7 +169,7 @@ def _opener(
         if not first:
             rescan()
         first = False
-        return OutputStream(engine, _wanted(device), block_size, settings, callback)
+        return OutputStream(engine, device_named(device), block_size, settings, callback)
 
     return open_stream
 

@@ -109,7 +109,7 @@ def find_output(device: int | str | None) -> Output:
     try:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError) as error:
-        raise _no_stream(sounddevice, device, 0, 0.0, error) from None
+        raise no_stream(sounddevice, device, 0, 0.0, error) from None
     return next(output for output in outputs() if output.index == found["index"])
 
 
@@ -176,7 +176,7 @@ class OutputStream:
                 else sounddevice.OutputStream(callback=self._python_callback, **keywords)
             )
         except (sounddevice.PortAudioError, ValueError) as error:
-            raise _no_stream(sounddevice, device, channels, engine.sample_rate, error) from None
+            raise no_stream(sounddevice, device, channels, engine.sample_rate, error) from None
         _RUNNING.add(self)
 
     def _native_stream(self, sounddevice: Any, keywords: dict[str, Any]) -> Any:
@@ -292,7 +292,7 @@ def _loaded_file(name: str) -> str:
     raise OverviewError("the JACK server has gone; when it is back, start overview play again")
 
 
-def _no_stream(
+def no_stream(
     sounddevice: Any, device: Any, channels: int, sample_rate: float, error: Exception
 ) -> InputError:
     """Why an output can't be opened, and what to try."""
