@@ -145,3 +145,28 @@ def test_a_shaped_sweep_is_what_presets_are_driven_with(folder):
 def test_a_sweep_that_cannot_be_writes_nothing(folder, option):
     refused(overview("actuators", "sweep", "c2", *option))
     assert list(folder.iterdir()) == []
+
+
+def test_an_export_drives_the_pad_and_leaves_the_other_formats_as_they_are(folder, match, football):
+    tap = ("--gesture", "tap:0.5:0.2")
+    both = ("export", MATCH, *tap, "--to", "ahap", "--to", "wav4", "-o")
+    assert overview(*both, "plain").code == 0
+    done = overview(*both, "driven", "--actuator", "c2")
+    assert done.code == 0, done.err
+    assert "driven for C-2 tactor" in done.out
+    assert (folder / "plain.ahap").read_bytes() == (folder / "driven.ahap").read_bytes()
+    result = ov.render(match, football, ov.tap(0.5, 0.2), actuator=load_actuator("c2"))
+    samples, _ = soundfile.read(folder / "driven.wav")
+    plain, _ = soundfile.read(folder / "plain.wav")
+    for channel in (2, 3):
+        assert np.abs(samples[:, channel] - result.samples[:, 1]).max() < 1e-4
+    shared = min(len(samples), len(plain))
+    assert np.abs(samples[:shared, 2] - plain[:shared, 2]).max() > 0.01
+    report = json.loads(overview(*both, "again", "--actuator", "c2", "--json").out)
+    assert report[1]["actuator"]["name"] == "c2"
+
+
+def test_an_export_that_an_actuator_would_not_change_is_refused(folder):
+    words = ("changes wav4 alone", "--to wav4")
+    refused(overview("export", MATCH, "--to", "ahap", "--actuator", "c2"), *words)
+    assert list(folder.iterdir()) == []
