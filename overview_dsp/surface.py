@@ -1,6 +1,7 @@
 """Timeline + preset -> surface: the friction table B(phi) and the event table.
 
-    B = friction * (1 + ambience * intensity) + max over events of height * weight * profile
+    B = friction * (1 + ambience * intensity + pattern)
+        + max over events of height * weight * profile
 
 The intensity is the timeline's curve scaled to 0..1; where data is missing there are ribs instead
 (`gap_ribs`). Overlapping profiles combine by their maximum,
@@ -28,6 +29,7 @@ from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.gap_ribs import ribs
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
 from overview_dsp.profiles import Points, profile, reach, span
+from overview_dsp.surface_pattern import pattern
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Event, Timeline
@@ -139,6 +141,11 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     bare = preset.number("surface.friction")
     intensity = timeline.normalised_levels(CELLS)
     ambient = bare * (1.0 + preset.number("surface.ambience") * intensity)
+    made_of = preset.values["surface.pattern"]
+    if made_of != "none":
+        period = preset.number("surface.pattern_period_percent")
+        ridge = bare * preset.number("surface.pattern_height")
+        ambient += ridge * pattern(str(made_of), CELLS, period)
     if timeline.gaps:
         missing, friction = ribs(
             timeline.gaps,

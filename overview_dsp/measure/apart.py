@@ -23,6 +23,14 @@ APART_S = 0.030
 HOP_S = 0.002
 
 
+def knocks(level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The indices of the knocks in a level (dB, `HOP_S` apart)."""
+    from scipy.signal import find_peaks
+
+    found, _ = find_peaks(level, prominence=KNOCK_DB, distance=round(APART_S / HOP_S))
+    return np.asarray(found, dtype=np.int64)
+
+
 def events_felt_apart(
     stroke: Stroke,
     surface: Surface,
@@ -37,10 +45,8 @@ def events_felt_apart(
     columns : the trace (`cursor` is used)
     tactor : float32 (frames,), the tactor channel of the same render
     """
-    from scipy.signal import find_peaks
-
     cursor = columns["cursor"][stroke.start : stroke.stop]
     starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, HOP_S)
-    peaks, _ = find_peaks(level, prominence=KNOCK_DB, distance=round(APART_S / HOP_S))
+    peaks = knocks(level)
     middles = (starts[peaks] + WINDOW_S * sample_rate / 2.0).astype(np.int64)
     return int(np.count_nonzero(surface.in_span(cursor[np.minimum(middles, len(cursor) - 1)])))

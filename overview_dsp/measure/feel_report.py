@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.gestures import Gesture, sweep, tap
+from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering import Result, render
@@ -78,6 +79,12 @@ class StrokeReport:
         `slow`, `slow recoil`, ..., `tap`, `tap recoil`.
     event_free_db : float
         Weighted median level outside all events.
+    level_db : float
+        Weighted median level of all of it.
+    sharpness : float
+        Steepest rise of the torque in the median tenth of a second, N m/s.
+    density_hz : float
+        Pulses that are felt apart, a second: peaks a step above their surroundings, 30 ms apart.
     kinds : tuple of KindFeel
     alike : tuple of (kind, kind, steps)
         Pairs less than a step apart in level, sharpness and duration, and how far they are.
@@ -85,6 +92,9 @@ class StrokeReport:
 
     name: str
     event_free_db: float
+    level_db: float
+    sharpness: float
+    density_hz: float
     kinds: tuple[KindFeel, ...]
     alike: tuple[tuple[str, str, float], ...]
 
@@ -110,6 +120,9 @@ class FeelReport:
                 {
                     "name": stroke.name,
                     "event_free_db": _rounded(stroke.event_free_db),
+                    "level_db": _rounded(stroke.level_db),
+                    "sharpness": _rounded(stroke.sharpness),
+                    "density_hz": _rounded(stroke.density_hz),
                     "kinds": [
                         {key: _rounded(value) for key, value in vars(kind).items()}
                         for kind in stroke.kinds
@@ -260,7 +273,42 @@ def _stroke_report(name: str, stroke: Stroke, result: Result, timeline: Timeline
         for first, second in itertools.combinations(found, 2)
         if first.events and second.events and (apart := steps_apart(first, second)) < 1.0
     )
-    return StrokeReport(name, felt.event_free_db + weight, tuple(found), alike)
+    return StrokeReport(
+        name, felt.event_free_db + weight, *_character(stroke, result, weight), tuple(found), alike
+    )
+
+
+def _character(stroke: Stroke, result: Result, weight: float) -> tuple[float, float, float]:
+    """Level (dB), sharpness (N m/s) and density (a second) of all that is felt in a stroke."""
+    trace, rate = result.trace, result.sample_rate
+    assert trace is not None
+    level = window_db(result.samples[stroke.start : stroke.stop, 1], rate, HOP_S)[1]
+    if not len(level):
+        return math.nan, math.nan, 0.0
+    peaks = knocks(level)
+    slope = np.abs(np.diff(np.abs(trace.torque[stroke.start : stroke.stop]))) * rate
+    edges = np.arange(0, max(1, len(slope) - 1), max(1, round(0.1 * rate)))
+    steepest = np.maximum.reduceat(slope, edges) if len(slope) else np.zeros(1)
+    seconds = (stroke.stop - stroke.start) / rate
+    return float(np.median(level)) + weight, float(np.median(steepest)), len(peaks) / seconds
+
+
+def character_steps(first: FeelReport, second: FeelReport) -> float:
+    """Just noticeable steps between two presets on one timeline, in what they differ most in.
+
+    The medians over all strokes of the steps in level, in sharpness and in density.
+    """
+    differences = []
+    for one, other in zip(first.strokes, second.strokes, strict=True):
+        differences.append(
+            (
+                abs(one.level_db - other.level_db) / STEP_DB,
+                _ratio_steps(one.sharpness, other.sharpness, STEP_SHARPNESS),
+                # a pulse a second is the least that is called a rhythm
+                _ratio_steps(one.density_hz + 1.0, other.density_hz + 1.0, STEP_DURATION),
+            )
+        )
+    return float(np.nanmax(np.nanmedian(np.array(differences), axis=0)))
 
 
 def steps_apart(first: KindFeel, second: KindFeel) -> float:

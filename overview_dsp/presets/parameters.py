@@ -105,6 +105,8 @@ def _flag(id: str, doc: str) -> Parameter:
     return Parameter(id, False, 0.0, 1.0, "", doc, (False, True))
 
 
+PATTERNS = ("none", "waves", "ridges", "teeth", "grains")
+
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     {
         parameter.id: parameter
@@ -171,6 +173,32 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 20.0,
                 "x",
                 "Friction added where the intensity curve is at its top, in bare surfaces.",
+                surface=True,
+            ),
+            Parameter(
+                "surface.pattern",
+                "none",
+                doc="What the bare surface is made of: flat, or waves, ridges, teeth, grains.",
+                choices=PATTERNS,
+                surface=True,
+            ),
+            _number(
+                "surface.pattern_height",
+                1.0,
+                0.0,
+                100.0,
+                "x",
+                "Friction that the pattern adds at its top, in bare surfaces.",
+                surface=True,
+            ),
+            _number(
+                "surface.pattern_period_percent",
+                2.0,
+                0.05,
+                50.0,
+                "%",
+                "From one ridge of the pattern to the next, of the surface.",
+                "log",
                 surface=True,
             ),
             _number(
