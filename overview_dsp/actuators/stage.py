@@ -15,19 +15,23 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.actuator import drive_block
+from overview_dsp.skin import pacinian_db
 from overview_dsp.units import gain_to_db
 
-FAINT_DB = -6.0
-"""A carrier that the actuator answers with less than this deserves a word."""
+FAINT_DB = -12.0
+"""A carrier that is felt so much less than the resonance deserves a word."""
 
 
 def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
-    """Warn where a vibration of that frequency hardly moves the actuator."""
-    answer = actuator.response_db(frequency_hz)
-    if answer < FAINT_DB:
+    """Warn where a vibration of that frequency, made by the actuator, is hardly felt."""
+    resonance_hz = actuator.resonance_hz
+    felt = (
+        actuator.response_db(frequency_hz) + pacinian_db(frequency_hz) - pacinian_db(resonance_hz)
+    )
+    if felt < FAINT_DB:
         warnings.warn(
-            f"{actuator.name} moves {-answer:.0f} dB less at tactor.frequency_hz = "
-            f"{frequency_hz:g} than at its resonance; set that to {actuator.resonance_hz:g} Hz",
+            f"{actuator.name} is felt {-felt:.0f} dB less at tactor.frequency_hz = "
+            f"{frequency_hz:g} than at its resonance; set that to {resonance_hz:g} Hz",
             OverviewWarning,
             stacklevel=2,
         )

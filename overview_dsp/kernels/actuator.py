@@ -37,7 +37,7 @@ from overview_dsp.kernels.elementary import tanh_positive
 
 SILENCE = 1e-9  # a place, speed or taken part below it is zero
 LARGEST = 1e6  # of full scale: a signal beyond it counts as this
-COLD = 1e-24  # heat below it is zero
+COLD = 1e-24  # heat below it is zero once nothing is driven
 
 
 @point
@@ -115,7 +115,7 @@ def drive(m, w, at, x):
     if y * y > allowed:
         y = sqrt(allowed) if y > 0.0 else -sqrt(allowed)
     heat = kept + leak * (y * y)
-    m[at + layout.ACT_HEAT] = heat if heat > COLD else 0.0
+    m[at + layout.ACT_HEAT] = 0.0 if y == 0.0 and heat < COLD else heat
     move_mass(m, at, y)
     w[at + layout.ACT_SILENT] = w[at + layout.ACT_SILENT] + 1 if y == 0.0 else 0
     return y

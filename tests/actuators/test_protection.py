@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -47,6 +47,34 @@ def test_no_drive_passes_a_bundled_actuators_peak_or_rating(name, kind):
 def test_no_drive_passes_any_actuators_peak_or_rating(actuator, rate, kind):
     drive, _ = driven(actuator, signals(actuator, rate, 20_000)[kind], rate)
     held(actuator, drive, rate)
+
+
+FAINT = changed(
+    load_actuator("c2"),
+    drive__rated_rms=1e-4,
+    drive__peak=1e4,
+    drive__full_scale=1e4,
+    drive__duty=0.01,
+    drive__burst_ms=60_000.0,
+)
+"""As little heat a sample as there can be."""
+
+
+@settings(deadline=None, max_examples=100)
+@example(FAINT, 768_000.0, "tone")
+@given(actuators(), st.sampled_from((4500.0, 768_000.0)), st.sampled_from(KINDS))
+def test_the_heat_of_any_actuator_is_kept_and_never_passes_its_limit(actuator, rate, kind):
+    """Windows of hours too: sum(y**2) = (heat now - heat then) / leak + sum(heat)."""
+    drive, stage = driven(actuator, signals(actuator, rate, 5000)[kind], rate)
+    heat, limit, leak = (
+        stage._memory[column] for column in (layout.ACT_HEAT, layout.ACT_LIMIT, layout.ACT_LEAK)
+    )
+    assert heat <= limit
+    window = actuator.window_s * rate
+    assert limit * (1.0 / leak + window) <= actuator.mean_square * window
+    # nothing of it is lost but by its leak
+    kept = leak * (1.0 - leak) ** np.arange(len(drive))[::-1]
+    assert heat == pytest.approx(np.sum(np.square(drive) * kept), rel=1e-5, abs=0.0)
 
 
 @settings(deadline=None, max_examples=60)

@@ -55,7 +55,7 @@ def test_an_unknown_actuator_is_one_line_and_writes_nothing(folder):
 def test_a_carrier_beside_the_resonance_is_a_note(folder):
     done = overview("render", MATCH, *QUICK, "--actuator", "lra")
     assert done.code == 0
-    assert "note: lra moves" in done.err
+    assert "note: lra is felt" in done.err
 
 
 def test_a_device_keeps_its_actuator_until_another_or_none_is_named(tmp_path, monkeypatch):
