@@ -37,7 +37,7 @@ from overview_dsp.kernels.elementary import tanh_positive
 
 SILENCE = 1e-9  # a place, speed or taken part below it is zero
 LARGEST = 1e6  # of full scale: a signal beyond it counts as this
-COLD = 1e-24  # heat below it is zero once nothing is driven
+COLD = 1e-200  # heat below it is zero once nothing is driven: no drive heats so little
 
 
 @point
