@@ -69,29 +69,29 @@ def write_actuator(
     InputError
         A resonance that the sample rate (Hz) is too low for.
     """
+    wanted: dict[int, float] = {}
+    if actuator is not None:
+        wanted = {
+            layout.ACT_NOMINAL: actuator.nominal * db_to_gain(actuator.gain_db),
+            layout.ACT_BEND: TOP * actuator.nominal,
+            layout.ACT_PEAK: TOP * actuator.peak,
+            layout.ACT_ROOM: max(LEAST_ROOM, TOP * (actuator.peak - actuator.nominal)),
+            **_sharpening(actuator, sample_rate),
+            **_protection(actuator, sample_rate),
+            **_weighting(actuator, sample_rate),
+        }
     heat = float(memory[at + layout.ACT_HEAT])
     memory[at : at + layout.ACT_SIZE] = 0.0
-    if actuator is None:
-        return
-    memory.view(np.int64)[at + layout.ACT_ON] = 1
-    coefficients = {
-        layout.ACT_NOMINAL: actuator.nominal * db_to_gain(actuator.gain_db),
-        layout.ACT_BEND: TOP * actuator.nominal,
-        layout.ACT_PEAK: TOP * actuator.peak,
-        layout.ACT_ROOM: max(LEAST_ROOM, TOP * (actuator.peak - actuator.nominal)),
-        **_sharpening(actuator, sample_rate),
-        **_protection(actuator, sample_rate),
-        **_weighting(bool(actuator.values["shaping.equal_sensation"]), actuator, sample_rate),
-    }
-    for column, value in coefficients.items():
+    for column, value in wanted.items():
         memory[at + column] = value
     memory[at + layout.ACT_HEAT] = min(heat, float(memory[at + layout.ACT_LIMIT]))
+    memory.view(np.int64)[at + layout.ACT_ON] = actuator is not None
 
 
 def _sharpening(actuator: Actuator, sample_rate: float) -> dict[int, float]:
     """The mass's matrix, and the feedback that moves its poles to those of a lower Q."""
+    _check_rate(actuator, actuator.resonance_hz, sample_rate)
     turns = actuator.resonance_hz / sample_rate
-    _check_rate(actuator, turns, sample_rate)
     q = actuator.q
     wanted = max(LOWEST_Q, q / actuator.number("shaping.sharpen"))
     fall, slant, swing = _decay(turns, q)
@@ -152,12 +152,12 @@ def _protection(actuator: Actuator, sample_rate: float) -> dict[int, float]:
     }
 
 
-def _weighting(wanted: bool, actuator: Actuator, sample_rate: float) -> dict[int, float]:
+def _weighting(actuator: Actuator, sample_rate: float) -> dict[int, float]:
     """The section that raises what the skin feels less; 1 at `SKIN_HZ`."""
-    if not wanted:
+    if not actuator.values["shaping.equal_sensation"]:
         return {layout.ACT_W0: 1.0}
+    _check_rate(actuator, SKIN_HZ, sample_rate)
     turns = SKIN_HZ / sample_rate
-    _check_rate(actuator, turns, sample_rate)
     sine, cosine = _sine(turns), _cosine(turns)
     zeros, poles = 0.5 * sine * SKIN_WIDTH, 0.5 * sine * SKIN_WIDTH * SKIN_MOST
     scale = SKIN_MOST / (1.0 + poles)
@@ -170,9 +170,10 @@ def _weighting(wanted: bool, actuator: Actuator, sample_rate: float) -> dict[int
     }
 
 
-def _check_rate(actuator: Actuator, turns: float, sample_rate: float) -> None:
-    if not turns < HIGHEST_PART:
+def _check_rate(actuator: Actuator, frequency_hz: float, sample_rate: float) -> None:
+    # written so that NaN fails
+    if not frequency_hz / HIGHEST_PART < sample_rate < math.inf:
         raise InputError(
             f"actuator {actuator.name} needs a sample rate above "
-            f"{turns * sample_rate / HIGHEST_PART:.0f} Hz, not {sample_rate:g}"
+            f"{frequency_hz / HIGHEST_PART:.0f} Hz, not {sample_rate:g}"
         )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from overview_dsp.errors import InputError
-from overview_dsp.presets.parameters import Parameter, Value
+from overview_dsp.presets.parameters import Parameter, Value, did_you_mean
 
 LOWEST_Q, HIGHEST_Q = 0.6, 100.0
 MAX_CALIBRATION_DB = 30.0
@@ -54,6 +54,7 @@ ACTUATOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 )  # fmt: skip
 
 ONE_OF = ("resonance.q", "resonance.bandwidth_hz", "resonance.rise_ms")
+_OPTIONAL = (*ONE_OF, "drive.full_scale")
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class Actuator:
     ----------
     name, title, description : str
     values : mapping
-        By id, those of `ACTUATOR_PARAMETERS` that were said or have a default.
+        By id, those of `ACTUATOR_PARAMETERS` that are said; what is left out gets its default.
     source : str
         Its file.
     gain_db : float
@@ -79,7 +80,8 @@ class Actuator:
     gain_db: float = 0.0
 
     def __post_init__(self) -> None:
-        """InputError, which begins with the key, where the values don't fit each other."""
+        """InputError, which begins with the key, for a value that can't be, or not with another."""
+        object.__setattr__(self, "values", _checked(self.values))
         given = [id for id in ONE_OF if id in self.values]
         if len(given) != 1:
             what = "more than one" if given else "none"
@@ -161,3 +163,18 @@ class Actuator:
         """How much it moves at a frequency, dB of what it does at its resonance."""
         u = frequency_hz / self.resonance_hz
         return -10.0 * math.log10((self.q * (1.0 - u * u)) ** 2 + u * u)
+
+
+def _checked(given: Mapping[str, object]) -> dict[str, Value]:
+    for id in given:
+        if id not in ACTUATOR_PARAMETERS:
+            raise InputError(f"{id}: unknown key{did_you_mean(id, ACTUATOR_PARAMETERS)}")
+    values: dict[str, Value] = {}
+    for known in ACTUATOR_PARAMETERS.values():
+        if known.id in given:
+            values[known.id] = known.check(given[known.id])
+        elif known.default is not None:
+            values[known.id] = known.default
+        elif known.id not in _OPTIONAL:
+            raise InputError(f"{known.id} is missing; it is {known.allowed}")
+    return values

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.actuators.coefficients import write_actuator
 from overview_dsp.actuators.model import Actuator
-from overview_dsp.errors import OverviewWarning
+from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.actuator import drive_block
 from overview_dsp.skin import pacinian_db
@@ -76,8 +76,26 @@ class ActuatorStage:
         write_actuator(self._memory, 0, actuator, sample_rate)
 
     def process(self, samples: NDArray[np.float32], channel: int) -> None:
-        """Turn one channel of float32 (frames, channels) into the drive, in place."""
+        """Turn one channel of float32 (frames, channels) into the drive, in place.
+
+        Raises
+        ------
+        InputError
+            An array of the wrong type, shape or order, or one without that channel.
+        """
+        if (
+            not isinstance(samples, np.ndarray)
+            or samples.dtype != np.float32
+            or samples.ndim != 2
+            or not samples.flags.c_contiguous
+            or not samples.flags.writeable
+        ):
+            raise InputError(
+                "samples must be a writable, C-ordered float32 array (frames, channels)"
+            )
         frames, channels = samples.shape
+        if not 0 <= channel < channels:
+            raise InputError(f"channel {channel} is not one of {channels}, counted from 0")
         memory = self._memory
         w = memory.view(np.int64)
         drive_block(memory, w, 0, samples.reshape(-1), frames, channels, channel)

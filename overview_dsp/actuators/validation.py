@@ -5,14 +5,13 @@ from __future__ import annotations
 import tomllib
 from typing import Any
 
-from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, ONE_OF, Actuator
+from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, Actuator
 from overview_dsp.errors import InputError
 from overview_dsp.presets.parameters import Value, did_you_mean, shown
 from overview_dsp.presets.validation import line_of
 
 SCHEMA = 1
 _TEXTS = ("title", "description")
-_OPTIONAL = (*ONE_OF, "drive.full_scale")
 _SECTIONS = tuple(dict.fromkeys(id.split(".")[0] for id in ACTUATOR_PARAMETERS))
 
 
@@ -41,7 +40,7 @@ def parse_actuator(text: str, name: str, source: str) -> Actuator:
 
 
 def _values(data: dict[str, Any]) -> dict[str, Value]:
-    """The checked values by id; the message of an InputError begins with the key."""
+    """The values by id; the message of an InputError begins with the key."""
     known = ("schema", *_TEXTS, *_SECTIONS)
     for key in data:
         if key not in known:
@@ -67,14 +66,7 @@ def _read_section(section: str, given: object, found: dict[str, Value]) -> None:
     for key in given:
         if key not in keys:
             raise InputError(f"{section}.{_key(key)}: unknown key{did_you_mean(key, tuple(keys))}")
-    for key in keys:
-        known = ACTUATOR_PARAMETERS[f"{section}.{key}"]
-        if key in given:
-            found[known.id] = known.check(given[key])
-        elif known.default is not None:
-            found[known.id] = known.default
-        elif known.id not in _OPTIONAL:
-            raise InputError(f"{known.id} is missing; it is {known.allowed}")
+        found[f"{section}.{key}"] = given[key]
 
 
 def _key(key: str) -> str:

@@ -86,3 +86,25 @@ def test_a_render_until_rest_ends_after_the_drive_has(match, football):
         result = ov.render(match, football, ov.tap(0.2, 0.05), 8000, trace=False, actuator=slow)
     assert len(result.samples) > len(plain.samples)
     assert not result.samples[-round(0.05 * 8000) :].any()
+
+
+@pytest.mark.parametrize(
+    ("samples", "channel", "words"),
+    [
+        (np.zeros((8, 2)), 1, "float32"),
+        (np.zeros(8, dtype=np.float32), 0, r"\(frames, channels\)"),
+        (np.zeros((2, 8), dtype=np.float32).T, 1, "C-ordered"),
+        ([[0.0, 0.0]], 1, "array"),
+        (np.zeros((8, 2), dtype=np.float32), 2, "channel 2 is not one of 2"),
+        (np.zeros((8, 2), dtype=np.float32), -1, "channel -1 is not one of 2"),
+    ],
+)
+def test_what_a_stage_cannot_drive_is_one_line(samples, channel, words):
+    with pytest.raises(ov.InputError, match=words):
+        ActuatorStage(load_actuator("c2"), 48_000).process(samples, channel)
+
+
+@pytest.mark.parametrize("rate", [0.1, -48_000.0, float("nan"), float("inf")])
+def test_a_rate_that_cannot_be_is_one_line(rate):
+    with pytest.raises(ov.InputError, match="needs a sample rate above 556 Hz"):
+        ActuatorStage(load_actuator("c2"), rate)

@@ -187,3 +187,37 @@ def test_a_folder_or_a_huge_file_is_no_actuator(tmp_path):
     with pytest.raises(ov.InputError, match="larger than"):
         load_actuator(huge)
     assert os.path.getsize(huge) == 3_000_000
+
+
+C2_VALUES = ov.load_actuator("c2").values
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({**C2_VALUES, "drive.rated_rms": float("nan")}, "drive.rated_rms = nan is out of range"),
+        ({**C2_VALUES, "drive.peak": 1e9}, "drive.peak = 1e+09 is out of range"),
+        ({**C2_VALUES, "drive.peek": 1.0}, "drive.peek: unknown key; did you mean 'drive.peak'"),
+        ({**C2_VALUES, "shaping.sharpen": "4"}, "shaping.sharpen = '4' is not a number"),
+        ({}, "resonance.frequency_hz is missing"),
+    ],
+)
+def test_an_actuator_made_in_python_is_held_to_the_same_ranges(values, words):
+    with pytest.raises(ov.InputError) as error:
+        ov.Actuator("mine", "mine", "mine", values)
+    assert words in str(error.value)
+
+
+def test_an_actuator_made_in_python_needs_only_what_has_no_default():
+    given = {"resonance.frequency_hz": 250, "resonance.q": 4, "drive.rated_rms": 1, "drive.peak": 2}
+    mine = ov.Actuator("mine", "mine", "mine", given)
+    assert mine.values["shaping.sharpen"] == 1.0
+    assert mine.full_scale == 2.0
+    assert (mine.peak, mine.mean_square) == (1.0, 0.25)
+    assert mine.nominal == pytest.approx(math.sqrt(0.5))
+
+
+@pytest.mark.parametrize("gain_db", [31.0, -31.0, float("nan")])
+def test_a_calibration_out_of_range_is_refused(gain_db):
+    with pytest.raises(ov.InputError, match=r"calibration .* is out of range; it is -30 to 30 dB"):
+        ov.Actuator("mine", "mine", "mine", C2_VALUES, gain_db=gain_db)
