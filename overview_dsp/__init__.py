@@ -18,6 +18,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from overview_dsp.actuators import Actuator, load_actuator
 from overview_dsp.errors import (
     InputError,
     NotPreparedError,
@@ -58,6 +59,7 @@ _LATE = {
 
 __all__ = [
     "PARAMETERS",
+    "Actuator",
     "Engine",
     "Event",
     "Gesture",
@@ -80,6 +82,7 @@ __all__ = [
     "Trace",
     "build_surface",
     "bundled_names",
+    "load_actuator",
     "load_gesture",
     "load_preset",
     "load_timeline",

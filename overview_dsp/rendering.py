@@ -11,6 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.actuators.model import Actuator
+from overview_dsp.actuators.stage import ActuatorStage, Protected, warn_of_carrier
 from overview_dsp.changes import apply_change
 from overview_dsp.engine import TRACE_COLUMNS, Engine, Strikes
 from overview_dsp.errors import InputError
@@ -25,6 +27,9 @@ LONGEST_TAIL_S = 30.0
 MAX_TAIL_S = 24 * 3600.0
 FED_AHEAD = 4000
 """Control events that may wait in the engine: its ring holds 4096."""
+
+TACTOR = 1
+"""The tactor's channel."""
 
 REST_S = 0.05
 """At rest: for so long the disk is where its springs want it and both channels are zero."""
@@ -95,6 +100,8 @@ class Result:
         The events passed.
     engine : Engine
         As it stands after the gesture: surface, meters, parameters.
+    protected : Protected or None
+        What an actuator's protection did; the tactor's samples are its drive then.
     """
 
     samples: NDArray[np.float32]
@@ -102,6 +109,7 @@ class Result:
     trace: Trace | None
     strikes: Strikes
     engine: Engine
+    protected: Protected | None = None
 
     def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
         """Write the samples to a sound file; the suffix says the format (WAV, FLAC, ...)."""
@@ -155,10 +163,12 @@ def blocks(
     tail: Tail = "rest",
     trace: bool = True,
     progress: Progress | None = None,
+    stage: ActuatorStage | None = None,
 ) -> Iterator[Block]:
     """Play a gesture through a prepared engine, block by block, in constant memory.
 
     `progress` is told the part done, 0 to 1. The blocks' arrays are their reader's to keep.
+    With an actuator's `stage`, the tactor's samples are its drive.
     """
     tail = checked_tail(tail)
     rate = engine.sample_rate
@@ -201,9 +211,13 @@ def blocks(
         samples = np.empty((frames, 2), dtype=np.float32)
         table = np.empty((frames, len(TRACE_COLUMNS))) if trace else None
         engine.process(samples, table)
+        if stage is not None:
+            stage.process(samples, TACTOR)
         done += frames
         meters = engine.meters
         at_rest = min(meters.silent_samples, meters.still_samples, done - end)
+        if stage is not None:
+            at_rest = min(at_rest, stage.silent_samples)
         finished = tail == "rest" and at_rest >= quiet
         if finished:
             # cut where rest was reached: the end doesn't depend on the blocks
@@ -226,10 +240,12 @@ def render(
     *,
     tail: Tail = "rest",
     trace: bool = True,
+    actuator: Actuator | None = None,
 ) -> Result:
     """Render a gesture to arrays.
 
     `tail` is "rest" (on until the disk has come to rest, at most 30 s), "none" or seconds.
+    With an `actuator` the tactor's channel is its drive, within what it may be given.
     The same arguments give the same bits on every machine.
 
     Raises
@@ -242,11 +258,21 @@ def render(
     nothing = Block(
         np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes()
     )
-    rendered = [nothing, *blocks(engine, gesture, tail, trace)]
+    stage = _stage(actuator, engine)
+    rendered = [nothing, *blocks(engine, gesture, tail, trace, stage=stage)]
     samples = np.concatenate([block.samples for block in rendered])
     table = np.concatenate([b.trace for b in rendered if b.trace is not None])
     strikes = join_strikes([block.strikes for block in rendered])
-    return Result(samples, engine.sample_rate, Trace(table) if trace else None, strikes, engine)
+    kept = Trace(table) if trace else None
+    protected = stage.protected if stage is not None else None
+    return Result(samples, engine.sample_rate, kept, strikes, engine, protected)
+
+
+def _stage(actuator: Actuator | None, engine: Engine) -> ActuatorStage | None:
+    if actuator is None:
+        return None
+    warn_of_carrier(actuator, engine.preset.number("tactor.frequency_hz"))
+    return ActuatorStage(actuator, engine.sample_rate)
 
 
 def join_strikes(parts: list[Strikes]) -> Strikes:
@@ -271,6 +297,7 @@ def render_to_file(
     subtype: str | None = None,
     trace_path: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
+    actuator: Actuator | None = None,
 ) -> Rendered:
     """Render a gesture to a sound file, and its trace to a .npz or .csv, in constant memory.
 
@@ -286,13 +313,14 @@ def render_to_file(
 
     engine = Engine(preset, timeline, seed=seed)
     engine.prepare(sample_rate, BLOCK)
+    stage = _stage(actuator, engine)
     peaks = np.zeros(2)
     strikes = 0
     with (
         SoundWriter(Path(path), engine.sample_rate, subtype) as sound,
         TraceWriter(Path(trace_path) if trace_path is not None else None) as traced,
     ):
-        for block in blocks(engine, gesture, tail, trace_path is not None, progress):
+        for block in blocks(engine, gesture, tail, trace_path is not None, progress, stage):
             sound.write(block.samples)
             if block.trace is not None:
                 traced.write(block.trace)
@@ -302,15 +330,21 @@ def render_to_file(
         sound.finish()
         traced.finish()
         frames, note = sound.frames, sound.note
-    return Rendered(frames / engine.sample_rate, tuple(peaks.tolist()), strikes, note, engine)
+    protected = stage.protected if stage is not None else None
+    seconds = frames / engine.sample_rate
+    return Rendered(seconds, tuple(peaks.tolist()), strikes, note, engine, protected)
 
 
 @dataclass(frozen=True)
 class Rendered:
-    """What was written: duration (s), peak of click and tactor (linear), strikes, format note."""
+    """What was written: duration (s), peak of click and tactor (linear), strikes, format note.
+
+    `protected` is what an actuator's protection did, if there was one.
+    """
 
     duration_s: float
     peaks: tuple[float, ...]
     strikes: int
     note: str
     engine: Engine
+    protected: Protected | None = None

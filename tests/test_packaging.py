@@ -142,6 +142,18 @@ def test_a_wheel_finds_its_presets_and_its_match_from_any_folder(installed, tmp_
     assert [names, title, friction] == checkout[1:]
 
 
+def test_a_wheel_finds_its_actuators_from_any_folder(installed, tmp_path):
+    code = """
+import json
+from overview_dsp.actuators import actuator_names, load_actuator
+print(json.dumps([[name, load_actuator(name).source] for name in actuator_names()]))
+"""
+    found = json.loads(python(code, tmp_path, installed, OVERVIEW_ACTUATORS=str(tmp_path)))
+    expected = sorted(path.stem for path in (ROOT / "actuators").glob("*.toml"))
+    assert [name for name, _ in found] == expected
+    assert all(Path(source).is_relative_to(installed) for _, source in found)
+
+
 def test_a_wheel_has_the_command_line_and_renders(installed, tmp_path):
     assert (installed / "bin").is_dir() or (installed / "Scripts").is_dir()
     python(

@@ -20,6 +20,7 @@ COMMANDS = {
     "timeline": ("timeline", "Show what was understood from a file, and convert it."),
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "presets": ("presets", "List, show and check presets."),
+    "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
     "devices": ("devices", "List the audio outputs, and what is missing."),
     "bench": ("bench", "Measure how fast the engine runs here."),

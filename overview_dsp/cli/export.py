@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from overview_dsp.cli.actuator_option import actuator_option, calibrated, told
 from overview_dsp.cli.common import (
     announce_compile,
     part_of,
@@ -23,6 +24,9 @@ from overview_dsp.cli.timeline_options import (
 from overview_dsp.gestures.spec import FORMS
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
+DRIVEN = "wav4"
+"""The format that an actuator is driven by."""
+
 _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 
 
@@ -51,6 +55,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 )
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
+@actuator_option
 @window_options
 @timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
@@ -63,12 +68,19 @@ def command(
     points: float,
     tail: str,
     seed: int,
+    actuator: str | None,
     window: tuple[str, str] | None,
     zoom_to: str | None,
     load: dict[str, Any],
     as_json: bool,
 ) -> None:
-    """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt."""
+    """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt.
+
+    An actuator is driven by wav4 alone: the other formats hold how strong it is to feel, and the
+    device that plays them makes its drive.
+    """
+    from overview_dsp.actuators.stage import protected_report
+    from overview_dsp.errors import InputError
     from overview_dsp.export import export
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.presets import load_preset
@@ -80,9 +92,15 @@ def command(
         data = data.window(*part)
     chosen = load_preset(preset_for(data, preset))
     movement, rest = parse_gesture(gesture), tail_of(tail)
-    announce_compile()
+    driven = calibrated(actuator)
+    if driven is not None and DRIVEN not in formats:
+        raise InputError(
+            f"--actuator {actuator} changes {DRIVEN} alone, which is not among the formats: add "
+            f"--to {DRIVEN}, or leave it out"
+        )
+    announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as tell:
-        result = render(data, chosen, movement, seed=seed, tail=rest)
+        result = render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
         tell(1.0)
     reports: list[dict[str, Any]] = []
     for to in dict.fromkeys(formats):
@@ -96,6 +114,8 @@ def command(
                 "largest_error_db": round(done.error.largest_db, 2),
                 "within_step_percent": round(done.error.within_percent, 1),
             }
+        else:
+            report["actuator"] = protected_report(driven, result.protected)
         reports.append(report)
     if as_json:
         print_json(reports)
@@ -104,6 +124,8 @@ def command(
         files = " and ".join(report["files"])
         if "points" not in report:
             click.echo(f"{files}: four channels, clicks on 1 and 2, vibration on 3 and 4")
+            if driven and result.protected:
+                click.echo(told(driven, result.protected))
             continue
         click.echo(
             f"{files}: {report['points']} points, {report['transients']} strikes; against the "

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from overview_dsp.cli.actuator_option import actuator_option
 from overview_dsp.cli.common import announce_compile, part_of, window_options
+from overview_dsp.cli.output_options import SILENT, device_named, output_options, output_settings
 from overview_dsp.cli.timeline_options import (
     open_timeline,
     preset_for,
@@ -23,22 +25,6 @@ if TYPE_CHECKING:
     from overview_dsp.engine import Engine
     from overview_dsp.live.output_settings import OutputSettings
     from overview_dsp.live.player import Stream
-
-SILENT = "none"
-
-
-def _signal_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    for name in ("tactor", "click"):
-        options = (
-            click.option(f"--{name}-channel", type=int, help="Its output channel, 0 = none."),
-            click.option(f"--{name}-gain", type=float, metavar="DB", help="-60 to 24 dB."),
-            click.option(f"--{name}-mute/--no-{name}-mute", default=None, help="Silence it."),
-            click.option(f"--{name}-delay", type=float, metavar="MS", help="0 to 100 ms."),
-            click.option(f"--{name}-ceiling", type=float, metavar="DB", help="-60 to 0 dBFS."),
-        )
-        for option in reversed(options):
-            function = option(function)
-    return function
 
 
 @click.command(
@@ -62,7 +48,8 @@ def _signal_options(function: Callable[..., Any]) -> Callable[..., Any]:
     "--headless", "--json", "headless", is_flag=True, help="Lines of JSON, as without a terminal."
 )
 @timeline_options
-@_signal_options
+@actuator_option
+@output_options
 def command(
     timeline: str,
     preset: str | None,
@@ -78,14 +65,16 @@ def command(
     seconds: float | None,
     headless: bool,
     load: dict[str, Any],
+    actuator: str | None,
     **signals: Any,
 ) -> None:
     """Play TIMELINE live: drag, tap and let go with the mouse or the keys, and hear and feel it.
 
     Without a terminal (or with --headless) it prints a line of JSON a second and a summary. The
-    preset's file is watched: save it, feel it. Channels, gains, mutes, delays and ceilings are
-    remembered for each output device.
+    preset's file is watched: save it, feel it. Channels, gains, mutes, delays, ceilings and the
+    actuator are remembered for each output device.
     """
+    from overview_dsp.actuators.stage import warn_of_carrier
     from overview_dsp.errors import InputError
     from overview_dsp.files import require_writable
     from overview_dsp.gestures import parse_gesture
@@ -105,7 +94,10 @@ def command(
     watch = PresetWatch(preset_for(data, preset))
     gesture = parse_gesture(source) if source is not None and source != "-" else None
     name, rate = _device(device, sample_rate)
-    before, settings = _settings(name, signals)
+    chosen = output_settings(None if device == SILENT else name, signals, actuator)
+    settings = chosen.settings
+    if settings.actuator is not None:
+        warn_of_carrier(settings.actuator, watch.preset.number("tactor.frequency_hz"))
     native = callback == "native" and device != SILENT
     announce_compile("_callback" if native else "finish_block")
     player = Player(
@@ -139,7 +131,7 @@ def command(
                 run(player, hand, stopped=lambda: bool(received))
         finally:
             player.close()
-            if device != SILENT and player.settings != before:
+            if device != SILENT and chosen.differ(player.settings):
                 save_settings(name, player.settings)
     if record is not None:
         click.echo(f"{record}: the take, to the bit", err=True)
@@ -157,30 +149,8 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
         return SILENT, sample_rate or 48_000.0
     from overview_dsp.live.portaudio import find_output
 
-    found = find_output(_wanted(device))
+    found = find_output(device_named(device))
     return f"{found.name} ({found.host})", sample_rate or found.sample_rate
-
-
-def _wanted(device: str | None) -> int | str | None:
-    return int(device) if device is not None and device.isdecimal() else device
-
-
-def _settings(name: str, given: dict[str, Any]) -> tuple[OutputSettings, OutputSettings]:
-    """The device's settings as remembered, and with what was asked for now."""
-    from overview_dsp.live.output_settings import OutputSettings, load_settings
-
-    kept = OutputSettings() if name == SILENT else load_settings(name)
-    keys = {"channel": "channel", "gain": "gain_db", "mute": "mute", "delay": "delay_ms",
-            "ceiling": "ceiling_db"}  # fmt: skip
-    changes = {
-        output: {
-            key: given[f"{output}_{option}"]
-            for option, key in keys.items()
-            if given[f"{output}_{option}"] is not None
-        }
-        for output in ("click", "tactor")
-    }
-    return kept, kept.changed(**changes)
 
 
 def _opener(
@@ -199,7 +169,7 @@ def _opener(
         if not first:
             rescan()
         first = False
-        return OutputStream(engine, _wanted(device), block_size, settings, callback)
+        return OutputStream(engine, device_named(device), block_size, settings, callback)
 
     return open_stream
 

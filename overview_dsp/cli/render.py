@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from overview_dsp.cli.actuator_option import actuator_option, calibrated, told
 from overview_dsp.cli.common import (
     announce_compile,
     part_of,
@@ -36,6 +37,7 @@ from overview_dsp.gestures.spec import FORMS
 @click.option("--subtype", help="How samples are stored: PCM_16, PCM_24, FLOAT, ...")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
+@actuator_option
 @window_options
 @timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
@@ -49,6 +51,7 @@ def command(
     subtype: str | None,
     seed: int,
     tail: str,
+    actuator: str | None,
     window: tuple[str, str] | None,
     zoom_to: str | None,
     load: dict[str, Any],
@@ -59,6 +62,7 @@ def command(
     TIMELINE is any supported file, told by its content, or the bundled match
     (world-cup-final-2018).
     """
+    from overview_dsp.actuators.stage import protected_report
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render_to_file, tail_of
@@ -71,7 +75,8 @@ def command(
     chosen = load_preset(preset_for(data, preset))
     movement = parse_gesture(gesture)
     rest = tail_of(tail)
-    announce_compile()
+    driven = calibrated(actuator)
+    announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar(f"rendering {Path(out).name}") as tell:
         done = render_to_file(
             data,
@@ -84,6 +89,7 @@ def command(
             subtype=subtype,
             trace_path=trace,
             progress=tell,
+            actuator=driven,
         )
     click_db, tactor_db = (round(gain_to_db(peak), 1) if peak else None for peak in done.peaks)
     if as_json:
@@ -99,6 +105,7 @@ def command(
                 "peak_click_dbfs": click_db,
                 "peak_tactor_dbfs": tactor_db,
                 "format": done.note,
+                "actuator": protected_report(driven, done.protected),
             }
         )
         return
@@ -106,6 +113,8 @@ def command(
         f"{out}: {chosen.name}, {clock_text(done.duration_s)}, {done.strikes} strikes, "
         f"peaks {_level(click_db)} click and {_level(tactor_db)} tactor, {done.note}"
     )
+    if driven and done.protected:
+        click.echo(told(driven, done.protected))
     for kind, count in done.engine.surface.left_out.items():
         click.echo(
             f"left out: {count} {kind}, too dense to be felt one by one; use a shorter window"

@@ -6,6 +6,8 @@ For click and tactor each a gain, a delay and a ceiling, and for both the fade t
 
 `part` is 1 where a ceiling below full scale or a gain above 1 asks for the limiter, else 0: with
 gain 1, delay 0 and part 0 not a bit is changed. All four glide or crossfade for `S_GLIDE` samples.
+Where an actuator is chosen, its drive (`actuator.py`) is made from the tactor's gained and delayed
+signal; the ceiling comes last and can only take away.
 
 Thread: audio.
 """
@@ -13,11 +15,13 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.actuator import drive
 from overview_dsp.kernels.compiling import entry, point
 from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.limiter import limit
 
 FULL_SCALE = 1.0
+TACTOR = 1  # of the signals, the one that an actuator gets
 
 
 @point
@@ -67,6 +71,7 @@ def treat(m, w, out, frames, channels, signal, channel):
     line = layout.L_LINES + signal * layout.DELAY_LINE
     written = w[layout.L_LINE]
     peak = m[layout.L_PEAK + signal]
+    driven = signal == TACTOR and w[layout.L_ACTUATOR + layout.ACT_ON] == 1
     for n in range(frames):
         at = written + n
         m[line + (at & (layout.DELAY_LINE - 1))] = float(out[channel + n * channels])
@@ -74,6 +79,8 @@ def treat(m, w, out, frames, channels, signal, channel):
         ceiling = glided(m, w, layout.SIGNALS + signal, per_glide)
         part = glided(m, w, 2 * layout.SIGNALS + signal, per_glide)
         y = gain * delayed(m, w, signal, line, at, per_glide)
+        if driven:
+            y = drive(m, w, layout.L_ACTUATOR, y)
         if part > 0.0:
             y = y + part * (limit(y, ceiling) - y)
         y = min(max(y, -FULL_SCALE), FULL_SCALE)

@@ -207,7 +207,47 @@ L_BUSY = (
 )  # w: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
 BINS_AN_OCTAVE = 4
 SHORTEST_S = 1e-7
-SURFACES = L_BUSY + BUSY_BINS
+# an actuator's drive (actuator.py), relative to its start: coefficients, then state, then meters
+(
+    ACT_ON,  # w: 1 = the signal goes through it
+    ACT_NOMINAL,  # drive of a signal of 1, of full scale
+    ACT_BEND,  # where the drive asked for begins to bend towards the peak
+    ACT_PEAK,  # no drive passes it
+    ACT_ROOM,  # from that bend to the peak
+    ACT_FORWARD,  # inverse filter: what of the drive asked for is given,
+    ACT_FROM_PLACE,  # and what of the modelled mass's place
+    ACT_FROM_SPEED,  # and speed is taken off
+    ACT_A11,  # the modelled mass, a sample: place from place
+    ACT_A12,  # place from speed
+    ACT_A21,
+    ACT_A22,
+    ACT_B1,  # place from drive
+    ACT_B2,
+    ACT_LEAK,  # how fast heat is lost, a sample
+    ACT_LIMIT,  # heat that is never passed, full scale squared
+    ACT_KNEE,  # 1 / the heat below that within which the drive is taken back
+    ACT_FOLLOW,  # smoothing of that, a sample
+    ACT_W0,  # the skin's weighting: a second-order section
+    ACT_W1,
+    ACT_W2,
+    ACT_W_BACK_1,
+    ACT_W_BACK_2,
+    ACT_STATE,
+) = range(24)
+(
+    ACT_W_DELAY_1,
+    ACT_W_DELAY_2,
+    ACT_PLACE,  # of the modelled mass, in drives: where a steady drive of 1 would hold it
+    ACT_SPEED,  # over its resonance's angular frequency
+    ACT_HEAT,  # mean square of the drive, leaking
+    ACT_TAKEN,  # part of the drive's power that is taken back
+    ACT_MOST_TAKEN,  # highest of that so far
+    ACT_AT_PEAK,  # w: samples held at the peak so far
+    ACT_SILENT,  # w: samples since the drive was last other than zero
+) = range(ACT_STATE, ACT_STATE + 9)
+ACT_SIZE = 40
+L_ACTUATOR = L_BUSY + BUSY_BINS
+SURFACES = L_ACTUATOR + ACT_SIZE
 
 # --- a surface slot, relative to its start -----------------------------------------------------
 SLOT_EVENTS = 0  # w: number of events

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from overview_dsp.actuators.stage import protected_report
 from overview_dsp.live.player import Input, Player, Status
 from overview_dsp.units import gain_to_db
 
@@ -78,6 +79,7 @@ def _summary(status: Status) -> dict[str, Any]:
         "callback_p50_us": round(status.median_s * 1e6, 2),
         "callback_p99_us": round(status.p99_s * 1e6, 2),
         "callback_max_us": round(status.longest_s * 1e6, 2),
+        "actuator": protected_report(status.actuator, status.protected),
         "recording": status.recording,
     }
 

@@ -1,4 +1,6 @@
-"""What each output device is given: channels, gain, mute, delay and ceiling; kept per device.
+"""What each output device is given: channels, gain, mute, delay, ceiling, and an actuator.
+
+They are kept per device.
 
 They come after the engine: a recording doesn't hold them, and a replay doesn't need them.
 """
@@ -16,6 +18,9 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
+from overview_dsp.actuators import Actuator
+from overview_dsp.actuators.coefficients import write_actuator
+from overview_dsp.actuators.library import reference
 from overview_dsp.errors import InputError
 from overview_dsp.files import whole_file
 from overview_dsp.kernels import layout
@@ -55,10 +60,11 @@ class SignalSettings:
 
 @dataclass(frozen=True)
 class OutputSettings:
-    """Both signals' ways out of a device."""
+    """Both signals' ways out of a device, and the actuator that the tactor's signal drives."""
 
     click: SignalSettings = field(default_factory=lambda: SignalSettings(1))
     tactor: SignalSettings = field(default_factory=lambda: SignalSettings(2))
+    actuator: Actuator | None = None
 
     def __post_init__(self) -> None:
         if self.click.channel and self.click.channel == self.tactor.channel:
@@ -80,15 +86,29 @@ class OutputSettings:
         self, click: Mapping[str, Any] | None = None, tactor: Mapping[str, Any] | None = None
     ) -> OutputSettings:
         """These settings with some of the click's and of the tactor's changed."""
-        return OutputSettings(
-            replace(self.click, **(click or {})), replace(self.tactor, **(tactor or {}))
+        return replace(
+            self,
+            click=replace(self.click, **(click or {})),
+            tactor=replace(self.tactor, **(tactor or {})),
         )
 
     def write(self, memory: NDArray[np.float64], sample_rate: float, at_once: bool = False) -> None:
-        """Ask the audio thread for these; it glides there, unless `at_once` (before it runs)."""
+        """Ask the audio thread for these; it glides there, unless `at_once` (before it runs).
+
+        The actuator is taken `at_once` only: it stays for as long as a stream runs.
+
+        Raises
+        ------
+        InputError
+            A sample rate (Hz) that is too low for the actuator.
+        """
+        if at_once:
+            write_actuator(memory, layout.L_ACTUATOR, self.actuator, sample_rate)
         w = memory.view(np.int64)
         for index, signal in enumerate(self.signals):
-            limited = signal.ceiling_db < MAX_CEILING_DB or signal.gain > 1.0
+            # an actuator's drive has its own limit
+            loud = signal.gain > 1.0 and not (signal is self.tactor and self.actuator)
+            limited = signal.ceiling_db < MAX_CEILING_DB or loud
             wanted = (signal.gain, db_to_gain(signal.ceiling_db), float(limited))
             for row, value in enumerate(wanted):
                 at = row * layout.SIGNALS + index
@@ -114,7 +134,7 @@ def settings_file() -> Path:
 
 
 def load_settings(device: str) -> OutputSettings:
-    """The settings last used with a device (by its name), or the defaults.
+    """The settings last used with a device (by its name), or the defaults; without the actuator.
 
     Raises
     ------
@@ -138,10 +158,21 @@ def load_settings(device: str) -> OutputSettings:
         ) from None
 
 
+def remembered_actuator(device: str) -> str | None:
+    """What the actuator last used with a device is loaded by, or None; InputError as above."""
+    kept = _read().get(device)
+    name = kept.get("actuator") if isinstance(kept, dict) else None
+    return None if name is None else str(name)
+
+
 def save_settings(device: str, settings: OutputSettings) -> None:
     """Remember settings for a device; InputError or OutputError if that can't be written."""
     kept = _read()
-    kept[device] = asdict(settings)
+    kept[device] = {
+        "click": asdict(settings.click),
+        "tactor": asdict(settings.tactor),
+        "actuator": None if settings.actuator is None else reference(settings.actuator),
+    }
     path = settings_file()
     path.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(path) as temporary:

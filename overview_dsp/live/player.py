@@ -16,8 +16,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+from overview_dsp.actuators import Actuator
+from overview_dsp.actuators.stage import Protected, read_protected
 from overview_dsp.engine import Engine
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
+from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.recorder import Recorder
@@ -73,7 +76,8 @@ class Status:
     `time_s` played; `cursor` and `finger` 0 to 1; `torque` and the preset's `full_torque`, N m;
     `peak_click` and `peak_tactor` (linear, as the device got them) since the last poll; the
     output's `callbacks`, `late` ones, `underflows`, `frames` and `frames_lost` (to about a block);
-    control events `dropped`; callback times, s; `messages` for the person, new since the last poll.
+    control events `dropped`; callback times, s; what the actuator's protection did (`protected`);
+    `messages` for the person, new since the last poll.
     """
 
     time_s: float
@@ -100,6 +104,8 @@ class Status:
     block_size: int
     click_muted: bool
     tactor_muted: bool
+    actuator: Actuator | None
+    protected: Protected | None
     recording: str | None
     messages: tuple[str, ...]
 
@@ -369,6 +375,7 @@ class Player:
         self._messages.clear()
         click, tactor = take_peaks(engine.memory)
         callbacks, late, underflows, frames = self._earlier
+        driven = self.settings.actuator
         return Status(
             time_s=engine.sample_time / engine.sample_rate,
             cursor=meters.cursor,
@@ -394,6 +401,8 @@ class Player:
             block_size=self._block_size,
             click_muted=self.settings.click.mute,
             tactor_muted=self.settings.tactor.mute,
+            actuator=driven,
+            protected=None if driven is None else read_protected(engine.memory, layout.L_ACTUATOR),
             recording=None if self._record is None else os.fspath(self._record),
             messages=messages,
         )

@@ -109,7 +109,7 @@ def find_output(device: int | str | None) -> Output:
     try:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError) as error:
-        raise _no_stream(sounddevice, device, 0, 0.0, error) from None
+        raise no_stream(sounddevice, device, 0, 0.0, error) from None
     return next(output for output in outputs() if output.index == found["index"])
 
 
@@ -134,7 +134,7 @@ class OutputStream:
         """Open an output device (None = the default) at the engine's sample rate; `start` plays.
 
         `block_size` is in frames; 0 lets the device choose, at most the engine's prepared size.
-        `settings` say which channels, gains, delays and ceilings; left out,
+        `settings` say which channels, gains, delays, ceilings and actuator; left out,
         the engine's channels and the signals as they are.
 
         Raises
@@ -176,7 +176,7 @@ class OutputStream:
                 else sounddevice.OutputStream(callback=self._python_callback, **keywords)
             )
         except (sounddevice.PortAudioError, ValueError) as error:
-            raise _no_stream(sounddevice, device, channels, engine.sample_rate, error) from None
+            raise no_stream(sounddevice, device, channels, engine.sample_rate, error) from None
         _RUNNING.add(self)
 
     def _native_stream(self, sounddevice: Any, keywords: dict[str, Any]) -> Any:
@@ -207,7 +207,7 @@ class OutputStream:
             raise self._sounddevice.CallbackStop
 
     def set(self, settings: OutputSettings) -> None:
-        """Change gains, mutes, delays and ceilings while it plays; the channels stay."""
+        """Change gains, mutes, delays and ceilings while it plays; channels and actuator stay."""
         settings.write(self._memory, self._engine.sample_rate)
 
     def start(self) -> None:
@@ -292,7 +292,7 @@ def _loaded_file(name: str) -> str:
     raise OverviewError("the JACK server has gone; when it is back, start overview play again")
 
 
-def _no_stream(
+def no_stream(
     sounddevice: Any, device: Any, channels: int, sample_rate: float, error: Exception
 ) -> InputError:
     """Why an output can't be opened, and what to try."""

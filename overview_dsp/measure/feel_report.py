@@ -32,6 +32,7 @@ from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering import Result, render
+from overview_dsp.skin import pacinian_db
 from overview_dsp.timeline import Timeline
 
 STEP_DB = 2.3
@@ -51,21 +52,7 @@ GESTURES: Mapping[str, Gesture] = {
 }
 """Slow, medium and fast sweeps over all of the timeline, and a tap at its end."""
 
-_BEST_HZ = (200.0, 300.0)
-_DB_AN_OCTAVE = 10.0
 _CLICK_BEFORE_S, _CLICK_AFTER_S = 0.005, 0.060
-
-
-def pacinian_db(frequency_hz: float) -> float:
-    """How much weaker a vibration is felt than one of the same amplitude at 200 to 300 Hz, dB <= 0.
-
-    20 dB from 200 to 50 Hz (the equal-sensation filter of Google's audio-to-tactile), the same
-    slope taken above 300 Hz; the threshold is lowest at 150 to 300 Hz (Brisben, Hsiao, Johnson
-    1999).
-    """
-    low, high = _BEST_HZ
-    beyond = max(math.log2(low / frequency_hz), math.log2(frequency_hz / high), 0.0)
-    return -_DB_AN_OCTAVE * beyond
 
 
 @dataclass(frozen=True)

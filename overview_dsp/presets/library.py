@@ -112,12 +112,12 @@ def preset_text(path: Path) -> str:
     except OSError as error:
         raise InputError(f"{path}: can't be read ({error.strerror})") from None
     if data is None:
-        raise InputError(f"{path}: larger than {MAX_BYTES:,} bytes; a preset is a short TOML file")
+        raise InputError(f"{path}: larger than {MAX_BYTES:,} bytes; it is a short TOML file")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{path}: not UTF-8 text (byte {error.start}); a preset is a TOML file"
+            f"{path}: not UTF-8 text (byte {error.start}); it is a TOML file"
         ) from None
 
 

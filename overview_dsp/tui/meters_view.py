@@ -44,6 +44,8 @@ class MetersView(Static):
             f"\n{status.output}, {status.callback} callback, {status.sample_rate:g} Hz, "
             f"{status.block_size} frames, latency {status.latency_s * 1e3:.1f} ms"
         )
+        if status.actuator is not None and status.protected is not None:
+            text.append(f", {status.actuator.name} {-status.protected.taken_db:.1f} dB")
         trouble = status.late + status.underflows + status.dropped
         text.append(
             f"\n{status.callbacks} callbacks, {status.late} late, {status.underflows} underflows, "

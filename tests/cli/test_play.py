@@ -36,6 +36,15 @@ def test_a_gesture_plays_prints_a_line_a_second_and_a_summary(tmp_path, match, f
     assert len(result.strikes) > 20
 
 
+def test_a_session_is_driven_for_an_actuator_and_says_so():
+    done = played("--input", "tap:0.5:0.2", "--actuator", "lra")
+    assert done.returncode == 0, done.stderr
+    assert "note: lra is felt" in done.stderr
+    summary = json.loads(done.stdout.splitlines()[-1])["summary"]
+    assert summary["actuator"]["name"] == "lra"
+    assert {"calibration_db", "taken_back_db", "samples_at_peak"} <= summary["actuator"].keys()
+
+
 def test_standard_input_is_a_hand():
     lines = "".join(f"{angle / 10} 1\n" for angle in range(25))
     done = played("--input", "-", text=lines + "x\n")

@@ -7,11 +7,13 @@ import asyncio
 import numpy as np
 import pytest
 
+import overview_dsp as ov
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
 from overview_dsp.tui import PlayApp, timeline_view
+from overview_dsp.tui.meters_view import MetersView
 from overview_dsp.tui.timeline_view import TimelineView
 
 
@@ -200,3 +202,23 @@ def test_help_explains_the_keys_and_any_key_closes_it(player):
         assert app.screen is app.screen_stack[0]
 
     drive(player, script)
+
+
+def test_the_output_line_names_the_actuator_and_what_is_taken_back(match):
+    player = Player(
+        match,
+        PresetWatch("football"),
+        lambda engine, settings: SilentStream(engine, 256, settings),
+        OutputSettings(actuator=ov.load_actuator("c2")),
+        callback="python",
+    )
+
+    async def script(app, pilot):
+        meters = app.query_one(MetersView)
+        assert await until(pilot, lambda: "latency" in meters._shown)
+        return meters._shown
+
+    try:
+        assert ", c2 -0.0 dB\n" in drive(player, script)
+    finally:
+        player.close()

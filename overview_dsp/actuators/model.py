@@ -1,0 +1,180 @@
+"""An actuator: its resonance, what it may be given, and how it is to be driven.
+
+Everything a file may say stands in one table, as with presets: id, unit, range, default, sentence.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from overview_dsp.errors import InputError
+from overview_dsp.presets.parameters import Parameter, Value, did_you_mean
+
+LOWEST_Q, HIGHEST_Q = 0.6, 100.0
+MAX_CALIBRATION_DB = 30.0
+LN_9 = 2.1972245773362196  # from 10 to 90 % of an exponential rise, in time constants
+
+
+def _number(
+    id: str, default: float | None, low: float, high: float, unit: str, doc: str
+) -> Parameter:
+    return Parameter(id, default, low, high, unit, doc)
+
+
+ACTUATOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
+    {
+        known.id: known
+        for known in (
+            _number("resonance.frequency_hz", None, 20.0, 2000.0, "Hz", "Where it moves most."),
+            _number("resonance.q", None, LOWEST_Q, HIGHEST_Q, "", "How narrow that is."),
+            _number("resonance.bandwidth_hz", None, 1.0, 3000.0, "Hz",
+                    "The same as a width: between the points 3 dB below, frequency / q."),
+            _number("resonance.rise_ms", None, 0.1, 1000.0, "ms",
+                    "The same as a time: a vibration's rise from 10 to 90 %, "
+                    "ln 9 * q / (pi * frequency)."),
+            Parameter("drive.unit", "full scale", doc="What the drive is counted in.",
+                      choices=("A", "V", "full scale")),
+            _number("drive.rated_rms", None, 1e-4, 1e3, "", "What it bears while it is on, RMS."),
+            _number("drive.peak", None, 1e-4, 1e4, "", "What no sample may pass."),
+            _number("drive.full_scale", None, 1e-4, 1e4, "",
+                    "What a digital sample of 1 puts on it, through its amplifier; "
+                    "the peak if left out."),
+            _number("drive.duty", 1.0, 0.01, 1.0, "", "The part of the time it may be on."),
+            _number("drive.burst_ms", 1000.0, 10.0, 60_000.0, "ms",
+                    "How long it may be on at the rated drive; RMS is taken over burst / duty."),
+            _number("shaping.sharpen", 1.0, 1.0, 16.0, "",
+                    "How many times faster its vibration is to rise and fall; 1 = as it is."),
+            Parameter("shaping.equal_sensation", False, doc="Raise what the skin feels less.",
+                      choices=(False, True)),
+        )
+    }
+)  # fmt: skip
+
+ONE_OF = ("resonance.q", "resonance.bandwidth_hz", "resonance.rise_ms")
+_OPTIONAL = (*ONE_OF, "drive.full_scale")
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """What a device can do and may be given.
+
+    Attributes
+    ----------
+    name, title, description : str
+    values : mapping
+        By id, those of `ACTUATOR_PARAMETERS` that are said; what is left out gets its default.
+    source : str
+        Its file.
+    gain_db : float
+        Of its calibration for a person, -30 to 30 dB.
+    """
+
+    name: str
+    title: str
+    description: str
+    values: Mapping[str, Value]
+    source: str = ""
+    gain_db: float = 0.0
+
+    def __post_init__(self) -> None:
+        """InputError, which begins with the key, for a value that can't be, or not with another."""
+        object.__setattr__(self, "values", _checked(self.values))
+        given = [id for id in ONE_OF if id in self.values]
+        if len(given) != 1:
+            what = "more than one" if given else "none"
+            raise InputError(
+                f"resonance.frequency_hz: give one of {', '.join(ONE_OF)} with it, not {what}"
+            )
+        if not LOWEST_Q <= self.q <= HIGHEST_Q:
+            raise InputError(
+                f"{given[0]} = {self.number(given[0]):g} makes a q of {self.q:.3g} at "
+                f"{self.resonance_hz:g} Hz; it is {LOWEST_Q:g} to {HIGHEST_Q:g}"
+            )
+        if self.number("drive.peak") < self.number("drive.rated_rms"):
+            raise InputError("drive.peak is below drive.rated_rms; it is the larger of the two")
+        if not abs(self.gain_db) <= MAX_CALIBRATION_DB:
+            raise InputError(
+                f"calibration {self.gain_db:g} dB is out of range; it is "
+                f"-{MAX_CALIBRATION_DB:g} to {MAX_CALIBRATION_DB:g} dB"
+            )
+
+    def number(self, id: str) -> float:
+        """A numeric value by its id."""
+        value = self.values[id]
+        assert not isinstance(value, str)
+        return float(value)
+
+    @property
+    def resonance_hz(self) -> float:
+        """Where it moves most, Hz."""
+        return self.number("resonance.frequency_hz")
+
+    @property
+    def q(self) -> float:
+        """Quality of the resonance, however it was said."""
+        if "resonance.q" in self.values:
+            return self.number("resonance.q")
+        if "resonance.bandwidth_hz" in self.values:
+            return self.resonance_hz / self.number("resonance.bandwidth_hz")
+        return math.pi * self.resonance_hz * self.number("resonance.rise_ms") * 1e-3 / LN_9
+
+    @property
+    def rise_ms(self) -> float:
+        """10 to 90 % rise of its vibration when a tone of its resonance begins, ms."""
+        return 1e3 * LN_9 * self.q / (math.pi * self.resonance_hz)
+
+    @property
+    def full_scale(self) -> float:
+        """What a sample of 1 puts on it, in the drive's unit."""
+        given = self.values.get("drive.full_scale")
+        return float(given) if isinstance(given, float) else self.number("drive.peak")
+
+    @property
+    def peak(self) -> float:
+        """The highest sample it may be given, of full scale; at most 1."""
+        return min(1.0, self.number("drive.peak") / self.full_scale)
+
+    @property
+    def nominal(self) -> float:
+        """Amplitude of a tone of the rated drive, of full scale; at most the peak."""
+        return min(self.peak, math.sqrt(2.0) * self.number("drive.rated_rms") / self.full_scale)
+
+    @property
+    def mean_square(self) -> float:
+        """What the mean square of the drive may not pass over `window_s`, of full scale squared."""
+        rated = self.number("drive.rated_rms") / self.full_scale
+        return min(1.0, self.number("drive.duty") * rated * rated)
+
+    @property
+    def window_s(self) -> float:
+        """Over how long that mean is taken, s."""
+        return self.number("drive.burst_ms") * 1e-3 / self.number("drive.duty")
+
+    @property
+    def unshaped(self) -> Actuator:
+        """The same, driven as it is: not sharpened, not weighted, not calibrated."""
+        plain = {"shaping.sharpen": 1.0, "shaping.equal_sensation": False}
+        return replace(self, values={**self.values, **plain}, gain_db=0.0)
+
+    def response_db(self, frequency_hz: float) -> float:
+        """How much it moves at a frequency, dB of what it does at its resonance."""
+        u = frequency_hz / self.resonance_hz
+        return -10.0 * math.log10((self.q * (1.0 - u * u)) ** 2 + u * u)
+
+
+def _checked(given: Mapping[str, object]) -> dict[str, Value]:
+    for id in given:
+        if id not in ACTUATOR_PARAMETERS:
+            raise InputError(f"{id}: unknown key{did_you_mean(id, ACTUATOR_PARAMETERS)}")
+    values: dict[str, Value] = {}
+    for known in ACTUATOR_PARAMETERS.values():
+        if known.id in given:
+            values[known.id] = known.check(given[known.id])
+        elif known.default is not None:
+            values[known.id] = known.default
+        elif known.id not in _OPTIONAL:
+            raise InputError(f"{known.id} is missing; it is {known.allowed}")
+    return values

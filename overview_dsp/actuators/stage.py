@@ -1,0 +1,111 @@
+"""An actuator's drive offline, by the same compiled code as live, and what its protection did."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.actuators.coefficients import write_actuator
+from overview_dsp.actuators.model import Actuator
+from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.actuator import drive_block
+from overview_dsp.skin import pacinian_db
+from overview_dsp.units import gain_to_db
+
+FAINT_DB = -12.0
+"""A carrier that is felt so much less than the resonance deserves a word."""
+
+
+def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
+    """Warn where a vibration of that frequency, made by the actuator, is hardly felt."""
+    resonance_hz = actuator.resonance_hz
+    felt = (
+        actuator.response_db(frequency_hz) + pacinian_db(frequency_hz) - pacinian_db(resonance_hz)
+    )
+    if felt < FAINT_DB:
+        warnings.warn(
+            f"{actuator.name} is felt {-felt:.0f} dB less at tactor.frequency_hz = "
+            f"{frequency_hz:g} than at its resonance; set that to {resonance_hz:g} Hz",
+            OverviewWarning,
+            stacklevel=2,
+        )
+
+
+@dataclass(frozen=True)
+class Protected:
+    """What protection did: most of the drive taken back against heat (dB), samples at the peak."""
+
+    taken_db: float
+    at_peak: int
+
+
+def protected_report(actuator: Actuator | None, protected: Protected | None) -> Any:
+    """An actuator and what its protection did, as plain values; None without one."""
+    if actuator is None or protected is None:
+        return None
+    return {
+        "name": actuator.name,
+        "calibration_db": actuator.gain_db,
+        "taken_back_db": round(protected.taken_db, 1),
+        "samples_at_peak": protected.at_peak,
+    }
+
+
+def read_protected(memory: NDArray[np.float64], at: int) -> Protected:
+    """What an actuator's protection did so far."""
+    left = math.sqrt(max(1e-12, 1.0 - float(memory[at + layout.ACT_MOST_TAKEN])))
+    held = int(memory.view(np.int64)[at + layout.ACT_AT_PEAK])
+    return Protected(0.0 - gain_to_db(left), held)
+
+
+class ActuatorStage:
+    """An actuator's drive, made in blocks of any size: the partition changes no bit.
+
+    Thread: one.
+    """
+
+    def __init__(self, actuator: Actuator, sample_rate: float) -> None:
+        """As new; InputError if the sample rate (Hz) is too low for the actuator."""
+        self._memory = np.zeros(layout.ACT_SIZE)
+        write_actuator(self._memory, 0, actuator, sample_rate)
+
+    def process(self, samples: NDArray[np.float32], channel: int) -> None:
+        """Turn one channel of float32 (frames, channels) into the drive, in place.
+
+        Raises
+        ------
+        InputError
+            An array of the wrong type, shape or order, or one without that channel.
+        """
+        if (
+            not isinstance(samples, np.ndarray)
+            or samples.dtype != np.float32
+            or samples.ndim != 2
+            or not samples.flags.c_contiguous
+            or not samples.flags.writeable
+        ):
+            raise InputError(
+                "samples must be a writable, C-ordered float32 array (frames, channels)"
+            )
+        frames, channels = samples.shape
+        if not 0 <= channel < channels:
+            raise InputError(f"channel {channel} is not one of {channels}, counted from 0")
+        memory = self._memory
+        w = memory.view(np.int64)
+        drive_block(memory, w, 0, samples.reshape(-1), frames, channels, channel)
+
+    @property
+    def silent_samples(self) -> int:
+        """Samples since the drive was last other than zero."""
+        return int(self._memory.view(np.int64)[layout.ACT_SILENT])
+
+    @property
+    def protected(self) -> Protected:
+        """What protection did so far."""
+        return read_protected(self._memory, 0)

@@ -1,0 +1,63 @@
+"""Test signals for an actuator."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.units import db_to_gain
+
+EDGE_S = 0.01
+"""How long a test signal takes to begin and to end."""
+
+LOWEST_HZ = 1.0
+HIGHEST_PART = 0.45
+MAX_SECONDS = 600.0
+MIN_LEVEL_DB = -80.0
+
+
+def log_sweep(
+    low_hz: float, high_hz: float, seconds: float, level_db: float, sample_rate: float
+) -> NDArray[np.float64]:
+    """A sine that rises by the same part of an octave each second, float64.
+
+    Parameters
+    ----------
+    low_hz, high_hz
+        Where it begins and ends, 1 Hz to 0.45 of the sample rate.
+    seconds
+        How long, 0.1 to 600 s, with edges of `EDGE_S`.
+    level_db
+        Of its amplitude, -80 to 0 dB of 1.
+
+    Raises
+    ------
+    InputError
+        Out of range.
+    """
+    # each written so that NaN fails
+    if not LOWEST_HZ <= low_hz < high_hz <= HIGHEST_PART * sample_rate:
+        raise InputError(
+            f"a sweep from {low_hz:g} to {high_hz:g} Hz; it rises, from {LOWEST_HZ:g} Hz at least "
+            f"to {HIGHEST_PART * sample_rate:g} Hz at most"
+        )
+    if not 0.1 <= seconds <= MAX_SECONDS:
+        raise InputError(f"a sweep of {seconds:g} s; it is 0.1 to {MAX_SECONDS:g} s")
+    if not MIN_LEVEL_DB <= level_db <= 0.0:
+        raise InputError(f"a level of {level_db:g} dB; it is {MIN_LEVEL_DB:g} to 0 dB")
+    frames = round(seconds * sample_rate)
+    octaves = math.log(high_hz / low_hz)
+    time = np.arange(frames) / sample_rate
+    turns = low_hz * seconds / octaves * np.expm1(time * (octaves / seconds))
+    swept = db_to_gain(level_db) * np.sin(2.0 * math.pi * turns)
+    return swept * edges(frames, round(EDGE_S * sample_rate))
+
+
+def edges(frames: int, length: int) -> NDArray[np.float64]:
+    """1, but for smooth edges of that length from and to 0."""
+    at = np.arange(frames)
+    near = np.clip(np.minimum(at, frames - 1 - at) / length, 0.0, 1.0)
+    return 0.5 - 0.5 * np.cos(math.pi * near)

@@ -1,0 +1,216 @@
+"""`overview actuators calibrate`: where a person begins to feel."""
+
+from __future__ import annotations
+
+import math
+import queue
+import random
+import statistics
+import sys
+import threading
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import click
+
+from overview_dsp.cli.common import announce_compile, print_json
+from overview_dsp.cli.output_options import SILENT, device_named
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from overview_dsp.actuators import Actuator
+    from overview_dsp.live.output_settings import SignalSettings
+    from overview_dsp.live.sample_output import Playback
+
+TRIES = 3
+"""How often a tone may be answered before it sounds."""
+
+SPREAD_DB = 6.0
+"""Answers further apart than this deserve a word."""
+
+
+@click.command(epilog="Example: overview actuators calibrate c2 --device 2")
+@click.argument("name")
+@click.option("--device", help="Output: a name or number of `overview devices`, or none.")
+@click.option("--channel", type=int, help="Its channel, from 1; the one remembered if left out.")
+@click.option("--frequency", type=float, help="Hz; the actuator's resonance if left out.")
+@click.option("--rise", default=3.0, show_default=True, help="dB a second.")
+@click.option(
+    "--times", type=click.IntRange(1, 20), default=3, show_default=True, help="Tones to answer."
+)
+@click.option("--threshold", type=float, metavar="DB", help="Keep this one, without a tone.")
+@click.option("--forget", is_flag=True, help="Forget the threshold; presets are as they were made.")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def calibrate(
+    name: str,
+    device: str | None,
+    channel: int | None,
+    frequency: float | None,
+    rise: float,
+    times: int,
+    threshold: float | None,
+    forget: bool,
+    as_json: bool,
+) -> None:
+    """Find the level at which you begin to feel the actuator NAME, and keep a gain for it.
+
+    Hold it as you will in use. A tone rises; press Enter as soon as you feel it. From then on
+    --actuator NAME drives it so much more, or less, that what presets do is as far above your
+    threshold as they mean it.
+    """
+    from overview_dsp.actuators import load_actuator
+    from overview_dsp.actuators.calibration import (
+        calibration_file,
+        forget_threshold,
+        gain_for,
+        save_threshold,
+    )
+    from overview_dsp.errors import InputError
+
+    actuator = load_actuator(name)
+    if forget:
+        if threshold is not None:
+            raise InputError("--threshold and --forget ask for opposite things; give one of them")
+        known = forget_threshold(actuator)
+        click.echo(f"{actuator.name}: {'forgotten' if known else 'was not calibrated'}")
+        return
+    levels = []
+    if threshold is None:
+        levels = _answers(actuator, device, channel, frequency, rise, times)
+        threshold = statistics.median(levels)
+        if max(levels) - min(levels) > SPREAD_DB:
+            click.echo(
+                f"note: your answers lie {max(levels) - min(levels):.0f} dB apart; calibrate again "
+                "in quiet, held the same way",
+                err=True,
+            )
+    threshold = round(threshold, 2)
+    save_threshold(actuator, threshold)
+    gain = gain_for(threshold)
+    if as_json:
+        print_json(
+            {
+                "actuator": actuator.name,
+                "threshold_db": threshold,
+                "gain_db": gain,
+                "levels_db": [round(level, 2) for level in levels],
+                "file": str(calibration_file()),
+            }
+        )
+        return
+    click.echo(
+        f"{actuator.name}: felt from {threshold:.1f} dB of its nominal drive on, gain "
+        f"{gain:+.1f} dB, kept in {calibration_file()}"
+    )
+
+
+def _answers(
+    actuator: Actuator,
+    device: str | None,
+    channel: int | None,
+    frequency: float | None,
+    db_per_s: float,
+    times: int,
+) -> list[float]:
+    """The levels at which a person pressed, dB of the nominal drive."""
+    from overview_dsp.errors import InputError
+    from overview_dsp.live.threshold import SILENCE_S, Rise, felt_at
+
+    out, channels, name, rate, index = _output(device, channel)
+    hertz = actuator.resonance_hz if frequency is None else frequency
+    announce_compile("drive_block")
+    Rise(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # wrong options are told first
+    keys = _Keys()
+    levels: list[float] = []
+    early = 0
+    click.echo(
+        f"{actuator.title} on {name}, channel {out.channel}, {hertz:g} Hz. Hold it as you will in "
+        "use; press Enter as soon as you feel it.",
+        err=True,
+    )
+    while len(levels) < times:
+        rise = Rise(hertz, db_per_s, random.uniform(*SILENCE_S))
+        samples = rise.drive(actuator, out, channels, rate)
+        click.echo(f"tone {len(levels) + 1} of {times} ...", err=True)
+        keys.forget()
+        level = felt_at(rise, _playback(device, index, samples, rate), keys.pressed)
+        if math.isfinite(level):
+            click.echo(f"felt at {level:.1f} dB", err=True)
+            levels.append(level)
+        elif level > 0.0:
+            raise InputError(
+                f"{actuator.name}: nothing was felt up to the end; check that it is on channel "
+                f"{out.channel} of {name} and its amplifier is on, or press sooner"
+            )
+        else:
+            early += 1
+            if early > TRIES:
+                raise InputError("pressed before each tone; wait until you feel one")
+            click.echo("too early: there was no tone yet", err=True)
+    return levels
+
+
+def _output(
+    device: str | None, channel: int | None
+) -> tuple[SignalSettings, int, str, float, int | None]:
+    """The tactor's way out, channels, and the device's name, rate (Hz) and index."""
+    from overview_dsp.errors import InputError
+    from overview_dsp.live.output_settings import OutputSettings, load_settings
+
+    if device == SILENT:
+        settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None
+    else:
+        from overview_dsp.live.portaudio import find_output
+
+        found = find_output(device_named(device))
+        name, rate, index = f"{found.name} ({found.host})", found.sample_rate, found.index
+        settings = load_settings(name)
+    tactor = settings.tactor if channel is None else replace(settings.tactor, channel=channel)
+    if tactor.channel == 0:
+        raise InputError(f"the tactor is on no channel of {name}; give one with --channel")
+    return tactor, max(2, tactor.channel), name, rate, index
+
+
+def _playback(
+    device: str | None, index: int | None, samples: NDArray[np.float32], rate: float
+) -> Playback:
+    from overview_dsp.live.sample_output import SampleOutput, SilentOutput
+
+    if device == SILENT:
+        return SilentOutput(samples, rate)
+    return SampleOutput(samples, rate, index)
+
+
+class _Keys:
+    """Lines of standard input, read by a thread."""
+
+    WAIT_S = 0.01
+
+    def __init__(self) -> None:
+        self._lines: queue.Queue[bool] = queue.Queue()
+        threading.Thread(target=self._read, name="standard input", daemon=True).start()
+
+    def _read(self) -> None:
+        for _ in iter(sys.stdin.readline, ""):
+            self._lines.put(True)
+        self._lines.put(False)
+
+    def forget(self) -> None:
+        """Throw away what was pressed before, but not the input's end."""
+        while not self._lines.empty():
+            if not self._lines.get():
+                self._lines.put(False)
+                return
+
+    def pressed(self) -> bool:
+        """Whether Enter was pressed, after a little wait; InputError if nobody can any more."""
+        from overview_dsp.errors import InputError
+
+        try:
+            if self._lines.get(timeout=self.WAIT_S):
+                return True
+        except queue.Empty:
+            return False
+        raise InputError("standard input ended before the tone was felt; run it in a terminal")

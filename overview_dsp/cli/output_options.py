@@ -1,0 +1,98 @@
+"""The options about an output device: channels, gains, mutes, delays, ceilings, its actuator."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from overview_dsp.cli.actuator_option import calibrated
+
+if TYPE_CHECKING:
+    from overview_dsp.actuators import Actuator
+    from overview_dsp.live.output_settings import OutputSettings
+
+
+SILENT = "none"
+"""The device that isn't one."""
+
+
+def output_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Options of both signals' ways out."""
+    for name in ("tactor", "click"):
+        options = (
+            click.option(f"--{name}-channel", type=int, help="Its output channel, 0 = none."),
+            click.option(f"--{name}-gain", type=float, metavar="DB", help="-60 to 24 dB."),
+            click.option(f"--{name}-mute/--no-{name}-mute", default=None, help="Silence it."),
+            click.option(f"--{name}-delay", type=float, metavar="MS", help="0 to 100 ms."),
+            click.option(f"--{name}-ceiling", type=float, metavar="DB", help="-60 to 0 dBFS."),
+        )
+        for option in reversed(options):
+            function = option(function)
+    return function
+
+
+def device_named(device: str | None) -> int | str | None:
+    """The device as PortAudio takes it: a number, a name, None for the default."""
+    return int(device) if device is not None and device.isdecimal() else device
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The settings to play with; `remembered` are the device's, `another` if not its actuator."""
+
+    settings: OutputSettings
+    remembered: OutputSettings
+    another: bool
+
+    def differ(self, played: OutputSettings) -> bool:
+        """Whether what was played with in the end is to be remembered."""
+        before = replace(self.remembered, actuator=played.actuator)
+        return self.another or played != before
+
+
+def output_settings(device: str | None, given: dict[str, Any], actuator: str | None) -> Chosen:
+    """A device's settings (None: one that isn't remembered) with what was asked for now.
+
+    Raises
+    ------
+    InputError
+        Out of range, or an actuator that can't be had.
+    """
+    from overview_dsp.live.output_settings import OutputSettings, load_settings
+
+    kept = OutputSettings() if device is None else load_settings(device)
+    keys = {"channel": "channel", "gain": "gain_db", "mute": "mute", "delay": "delay_ms",
+            "ceiling": "ceiling_db"}  # fmt: skip
+    changes = {
+        output: {
+            key: given[f"{output}_{option}"]
+            for option, key in keys.items()
+            if given[f"{output}_{option}"] is not None
+        }
+        for output in ("click", "tactor")
+    }
+    changed = kept.changed(**changes)
+    driven, another = _actuator(device, actuator)
+    return Chosen(replace(changed, actuator=driven), kept, another)
+
+
+def _actuator(device: str | None, given: str | None) -> tuple[Actuator | None, bool]:
+    """The actuator given, else the device's own; whether it is another than that."""
+    from overview_dsp.actuators.library import reference
+    from overview_dsp.errors import InputError
+    from overview_dsp.live.output_settings import remembered_actuator, settings_file
+
+    remembered = None if device is None else remembered_actuator(device)
+    if given is None:
+        try:
+            return calibrated(remembered), False
+        except InputError as error:
+            raise InputError(
+                f"{settings_file()}: the actuator of {device!r}: {error}; --actuator names "
+                "another, or none"
+            ) from None
+    chosen = calibrated(given)
+    return chosen, (None if chosen is None else reference(chosen)) != remembered
