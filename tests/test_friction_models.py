@@ -70,6 +70,18 @@ def test_the_height_of_bristles_is_the_torque_that_viscous_friction_has_at_1_rad
     assert (ov.build_surface(timeline, preset).friction == preset.number("surface.friction")).all()
 
 
+def test_what_resists_is_the_same_height_in_every_model():
+    tops = {}
+    for model in ("viscous", "bristle", "detent"):
+        preset = sticky()
+        kind = replace(preset.kinds["default"], model=model)
+        preset = replace(preset, kinds={"default": kind})
+        tops[model] = ov.build_surface(timeline_of(50.0), preset).resistance.max()
+    assert tops["viscous"] == pytest.approx(5e-3)
+    assert tops["bristle"] == pytest.approx(5e-3)
+    assert tops["detent"] == pytest.approx(5e-3, rel=1e-3)
+
+
 def test_bristles_that_no_spring_can_pull_over_are_named():
     with pytest.warns(ov.OverviewWarning, match=r"kinds\.default holds the disk against.*disk\.k2"):
         ov.build_surface(timeline_of(50.0), sticky(height=1000.0))

@@ -523,7 +523,11 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "",
                 "Of bristles that are being bent, or of an end stop: more calms the disk there.",
             ),
-            *_material("", "What the click sounds like, where no modes are given."),
+            *_material(
+                "",
+                "What the click sounds like, where no modes are given (modes = [] takes away those of a "
+                "preset it extends).",
+            ),
         )
     }
 )
