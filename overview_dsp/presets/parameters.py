@@ -525,7 +525,7 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             *_material(
                 "",
-                "What the click sounds like, where no modes are given (modes = [] drops those of the "
+                "What the click sounds like, where no modes are given (modes = [] drops those of a "
                 "preset it extends).",
             ),
         )
