@@ -185,6 +185,25 @@ def test_a_stuck_disk_moves_on_when_the_grip_is_lowered():
     assert abs(math.pi * engine.meters.cursor - 0.015) <= 2.0 * 2e-4 / 0.5 * 1.05
 
 
+def test_a_grip_that_comes_back_remembers_no_slip():
+    engine = ov.Engine(creaking(), timeline_of())
+    engine.prepare(RATE, RATE)
+    out = np.zeros((RATE, 2), dtype=np.float32)
+    engine.control(0.0, True)
+    engine.process(out[:100])
+    engine.control(0.015, True)  # stuck, and pulled at
+    engine.process(out)
+    engine.set("surface.model", "viscous")
+    engine.process(out)
+    engine.take_strikes()
+    engine.control(3.0, True)
+    engine.process(out[:2000])
+    engine.set("surface.model", "bristle")
+    engine.process(out[:1000])
+    assert engine.meters.cursor > 0.1
+    assert len(engine.take_strikes()) == 0
+
+
 def test_no_static_torque_makes_no_creak():
     result = ov.render(
         timeline_of(), creaking(surface__static_ratio=1.0), ov.sweep(8.0), tail="none"
