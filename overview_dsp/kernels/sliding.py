@@ -12,7 +12,7 @@ from math import sqrt
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import converted, moving, speed_after, steady_torque
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import point, routine
 from overview_dsp.kernels.friction import friction_at
 from overview_dsp.kernels.wells import contact, mixed, step_in_wells, within
 
@@ -84,7 +84,7 @@ def slip(m, torque, omega, sliding, stribeck):
     return released
 
 
-@point
+@routine
 def slide(m, w, slot, old_slot, old_part, x, v, push, resistance):
     """One step over a surface with bristles, wells or end stops.
 
