@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
+from overview_dsp.presets.describe import bristle_hold
 from tests.examples import preset_with, timeline_of
 
 RATE = 48_000
@@ -146,6 +147,9 @@ def test_a_finger_held_still_stops_the_disk_within_what_the_bristles_hold():
     preset = creaking()
     static_torque = 50.0 * 1e-4 * 2.0
     held = static_torque / (0.5 + 5e-3) + static_torque / preset.number("surface.stiffness")
+    assert bristle_hold(preset)["held_within_percent"] == pytest.approx(
+        100.0 * static_torque / 0.5 / math.pi
+    )
     for place in (0.2, 0.5, 0.9):
         result = ov.render(timeline_of(), preset, ov.tap(place, 3.0), tail="none")
         off = math.pi * abs(result.trace.cursor[-100] - place)
@@ -169,6 +173,10 @@ def test_a_disk_pulled_slowly_creaks_and_one_pulled_fast_slides():
     # regularly: each slip as far as the last
     between = np.diff(slow.strikes.time_s[5:45])
     assert between.std() < 0.1 * between.mean()
+    # the pull falls from static to as far below the sliding torque as that is below the static
+    slip = bristle_hold(creaking())["slip_percent"] / 100.0 * 8.0
+    assert slip == pytest.approx(2.0 * 5e-3 / 0.5 / math.pi * 8.0)
+    assert between.mean() == pytest.approx(slip, rel=0.15)
 
 
 def test_a_stuck_disk_moves_on_when_the_grip_is_lowered():
