@@ -133,7 +133,7 @@ def _bristles(section: str, damping: str) -> tuple[Parameter, ...]:
     return (
         _number(
             section + "stiffness",
-            20.0,
+            100.0,
             0.1,
             1e6,
             "N·m/rad",
