@@ -299,7 +299,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "surface.grip",
-                10.0,
+                3.0,
                 0.0,
                 10_000.0,
                 "x",
