@@ -1,0 +1,105 @@
+// What the browser tests run in the page.
+
+import { Kernel } from "/kernel.js";
+import { openKernel } from "/kernel_node.js";
+
+const QUANTUM = 128;
+
+async function bytes(name) {
+  const answer = await fetch(`/given/${name}`);
+  if (!answer.ok) throw new Error(`${name}: ${answer.status}`);
+  return answer.arrayBuffer();
+}
+
+function all(names) {
+  return Promise.all(names.map(bytes));
+}
+
+function base64(view) {
+  const octets = new Uint8Array(view.buffer, view.byteOffset, view.byteLength);
+  let text = "";
+  for (let i = 0; i < octets.length; i += 32768) {
+    text += String.fromCharCode(...octets.subarray(i, i + 32768));
+  }
+  return btoa(text);
+}
+
+async function digest(view) {
+  const sum = await crypto.subtle.digest("SHA-256", view.slice());
+  return Array.from(new Uint8Array(sum), (octet) => octet.toString(16).padStart(2, "0")).join("");
+}
+
+/** Interleaved float32 samples of an AudioBuffer. */
+function interleaved(buffer) {
+  const channels = [0, 1].map((channel) => buffer.getChannelData(channel));
+  return Float32Array.from(
+    { length: 2 * buffer.length },
+    (unused, i) => channels[i % 2][i >> 1],
+  );
+}
+
+/**
+ * An offline rendering. `events` and `changes` come before the first sample; `sends` are
+ * [sample, method, arguments], sent to the running node at the next render quantum, where an
+ * argument { given: name } stands for bytes.
+ */
+export async function renderOffline({ rate, frames, image, events = [], changes = [], sends = [] }) {
+  const context = new OfflineAudioContext(2, frames, rate);
+  const node = await openKernel(context, await bytes(image), {
+    events,
+    changes: await all(changes),
+  });
+  const faults = [];
+  node.onfault = (message) => faults.push(message);
+  node.onprocessorerror = (event) => faults.push(event.message ?? "processor error");
+  node.connect(context.destination);
+  const loaded = await Promise.all(
+    sends.map(async ([sample, method, given]) => [
+      sample,
+      method,
+      await Promise.all(given.map((one) => (one?.given ? bytes(one.given) : one))),
+    ]),
+  );
+  const times = [...new Set(loaded.map(([sample]) => Math.ceil(sample / QUANTUM) * QUANTUM))];
+  for (const time of times) {
+    context.suspend(time / rate).then(async () => {
+      for (const [sample, method, given] of loaded) {
+        if (Math.ceil(sample / QUANTUM) * QUANTUM === time) node[method](...given);
+      }
+      await node.look(); // answered after all of them
+      context.resume();
+    });
+  }
+  const began = performance.now();
+  const samples = interleaved(await context.startRendering());
+  const seconds = (performance.now() - began) / 1e3;
+  return { samples: base64(samples), seconds, look: await node.look(), faults };
+}
+
+/**
+ * The kernel without an audio thread, a block at a time: the digest of its memory once loaded, then
+ * of the columns `region` after the blocks, and in how many of them a change still waited.
+ */
+export async function runKernel({ image, blocks = 0, changes = [], region = [0, 0] }) {
+  const kernel = new Kernel(await bytes("kernel.wasm"), await bytes(image));
+  const loaded = await digest(kernel.words);
+  const outputs = [new Float32Array(QUANTUM), new Float32Array(QUANTUM)];
+  for (const change of await all(changes)) kernel.change(change);
+  let waited = 0;
+  for (let i = 0; i < blocks; i += 1) {
+    kernel.render(outputs);
+    waited += kernel.waiting.length > 0 ? 1 : 0;
+  }
+  return { loaded, region: await digest(kernel.m.subarray(...region)), waited };
+}
+
+/** The line with which damaged bytes are refused. */
+export async function refusal(image, change) {
+  try {
+    const kernel = new Kernel(await bytes("kernel.wasm"), await bytes(image));
+    kernel.change(await bytes(change));
+  } catch (error) {
+    return error.message;
+  }
+  return "";
+}
