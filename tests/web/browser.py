@@ -49,7 +49,7 @@ def _handler(given: dict[str, bytes]) -> type[BaseHTTPRequestHandler]:
     package = resources.files("overview_dsp.web")
 
     class Handler(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:  # noqa: N802
+        def do_GET(self) -> None:
             name = self.path.rpartition("/")[2]
             if self.path.startswith("/given/"):
                 content = given.get(name)

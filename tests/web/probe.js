@@ -41,9 +41,9 @@ function interleaved(buffer) {
 /**
  * An offline rendering. `events` and `changes` come before the first sample; `sends` are
  * [sample, method, arguments], sent to the running node at the next render quantum, where an
- * argument { given: name } stands for bytes.
+ * argument { given: name } stands for bytes. At the sample `foul`, messages that make no sense.
  */
-export async function renderOffline({ rate, frames, image, events = [], changes = [], sends = [] }) {
+export async function renderOffline({ rate, frames, image, events = [], changes = [], sends = [], foul }) {
   const context = new OfflineAudioContext(2, frames, rate);
   const node = await openKernel(context, await bytes(image), {
     events,
@@ -67,6 +67,14 @@ export async function renderOffline({ rate, frames, image, events = [], changes 
         if (Math.ceil(sample / QUANTUM) * QUANTUM === time) node[method](...given);
       }
       await node.look(); // answered after all of them
+      context.resume();
+    });
+  }
+  if (foul) {
+    context.suspend(foul / rate).then(async () => {
+      node.port.postMessage({ kind: "control", events: Float64Array.of(-1, 99, 1, 1) });
+      node.port.postMessage({ kind: "change", bytes: new ArrayBuffer(3) });
+      await node.look();
       context.resume();
     });
   }

@@ -10,9 +10,11 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
+from overview_dsp.live.python_path import run_block
+from overview_dsp.surface_slot import struck_event, write_surface
 from overview_dsp.units import db_to_gain
 from overview_dsp.web.encoding import encode_change, encode_engine
-from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, change, engine, events, played
+from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played
 
 SOURCE_EVENTS = [
     {"sampleTime": sample, "theta2": theta2, "touching": touching, "source": source}
@@ -40,3 +42,190 @@ def test_drag_tap_and_release_are_the_native_samples(browser, match, football):
         f"\na quantum of {BLOCK} frames: {per_block * 1e6:.1f} us, {per_block / budget:.1%} of its "
         f"budget (an OfflineAudioContext's whole rendering)"
     )
+
+
+@pytest.fixture(scope="module")
+def goals(football):
+    """Football with other goals and another gain, and with a new shaft besides."""
+    heights = ov.Engine(football, ov.load_timeline("world-cup-final-2018"))
+    heights.set("kinds.goal.height", 40.0)
+    heights.set("tactor.gain_db", -9.0)
+    first = heights.preset, heights.surface
+    heights.set("disk.k2", 6e-3)
+    heights.set("disk.release", "return")
+    return first, (heights.preset, heights.surface)
+
+
+def test_stamped_parameters_and_surfaces_are_the_native_samples(browser, match, football, goals):
+    (first, surface), (second, _) = goals
+    made = engine(match, football)
+    made.set_preset(first, sample_time=30_001)
+    made.set_preset(second, sample_time=60_500)
+    expected = played(made)
+    browser.give(
+        image=encode_engine(engine(match, football, hands=False)),
+        first=encode_change(football, first, RATE, surface, 30_001),
+        second=encode_change(first, second, RATE, surface, 60_500),
+    )
+    out, _ = rendered(browser, image="image", events=SOURCE_EVENTS, changes=["first", "second"])
+    assert np.array_equal(out, expected)
+    assert not np.array_equal(expected, played(engine(match, football)))
+
+
+def test_what_is_sent_while_it_plays_applies_at_the_next_quantum(browser, match, football, goals):
+    """Hands, changes, the device's gains and the end by messages, as a host between two blocks."""
+    (first, surface), (second, _) = goals
+    given = OutputSettings(
+        SignalSettings(1, gain_db=-5.0, delay_ms=5.0), SignalSettings(2, ceiling_db=-17.0)
+    )
+    gains = [
+        {"gain": s.gain, "ceiling": db_to_gain(s.ceiling_db), "delay": s.delay_ms * 1e-3}
+        for s in given.signals
+    ]
+    browser.give(
+        image=encode_engine(engine(match, football, hands=False)),
+        # a surface takes some blocks to copy, so it comes in time for its sample
+        surface=encode_change(football, first, RATE, surface, 36_000),
+        shaft=encode_change(first, second, RATE),
+    )
+    made = engine(match, football, hands=False)
+    fade = made.memory.view(np.int64)
+    steps = [
+        (0, "control", [0.3, True], lambda: made.control(0.3, True)),
+        (20_096, "control", [2.2, True, "remote"], lambda: made.control(2.2, True, None, "remote")),
+        (30_080, "change", [{"given": "surface"}], lambda: made.set_preset(first, 36_000)),
+        (40_064, "output", gains, lambda: given.write(made.memory, RATE)),
+        (50_048, "change", [{"given": "shaft"}], lambda: release_by_return(made)),
+        (60_032, "control", [0, False, "remote"], lambda: made.control(0, False, None, "remote")),
+        (80_000, "control", [2.9, True], lambda: made.control(2.9, True)),
+        (90_112, "control", [2.9, False], lambda: made.control(2.9, False)),
+        (120_064, "stop", [], lambda: fade.__setitem__(layout.L_STOP, 1)),
+    ]  # fmt: skip
+    expected = np.empty((FRAMES, 2), dtype=np.float32)
+    stops = [sample for sample, *_ in steps[1:]] + [FRAMES]
+    for (start, _, _, native), stop in zip(steps, stops, strict=True):
+        native()
+        run_block(made, expected[start:stop])
+    out, told = rendered(browser, image="image", sends=[list(step[:3]) for step in steps])
+    assert np.array_equal(out, expected)
+    assert np.abs(out[92_000:120_000]).max() > 0.001
+    assert not out[123_000:].any()
+    look = told["look"]
+    assert look["over"]
+    assert (look["rejected"], look["dropped"], look["resets"]) == (0, 0, 0)
+
+
+def release_by_return(made):
+    made.set("disk.k2", 6e-3)
+    made.set("disk.release", "return")
+
+
+def test_strikes_and_meters_are_told_when_asked(browser, match, football):
+    made = engine(match, football)
+    played(made)
+    browser.give(image=encode_engine(engine(match, football, hands=False)))
+    _, told = rendered(browser, image="image", events=SOURCE_EVENTS)
+    look, struck = told["look"], told["look"]["struck"]
+    strikes, meters = made.take_strikes(), made.meters
+    assert len(struck) == len(strikes) == look["strikes"] > 10
+    assert [one["sample"] / RATE for one in struck] == strikes.time_s.tolist()
+    numbers = np.array([one["event"] for one in struck], dtype=np.int64)
+    assert struck_event(made.surface, numbers).tolist() == strikes.event.tolist()
+    assert [one["torque"] for one in struck] == strikes.torque.tolist()
+    assert look["clock"] == FRAMES
+    assert look["cursor"] == meters.cursor
+    assert look["torque"] == meters.torque
+
+
+@pytest.mark.parametrize("preset", ["football", "creaking-door", "gravel"])
+def test_the_page_starts_from_the_engines_memory(browser, match, preset):
+    made = engine(match, ov.load_preset(preset))  # with events that wait, and its state
+    played(made, 4_800)
+    made.control(1.0, True, FRAMES + 77)
+    browser.give(image=encode_engine(made))
+    told = browser.call("runKernel", {"image": "image"})
+    assert told["loaded"] == hashlib.sha256(made.memory.tobytes()).hexdigest()
+
+
+def test_a_page_sounds_on_where_the_engine_was(browser, match, football):
+    made = engine(match, football)
+    half = np.empty((FRAMES // 2, 2), dtype=np.float32)
+    run_block(made, half)
+    browser.give(image=encode_engine(made))  # connecting clears the device's delay lines
+    out, _ = browser.render(rate=RATE, frames=FRAMES // 2, image="image")
+    run_block(made, half)
+    assert np.abs(half).max() > 0.1
+    assert np.array_equal(out, half)
+
+
+def test_a_surface_is_copied_into_the_free_slot_in_pieces(browser, match, football, goals):
+    (first, surface), _ = goals
+    browser.give(
+        image=encode_engine(engine(match, football, hands=False)),
+        rough=encode_change(football, ov.load_preset("creaking-door"), RATE, creaking(match)),
+        goal=encode_change(ov.load_preset("creaking-door"), first, RATE, surface),
+    )
+    slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
+    write_surface(slot, 0, surface, RATE)
+    region = [layout.SURFACES + 2 * layout.SLOT_SIZE, layout.SURFACES + 3 * layout.SLOT_SIZE]
+    given = {"image": "image", "region": region, "blocks": 200}
+    # the first goes into slot 1, the second into 2, a third over what the image had in 0
+    told = browser.call("runKernel", {**given, "changes": ["rough", "goal"]})
+    assert told["region"] == hashlib.sha256(slot[layout.SURFACES :].tobytes()).hexdigest()
+    assert 2 * layout.SLOT_SIZE / 32_768 - 2 < told["waited"] < 2 * layout.SLOT_SIZE / 32_768 + 2
+
+
+def creaking(match):
+    return ov.build_surface(match, ov.load_preset("creaking-door"))
+
+
+def test_a_used_slot_keeps_nothing_of_its_old_surface(browser, match, football, goals):
+    (first, surface), _ = goals
+    door = ov.load_preset("creaking-door")
+    browser.give(
+        image=encode_engine(engine(match, door, hands=False)),
+        goal=encode_change(door, first, RATE, surface),
+    )
+    slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
+    write_surface(slot, 0, surface, RATE)
+    start = layout.SURFACES  # slot 0, where the door was
+    given = {"image": "image", "region": [start, start + layout.SLOT_SIZE], "blocks": 300}
+    told = browser.call("runKernel", {**given, "changes": ["goal", "goal", "goal"]})
+    assert told["region"] == hashlib.sha256(slot[layout.SURFACES :].tobytes()).hexdigest()
+
+
+@pytest.mark.parametrize(
+    ("damage", "line"),
+    [
+        (lambda b: b[:-8], "damaged"),
+        (lambda b: b + bytes(8), "damaged"),
+        (lambda b: b[:-1], "not a change"),
+        (lambda b: b"", "not a change"),
+        (lambda b: bytes(8) + b[8:], "another version"),
+        (lambda b: b[:24] + np.float64(44_100).tobytes() + b[32:], "44100 Hz"),
+        (lambda b: b[:12] + np.int32(-1).tobytes() + b[16:], "damaged"),
+        (lambda b: b[:12] + np.int32(2**31 - 1).tobytes() + b[16:], "damaged"),
+        (lambda b: b[:8] + np.int32(0).tobytes() + b[12:], "damaged"),
+    ],
+)
+def test_damaged_bytes_are_refused_in_one_line(browser, match, football, goals, damage, line):
+    (first, surface), _ = goals
+    good = encode_change(football, first, RATE, surface)
+    browser.give(image=encode_engine(engine(match, football, hands=False)), good=good)
+    assert browser.call("refusal", "image", "good") == ""
+    browser.give(bad=damage(good))
+    refused = browser.call("refusal", "image", "bad")
+    assert line in refused
+    assert "\n" not in refused
+
+
+def test_a_bad_send_is_told_and_disturbs_no_sample(browser, match, football):
+    expected = played(engine(match, football))
+    browser.give(image=encode_engine(engine(match, football, hands=False)))
+    out, told = browser.render(
+        rate=RATE, frames=FRAMES, image="image", events=SOURCE_EVENTS, foul=9_984
+    )
+    assert np.array_equal(out, expected)
+    assert len(told["faults"]) == 2
+    assert "source" in told["faults"][0]
+    assert "not a change" in told["faults"][1]

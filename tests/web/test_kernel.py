@@ -66,10 +66,33 @@ def test_no_partition_changes_a_bit(match, football, native, sizes):
     assert np.array_equal(out, native)
 
 
-@pytest.mark.parametrize("preset", ["football", "series", "heart", "crowd"])
+def dial():
+    """Wells to swing in, with ends and bristles."""
+    return ov.load_preset("plain").with_changes(
+        {
+            "disk.inertia": 2e-5,
+            "surface.model": "detent",
+            "surface.pattern": "waves",
+            "surface.pattern_period_percent": 5.0,
+            "surface.grip": 8.0,
+            "surface.end_stiffness": 1.0,
+        }
+    )
+
+
+PRESETS = {
+    "viscous": lambda: ov.load_preset("football"),
+    "bristles": lambda: ov.load_preset("creaking-door"),
+    "wells": dial,
+}
+
+
+@pytest.mark.parametrize("preset", PRESETS)
 def test_the_whole_memory_stays_the_native_one(match, preset):
     """State, rings, logs, meters, surfaces and the device's columns; not what a clock counts."""
-    made = engine(match, ov.load_preset(preset))
+    made = engine(match, PRESETS[preset]())
+    models = {"viscous": 0, "bristles": layout.HAS_BRISTLES, "wells": layout.HAS_WELLS}[preset]
+    assert made.memory.view(np.int64)[layout.SURFACES + layout.SLOT_MODELS] & models == models
     out, memory = rendered(made.memory, [BLOCK] * (FRAMES // BLOCK))
     assert np.array_equal(out, played(made, BLOCK))
     ours, theirs = made.memory.view(np.int64).copy(), memory.view(np.int64).copy()
