@@ -234,20 +234,21 @@ def test_a_bad_send_is_told_and_disturbs_no_sample(browser, match, football):
 def test_a_third_surface_waits_until_a_slot_is_free(browser, match, football, goals):
     """Not in the slot that is faded from, nor in the one that waits."""
     (first, surface), _ = goals
+    door = ov.load_preset("creaking-door")
     stamps = 20_000, 21_000, 90_000
     made = engine(match, football)
     made.set_preset(first, sample_time=stamps[0])
     made.set_preset(football, sample_time=stamps[1])
     expected = np.empty((FRAMES, 2), dtype=np.float32)
     run_block(made, expected[:30_000])
-    made.set_preset(first, sample_time=stamps[2])
+    made.set_preset(door, sample_time=stamps[2])
     run_block(made, expected[30_000:])
     bare = engine(match, football, hands=False)
     browser.give(
         image=encode_engine(bare),
         one=encode_change(football, first, RATE, surface, stamps[0]),
         two=encode_change(first, football, RATE, bare.surface, stamps[1]),
-        three=encode_change(football, first, RATE, surface, stamps[2]),
+        three=encode_change(football, door, RATE, creaking(match), stamps[2]),
     )
     changes = ["one", "two", "three"]
     out, told = rendered(browser, image="image", events=SOURCE_EVENTS, changes=changes)
