@@ -1,7 +1,7 @@
 // The kernel and its memory in JavaScript: what Python's engine and mailbox do for a native one.
 //
 // It runs in the audio thread, where messages are handled between two blocks, so the rings need no
-// atomics. `render` allocates nothing: bytes are copied word by word, without views or BigInts.
+// atomics. `render` creates no object: bytes are copied word by word, without views or BigInts.
 
 import { DIGEST, L, SOURCES } from "./layout.js";
 
@@ -122,7 +122,7 @@ export class Kernel {
     this.out = this.block + 8 * L.TOTAL;
     grow(memory, this.out);
     this.look(memory);
-    new Copy(image).advance(this.m, this.words, Infinity);
+    new Copy(image).advance(this.m, this.words, L.TOTAL);
     this.channels = this.read(L.L_CHANNELS);
     grow(memory, this.out + 4 * LARGEST_BLOCK * this.channels);
     this.look(memory); // growing took the views away

@@ -4,7 +4,7 @@
 // numbers a gesture event, and what the page wants to draw only when it asks. A ring in a
 // SharedArrayBuffer would save the browser that copy, but needs two headers (COOP, COEP) that
 // many static hosts can't send, and the page must sound the same from all of them. Audio is never
-// posted, and `process` allocates nothing.
+// posted, and `process` creates no object.
 
 import { Kernel } from "./kernel.js";
 

@@ -19,6 +19,11 @@ HERE = Path(__file__).parent
 TYPES = {"html": "text/html", "js": "text/javascript", "wasm": "application/wasm"}
 # what the page will be served with: nothing inline, WebAssembly allowed
 POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'"
+FLAGS = [
+    "--no-sandbox",  # as root
+    "--autoplay-policy=no-user-gesture-required",
+    "--enable-precise-memory-info",
+]
 
 
 class Browser:
@@ -86,7 +91,7 @@ def opened() -> Iterator[Browser]:
         with api.sync_playwright() as playwright:
             try:
                 browser = playwright.chromium.launch(
-                    executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+                    executable_path=shutil.which("chromium"), args=FLAGS
                 )
             except api.Error as error:
                 pytest.skip(

@@ -101,6 +101,57 @@ export async function runKernel({ image, blocks = 0, changes = [], region = [0, 
   return { loaded, region: await digest(kernel.m.subarray(...region)), waited };
 }
 
+/** Bytes by which the heap grows in `blocks` blocks of a session, and microseconds a block. */
+export async function heapGrowth({ image, blocks, change }) {
+  const kernel = new Kernel(await bytes("kernel.wasm"), await bytes(image));
+  const outputs = [new Float32Array(QUANTUM), new Float32Array(QUANTUM)];
+  const rows = Float64Array.of(-1, 0, 1, 1);
+  const surface = await bytes(change);
+  const play = () => {
+    const began = performance.now();
+    for (let i = 0; i < blocks; i += 1) {
+      rows[2] = 1.5 + 1.4 * Math.sin(i / 200);
+      if (i % 4 === 0) kernel.control(rows);
+      kernel.render(outputs);
+    }
+    return performance.now() - began;
+  };
+  for (let i = 0; i < 4; i += 1) {
+    kernel.change(surface);
+    play(); // until it is compiled
+  }
+  let grown = 0;
+  let taken = Infinity;
+  // a collection may hide what one round took
+  for (let i = 0; i < 4; i += 1) {
+    const before = performance.memory.usedJSHeapSize;
+    taken = Math.min(taken, play());
+    grown = Math.max(grown, performance.memory.usedJSHeapSize - before);
+  }
+  return { grown, microseconds: (1e3 * taken) / blocks, waiting: kernel.waiting.length };
+}
+
+/** What a node in a real-time context tells at two looks, a moment and a touch apart. */
+export async function playInTime(image, rate, milliseconds) {
+  const context = new AudioContext({ sampleRate: rate });
+  const node = await openKernel(context, await bytes(image));
+  const faults = [];
+  node.onfault = (message) => faults.push(message);
+  node.onprocessorerror = (event) => faults.push(event.message ?? "processor error");
+  node.connect(context.destination);
+  const moment = () => new Promise((resolve) => setTimeout(resolve, milliseconds));
+  await moment();
+  const first = await node.look();
+  node.control(2.0, true);
+  await moment();
+  const second = await node.look();
+  node.stop();
+  await moment();
+  const last = await node.look();
+  await context.close();
+  return { state: context.state, faults, first, second, last };
+}
+
 /** The line with which damaged bytes are refused. */
 export async function refusal(image, change) {
   try {

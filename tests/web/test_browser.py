@@ -254,3 +254,31 @@ def test_a_third_surface_waits_until_a_slot_is_free(browser, match, football, go
     out, told = rendered(browser, image="image", events=SOURCE_EVENTS, changes=changes)
     assert np.array_equal(out, expected)
     assert told["look"]["changesWaiting"] == 0
+
+
+def test_a_block_allocates_nothing(browser, match, football, goals):
+    (first, surface), _ = goals
+    browser.give(
+        image=encode_engine(engine(match, football, hands=False)),
+        goal=encode_change(football, first, RATE, surface),
+    )
+    blocks = 20_000
+    told = browser.call("heapGrowth", {"image": "image", "blocks": blocks, "change": "goal"})
+    budget = BLOCK / RATE * 1e6
+    print(
+        f"\na quantum of {BLOCK} frames: {told['microseconds']:.1f} us, "
+        f"{told['microseconds'] / budget:.2%} of its budget (the kernel and its JavaScript alone)"
+    )
+    assert told["waiting"] == 0
+    assert told["grown"] < blocks  # a number a block would be 12 bytes or more
+
+
+def test_it_plays_in_time(browser, match, football):
+    browser.give(image=encode_engine(engine(match, football, hands=False)))
+    told = browser.call("playInTime", "image", RATE, 200)
+    assert told["faults"] == []
+    assert 0 < told["first"]["clock"] < told["second"]["clock"]
+    assert told["first"]["cursor"] == 0.0
+    assert 0.3 < told["second"]["cursor"] < 0.9
+    assert told["second"]["struck"]
+    assert told["last"]["over"]
