@@ -10,7 +10,7 @@ export const WHOLE = 0;
 export const CHANGE = 1;
 const FILL = 0;
 const DATA = 1;
-const HEAD = 4; // columns
+const HEAD = 5; // columns
 const HOW = { [WHOLE]: "a memory", [CHANGE]: "a change" };
 
 export const AT_ONCE = -1;
@@ -28,7 +28,7 @@ export const METERS = Object.freeze([
   "limited", "silentSamples", "stillSamples", "changesWaiting",
 ]);
 
-/** Sample rate (Hz) of encoded bytes; an Error in one line unless they are of this kind. */
+/** Sample rate (Hz) and channels of encoded bytes; an Error in one line if not of this kind. */
 export function checkBytes(bytes, kind) {
   const what = HOW[kind];
   if (!(bytes instanceof ArrayBuffer) || bytes.byteLength % 8 || bytes.byteLength < 8 * HEAD) {
@@ -53,7 +53,8 @@ export function checkBytes(bytes, kind) {
   if (words[2] !== kind || at !== columns || !complete) {
     throw new Error(`not ${what} of the kernel: damaged, or of another kind`);
   }
-  return new Float64Array(bytes)[3];
+  const numbers = new Float64Array(bytes, 0, HEAD);
+  return { sampleRate: numbers[3], channels: numbers[4] };
 }
 
 /** Encoded columns on their way into the memory, in pieces. */
@@ -114,27 +115,22 @@ class Copy {
 export class Kernel {
   /** `wasm`: the bytes of kernel.wasm; `image`: those of encoding.py's `encode_engine`. */
   constructor(wasm, image) {
-    this.sampleRate = checkBytes(image, WHOLE);
+    const { sampleRate, channels } = checkBytes(image, WHOLE);
+    this.sampleRate = sampleRate;
+    this.channels = channels;
     const instance = new WebAssembly.Instance(new WebAssembly.Module(wasm), {});
     const { memory, render, __heap_base } = instance.exports;
     this.run = render;
     this.block = Math.ceil(__heap_base.value / 8) * 8;
     this.out = this.block + 8 * L.TOTAL;
-    grow(memory, this.out);
-    this.look(memory);
+    grow(memory, this.out + 4 * LARGEST_BLOCK * channels);
+    this.m = new Float64Array(memory.buffer, this.block, L.TOTAL);
+    this.words = new Int32Array(memory.buffer, this.block, 2 * L.TOTAL);
     new Copy(image).advance(this.m, this.words, L.TOTAL);
-    this.channels = this.read(L.L_CHANNELS);
-    grow(memory, this.out + 4 * LARGEST_BLOCK * this.channels);
-    this.look(memory); // growing took the views away
-    this.samples = new Float32Array(memory.buffer, this.out, LARGEST_BLOCK * this.channels);
+    this.samples = new Float32Array(memory.buffer, this.out, LARGEST_BLOCK * channels);
     this.dropped = 0;
     this.waiting = []; // changes, each a Copy
     this.slot = -1; // where the surface of the first of them goes
-  }
-
-  look(memory) {
-    this.m = new Float64Array(memory.buffer, this.block, L.TOTAL);
-    this.words = new Int32Array(memory.buffer, this.block, 2 * L.TOTAL);
   }
 
   /** An int64 column as a number. */
@@ -169,9 +165,9 @@ export class Kernel {
 
   /** Queue a change of encoding.py's `encode_change`: in the order of their coming. */
   change(bytes) {
-    const rate = checkBytes(bytes, CHANGE);
-    if (rate !== this.sampleRate) {
-      throw new Error(`a change for ${rate} Hz; the kernel runs at ${this.sampleRate} Hz`);
+    const { sampleRate } = checkBytes(bytes, CHANGE);
+    if (sampleRate !== this.sampleRate) {
+      throw new Error(`a change for ${sampleRate} Hz; the kernel runs at ${this.sampleRate} Hz`);
     }
     this.waiting.push(new Copy(bytes));
   }

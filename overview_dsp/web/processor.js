@@ -1,4 +1,4 @@
-// The AudioWorklet: the kernel, a render quantum at a time; output 0 is clicks, output 1 the tactor.
+// The AudioWorklet: the kernel, a render quantum at a time; left is clicks, right is the tactor.
 //
 // Everything but sound comes by messages, which the browser hands over between two quanta: a few
 // numbers a gesture event, and what the page wants to draw only when it asks. A ring in a

@@ -11,9 +11,9 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 from overview_dsp.live.python_path import run_block
-from overview_dsp.surface_slot import struck_event, write_surface
+from overview_dsp.surface_slot import write_surface
 from overview_dsp.units import db_to_gain
-from overview_dsp.web.encoding import encode_change, encode_engine
+from overview_dsp.web.encoding import encode_change, encode_engine, event_numbers
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played
 
 SOURCE_EVENTS = [
@@ -42,6 +42,14 @@ def test_drag_tap_and_release_are_the_native_samples(browser, match, football):
         f"\na quantum of {BLOCK} frames: {per_block * 1e6:.1f} us, {per_block / budget:.1%} of its "
         f"budget (an OfflineAudioContext's whole rendering)"
     )
+
+
+def test_firefox_gives_the_native_samples_too(firefox, match, football):
+    expected = played(engine(match, football))
+    firefox.give(image=encode_engine(engine(match, football, hands=False)))
+    out, told = rendered(firefox, image="image", events=SOURCE_EVENTS)
+    assert np.array_equal(out, expected)
+    print(f"\nFirefox: {told['seconds'] / (FRAMES / BLOCK) * 1e6:.1f} us a quantum")
 
 
 @pytest.fixture(scope="module")
@@ -129,8 +137,8 @@ def test_strikes_and_meters_are_told_when_asked(browser, match, football):
     strikes, meters = made.take_strikes(), made.meters
     assert len(struck) == len(strikes) == look["strikes"] > 10
     assert [one["sample"] / RATE for one in struck] == strikes.time_s.tolist()
-    numbers = np.array([one["event"] for one in struck], dtype=np.int64)
-    assert struck_event(made.surface, numbers).tolist() == strikes.event.tolist()
+    names = [*event_numbers(made.surface), -1]  # the number -1 is the last
+    assert [names[one["event"]] for one in struck] == strikes.event.tolist()
     assert [one["torque"] for one in struck] == strikes.torque.tolist()
     assert look["clock"] == FRAMES
     assert look["cursor"] == meters.cursor
@@ -217,6 +225,34 @@ def test_damaged_bytes_are_refused_in_one_line(browser, match, football, goals, 
     refused = browser.call("refusal", "image", "bad")
     assert line in refused
     assert "\n" not in refused
+
+
+def test_another_sample_rate_is_refused_and_its_own_plays(browser, match, football):
+    made = ov.Engine(football, match)
+    made.prepare(44_100, 44_100)
+    browser.give(image=encode_engine(made))
+    given = {"frames": 44_032, "image": "image", "events": [{"theta2": 2.0, "touching": True}]}
+    assert "44100 Hz" in browser.call("refusedRendering", {**given, "rate": RATE})
+    out, _ = browser.render(**given, rate=44_100)
+    made.control(2.0, True)
+    expected = np.empty((44_032, 2), dtype=np.float32)
+    run_block(made, expected)
+    assert np.array_equal(out, expected)
+
+
+def test_a_pads_channels_carry_the_signals(browser, match, football):
+    """Clicks nowhere, the tactor on the fourth channel: a context that has four gets them."""
+    pad = OutputSettings(SignalSettings(0), SignalSettings(4))
+    made = engine(match, football, settings=pad)
+    expected = np.empty((12_800, 4), dtype=np.float32)
+    run_block(made, expected)
+    browser.give(image=encode_engine(engine(match, football, hands=False, settings=pad), pad))
+    out, _ = browser.render(
+        rate=RATE, frames=12_800, image="image", events=SOURCE_EVENTS, channels=4
+    )
+    out = out.reshape(-1, 4)
+    assert np.abs(out[:, 3]).max() > 0.01
+    assert np.array_equal(out, expected)
 
 
 def test_a_bad_send_is_told_and_disturbs_no_sample(browser, match, football):

@@ -31,11 +31,14 @@ async function digest(view) {
 
 /** Interleaved float32 samples of an AudioBuffer. */
 function interleaved(buffer) {
-  const channels = [0, 1].map((channel) => buffer.getChannelData(channel));
-  return Float32Array.from(
-    { length: 2 * buffer.length },
-    (unused, i) => channels[i % 2][i >> 1],
-  );
+  const count = buffer.numberOfChannels;
+  const samples = new Float32Array(count * buffer.length);
+  for (let channel = 0; channel < count; channel += 1) {
+    buffer.getChannelData(channel).forEach((sample, i) => {
+      samples[count * i + channel] = sample;
+    });
+  }
+  return samples;
 }
 
 /**
@@ -43,8 +46,11 @@ function interleaved(buffer) {
  * [sample, method, arguments], sent to the running node at the next render quantum, where an
  * argument { given: name } stands for bytes. At the sample `foul`, messages that make no sense.
  */
-export async function renderOffline({ rate, frames, image, events = [], changes = [], sends = [], foul }) {
-  const context = new OfflineAudioContext(2, frames, rate);
+export async function renderOffline({
+  rate, frames, image, events = [], changes = [], sends = [], foul, channels = 2,
+}) {
+  const context = new OfflineAudioContext(channels, frames, rate);
+  if (channels > 2) context.destination.channelInterpretation = "discrete";
   const node = await openKernel(context, await bytes(image), {
     events,
     changes: await all(changes),
@@ -82,6 +88,16 @@ export async function renderOffline({ rate, frames, image, events = [], changes 
   const samples = interleaved(await context.startRendering());
   const seconds = (performance.now() - began) / 1e3;
   return { samples: base64(samples), seconds, look: await node.look(), faults };
+}
+
+/** The line with which a rendering is refused. */
+export async function refusedRendering(given) {
+  try {
+    await renderOffline(given);
+  } catch (error) {
+    return error.message;
+  }
+  return "";
 }
 
 /**
