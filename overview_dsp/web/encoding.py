@@ -38,6 +38,7 @@ from overview_dsp.presets.model import Preset
 from overview_dsp.surface import Surface
 from overview_dsp.surface_slot import struck_event, write_surface
 
+HEAD = 5  # columns before the pairs
 WHOLE, CHANGE = range(2)
 FILL, DATA, TABLE = range(3)
 LEAST_FILL = 4
@@ -56,9 +57,21 @@ def layout_numbers() -> dict[str, int]:
     }
 
 
+def encoding_numbers() -> dict[str, int]:
+    """The numbers of the encoding itself, by their names."""
+    return {
+        "HEAD": HEAD,
+        "WHOLE": WHOLE,
+        "CHANGE": CHANGE,
+        "FILL": FILL,
+        "DATA": DATA,
+        "TABLE": TABLE,
+    }
+
+
 def layout_digest() -> bytes:
-    """8 bytes that differ where the layout or the order of the sources does."""
-    text = f"{layout_numbers()} {SOURCES}"
+    """8 bytes that differ where the layout, the encoding or the order of the sources does."""
+    text = f"{layout_numbers()} {encoding_numbers()} {SOURCES}"
     return hashlib.sha256(text.encode()).digest()[:8]
 
 

@@ -3,15 +3,11 @@
 // It runs in the audio thread, where messages are handled between two blocks, so the rings need no
 // atomics. `render` creates no object: bytes are copied word by word, without views or BigInts.
 
-import { DIGEST, L, SOURCES } from "./layout.js";
+import { DIGEST, ENCODING, L, SOURCES } from "./layout.js";
 
-// encoding.py
-export const WHOLE = 0;
-export const CHANGE = 1;
-const FILL = 0;
-const DATA = 1;
-const HEAD = 5; // columns
-const HOW = { [WHOLE]: "a memory", [CHANGE]: "a change" };
+export const { WHOLE, CHANGE } = ENCODING;
+const { FILL, DATA, TABLE, HEAD } = ENCODING;
+const WHAT = { [WHOLE]: "a memory", [CHANGE]: "a change" };
 
 export const AT_ONCE = -1;
 const TWO_32 = 4294967296;
@@ -30,7 +26,7 @@ export const METERS = Object.freeze([
 
 /** Sample rate (Hz) and channels of encoded bytes; an Error in one line if not of this kind. */
 export function checkBytes(bytes, kind) {
-  const what = HOW[kind];
+  const what = WHAT[kind];
   if (!(bytes instanceof ArrayBuffer) || bytes.byteLength % 8 || bytes.byteLength < 8 * HEAD) {
     throw new Error(`not ${what} of the kernel: ${bytes?.byteLength} bytes`);
   }
@@ -38,23 +34,35 @@ export function checkBytes(bytes, kind) {
   if (words[0] !== DIGEST[0] || words[1] !== DIGEST[1]) {
     throw new Error(`${what} of another version of the kernel: load the page again`);
   }
-  const columns = bytes.byteLength / 8;
+  const numbers = new Float64Array(bytes);
   const first = HEAD + 2 * words[3];
+  let sound = words[2] === kind && first >= HEAD && first <= numbers.length;
+  for (let i = HEAD; sound && i < first; i += 2) {
+    const column = numbers[i];
+    const coefficient = Number.isInteger(column) && column >= 0 && column < L.COEFFS;
+    sound = coefficient || column === L.COMMAND_RELEASE_RETURNS;
+  }
   let covered = 0;
   let at = first;
-  while (at >= HEAD && at < columns) {
+  while (sound && at < numbers.length) {
     const how = words[2 * at];
     const count = words[2 * at + 1];
-    at += 1 + (how === FILL ? 1 : how === DATA ? count : count / 2);
-    covered += count > 0 ? count : NaN;
+    sound = count > 0 && (how === FILL || how === DATA || (how === TABLE && count % 2 === 0));
+    covered += count;
+    at += 1 + valuesOf(how, count);
   }
   const whole = kind === WHOLE ? L.TOTAL : L.SLOT_SIZE;
-  const complete = covered === whole || (kind === CHANGE && first === columns);
-  if (words[2] !== kind || at !== columns || !complete) {
+  const complete = covered === whole || (kind === CHANGE && first === numbers.length);
+  if (!sound || at !== numbers.length || !complete) {
     throw new Error(`not ${what} of the kernel: damaged, or of another kind`);
   }
-  const numbers = new Float64Array(bytes, 0, HEAD);
   return { sampleRate: numbers[3], channels: numbers[4] };
+}
+
+/** How many values a run has for its columns. */
+function valuesOf(how, count) {
+  if (how === FILL) return 1;
+  return how === DATA ? count : count / 2;
 }
 
 /** Encoded columns on their way into the memory, in pieces. */
@@ -103,7 +111,7 @@ class Copy {
       }
       this.done = stop;
       if (stop === count) {
-        this.at = data + (how === FILL ? 1 : how === DATA ? count : count / 2);
+        this.at = data + valuesOf(how, count);
         this.target += count;
         this.done = 0;
       }
@@ -147,7 +155,7 @@ export class Kernel {
   control(events) {
     for (let i = 0; i + EVENT_FIELDS <= events.length; i += EVENT_FIELDS) {
       const source = events[i + 1];
-      if (!(source >= 0 && source < L.SOURCES)) {
+      if (!(Number.isInteger(source) && source >= 0 && source < L.SOURCES)) {
         throw new Error(`no source has the number ${source}; known: ${SOURCES.join(", ")}`);
       }
       const written = this.read(L.RING_WRITTEN + source);

@@ -214,11 +214,17 @@ def test_a_used_slot_keeps_nothing_of_its_old_surface(browser, match, football, 
         (lambda b: b[:12] + np.int32(-1).tobytes() + b[16:], "damaged"),
         (lambda b: b[:12] + np.int32(2**31 - 1).tobytes() + b[16:], "damaged"),
         (lambda b: b[:8] + np.int32(0).tobytes() + b[12:], "damaged"),
+        (lambda b: b[:40] + np.float64(-1).tobytes() + b[48:], "damaged"),  # a slot of its own
+        (lambda b: b[:40] + np.float64(0.5).tobytes() + b[48:], "damaged"),
+        (lambda b: b[:56] + np.int32(7).tobytes() + b[60:], "damaged"),  # no such run
+        (lambda b: b[:60] + np.int32(-1).tobytes() + b[64:], "damaged"),
+        (lambda b: b[:56] + np.array([2, 3], np.int32).tobytes() + b[64:], "damaged"),
     ],
 )
 def test_damaged_bytes_are_refused_in_one_line(browser, match, football, goals, damage, line):
     (first, surface), _ = goals
     good = encode_change(football, first, RATE, surface)
+    assert np.frombuffer(good, "<i4", 2, 8)[1] == 1  # a pair: the runs begin at byte 56
     browser.give(image=encode_engine(engine(match, football, hands=False)), good=good)
     assert browser.call("refusal", "image", "good") == ""
     browser.give(bad=damage(good))
