@@ -13,7 +13,7 @@ export const AT_ONCE = -1;
 const TWO_32 = 4294967296;
 const PAGE_BYTES = 65536;
 const LARGEST_BLOCK = 2048; // frames
-const COLUMNS_A_BLOCK = 32768; // of a surface, so that copying one never makes a block late
+const COLUMNS_A_BLOCK = 16384; // of a surface, so that copying one never makes a block late
 export const EVENT_FIELDS = 4; // of a control event: sample time, source, theta2, touching
 export const STRIKE_FIELDS = 4; // of a strike: sample, event, torque, level
 
@@ -134,7 +134,9 @@ export class Kernel {
     grow(memory, this.out + 4 * LARGEST_BLOCK * channels);
     this.m = new Float64Array(memory.buffer, this.block, L.TOTAL);
     this.words = new Int32Array(memory.buffer, this.block, 2 * L.TOTAL);
-    new Copy(image).advance(this.m, this.words, L.TOTAL);
+    // in pieces, so that the browser has compiled the copying before the first sample
+    const copy = new Copy(image);
+    while (!copy.advance(this.m, this.words, COLUMNS_A_BLOCK));
     this.samples = new Float32Array(memory.buffer, this.out, LARGEST_BLOCK * channels);
     this.dropped = 0;
     this.waiting = []; // changes, each a Copy
