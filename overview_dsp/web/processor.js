@@ -38,7 +38,7 @@ class OverviewProcessor extends AudioWorkletProcessor {
         { kind: "look", over: this.over, meters, strikes },
         [meters.buffer, strikes.buffer],
       );
-    }
+    } else throw new Error(`no message is called ${data.kind}`);
   }
 
   process(inputs, outputs) {
