@@ -49,6 +49,14 @@ class Counters:
         Samples missing by the sequence numbers.
     repeated
         Samples that came twice; the second is dropped.
+    disordered
+        Samples with a stamp before the last one's; dropped.
+    clock_wraps, clock_restarts
+        The sensor's clock passed its highest count, or began again.
+    implausible
+        Samples beyond what the sensor can say; dropped.
+    overrun_bytes
+        Bytes given up because more came than could be read.
     """
 
     received_bytes: int = 0
@@ -58,6 +66,11 @@ class Counters:
     noise_bytes: int = 0
     lost: int = 0
     repeated: int = 0
+    disordered: int = 0
+    clock_wraps: int = 0
+    clock_restarts: int = 0
+    implausible: int = 0
+    overrun_bytes: int = 0
 
     def refuse(self, piece: bytes | bytearray) -> None:
         """Count a piece that is no reading."""
