@@ -107,6 +107,19 @@ class Surface:
     bristles: BristleField | None = None
     wells: WellField | None = None
 
+    @property
+    def resistance(self) -> NDArray[np.float64]:
+        """What a disk at 1 rad/s is held with at the table's points, by all models, N m s/rad.
+
+        Viscous friction, the bristles' sliding torque and the wells' pull, whichever way it goes.
+        """
+        total = self.friction
+        if self.bristles is not None:
+            total = total + self.bristles.grip
+        if self.wells is not None:
+            total = total + np.abs(self.wells.pull)
+        return total
+
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
         x = np.clip(np.asarray(phi, dtype=np.float64) / math.pi, 0.0, 1.0) * CELLS

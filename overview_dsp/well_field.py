@@ -73,8 +73,6 @@ class WellLayer:
         """The field."""
         energy = self._under + self._high - self._deep
         pull = np.gradient(energy)
-        # beyond the ends there is only the stop
-        pull[[0, -1]] = 0.0
         between = 0.5 * (pull[1:] + pull[:-1])
         stiffness = self._preset.number("surface.end_stiffness")
         return WellField(

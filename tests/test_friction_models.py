@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
+from overview_dsp.presets.describe import bristle_hold
 from tests.examples import preset_with, timeline_of
 
 RATE = 48_000
@@ -68,6 +69,18 @@ def test_the_height_of_bristles_is_the_torque_that_viscous_friction_has_at_1_rad
     assert set(owned) == {0, 1}
     assert (np.diff(owned) >= 0).all()
     assert (ov.build_surface(timeline, preset).friction == preset.number("surface.friction")).all()
+
+
+def test_what_resists_is_the_same_height_in_every_model():
+    tops = {}
+    for model in ("viscous", "bristle", "detent"):
+        preset = sticky()
+        kind = replace(preset.kinds["default"], model=model)
+        preset = replace(preset, kinds={"default": kind})
+        tops[model] = ov.build_surface(timeline_of(50.0), preset).resistance.max()
+    assert tops["viscous"] == pytest.approx(5e-3)
+    assert tops["bristle"] == pytest.approx(5e-3)
+    assert tops["detent"] == pytest.approx(5e-3, rel=1e-3)
 
 
 def test_bristles_that_no_spring_can_pull_over_are_named():
@@ -134,6 +147,9 @@ def test_a_finger_held_still_stops_the_disk_within_what_the_bristles_hold():
     preset = creaking()
     static_torque = 50.0 * 1e-4 * 2.0
     held = static_torque / (0.5 + 5e-3) + static_torque / preset.number("surface.stiffness")
+    assert bristle_hold(preset)["held_within_percent"] == pytest.approx(
+        100.0 * static_torque / 0.5 / math.pi
+    )
     for place in (0.2, 0.5, 0.9):
         result = ov.render(timeline_of(), preset, ov.tap(place, 3.0), tail="none")
         off = math.pi * abs(result.trace.cursor[-100] - place)
@@ -159,6 +175,18 @@ def test_a_disk_pulled_slowly_creaks_and_one_pulled_fast_slides():
     assert between.std() < 0.1 * between.mean()
 
 
+@pytest.mark.parametrize("stiffness", [20.0, 1e3, 1e6])
+def test_pulled_slowly_the_disk_slips_as_far_as_its_description_says(stiffness):
+    preset = creaking(surface__stribeck_speed=0.2, surface__stiffness=stiffness)
+    strikes = ov.render(timeline_of(), preset, ov.sweep(8.0, 0.0, 0.1), tail="none").strikes
+    assert len(strikes) > 8
+    # a disk that swings in its bristles doesn't slip
+    slips = 100.0 * 0.1 / 8.0 * np.diff(strikes.time_s[:8])
+    said = bristle_hold(preset)["slip_percent"]
+    assert said == pytest.approx(100.0 * 2.0 * 5e-3 / 0.5 / math.pi)
+    assert slips[1:] == pytest.approx(said, rel=0.12)
+
+
 def test_a_stuck_disk_moves_on_when_the_grip_is_lowered():
     engine = ov.Engine(creaking(), timeline_of())
     engine.prepare(RATE, RATE)
@@ -171,6 +199,25 @@ def test_a_stuck_disk_moves_on_when_the_grip_is_lowered():
     engine.set("surface.grip", 2.0)
     engine.process(out)
     assert abs(math.pi * engine.meters.cursor - 0.015) <= 2.0 * 2e-4 / 0.5 * 1.05
+
+
+def test_a_grip_that_comes_back_remembers_no_slip():
+    engine = ov.Engine(creaking(), timeline_of())
+    engine.prepare(RATE, RATE)
+    out = np.zeros((RATE, 2), dtype=np.float32)
+    engine.control(0.0, True)
+    engine.process(out[:100])
+    engine.control(0.015, True)  # stuck, and pulled at
+    engine.process(out)
+    engine.set("surface.model", "viscous")
+    engine.process(out)
+    engine.take_strikes()
+    engine.control(3.0, True)
+    engine.process(out[:2000])
+    engine.set("surface.model", "bristle")
+    engine.process(out[:1000])
+    assert engine.meters.cursor > 0.1
+    assert len(engine.take_strikes()) == 0
 
 
 def test_no_static_torque_makes_no_creak():

@@ -66,6 +66,18 @@ def modes():
     return st.builds(ov.Mode, **{key: values(known) for key, known in MODE_PARAMETERS.items()})
 
 
+MODELLED = (
+    "model",
+    "stiffness",
+    "damping",
+    "static_ratio",
+    "stribeck_speed",
+    "break_away",
+    "material",
+    "pitch_hz",
+)
+
+
 def kinds():
     return st.builds(
         ov.Kind,
@@ -74,6 +86,7 @@ def kinds():
         shape=st.sampled_from(SHAPES),
         gain_db=values(KIND_PARAMETERS["gain_db"]),
         modes=st.lists(modes(), max_size=6).map(tuple),
+        **{key: values(KIND_PARAMETERS[key]) for key in MODELLED},
     )
 
 

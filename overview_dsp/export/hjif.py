@@ -60,7 +60,7 @@ def document(clip: Clip, budget: int) -> dict[str, Any]:
     channels = [_channel(0, "vibration", [_wave(0, vibration)])]
     if strikes:
         channels.append(_channel(1, "strikes", strikes))
-    highest = float(clip.surface.friction.max())
+    highest = float(clip.surface.resistance.max())
     return {
         "version": "2023",
         "profile": "Main",
@@ -122,7 +122,7 @@ def _wave(position: int, keyframes: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _friction(clip: Clip, highest: float) -> dict[str, Any]:
-    table = clip.surface.friction / highest
+    table = clip.surface.resistance / highest
     ticks = np.arange(TICKS_PER_TURN + 1)
     # the highest cell around each tick: no event falls between two
     edges = np.clip(np.rint((ticks - 0.5) / TICKS_PER_TURN * CELLS), 0, CELLS).astype(np.int64)

@@ -6,6 +6,9 @@ breaks loose from it after sticking there, that torque is released:
     torque = (the event's own friction) * (highest |omega1| of late, forgotten within 0.2 s)
     level  = c / (1 + c),   c = (torque / full)**p
 
+Bristles and end stops let go of the same torque at any speed; a slip of the bristles is a strike
+too, of the torque it lets go. A well takes the speed that the disk has at its bottom.
+
 A mode is a damped rotation, z[n+1] = z[n] * r * exp(i w), heard as its imaginary part. A strike at
 a fraction of a sample turns the new rotation by the time that is left of the sample, so an onset is
 placed exactly and the sampled mode is that of continuous time:

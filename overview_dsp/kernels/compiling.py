@@ -67,6 +67,13 @@ def point(function: Function) -> Function:
     return compiled
 
 
+def routine(function: Function) -> Function:
+    """Compile a function for other kernels to call, not inlined: for what is large and rare."""
+    bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    compiled: Function = numba.njit(**OPTIONS, **bare)(function)
+    return compiled
+
+
 def entry(function: Function) -> Function:
     """Compile a function that Python calls, and keep its machine code on disk."""
     return _kept(function, lambda cache: numba.njit(cache=cache, **OPTIONS))

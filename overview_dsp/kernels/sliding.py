@@ -12,13 +12,14 @@ from math import sqrt
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import converted, moving, speed_after, steady_torque
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import point, routine
 from overview_dsp.kernels.friction import friction_at
 from overview_dsp.kernels.wells import contact, mixed, step_in_wells, within
 
 LEAST_GRIP = 1e-12  # N m: from here there are no bristles
 SLIP = 0.05  # of the sliding torque: the least that a slip lets go
 STANDSTILL = 1e-150  # cells: smaller would become denormal
+GIVES = 0.5  # part of the disk's way that its bristles don't follow
 STOPPED = 0.5  # of the Stribeck speed: below it the disk sticks again
 
 
@@ -64,17 +65,18 @@ def knock(m, w, slot, before, after, omega):
 
 
 @point
-def slip(m, torque, omega, sliding, stribeck):
+def slip(m, torque, omega, gives, sliding, stribeck):
     """Torque (N m) let go in this sample, 0 if the disk went on as it did.
 
-    Stuck bristles have slipped once the disk is faster than the Stribeck speed.
+    Stuck bristles have slipped once the disk is faster than the Stribeck speed and they give way:
+    by more than half of its way, `gives` (or it only swings in them).
     """
     peak = m[layout.SLIP_PEAK]
     speed = abs(omega)
     released = 0.0
     if peak >= 0.0:
         peak = max(abs(torque), peak * m[layout.C_FORGET])
-        if speed > stribeck:
+        if speed > stribeck and gives > GIVES:
             if peak - abs(torque) > SLIP * sliding:
                 released = peak - abs(torque)
             peak = -1.0
@@ -84,7 +86,7 @@ def slip(m, torque, omega, sliding, stribeck):
     return released
 
 
-@point
+@routine
 def slide(m, w, slot, old_slot, old_part, x, v, push, resistance):
     """One step over a surface with bristles, wells or end stops.
 
@@ -104,6 +106,7 @@ def slide(m, w, slot, old_slot, old_part, x, v, push, resistance):
         if w[slot + layout.SLOT_MODELS] & layout.HAS_BRISTLES == 0:
             rows = old_slot
     z = 0.0
+    before = 0.0
     steady = 0.0
     per_cell = 0.0
     event = -1
@@ -119,6 +122,7 @@ def slide(m, w, slot, old_slot, old_part, x, v, push, resistance):
         if z != 0.0 and stiffness != m[layout.BRISTLE_STIFFNESS]:
             z = converted(z, m[layout.BRISTLE_STIFFNESS], stiffness)
         m[layout.BRISTLE_STIFFNESS] = stiffness
+        before = z
         static = m[row + layout.P_STATIC]
         torque = steady_torque(sliding, static, m[row + layout.P_STRIBECK], v * to_omega)
         steady = torque / per_cell
@@ -144,7 +148,8 @@ def slide(m, w, slot, old_slot, old_part, x, v, push, resistance):
     torque = torque * to_omega
     released = 0.0
     if steady > 0.0:
-        released = slip(m, torque, omega, sliding, m[row + layout.P_STRIBECK])
+        gives = 1.0 - (z - before) / middle if middle != 0.0 else 0.0
+        released = slip(m, torque, omega, gives, sliding, m[row + layout.P_STRIBECK])
     else:
         m[layout.SLIP_PEAK] = -1.0
     met = knock(m, w, slot, x, x + middle, omega)

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import bristle_step
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import point, routine
 from overview_dsp.kernels.friction import friction_at
 
 SHORT = 0.5  # cells: on a shorter way no difference of energies is taken, which would cancel
@@ -103,7 +103,7 @@ def contact(push, resistance, z, stiffness, damping, steady, break_away):
     return push / resistance, 0.0, 0.0
 
 
-@point
+@routine
 def step_in_wells(
     m, w, slot, old_slot, old_part, x, ahead, push, resistance,
     z, stiffness, damping, steady, break_away,

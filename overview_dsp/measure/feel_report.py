@@ -31,7 +31,7 @@ from overview_dsp.gestures import Gesture, sweep, tap
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Result, render
+from overview_dsp.rendering import Result, Tail, render
 from overview_dsp.skin import pacinian_db
 from overview_dsp.timeline import Timeline
 
@@ -209,6 +209,7 @@ def feel_report(
     timeline: Timeline | Sequence[Timeline],
     gestures: Mapping[str, Gesture] = GESTURES,
     sample_rate: float = 48_000,
+    recoils: bool = True,
 ) -> FeelReport:
     """Measure how a preset feels on a timeline.
 
@@ -218,13 +219,21 @@ def feel_report(
         What is to be felt; the timeline has events. Of several, what is felt on all of them.
     gestures
         Name to gesture, each of one touch.
+    recoils
+        Without them, the hand never lets go: only the way out is measured.
     """
+    if not recoils:
+        gestures = {name: _held(gesture) for name, gesture in gestures.items()}
+    tail: Tail = "rest" if recoils else "none"
     timelines = [timeline] if isinstance(timeline, Timeline) else list(timeline)
     reports = [
         _combined(parts)
         for name, gesture in gestures.items()
         for parts in zip(
-            *(_stroke_reports(name, gesture, each, preset, sample_rate) for each in timelines),
+            *(
+                _stroke_reports(name, gesture, each, preset, sample_rate, tail)
+                for each in timelines
+            ),
             strict=True,
         )
     ]
@@ -232,10 +241,15 @@ def feel_report(
 
 
 def _stroke_reports(
-    name: str, gesture: Gesture, timeline: Timeline, preset: Preset, sample_rate: float
+    name: str,
+    gesture: Gesture,
+    timeline: Timeline,
+    preset: Preset,
+    sample_rate: float,
+    tail: Tail,
 ) -> list[StrokeReport]:
-    """Both strokes of a gesture: out, and its recoil."""
-    result = render(timeline, preset, gesture, sample_rate)
+    """The strokes of a gesture: out, and its recoil."""
+    result = render(timeline, preset, gesture, sample_rate, tail=tail)
     trace = result.trace
     assert trace is not None
     return [
@@ -246,6 +260,13 @@ def _stroke_reports(
         )
         for stroke in strokes(trace.touching, trace.cursor)
     ]
+
+
+def _held(gesture: Gesture) -> Gesture:
+    """A gesture of one touch, up to where it lets go."""
+    held = gesture.touching
+    lift = float(gesture.time_s[~held][0])
+    return Gesture(gesture.time_s[held], gesture.theta2[held], gesture.touching[held], lift)
 
 
 def _combined(parts: Sequence[StrokeReport]) -> StrokeReport:

@@ -45,6 +45,32 @@ def _kind_line(name: str, kind: Kind) -> str:
     return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}{also}"
 
 
+def bristle_hold(preset: Preset) -> dict[str, float]:
+    """What the bare surface's bristles do to a disk that is pulled slowly, in % of the surface.
+
+    How far behind the finger it may stick, and how far it slips: the pull rises to the static
+    torque and swings as far below the sliding one.
+    """
+    number = preset.number
+    sliding = number("surface.grip") * number("surface.friction")
+    static = sliding * number("surface.static_ratio")
+    percent = 100.0 / (number("disk.k2") * math.pi)
+    return {
+        "held_within_percent": static * percent,
+        "slip_percent": 2.0 * (static - sliding) * percent,
+    }
+
+
+def _hold_lines(preset: Preset) -> list[str]:
+    if preset.values["surface.model"] != "bristle":
+        return []
+    hold = bristle_hold(preset)
+    return [
+        f"Its bristles hold the disk up to {hold['held_within_percent']:.2g} % of the surface from "
+        f"the finger; pulled slowly it slips {hold['slip_percent']:.2g} % at a time."
+    ]
+
+
 def describe(preset: Preset) -> str:
     """The preset as a page of text; a star marks what differs from the default."""
     lines = [f"{preset.name}: {preset.title}", preset.description, ""]
@@ -60,6 +86,7 @@ def describe(preset: Preset) -> str:
     facts = character(preset)
     lines += [
         "",
+        *_hold_lines(preset),
         f"On the bare surface: held {facts['held_hz']:.2f} Hz, damping {facts['held_damping']:.2f};"
         f" let go {facts['free_hz']:.2f} Hz, damping {facts['free_damping']:.2f}, "
         f"recoil {facts['recoil_s']:.2f} s.",
@@ -86,7 +113,8 @@ def describe_json(preset: Preset) -> dict[str, Any]:
             }
             for id, known in PARAMETERS.items()
         },
-        "character": character(preset),
+        "character": character(preset)
+        | (bristle_hold(preset) if preset.values["surface.model"] == "bristle" else {}),
         "kinds": {
             name: {
                 **vars(kind),

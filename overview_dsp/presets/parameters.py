@@ -144,7 +144,7 @@ def _bristles(section: str, damping: str) -> tuple[Parameter, ...]:
     return (
         _number(
             section + "stiffness",
-            20.0,
+            100.0,
             0.1,
             1e6,
             "N·m/rad",
@@ -338,7 +338,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             ),
             _number(
                 "surface.grip",
-                10.0,
+                3.0,
                 0.0,
                 10_000.0,
                 "x",
@@ -573,7 +573,11 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "",
                 "Of bristles that are being bent, or of an end stop: more calms the disk there.",
             ),
-            *_material("", "What the click sounds like, where no modes are given."),
+            *_material(
+                "",
+                "What the click sounds like, where no modes are given (modes = [] drops those of a "
+                "preset it extends).",
+            ),
         )
     }
 )

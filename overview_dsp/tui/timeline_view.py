@@ -108,12 +108,13 @@ class TimelineView(Widget):
         surface = self._player.surface
         # a column stands for the places that the mouse in it rounds to
         places = np.clip((np.arange(width + 1) - 0.5) / max(1, width - 1), 0.0, 1.0)
-        edges = (places * (len(surface.friction) - 1)).astype(int)
+        friction = surface.resistance
+        edges = (places * (len(friction) - 1)).astype(int)
         columns = np.array(
-            [surface.friction[low : max(high, low + 1)].max() for low, high in pairwise(edges)]
+            [friction[low : max(high, low + 1)].max() for low, high in pairwise(edges)]
         )
         # heights by their logarithm: a goal is a hundred times the bare surface
-        low, high = math.log(surface.friction.min()), math.log(surface.friction.max())
+        low, high = math.log(friction.min()), math.log(friction.max())
         self._heights = (np.log(columns) - low) / max(high - low, 1e-9)
         self._marks: dict[int, tuple[str, str]] = {}
         for place, kind in zip(surface.place, surface.kind, strict=True):

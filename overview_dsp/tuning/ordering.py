@@ -122,7 +122,7 @@ def _timeline(target: Sequence[str]) -> Timeline:
 
 def _gaps(preset: Preset, timeline: Timeline, target: Sequence[str]) -> NDArray[np.float64]:
     """Steps from each kind down to the next (the last one: above the rest), at every speed."""
-    report: FeelReport = feel_report(preset, timeline, SPEEDS, RATE)
+    report: FeelReport = feel_report(preset, timeline, SPEEDS, RATE, recoils=False)
     found = []
     for name in SPEEDS:
         stroke = report.stroke(name)

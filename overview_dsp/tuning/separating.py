@@ -1,8 +1,8 @@
 """Heights and widths moved until no two kinds of a preset feel alike at any speed.
 
-A local search, seeded: the kind that is most in the way is moved a little, and stays there if all
-kinds together are better apart for it (level, sharpness or duration: `steps_apart`), with none
-masked and none run together.
+A local search, seeded: a kind that is in the way, or all of them, is moved a little, and stays so
+if all kinds together are better apart for it (level, sharpness or duration: `steps_apart`), with
+none masked and none run together.
 """
 
 from __future__ import annotations
@@ -33,6 +33,9 @@ FAULT = 2.0
 """What a masked or merged event costs, as a pair of kinds that lack so many steps, squared."""
 
 TRIES = 3000
+TOGETHER = 0.15
+"""Part of the tries that raise or lower all kinds at once."""
+
 SPREAD = (0.3, 0.15)
 """Of a try, in logarithms of the height's and the width's ratio."""
 
@@ -67,7 +70,6 @@ def separated(
     rng = np.random.default_rng(seed)
     most = limits(len(names))
     all_pages = pages(preset)
-    page_of = {kind: page for page in all_pages for kind in page.kinds()}
     best = np.zeros(2 * len(names))
     feels = _felt(preset, all_pages)
     lacking = _lacking(feels, names, order)
@@ -76,12 +78,17 @@ def separated(
             break
         progress(count / TRIES)
         share = lacking.sum(axis=0) + lacking.sum(axis=1)
-        which = int(rng.choice(len(names), p=share / share.sum()))
+        which = np.array([rng.choice(len(names), p=share / share.sum())])
+        if rng.random() < TOGETHER:
+            # the others make room
+            which = np.arange(len(names))
         tried = best.copy()
-        size = rng.choice([1.0, 0.3])
-        tried[[which, which + len(names)]] += size * rng.normal(0.0, SPREAD)
+        move = rng.choice([1.0, 0.3]) * rng.normal(0.0, SPREAD)
+        tried[which] += move[0]
+        tried[which + len(names)] += move[1] if len(which) == 1 else 0.0
         tried = np.clip(tried, -most, most)
-        felt = _felt(moved(preset, names, tried), (page_of[names[which]],))
+        there = [page for page in all_pages if any(names[i] in page.kinds() for i in which)]
+        felt = _felt(moved(preset, names, tried), there)
         merged = {speed: {**feels[speed], **felt[speed]} for speed in SPEEDS}
         now = _lacking(merged, names, order)
         if now.sum() < lacking.sum():
@@ -95,7 +102,7 @@ def separated(
 
 
 def _felt(preset: Preset, timelines: Sequence[Timeline]) -> Feels:
-    report = feel_report(preset, timelines, SPEEDS, RATE)
+    report = feel_report(preset, timelines, SPEEDS, RATE, recoils=False)
     return {speed: {kind.kind: kind for kind in report.stroke(speed).kinds} for speed in SPEEDS}
 
 
@@ -123,5 +130,7 @@ def _lacking(feels: Feels, names: Sequence[str], order: Sequence[str]) -> NDArra
             found[place[first], place[second]] += max(0.0, _AIM_STEPS - steps) ** 2
         for name, i in place.items():
             kind = kinds[name]
-            found[i, i] += FAULT**2 * (kind.masked + kind.merged + (kind.events == 0))
+            above = kind.contrast_db / STEP_DB
+            found[i, i] += max(0.0, _AIM_STEPS - above) ** 2 if kind.events else FAULT**2
+            found[i, i] += FAULT**2 * (kind.masked + kind.merged)
     return found
