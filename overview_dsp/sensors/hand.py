@@ -27,9 +27,9 @@ class Hand:
         The last one.
     """
 
-    def __init__(self, sensor: Sensor, rules: TouchRules) -> None:
-        """Nothing has come yet."""
-        self.counters = Counters()
+    def __init__(self, sensor: Sensor, rules: TouchRules, counters: Counters | None = None) -> None:
+        """Nothing has come yet; `counters` go on from those of a connection before."""
+        self.counters = Counters() if counters is None else counters
         self.turn: Turn | None = None
         self._sensor = sensor
         self._stream = Stream(sensor, self.counters)
