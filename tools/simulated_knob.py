@@ -5,10 +5,10 @@
     overview devices --port /tmp/simulated-knob
     overview play world-cup-final-2018 --input serial:/tmp/simulated-knob
 
-`imu` is an inertial sensor in a hand. Without a recording it lies face up for two seconds, is turned
-face down and back, slowly and fast, by one wrist and by the other, and begins again. A recording is
-a `.mat` file with imu_acc (m/s²), imu_gyr (rad/s) and sampling_rate, an `.npz` with acc, gyr and fs,
-or a CSV with columns such as "Gyroscope X (deg/s)" and "Accelerometer X (g)".
+`imu` is an inertial sensor in a hand. Without a recording it lies face up for two seconds, is
+turned face down and back, slowly and fast, by one wrist and by the other, and begins again. A
+recording is a `.mat` file with imu_acc (m/s²), imu_gyr (rad/s) and sampling_rate, an `.npz` with
+acc, gyr and fs, or a CSV with columns such as "Gyroscope X (deg/s)" and "Accelerometer X (g)".
 
 It speaks the binary frame (`--format frames`), lines of six numbers (`text`, m/s² and rad/s) or
 lines of JSON (`json`). What is wrong with real wires can be had too: `--noise` spoils bytes,

@@ -77,13 +77,22 @@ class SensorInput(Input):
         self._lost = 0
         self._theta2 = 0.0
         self._over = threading.Event()
+        self._failure: Exception | None = None
         self._thread = threading.Thread(target=self._run, name=f"serial:{device}", daemon=True)
         self._thread.start()
 
     # --- the session's thread -------------------------------------------------------------------
 
     def poll(self, engine: Engine) -> None:
-        """Take over a changed preset's rules; the thread does the rest."""
+        """Take over a changed preset's rules; the thread does the rest.
+
+        Raises
+        ------
+        Exception
+            What ended the thread, if anything did.
+        """
+        if self._failure is not None:
+            raise self._failure
         if engine.preset is not self._preset:
             self._preset = engine.preset
             self._hand.rules = TouchRules.of(self._preset)
@@ -134,6 +143,15 @@ class SensorInput(Input):
     # --- the port's thread ----------------------------------------------------------------------
 
     def _run(self) -> None:
+        try:
+            self._read()
+        except Exception as error:  # shown by the session, which polls
+            self._failure = error
+        self._let_go()
+        if self._port is not None:
+            self._port.close()
+
+    def _read(self) -> None:
         while not self._over.is_set():
             if self._port is None:
                 self._over.wait(RETRY_S)
@@ -145,9 +163,6 @@ class SensorInput(Input):
                 self._lose()
                 continue
             self._take(data)
-        self._let_go()
-        if self._port is not None:
-            self._port.close()
 
     def _take(self, data: bytes) -> None:
         now = time.monotonic()

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from overview_dsp.sensors.calibration import Calibration, RawSample, calibrate
+from overview_dsp.sensors.gyroscope_check import GyroscopeCheck
 from overview_dsp.sensors.orientation import LONGEST_GAP_S, ByGravity, ByTurning, Orientation
 from overview_dsp.sensors.profile import Sensor
 from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters, Reading
@@ -59,7 +60,17 @@ def touch_of(reading: Reading) -> bool | None:
 
 
 class InertialAngle:
-    """Roll by acceleration, and angular velocity if there is any; begins with a calibration."""
+    """Roll by acceleration, and angular velocity if there is any; begins with a calibration.
+
+    Attributes
+    ----------
+    roll : Roll
+        Roll and pitch as they are known.
+    frozen : bool
+        It says the very same, again and again.
+    complaint : str
+        What is wrong with the gyroscope's unit or axes, if anything.
+    """
 
     taps = True
 
@@ -74,8 +85,10 @@ class InertialAngle:
         self._last: RawSample | None = None
         self._said_at = -math.inf
         self._tap_tap = TapTap()
+        self._gyroscope = GyroscopeCheck()
         self.roll = Roll()
         self.frozen = False
+        self.complaint = ""
         self.words = "calibrating: hold it still, face up"
 
     def step(self, time_s: float, reading: Reading) -> Turn | None:
@@ -126,6 +139,9 @@ class InertialAngle:
             self.roll.jumped()
         self._watch(sample)
         self._last = sample
+        if sample.turning is not None:
+            complaint = self._gyroscope.step(elapsed, acceleration, turning)
+            self.complaint = complaint or self.complaint
         x, y, z = self._orientation.step(elapsed, acceleration, turning)
         x, y, z = (a * x + b * y + c * z for a, b, c in self._found.level)
         theta2 = self.roll.step(elapsed, (x, y, z))

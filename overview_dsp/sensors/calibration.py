@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from overview_dsp.errors import InputError
 from overview_dsp.sensors.orientation import HIGHEST_BIAS_DEG_S, unit
 from overview_dsp.sensors.profile import Sensor
 from overview_dsp.sensors.units import Units, Vector, units_of
@@ -16,6 +17,7 @@ STILL_DEG_S = 3.0
 """Spread of a gyroscope that lies still, standard deviation."""
 
 SLOWEST_HZ, FASTEST_HZ = 25.0, 2000.0
+IMPOSSIBLE_HZ, IMPOSSIBLE_S = 50_000.0, 0.5
 
 
 @dataclass(frozen=True)
@@ -43,10 +45,15 @@ class Calibration:
 
 
 def calibrate(sensor: Sensor, binary: bool, samples: Sequence[RawSample]) -> Calibration:
-    """What the first samples say; InputError if gravity is of no known unit."""
+    """What the first samples say; InputError if gravity or the clock is of no known unit."""
     units = units_of(sensor, binary, [one.acceleration for one in samples])
     steps = [b.time_s - a.time_s for a, b in pairwise(samples)]
     period = statistics.median(steps)
+    if not 1.0 / IMPOSSIBLE_HZ <= period <= IMPOSSIBLE_S:
+        raise InputError(
+            f"samples {period:.3g} s apart can't be; they come {SLOWEST_HZ:g} to {FASTEST_HZ:g} "
+            "times a second: is the unit of its stamps (t_us, t_ms, t_s) right?"
+        )
     rate = 1.0 / period
     notes = [f"{rate:.4g} Hz, {units.words if samples[0].turning else units.words.split(',')[0]}"]
     if not 0.95 * SLOWEST_HZ <= rate <= 1.05 * FASTEST_HZ:

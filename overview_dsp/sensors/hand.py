@@ -130,6 +130,8 @@ class Hand:
         if not angle.taps and not self.rules.by_rest:
             self._say('this sensor feels no taps: choose twist.release = "rest"')
         if isinstance(angle, InertialAngle):
+            if angle.complaint:
+                self._say(f"{angle.complaint} (--sensor FILE.toml, [angular_velocity], [axes])")
             if angle.frozen:
                 self._say(
                     "the sensor says the very same for 2 s: it has stopped; the disk is let go"

@@ -29,6 +29,7 @@ def streamed(request):
             roll[n] = math.degrees(one._angle.roll.roll)
             theta2[n] = math.degrees(one.turn.theta2)
     assert one.counters.readings == len(roll)
+    assert not any("gyroscope" in said for said in one.take_messages())
     return request.param, trial, roll, theta2, events
 
 

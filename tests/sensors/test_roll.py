@@ -118,6 +118,15 @@ def test_units_are_told_by_gravity(unit, scale):
     assert any(unit in said for said in one.take_messages())
 
 
+def test_a_clock_of_another_unit_is_said_in_one_line():
+    rows = [[n, 0.0, 0.0, 9.81] for n in range(4000)]
+    one = hand(columns=("t_s", "ax", "ay", "az"))
+    events, _ = fed(one, lines(rows), 100.0)
+    assert events == []
+    (said,) = [said for said in one.take_messages() if "can't be" in said]
+    assert "t_us" in said
+
+
 def test_gravity_of_no_unit_is_said_in_one_line_and_nothing_moves():
     one = hand()
     events, _ = fed(one, lines([[10.0, -20.0, 16384.0]] * 300), 100.0)
