@@ -23,8 +23,8 @@ FASTEST = math.radians(5000.0)
 FROZEN_S = 2.0
 """A gyroscope that says the very same for so long has stopped."""
 
-FEWEST = 10
-"""Samples of a calibration."""
+FEWEST, MOST = 10, 25_000
+"""Samples of a calibration; more, and its clock stands still."""
 
 
 @dataclass(frozen=True)
@@ -109,11 +109,9 @@ class InertialAngle:
 
     def _calibrate(self, sample: RawSample) -> None:
         first = self._first
-        if first and (sample.time_s - first[-1].time_s > LONGEST_GAP_S):
-            first.clear()
         first.append(sample)
         enough = sample.time_s - first[0].time_s >= self._sensor.number("calibration.seconds")
-        if not enough or len(first) < FEWEST:
+        if (not enough or len(first) < FEWEST) and len(first) < MOST:
             return
         self._first = []
         found = calibrate(self._sensor, self._binary, first)

@@ -1,6 +1,6 @@
 """Whether a gyroscope and gravity tell of the same turning; if not, what is wrong with the file.
 
-Over a quarter of a second gravity's direction turns by an angle that the accelerometer shows, and
+Over a third of a second gravity's direction turns by an angle that the accelerometer shows, and
 the gyroscope's path across gravity can't be shorter. Degrees taken for radians make it 57 times as
 long, radians taken for degrees 57 times too short, a wrong axis or sign leads elsewhere.
 """
@@ -14,10 +14,12 @@ from collections import deque
 from overview_dsp.sensors.orientation import unit
 from overview_dsp.sensors.units import GRAVITY, Vector
 
-WINDOW_S = 0.25
-LEAST = math.radians(8.0)
-CALM = 0.15
-"""Accelerations that differ from gravity by more of it don't say where up is."""
+WINDOW_S = 0.3
+LEAST = math.radians(20.0)
+"""Less may be a push: a hand's own acceleration tilts what looks like gravity."""
+
+CALM = 0.1
+"""Accelerations that differ from gravity by more of it say nothing of up, and end the window."""
 
 WINDOWS = 7
 FAR_TOO_LONG, FAR_TOO_SHORT = 15.0, 0.2
@@ -39,7 +41,7 @@ class GyroscopeCheck:
     def step(self, elapsed_s: float, acceleration: Vector, turning: Vector) -> str:
         """What is wrong, in words, or nothing."""
         calm = abs(math.hypot(*acceleration) / GRAVITY - 1.0) < CALM
-        if self._start is None or elapsed_s > WINDOW_S:
+        if self._start is None or not calm or elapsed_s > WINDOW_S:
             self._begin(acceleration if calm else None)
             return ""
         x, y, z = self._led
@@ -52,9 +54,8 @@ class GyroscopeCheck:
         self._since += elapsed_s
         if self._since < WINDOW_S:
             return ""
-        if calm:
-            self._compare(unit(acceleration))
-        self._begin(acceleration if calm else None)
+        self._compare(unit(acceleration))
+        self._begin(acceleration)
         return self._verdict()
 
     def _begin(self, acceleration: Vector | None) -> None:
