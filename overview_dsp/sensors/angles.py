@@ -130,6 +130,9 @@ class InertialAngle:
         acceleration = units.acceleration_of(sample.acceleration)
         turning = units.angular_velocity_of(sample.turning or (0.0, 0.0, 0.0))
         size = math.hypot(*acceleration)
+        if sample.turning is not None:
+            complaint = self._gyroscope.step(sample.time_s, acceleration, turning)
+            self.complaint = complaint or self.complaint
         if size > HARDEST or math.hypot(*turning) > FASTEST or elapsed <= 0.0:
             self._counters.implausible += 1
             return None
@@ -137,9 +140,6 @@ class InertialAngle:
             self.roll.jumped()
         self._watch(sample)
         self._last = sample
-        if sample.turning is not None:
-            complaint = self._gyroscope.step(elapsed, acceleration, turning)
-            self.complaint = complaint or self.complaint
         x, y, z = self._orientation.step(elapsed, acceleration, turning)
         x, y, z = (a * x + b * y + c * z for a, b, c in self._found.level)
         theta2 = self.roll.step(elapsed, (x, y, z))

@@ -35,11 +35,13 @@ class GyroscopeCheck:
         self._start: Vector | None = None
         self._led: Vector = (0.0, 0.0, 1.0)
         self._path = self._since = 0.0
+        self._time = 0.0
         self._ratios: deque[float] = deque(maxlen=WINDOWS)
         self._misses: deque[float] = deque(maxlen=WINDOWS)
 
-    def step(self, elapsed_s: float, acceleration: Vector, turning: Vector) -> str:
+    def step(self, time_s: float, acceleration: Vector, turning: Vector) -> str:
         """What is wrong, in words, or nothing."""
+        elapsed_s, self._time = time_s - self._time, time_s
         calm = abs(math.hypot(*acceleration) / GRAVITY - 1.0) < CALM
         if self._start is None or not calm or elapsed_s > WINDOW_S:
             self._begin(acceleration if calm else None)
