@@ -330,3 +330,13 @@ def test_wrong_options_are_one_line(arguments):
     done = overview("play", "world-cup-final-2018", "--device", "none", *arguments)
     assert done.code == 2
     assert len(done.errors) == 1
+
+
+def test_a_machine_that_is_held_up_makes_some_events_late_and_not_all():
+    clock = EventClock(48_000.0)
+    for n in range(5000):
+        held_up = 0.08 if n % 100 < 10 else 0.0
+        now = round((n * 1e-3 + held_up) * 48_000.0)
+        clock.saw(n * 1e-3, now)
+        clock.stamp(n * 1e-3, now)
+    assert clock.added_latency_s[1] <= 0.0121
