@@ -27,6 +27,9 @@ SILENT_S = 0.3
 
 RETRY_S = 1.0
 
+STALLED_S = 0.5
+"""An engine that has stood still for so long has lost its output."""
+
 
 class Port(Protocol):
     """Where bytes come from: a serial port, or a test's."""
@@ -74,6 +77,7 @@ class SensorInput(Input):
         self._messages: deque[str] = deque()
         self._heard_at = time.monotonic()
         self._silent = False
+        self._ran = (-1, self._heard_at)
         self._lost = 0
         self._theta2 = 0.0
         self._over = threading.Event()
@@ -185,10 +189,22 @@ class SensorInput(Input):
         events = self._hand.feed(data, now, elsewhere, engine.meters.cursor * HALF_TURN)
         sample = engine.sample_time
         turn = self._hand.turn
+        runs = self._runs(sample, now)
         if turn is not None and turn is not before:
             self._clock.saw(turn.time_s, sample)
-        for event in events:
-            self._push(event, self._clock.stamp(event.time_s, sample))
+        if runs:
+            for event in events:
+                self._push(event, self._clock.stamp(event.time_s, sample))
+
+    def _runs(self, sample: int, now: float) -> bool:
+        """Whether the engine takes events: while its output is lost they would be stale."""
+        last, since = self._ran
+        if sample == last:
+            return now - since < STALLED_S
+        if now - since >= STALLED_S:
+            self._clock = EventClock(self._engine.sample_rate)
+        self._ran = (sample, now)
+        return True
 
     def _push(self, event: Event, stamp: int | None) -> None:
         self._theta2 = event.theta2

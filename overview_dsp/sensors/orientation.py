@@ -99,13 +99,6 @@ class ByTurning:
         w, x, y, z = self._filter.getQuat6D().tolist()
         return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
 
-    @property
-    def bias(self) -> Vector:
-        """What the gyroscope says at rest, as known by now, rad/s."""
-        found, _ = self._filter.getBiasEstimate()
-        x, y, z = (self._bias + found).tolist()
-        return x, y, z
-
 
 def unit(vector: Vector) -> Vector:
     """The vector's direction; upwards of nothing is z."""

@@ -183,6 +183,25 @@ def test_a_saved_preset_changes_the_rules(bench, football):
     assert bench.engine.holder is not None
 
 
+def test_while_the_output_is_lost_no_stale_events_are_kept(bench):
+    bench.turn(0.0, 2)
+    bench.turn(0.5, 10)
+    for n in range(80):  # the engine stands still
+        bench.now_ms += 10
+        bench.port.put(f"{bench.now_ms},{600 + n}\n".encode())
+        time.sleep(0.01)
+    waiting = bench.input._ran
+    bench.now_ms += 10
+    bench.port.put(f"{bench.now_ms},1023\n".encode())
+    time.sleep(0.1)
+    assert bench.input._ran == waiting
+    bench.run(0.5)
+    assert bench.engine.holder[1] < 0.9 * math.pi
+    bench.turn(1.0, 5)
+    bench.run(0.2)
+    assert bench.engine.holder[1] == pytest.approx(math.pi, abs=0.01)
+
+
 def test_far_too_much_is_given_up_and_counted(bench):
     bench.turn(0.0, 2)
     bench.port.put(b"12,12\n" * 20_000)

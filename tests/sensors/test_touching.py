@@ -190,6 +190,23 @@ def test_a_knob_that_feels_no_taps_is_told_so():
     assert any("feels no taps" in said for said in one.take_messages())
 
 
+def test_rules_of_touch_change_no_render_and_are_kept_by_a_saved_state(match, football):
+    changed = football.with_changes(
+        {"twist.release": "tap", "twist.rest_deg": 9.0, "twist.turn_deg": 1.0,
+         "twist.rest_ms": 0.0, "twist.join_ms": 0.0}
+    )  # fmt: skip
+    gesture = ov.sweep(0.3)
+    plain = ov.render(match, football, gesture, sample_rate=8000, tail=0.1)
+    assert np.array_equal(
+        plain.samples, ov.render(match, changed, gesture, sample_rate=8000, tail=0.1).samples
+    )
+    saving, loading = ov.Engine(changed, match), ov.Engine(football, match)
+    for engine in (saving, loading):
+        engine.prepare(8000)
+    loading.load_state(saving.save_state())
+    assert TouchRules.of(loading.preset) == TouchRules.of(changed)
+
+
 def test_bundled_presets_let_go_at_rest_or_by_a_tap_tap():
     for name in ("football", "series", "heart", "crowd"):
         assert ov.load_preset(name).values["twist.release"] == "either"
