@@ -81,3 +81,10 @@ def test_times_never_go_back_whenever_samples_arrive(batches):
         for time in clock.times([{}] * count, now):
             assert time >= last
             last = time
+
+
+def test_a_sensor_that_changes_its_pace_is_followed():
+    clock = ArrivalClock()
+    true = np.cumsum(np.r_[np.full(1000, 0.010), np.full(3000, 0.0103)])
+    found = np.array([time for moment in true for time in clock.times([{}], moment)])
+    assert np.abs(found - true)[2500:].max() < 2e-4

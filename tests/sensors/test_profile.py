@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+import itertools
+
+import numpy as np
 import pytest
 
 import overview_dsp as ov
 from overview_dsp.sensors.profile import SENSOR_PARAMETERS, Sensor
 from overview_dsp.sensors.profile_file import load_sensor, parse_sensor, sensor_names
+from overview_dsp.sensors.units import units_of
 
 HEAD = "schema = 1\n"
 
@@ -72,3 +76,23 @@ def test_every_parameter_has_a_sentence_and_an_allowed_default():
     for known in SENSOR_PARAMETERS.values():
         assert known.doc.endswith(".")
         assert known.check(known.default) == known.default
+
+
+def test_every_rotation_of_the_axes_is_allowed_and_no_mirror():
+    """Face up, however the sensor is mounted: the device's z is where it says."""
+    names = ("x", "y", "z", "-x", "-y", "-z")
+    raw = {name: np.eye(3)["xyz".index(name[-1])] * (-1 if "-" in name else 1) for name in names}
+    allowed = 0
+    for x, y, z in itertools.product(names, repeat=3):
+        values = {"axes.x": x, "axes.y": y, "axes.z": z}
+        if not np.array_equal(np.cross(raw[x], raw[y]), raw[z]):
+            with pytest.raises(ov.InputError, match="right-handed"):
+                Sensor(values=values)
+            continue
+        allowed += 1
+        sensor = Sensor(values={**values, "acceleration.unit": "m/s²"})
+        units = units_of(sensor, False, [[0.0, 0.0, 9.8]])
+        for axis, device in ((x, (1, 0, 0)), (y, (0, 1, 0)), (z, (0, 0, 1))):
+            assert units.acceleration_of(list(raw[axis])) == pytest.approx(device)
+            assert units.angular_velocity_of(list(raw[axis])) == pytest.approx(device)
+    assert allowed == 24
