@@ -30,7 +30,6 @@ import random
 import struct
 import sys
 import time
-import tty
 from pathlib import Path
 
 import numpy as np
@@ -155,6 +154,8 @@ class Wire:
     """A pseudo-terminal; `name` is the other end."""
 
     def __init__(self, link: str) -> None:
+        import tty  # not on Windows
+
         self._ours, self._theirs = os.openpty()
         tty.setraw(self._theirs)
         os.set_blocking(self._ours, False)

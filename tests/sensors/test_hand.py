@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -87,6 +88,19 @@ def test_where_a_clock_begins_changes_nothing_but_the_count_of_its_wraps():
     assert [event.touching for event in first] == [event.touching for event in second]
     apart = [abs(a.theta2 - b.theta2) for a, b in zip(first, second, strict=True)]
     assert max(apart) < 1e-6
+
+
+def test_a_gyroscope_without_its_filter_is_said_in_one_line(monkeypatch):
+    monkeypatch.setitem(sys.modules, "vqf", None)
+    one = hand()
+    events, _ = fed(one, frames(*turning(ROLL, RATE), RATE), RATE)
+    assert events == []
+    (said,) = [word for word in one.take_messages() if "VQF" in word]
+    assert "overview-dsp[sensors]" in said
+    assert "angular_velocity.use" in said
+    other = hand(angular_velocity__use=False)
+    events, _ = fed(other, frames(*turning(ROLL, RATE), RATE), RATE)
+    assert any(event.touching for event in events)
 
 
 def test_events_are_at_most_a_thousand_a_second():

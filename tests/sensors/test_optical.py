@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.sensors.orientation import ByGravity
 from tests.sensors.moving import frames, hand
 from tests.sensors.optical import TRIALS, load_trial, needs_data
 
@@ -44,6 +45,20 @@ def test_roll_is_within_a_degree_of_the_truth(streamed):
     assert trial.rmse(roll) <= 1.0
     assert by_theta2 <= 1.0
     assert trial.rmse(raw) > 4.0
+
+
+@pytest.mark.parametrize(("name", "most"), zip(TRIALS, (4.6, 7.9), strict=True))
+def test_gravity_alone_is_better_than_the_raw_accelerometer(name, most):
+    trial = load_trial(name)
+    gravity = ByGravity()
+    still = (0.0, 0.0, 0.0)
+    up = np.array([gravity.step(1 / trial.rate, tuple(one), still) for one in trial.acceleration])
+    error = trial.rmse(np.degrees(np.arctan2(up[:, 1], up[:, 2])))
+    print(f"{name}: by gravity alone {error:.2f} degrees")
+    assert error < most
+    assert error < trial.rmse(
+        np.degrees(np.arctan2(trial.acceleration[:, 1], trial.acceleration[:, 2]))
+    )
 
 
 def test_the_cursor_has_no_jump_that_the_truth_has_not(streamed):
