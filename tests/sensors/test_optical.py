@@ -47,7 +47,7 @@ def test_roll_is_within_a_degree_of_the_truth(streamed):
     assert trial.rmse(raw) > 4.0
 
 
-@pytest.mark.parametrize(("name", "most"), zip(TRIALS, (4.6, 7.9), strict=True))
+@pytest.mark.parametrize(("name", "most"), [*zip(TRIALS, (4.6, 7.9), strict=True)])
 def test_gravity_alone_is_better_than_the_raw_accelerometer(name, most):
     trial = load_trial(name)
     gravity = ByGravity()
