@@ -6,9 +6,10 @@
     overview play world-cup-final-2018 --input serial:/tmp/simulated-knob
 
 `imu` is an inertial sensor in a hand. Without a recording it lies face up for two seconds, is
-turned face down and back, slowly and fast, by one wrist and by the other, and begins again. A
-recording is a `.mat` file with imu_acc (m/s²), imu_gyr (rad/s) and sampling_rate, an `.npz` with
-acc, gyr and fs, or a CSV with columns such as "Gyroscope X (deg/s)" and "Accelerometer X (g)".
+turned face down and back, slowly and fast, by one wrist and by the other, and begins again; it also
+does when its port is opened, as a board does. A recording is a `.mat` file with imu_acc (m/s²),
+imu_gyr (rad/s) and sampling_rate, an `.npz` with acc, gyr and fs, or a CSV with columns such as
+"Gyroscope X (deg/s)" and "Accelerometer X (g)".
 
 It speaks the binary frame (`--format frames`), lines of six numbers (`text`, m/s² and rad/s) or
 lines of JSON (`json`). What is wrong with real wires can be had too: `--noise` spoils bytes,
@@ -27,6 +28,7 @@ import json
 import math
 import os
 import random
+import select
 import struct
 import sys
 import time
@@ -156,10 +158,13 @@ class Wire:
     def __init__(self, link: str) -> None:
         import tty  # not on Windows
 
-        self._ours, self._theirs = os.openpty()
-        tty.setraw(self._theirs)
+        self._ours, theirs = os.openpty()
+        tty.setraw(theirs)
         os.set_blocking(self._ours, False)
-        self.name = os.ttyname(self._theirs)
+        self.name = os.ttyname(theirs)
+        os.close(theirs)  # so that our end hangs up while nobody has it open
+        self._poll = select.poll()
+        self._poll.register(self._ours, 0)
         self._link = link
         if link:
             with contextlib.suppress(FileNotFoundError):
@@ -167,14 +172,18 @@ class Wire:
                     os.unlink(link)
             os.symlink(self.name, link)
 
+    @property
+    def is_open(self) -> bool:
+        """Whether somebody has the port open."""
+        return not any(event & select.POLLHUP for _, event in self._poll.poll(0))
+
     def send(self, data: bytes) -> None:
-        """What finds no room is lost, as on a wire that nobody listens to."""
-        with contextlib.suppress(BlockingIOError):
+        """What finds no room, or nobody, is lost, as on a wire."""
+        with contextlib.suppress(OSError):
             os.write(self._ours, data)
 
     def close(self) -> None:
         os.close(self._ours)
-        os.close(self._theirs)
         if self._link and os.path.islink(self._link):
             os.unlink(self._link)
 
@@ -197,12 +206,12 @@ def play_imu(options: argparse.Namespace) -> None:
     encode, dice = FORMATS[options.format], random.Random(options.seed)
     wire = Wire(options.link)
     print(f"serial:{options.link or wire.name}  {options.format}, {rate:g} Hz", flush=True)
-    began, waiting, number = time.monotonic(), b"", 0
+    began, waiting, number, first, heard = time.monotonic(), b"", 0, 0, False
     unplugged_at = options.unplug
     try:
         while options.seconds is None or number / rate < options.seconds:
-            at = number % len(acc)
-            if number and at == 0 and options.once:
+            at = (number - first) % len(acc)
+            if number > first and at == 0 and options.once:
                 break
             time.sleep(max(0.0, began + number / rate - time.monotonic()))
             if unplugged_at is not None and number / rate >= unplugged_at:
@@ -217,6 +226,9 @@ def play_imu(options: argparse.Namespace) -> None:
                 waiting += encode(number, stamp, acc[at], gyr[at])
             number += 1
             if number % options.burst == 0:
+                if wire.is_open and not heard:  # a board begins again
+                    first = number
+                heard = wire.is_open
                 wire.send(spoil(waiting, options.noise, dice) if options.noise else waiting)
                 waiting = b""
     except KeyboardInterrupt:

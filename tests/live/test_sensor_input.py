@@ -298,6 +298,7 @@ def test_a_device_on_a_port_is_told_played_and_recorded(device, tmp_path, form, 
     assert (report["damaged"], report["lost"], report["implausible"]) == (0, 0, 0)
     assert any(line["touching"] and line["cursor"] > 0.3 for line in lines[:-1])
     assert "calibrating" in said
+    assert "face up is" in said  # it lay still while it was calibrated
     print({name: report[name] for name in ("wait_p50_ms", "wait_p99_ms")})
     replay = ov.render(match, football, ov.load_gesture(take), sample_rate=8000)
     assert replay.trace.cursor.max() > 0.3
