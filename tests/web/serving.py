@@ -48,14 +48,16 @@ class Served:
         return httpx.Client(base_url=self.origin, headers=coded, timeout=20)
 
     def connect(self, token: str | None = "right", **given) -> ClientConnection:
-        """A WebSocket to `/control`."""
+        """A WebSocket to `/control`, to be used in a `with`."""
         headers = {"Origin": self.origin, **given.pop("headers", {})}
         if token is not None:
             token = self.access.token if token == "right" else token
             headers["Authorization"] = f"Bearer {token}"
         headers = {name: value for name, value in headers.items() if value is not None}
         address = f"ws://127.0.0.1:{self.port}/control"
-        return connect(address, additional_headers=headers, proxy=None, **given)
+        # without a limit it reads, and answers pings, whether a test does or not
+        given = {"max_queue": None, "proxy": None, **given}
+        return connect(address, additional_headers=headers, **given)
 
     def until(self, condition, seconds: float = 5.0) -> None:
         """Wait for a condition on the engine's meters."""
