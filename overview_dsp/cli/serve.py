@@ -36,6 +36,9 @@ LOOK_EVERY_S = 0.1
 @click.option("--audio", type=click.Choice(["here", "host"]), default="here", show_default=True,
               help="What makes the sound: the page, or this machine's output.")  # fmt: skip
 @window_options
+@click.option("--media", metavar="FILE", help="A film or recording of it, to play from a moment.")
+@click.option("--media-offset", type=float, default=0.0, show_default=True, metavar="S",
+              help="Where in it the timeline's time 0 is.")  # fmt: skip
 @click.option("--seconds", type=float, help="Stop after so long.")
 @click.option("--json", "as_json", is_flag=True, help="The address as a line of JSON.")
 @server_options
@@ -47,6 +50,8 @@ def command(
     audio: str,
     window: tuple[str, str] | None,
     zoom_to: str | None,
+    media: str | None,
+    media_offset: float,
     seconds: float | None,
     as_json: bool,
     server: dict[str, Any],
@@ -66,19 +71,24 @@ def command(
     name = preset_for(data, preset)
     require_server()
     from overview_dsp.web.data import data_routes
+    from overview_dsp.web.media import open_media
 
+    film = None
+    if media is not None:
+        film = open_media(media, media_offset)
+    routes = data_routes(data, name, audio=audio, first=part, media=film)
     if audio == "host":
         from overview_dsp.web.session import HostSession
 
         with opened_player(data, part, name, live) as (player, received):
             session = HostSession(player)
-            with open_server(server, session, data_routes(data)) as told:
+            with open_server(server, session, routes) as told:
                 _tell(told, as_json)
                 print_lines(player, session, received, seconds)
     else:
         with (
             ended_by_signals() as received,
-            open_server(server, None, data_routes(data)) as told,
+            open_server(server, None, routes) as told,
         ):
             _tell(told, as_json)
             _wait(received, seconds)

@@ -68,7 +68,7 @@ class Served:
 
 
 @contextlib.contextmanager
-def served(timeline, *, plays: bool = True, record=None) -> Iterator[Served]:
+def served(timeline, *, plays: bool = True, record=None, **given) -> Iterator[Served]:
     """A server of a timeline; `plays` with a live engine on no device."""
     notes: list[str] = []
     access = Access()
@@ -87,7 +87,9 @@ def served(timeline, *, plays: bool = True, record=None) -> Iterator[Served]:
             session = HostSession(player)
             stack.enter_context(_polled(player, session))
         socket = listen("127.0.0.1", 0)
-        app = make_app(access, (), notes.append, session, data_routes(timeline))
+        app = make_app(
+            access, (), notes.append, session, data_routes(timeline, "football", **given)
+        )
         server = WebServer(app, [socket], None, notes.append)
         found = Served(player, socket.getsockname()[1], access, notes)
         found.session = session

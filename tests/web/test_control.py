@@ -118,7 +118,8 @@ def test_a_host_that_stops_lets_the_disk_go(match):
 
 MALFORMED = [
     "", "x", "[]", "{}", '"events"', "null", "{" * 4000, "[" * 4000, '{"events": []}',
-    '{"events": [[0, 1, 1]], "x": 1}', '{"events": [[0, NaN, 1]]}', '{"events": [[0, Infinity, 1]]}',
+    '{"events": [[0, 1, 1]], "x": 1}', '{"events": [[0, NaN, 1]]}',
+    '{"events": [[0, -Infinity, 1]]}',
     '{"events": [[0, 1e999, 1]]}', '{"events": [[0, 4, 1]]}', '{"events": [[0, -0.1, 1]]}',
     '{"events": [[0, 1, 2]]}', '{"events": [[0, "1", 1]]}', '{"events": [[0, true, 1]]}',
     '{"events": [[-1, 1, 1]]}', '{"events": [[5, 1, 1], [4, 1, 1]]}', '{"events": [[0, 1]]}',
