@@ -58,7 +58,11 @@ class Delay:
 
     def note(self, now_s: float, age_s: float) -> float:
         """An event came `age_s` after it happened; how old all are made to be."""
-        self._ages.append((now_s, min(max(age_s, 0.0), MAX_DELAY_S)))
+        age = min(max(age_s, 0.0), MAX_DELAY_S)
+        # only those that may yet be the greatest are kept: the first one is
+        while self._ages and self._ages[-1][1] <= age:
+            self._ages.pop()
+        self._ages.append((now_s, age))
         while self._ages[0][0] < now_s - DELAY_KEPT_S:
             self._ages.popleft()
         return self.seconds
@@ -66,7 +70,7 @@ class Delay:
     @property
     def seconds(self) -> float:
         """How old events are when they act."""
-        return max((age for _, age in self._ages), default=0.0)
+        return self._ages[0][1] if self._ages else 0.0
 
 
 class SampleClock:
@@ -86,7 +90,11 @@ class SampleClock:
         sample = self._engine.sample_time
         if sample != self._last[0]:
             self._last = (sample, now_s)
-        self._looks.append((now_s, sample - self._rate * now_s))
+        ahead = sample - self._rate * now_s
+        # only those that may yet be the highest are kept: the first one is
+        while self._looks and self._looks[-1][1] <= ahead:
+            self._looks.pop()
+        self._looks.append((now_s, ahead))
         while self._looks[0][0] < now_s - LOOKS_KEPT_S:
             self._looks.popleft()
 
@@ -104,4 +112,4 @@ class SampleClock:
 
     @property
     def _ahead(self) -> float:
-        return max(ahead for _, ahead in self._looks)
+        return self._looks[0][1]

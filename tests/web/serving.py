@@ -9,12 +9,6 @@ import time
 from collections.abc import Iterator
 
 import httpx
-import pytest
-
-pytest.importorskip("starlette", reason="needs the server: pip install 'overview-dsp[web]'")
-pytest.importorskip("uvicorn", reason="needs the server: pip install 'overview-dsp[web]'")
-pytest.importorskip("websockets", reason="needs the server: pip install 'overview-dsp[web]'")
-
 from websockets.sync.client import ClientConnection, connect
 
 from overview_dsp.live.output_settings import OutputSettings
