@@ -9,12 +9,14 @@ from importlib import resources
 HTML = "text/html; charset=utf-8"
 SCRIPT = "text/javascript; charset=utf-8"
 STYLE = "text/css; charset=utf-8"
+PICTURE = "image/svg+xml"
 WASM = "application/wasm"
 
 # path: (file in this package, type)
 ASSETS = {
     "/": ("page/index.html", HTML),
     "/page/style.css": ("page/style.css", STYLE),
+    "/page/icon.svg": ("page/icon.svg", PICTURE),
     "/page/main.js": ("page/main.js", SCRIPT),
     "/page/session.js": ("page/session.js", SCRIPT),
     "/page/link.js": ("page/link.js", SCRIPT),

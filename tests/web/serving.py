@@ -32,6 +32,7 @@ class Served:
         self.notes = notes
         self.origin = f"http://127.0.0.1:{port}"
         self.session: HostSession | None = None
+        self.web: WebServer | None = None
 
     def client(self, token: str | None = "right", **headers: str) -> httpx.Client:
         """A client with the token, another one, or none."""
@@ -52,6 +53,11 @@ class Served:
         # without a limit it reads, and answers pings, whether a test does or not
         given = {"max_queue": None, "proxy": None, **given}
         return connect(address, additional_headers=headers, **given)
+
+    def cut(self) -> None:
+        """Every connection is lost, as in a network that fails."""
+        for one in list(self.web._server.server_state.connections):
+            one.loop.call_soon_threadsafe(one.transport.abort)
 
     def until(self, condition, seconds: float = 5.0) -> None:
         """Wait for a condition on the engine's meters."""
@@ -86,7 +92,7 @@ def served(timeline, *, plays: bool = True, record=None, **given) -> Iterator[Se
         )
         server = WebServer(app, [socket], None, notes.append)
         found = Served(player, socket.getsockname()[1], access, notes)
-        found.session = session
+        found.session, found.web = session, server
         try:
             yield found
         finally:
