@@ -23,6 +23,9 @@ REQUEST_WITHIN_S = 10.0
 READ_WITHIN_S = 20.0
 """Who doesn't read an answer for so long is gone (a paused film is asked for again)."""
 
+LINGER_S = 2.0
+"""The rest of a request that was answered before it was whole is read for so long."""
+
 MAX_HEADER = 16 * 1024
 """Bytes of a request's line and headers."""
 
@@ -76,8 +79,13 @@ class HttpConnection(H11Protocol):
         self._expect()
 
     def _expect(self) -> None:
-        if self.conn.their_state is h11.IDLE and not self.transport.is_closing():
+        answered = self.cycle is not None and self.cycle.response_complete
+        if self.transport.is_closing():
+            self._request.cancel()
+        elif self.conn.their_state is h11.IDLE:
             self._request.set(self.transport, REQUEST_WITHIN_S)
+        elif self.conn.their_state is h11.SEND_BODY and answered:
+            self._request.set(self.transport, LINGER_S)
         else:
             self._request.cancel()
 

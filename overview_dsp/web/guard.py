@@ -94,7 +94,8 @@ class Guard:
             if not started:
                 await refuse(scope, answer, 408, f"a request arrives in {BODY_WITHIN_S:.0f} s")
         except Exception as error:
-            self._note(f"{scope['path']}: {type(error).__name__}: {error}")
+            # escaped: a path may hold what a terminal obeys
+            self._note(f"{scope['path']!a}: {type(error).__name__}: {str(error)!a}")
             if not started:
                 await refuse(scope, answer, 500, "failed; whoever runs the server is told why")
 

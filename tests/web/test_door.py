@@ -12,6 +12,7 @@ import pytest
 from overview_dsp.web import connections, guard
 from overview_dsp.web.access import MAX_WRONG, WRONG_WITHIN_S, Access, Verdict
 from overview_dsp.web.assets import ASSETS
+from overview_dsp.web.media import open_media
 from overview_dsp.web.origin import host_is_ours
 from tests.web.serving import served
 
@@ -242,8 +243,9 @@ def test_what_is_no_request_is_refused(server, request_bytes):
     assert status(answer) in (400, 421)
 
 
-def test_slow_requests_bodies_and_readers_are_closed(match, monkeypatch):
+def test_slow_requests_and_bodies_are_closed(match, monkeypatch):
     monkeypatch.setattr(connections, "REQUEST_WITHIN_S", 0.3)
+    monkeypatch.setattr(connections, "LINGER_S", 0.3)
     monkeypatch.setattr(guard, "BODY_WITHIN_S", 0.3)
     with served(match, plays=False) as server:
         head = (
@@ -255,6 +257,8 @@ def test_slow_requests_bodies_and_readers_are_closed(match, monkeypatch):
             "half a header": head,
             "a request, then half of one": head + b"\r\n" + head,
             "half a body": head + b"Content-Length: 9\r\n\r\nabc",
+            "half a body of what needs none": head.replace(DATA.encode(), b"/")
+            + b"Content-Length: 9\r\n\r\nabc",
         }
         for name, beginning in beginnings.items():
             with socket.create_connection(("127.0.0.1", server.port), timeout=3) as line:
@@ -264,6 +268,41 @@ def test_slow_requests_bodies_and_readers_are_closed(match, monkeypatch):
                     while line.recv(65536):
                         pass
                 assert time.monotonic() - started < 2.0, name
+
+
+def test_who_trickles_on_after_the_answer_is_closed(match, monkeypatch):
+    monkeypatch.setattr(connections, "LINGER_S", 0.3)
+    with served(match, plays=False) as server:
+        head = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nContent-Length: 99\r\n\r\n"
+        with socket.create_connection(("127.0.0.1", server.port), timeout=3) as line:
+            line.sendall(head.encode())
+            started = time.monotonic()
+            with contextlib.suppress(ConnectionError):
+                while time.monotonic() - started < 3.0:
+                    line.sendall(b"x")
+                    time.sleep(0.05)
+            assert time.monotonic() - started < 2.0
+
+
+def test_who_never_reads_an_answer_is_closed(match, monkeypatch, tmp_path):
+    monkeypatch.setattr(connections, "READ_WITHIN_S", 0.3)
+    film = tmp_path / "film.mp4"
+    film.write_bytes(bytes(20_000_000))
+    with served(match, plays=False, media=open_media(str(film), 0.0)) as server:
+        with socket.create_connection(("127.0.0.1", server.port), timeout=3) as line:
+            request = (
+                f"GET /media HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
+                f"Authorization: Bearer {server.access.token}\r\n\r\n"
+            )
+            line.sendall(request.encode())
+            time.sleep(1.0)
+            got = 0
+            with contextlib.suppress(ConnectionResetError):
+                while part := line.recv(1_000_000):
+                    got += len(part)
+            assert got < 20_000_000
+        with server.client() as reader:
+            assert len(reader.get("/media").content) == 20_000_000
 
 
 def test_two_hundred_connections_leave_room_for_another_address(fresh):
