@@ -16,7 +16,12 @@ from overview_dsp.cli.live_session import (
     opened_player,
     print_lines,
 )
-from overview_dsp.cli.server_options import open_server, require_server, server_options
+from overview_dsp.cli.server_options import (
+    open_server,
+    refuse_server_options,
+    require_server,
+    server_options,
+)
 from overview_dsp.cli.timeline_options import (
     open_timeline,
     preset_for,
@@ -69,6 +74,8 @@ def command(
 
     if remote:
         require_server()
+    else:
+        refuse_server_options()
     data = open_timeline(timeline, load)
     part = part_of(data, window, zoom_to)
     if part is not None and window:
@@ -79,6 +86,7 @@ def command(
         player, received = stack.enter_context(opened_player(data, part, name, live))
         hand: Input | None = None
         lines: LineInput | None = None
+        invitation = ""
         if gesture is not None:
             hand = TakeInput(gesture)
         elif source == "-":
@@ -96,7 +104,7 @@ def command(
         else:
             from overview_dsp.tui import run
 
-            run(player, hand, stopped=lambda: bool(received))
+            run(player, hand, lambda: bool(received), invitation)
         if lines is not None and lines.refused:
             note(
                 f"{lines.refused} lines weren't `theta2 touching`; the first: {lines.first_refused}"

@@ -16,7 +16,13 @@ from overview_dsp.cli.live_session import (
     opened_player,
     print_lines,
 )
-from overview_dsp.cli.server_options import open_server, require_server, server_options
+from overview_dsp.cli.server_options import (
+    Opened,
+    open_server,
+    refuse_given,
+    require_server,
+    server_options,
+)
 from overview_dsp.cli.timeline_options import (
     open_timeline,
     preset_for,
@@ -70,6 +76,8 @@ def command(
         data, part = data.window(*part), None
     name = preset_for(data, preset)
     require_server()
+    if audio == "here":
+        refuse_given(live, "is for --audio host; the page sounds by itself")
     from overview_dsp.web.data import data_routes
     from overview_dsp.web.media import open_media
 
@@ -82,22 +90,26 @@ def command(
 
         with opened_player(data, part, name, live) as (player, received):
             session = HostSession(player)
-            with open_server(server, session, routes) as told:
-                _tell(told, as_json)
+            with open_server(server, session, routes) as opened:
+                _tell(opened, as_json)
                 print_lines(player, session, received, seconds)
     else:
         with (
             ended_by_signals() as received,
-            open_server(server, None, routes) as told,
+            open_server(server, None, routes) as opened,
         ):
-            _tell(told, as_json)
+            _tell(opened, as_json)
             _wait(received, seconds)
     exit_if_stopped(received)
 
 
-def _tell(told: dict[str, Any], as_json: bool) -> None:
+def _tell(opened: Opened, as_json: bool) -> None:
     if as_json:
-        print(json.dumps(told), flush=True)
+        report = {
+            "address": opened.address,
+            "fingerprint_sha256": opened.fingerprint_sha256,
+        }
+        print(json.dumps(report), flush=True)
 
 
 def _wait(received: list[int], seconds: float | None) -> None:

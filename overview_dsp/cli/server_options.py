@@ -6,6 +6,7 @@ import functools
 import importlib.util
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,12 +53,48 @@ def require_server() -> None:
         raise InputError(f"the page needs {', '.join(missing)}: pip install 'overview-dsp[web]'")
 
 
+def refuse_given(names: Collection[str], why: str) -> None:
+    """InputError if an option was given that has no effect here."""
+    from click.core import ParameterSource
+
+    from overview_dsp.errors import InputError
+
+    context = click.get_current_context()
+    for name in names:
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+            raise InputError(f"--{name.replace('_', '-')} {why}")
+
+
+def refuse_server_options() -> None:
+    """InputError if a server's options were given where there is none."""
+    refuse_given(_NAMES, "is for the server that --remote opens; give that too")
+
+
+@dataclass(frozen=True)
+class Opened:
+    """Where a server is: `address` holds the token, `qr` is it as a picture for phones."""
+
+    address: str
+    fingerprint_sha256: str | None
+    qr: str | None
+
+    @property
+    def text(self) -> str:
+        """For a person: the address first."""
+        lines = [f"open {self.address}"]
+        if self.fingerprint_sha256 is not None:
+            lines.append(f"certificate SHA-256 {self.fingerprint_sha256}")
+        if self.qr is not None:
+            lines.append(self.qr.rstrip("\n"))
+        return "\n".join(lines)
+
+
 @contextmanager
 def open_server(
     server: dict[str, Any],
     session: Session | None = None,
     more: Collection[BaseRoute] = (),
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Opened]:
     """Serve the page (and a session's `/control`, and more routes) meanwhile; where it is.
 
     The address goes to standard error, with a QR code where a phone can reach it.
@@ -95,13 +132,12 @@ def open_server(
     where = address.page_address(scheme, reached, socket.getsockname()[1], access.token)
     running = WebServer(app, [socket], secure, note)
     try:
-        click.echo(f"open {where}", err=True)
-        told = {"address": where, "fingerprint_sha256": None}
-        if certificate is not None:
-            told["fingerprint_sha256"] = fingerprint(certificate)
-            click.echo(f"certificate SHA-256 {told['fingerprint_sha256']}", err=True)
-        if not near:
-            click.echo(address.qr_text(where), err=True, nl=False)
-        yield told
+        opened = Opened(
+            where,
+            None if certificate is None else fingerprint(certificate),
+            None if near else address.qr_text(where),
+        )
+        click.echo(opened.text, err=True)
+        yield opened
     finally:
         running.close()

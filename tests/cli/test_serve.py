@@ -39,7 +39,10 @@ class Running:
 
     def end(self, number: int = signal.SIGTERM) -> tuple[str, str]:
         self.process.send_signal(number)
-        return self.process.communicate(timeout=20)
+        # what `readline` took ahead is in the files, where `communicate` doesn't look
+        err, out = self.process.stderr.read(), self.process.stdout.read()
+        self.process.wait(20)
+        return out, err
 
 
 @contextlib.contextmanager
@@ -163,6 +166,14 @@ def test_play_without_remote_listens_to_nobody(tmp_path):
 def test_bad_input_is_one_clear_line(tmp_path, monkeypatch, arguments, words):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     refused(overview("serve", MATCH, *arguments), *words)
+
+
+def test_an_option_without_effect_is_refused():
+    refused(overview("serve", MATCH, "--record", "take.csv"), "--record", "--audio host")
+    refused(overview("serve", MATCH, "--tactor-gain", "3"), "--tactor-gain", "--audio host")
+    play = ("play", MATCH, "--device", "none")
+    refused(overview(*play, "--host", "0.0.0.0"), "--host", "--remote")
+    refused(overview(*play, "--port", "0"), "--port", "--remote")
 
 
 def test_a_port_that_is_taken_is_one_clear_line(tmp_path):
