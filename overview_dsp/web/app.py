@@ -5,6 +5,7 @@
 | `/`, `/page/...`, `/kernel...` | the page's files (`assets`), to anyone |
 | `POST /session` | 204 and the session's cookie, to whoever has the token |
 | `/control` | a hand on the host's disk (`control`), where the host plays |
+| `POST /host/preset` | 204: the host plays with `{"preset": P}` (P as in `sound_data`) |
 
 Thread: the server's.
 """
@@ -19,10 +20,13 @@ from starlette.routing import BaseRoute, Route, Router, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
+from overview_dsp.errors import InputError
 from overview_dsp.web.access import Access
+from overview_dsp.web.asked import answering, json_object
 from overview_dsp.web.assets import ASSETS, asset
 from overview_dsp.web.control import Session, serve_hand
 from overview_dsp.web.guard import Guard, cookie_name
+from overview_dsp.web.preset_data import preset_given
 
 
 def make_app(
@@ -62,10 +66,19 @@ def make_app(
         assert session is not None
         await serve_hand(websocket, session)
 
+    def use(request: Request, body: bytes) -> Response:
+        assert session is not None
+        asked = json_object(body)
+        if asked.keys() != {"preset"}:
+            raise InputError("the body has the key preset")
+        session.use(preset_given(asked["preset"]))
+        return Response(status_code=204)
+
     routes: list[BaseRoute] = [Route(path, _send_asset) for path in ASSETS]
     routes += [Route("/session", enter, methods=["POST"]), *more]
     if session is not None:
         routes.append(WebSocketRoute("/control", control))
+        routes.append(Route("/host/preset", answering(use), methods=["POST"]))
     # a router alone: what fails is the guard's to tell
     app = Router(routes, redirect_slashes=False)
     return Guard(app, access, names, ASSETS.keys(), note)

@@ -1,9 +1,9 @@
 """`/control`: a page's hand over a WebSocket, and what it is told.
 
 Ten times a second it gets ``{"status": {...}}``: `cursor` and `touching` of the disk, `torque_nm`
-and `full_torque_nm`, `holding` (whether the disk is this page's), `window` (s), and of latency
-`round_trip_ms`, `event_to_sample_ms` (from the page's event to the sample at which it acts) and
-`output_ms` (from there to the device, as it says).
+and `full_torque_nm`, `holding` (whether the disk is this page's), `window` (s), the name of the
+`preset`, and of latency `round_trip_ms`, `event_to_sample_ms` (from the page's event to the sample
+at which it acts) and `output_ms` (from there to the device, as it says).
 
 A message that isn't one, or too many of them, end the connection; the end of a connection lets the
 disk go, and so do 500 ms without an event from a hand that touches: a page repeats its last event.
@@ -20,6 +20,7 @@ from typing import Any, Protocol
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from overview_dsp.errors import InputError
+from overview_dsp.presets.model import Preset
 from overview_dsp.web.hands import SILENCE_S, Hand, RemoteHands
 from overview_dsp.web.messages import Events, Pong, Show, decode_message
 
@@ -40,6 +41,9 @@ class Session(Protocol):
 
     def show(self, start_s: float, end_s: float) -> None:
         """Put a part of the timeline under the hand; InputError if it isn't one."""
+
+    def use(self, preset: Preset) -> None:
+        """Change to a preset; InputError if it can't sound here."""
 
     def status(self) -> dict[str, Any]:
         """How the disk is."""

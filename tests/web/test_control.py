@@ -41,10 +41,20 @@ def hold(connection, place, seconds=0.0):
         time.sleep(0.05)
 
 
+def pull(server, place, *pages):
+    """Each page holds at its place, as long as it takes the disk to be at `place`."""
+    end = time.monotonic() + 10.0
+    while abs(server.player.engine.meters.cursor - place) > 0.01:
+        assert time.monotonic() < end, server.player.engine.meters
+        for page, its_place in pages:
+            hold(page, its_place)
+        time.sleep(0.05)
+
+
 def test_a_hand_on_a_page_holds_the_disk_and_lets_it_go(disk):
     with disk.connect() as page:
-        hold(page, 0.4, 0.6)
-        disk.until(lambda meters: meters.touching and abs(meters.cursor - 0.4) < 0.01)
+        pull(disk, 0.4, (page, 0.4))
+        assert disk.player.engine.meters.touching
         page.send(events((time.monotonic() * 1e3, 0.4 * math.pi, 0)))
         disk.until(lambda meters: not meters.touching)
     assert not disk.notes
@@ -168,18 +178,10 @@ def test_too_many_events_end_the_connection_and_let_go(disk):
 
 def test_the_last_page_to_touch_holds_the_disk_until_it_lets_go(disk):
     with disk.connect() as one, disk.connect() as two:
-        hold(one, 0.3, 0.4)
-        hold(two, 0.7)
-        for _ in range(12):
-            hold(one, 0.3)
-            hold(two, 0.7)
-            time.sleep(0.05)
-        disk.until(lambda meters: abs(meters.cursor - 0.7) < 0.01)
+        pull(disk, 0.3, (one, 0.3))
+        pull(disk, 0.7, (one, 0.3), (two, 0.7))
         two.close()
-        for _ in range(12):
-            hold(one, 0.3)
-            time.sleep(0.05)
-        disk.until(lambda meters: abs(meters.cursor - 0.3) < 0.01)
+        pull(disk, 0.3, (one, 0.3))
 
 
 def test_latency_is_told_from_the_pages_clock(disk):
@@ -206,6 +208,27 @@ def test_a_page_zooms_what_is_under_the_hand(disk):
         while told(page, "status")["window"] != [1000.0, 2000.0]:
             assert time.monotonic() < end
         page.send(json.dumps({"show": [0.0, disk.player.timeline.duration_s]}))
+
+
+def test_a_page_tries_a_preset_on_the_host(disk):
+    with disk.client(Origin=disk.origin) as client:
+        tried = client.get("/data/preset").json()["preset"]
+        for gain in (-9.0, -8.0, -7.0, -6.0, -5.0):  # as fast as a slider
+            tried["values"]["tactor.gain_db"] = gain
+            tried["kinds"]["goal"]["height"] = 20.0 - gain
+            assert client.post("/host/preset", json={"preset": tried}).status_code == 204
+        end = time.monotonic() + 5.0
+        while disk.player.preset.values["tactor.gain_db"] != -5.0:
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        assert disk.player.preset.kinds["goal"].height == 25.0
+        tried["values"]["tactor.gain_db"] = 999.0
+        for body in ({"preset": tried}, {"preset": "../x"}, {}, {"preset": "silk", "x": 1}):
+            answer = client.post("/host/preset", json=body)
+            assert (answer.status_code, answer.text.count("\n")) == (400, 1)
+        assert client.post("/host/preset", json={"preset": "football"}).status_code == 204
+        with disk.connect() as page:
+            assert told(page, "status")["preset"] == "football"
 
 
 def test_what_a_page_did_is_recorded_and_replays_to_the_bit(match, football, tmp_path):
@@ -259,6 +282,7 @@ def test_a_page_that_answers_no_ping_is_closed_and_lets_go(match, monkeypatch):
         )
         line.sendall(head.encode())
         line.settimeout(5.0)
+        assert line.recv(65536).startswith(b"HTTP/1.1 101 ")
         message = events((0, 1.0, 1)).encode()
         line.sendall(bytes([0x81, 0x80 | len(message), 0, 0, 0, 0]) + message)
         server.until(lambda meters: meters.touching)
