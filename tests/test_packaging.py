@@ -154,6 +154,14 @@ print(json.dumps([[name, load_actuator(name).source] for name in actuator_names(
     assert all(Path(source).is_relative_to(installed) for _, source in found)
 
 
+def test_a_wheel_has_what_the_page_loads(installed):
+    for file in (ROOT / "overview_dsp" / "web").iterdir():
+        if file.suffix in (".js", ".wasm"):
+            assert (
+                installed / "overview_dsp" / "web" / file.name
+            ).read_bytes() == file.read_bytes()
+
+
 def test_a_wheel_has_the_command_line_and_renders(installed, tmp_path):
     assert (installed / "bin").is_dir() or (installed / "Scripts").is_dir()
     python(

@@ -11,7 +11,8 @@ ceiling (after everything that is recorded), it sets itself in the kernel's memo
 The bytes, little-endian, in columns of 8:
 
     digest of the memory layout; int32 kind, int32 n; float64 sample_time (-1 = at once);
-    float64 sample_rate; n pairs of float64: what to tell the kernel, value;
+    float64 sample_rate; float64 channels (of a `WHOLE`'s output, else 0);
+    n pairs of float64: what to tell the kernel, value;
     runs: int32 how, int32 columns, then
         FILL: the one value; DATA: as many values; TABLE: values, without the slopes between them
 
@@ -35,8 +36,9 @@ from overview_dsp.live.python_path import connect
 from overview_dsp.mailbox import stamp_of
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface import Surface
-from overview_dsp.surface_slot import write_surface
+from overview_dsp.surface_slot import struck_event, write_surface
 
+HEAD = 5  # columns before the pairs
 WHOLE, CHANGE = range(2)
 FILL, DATA, TABLE = range(3)
 LEAST_FILL = 4
@@ -55,9 +57,21 @@ def layout_numbers() -> dict[str, int]:
     }
 
 
+def encoding_numbers() -> dict[str, int]:
+    """The numbers of the encoding itself, by their names."""
+    return {
+        "HEAD": HEAD,
+        "WHOLE": WHOLE,
+        "CHANGE": CHANGE,
+        "FILL": FILL,
+        "DATA": DATA,
+        "TABLE": TABLE,
+    }
+
+
 def layout_digest() -> bytes:
-    """8 bytes that differ where the layout or the order of the sources does."""
-    text = f"{layout_numbers()} {SOURCES}"
+    """8 bytes that differ where the layout, the encoding or the order of the sources does."""
+    text = f"{layout_numbers()} {encoding_numbers()} {SOURCES}"
     return hashlib.sha256(text.encode()).digest()[:8]
 
 
@@ -73,9 +87,10 @@ def encode_engine(engine: Engine, settings: OutputSettings | None = None) -> byt
     InputError
         A sample rate too low for the settings' actuator.
     """
-    connect(engine, settings)
+    channels = connect(engine, settings)
     bits = engine.memory.view(np.uint64)
-    parts = [_head(WHOLE, [], -1, engine.sample_rate), _runs(bits[: layout.SURFACES])]
+    head = _head(WHOLE, [], stamp_of(None), engine.sample_rate, channels)
+    parts = [head, _runs(bits[: layout.SURFACES])]
     for slot in range(layout.SLOTS):
         start = layout.SURFACES + slot * layout.SLOT_SIZE
         parts.append(_slot(bits[start : start + layout.SLOT_SIZE]))
@@ -109,9 +124,25 @@ def encode_change(
     return head + _slot(m[layout.SURFACES :].view(np.uint64))
 
 
-def _head(kind: int, told: list[tuple[int, float]], sample_time: int, sample_rate: float) -> bytes:
+def event_numbers(surface: Surface) -> list[int]:
+    """The timeline's event of each number that a strike in the page may name.
+
+    -1 is the bare surface, which is struck as number -1 too.
+    """
+    count = len(surface.place) + len(surface.impacts.place)
+    return [int(event) for event in struck_event(surface, np.arange(count))]
+
+
+def _head(
+    kind: int,
+    told: list[tuple[int, float]],
+    sample_time: int,
+    sample_rate: float,
+    channels: int = 0,
+) -> bytes:
     numbers = np.array([kind, len(told)], dtype="<i4")
-    rest = np.array([sample_time, sample_rate, *(x for pair in told for x in pair)], dtype="<f8")
+    pairs = [number for pair in told for number in pair]
+    rest = np.array([sample_time, sample_rate, channels, *pairs], dtype="<f8")
     return layout_digest() + numbers.tobytes() + rest.tobytes()
 
 

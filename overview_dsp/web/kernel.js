@@ -1,23 +1,19 @@
 // The kernel and its memory in JavaScript: what Python's engine and mailbox do for a native one.
 //
 // It runs in the audio thread, where messages are handled between two blocks, so the rings need no
-// atomics. `render` allocates nothing: bytes are copied word by word, without views or BigInts.
+// atomics. `render` creates no object: bytes are copied word by word, without views or BigInts.
 
-import { DIGEST, L, SOURCES } from "./layout.js";
+import { DIGEST, ENCODING, L, SOURCES } from "./layout.js";
 
-// encoding.py
-export const WHOLE = 0;
-export const CHANGE = 1;
-const FILL = 0;
-const DATA = 1;
-const HEAD = 4; // columns
-const HOW = { [WHOLE]: "a memory", [CHANGE]: "a change" };
+export const { WHOLE, CHANGE } = ENCODING;
+const { FILL, DATA, TABLE, HEAD } = ENCODING;
+const WHAT = { [WHOLE]: "a memory", [CHANGE]: "a change" };
 
 export const AT_ONCE = -1;
 const TWO_32 = 4294967296;
 const PAGE_BYTES = 65536;
 const LARGEST_BLOCK = 2048; // frames
-const COLUMNS_A_BLOCK = 32768; // of a surface, so that copying one never makes a block late
+const COLUMNS_A_BLOCK = 16384; // of a surface, so that copying one never makes a block late
 export const EVENT_FIELDS = 4; // of a control event: sample time, source, theta2, touching
 export const STRIKE_FIELDS = 4; // of a strike: sample, event, torque, level
 
@@ -28,9 +24,9 @@ export const METERS = Object.freeze([
   "limited", "silentSamples", "stillSamples", "changesWaiting",
 ]);
 
-/** Sample rate (Hz) of encoded bytes; an Error in one line unless they are of this kind. */
+/** Sample rate (Hz) and channels of encoded bytes; an Error in one line if not of this kind. */
 export function checkBytes(bytes, kind) {
-  const what = HOW[kind];
+  const what = WHAT[kind];
   if (!(bytes instanceof ArrayBuffer) || bytes.byteLength % 8 || bytes.byteLength < 8 * HEAD) {
     throw new Error(`not ${what} of the kernel: ${bytes?.byteLength} bytes`);
   }
@@ -38,22 +34,35 @@ export function checkBytes(bytes, kind) {
   if (words[0] !== DIGEST[0] || words[1] !== DIGEST[1]) {
     throw new Error(`${what} of another version of the kernel: load the page again`);
   }
-  const columns = bytes.byteLength / 8;
+  const numbers = new Float64Array(bytes);
   const first = HEAD + 2 * words[3];
+  let sound = words[2] === kind && first >= HEAD && first <= numbers.length;
+  for (let i = HEAD; sound && i < first; i += 2) {
+    const column = numbers[i];
+    const coefficient = Number.isInteger(column) && column >= 0 && column < L.COEFFS;
+    sound = coefficient || column === L.COMMAND_RELEASE_RETURNS;
+  }
   let covered = 0;
   let at = first;
-  while (at >= HEAD && at < columns) {
+  while (sound && at < numbers.length) {
     const how = words[2 * at];
     const count = words[2 * at + 1];
-    at += 1 + (how === FILL ? 1 : how === DATA ? count : count / 2);
-    covered += count > 0 ? count : NaN;
+    sound = count > 0 && (how === FILL || how === DATA || (how === TABLE && count % 2 === 0));
+    covered += count;
+    at += 1 + valuesOf(how, count);
   }
   const whole = kind === WHOLE ? L.TOTAL : L.SLOT_SIZE;
-  const complete = covered === whole || (kind === CHANGE && first === columns);
-  if (words[2] !== kind || at !== columns || !complete) {
+  const complete = covered === whole || (kind === CHANGE && first === numbers.length);
+  if (!sound || at !== numbers.length || !complete) {
     throw new Error(`not ${what} of the kernel: damaged, or of another kind`);
   }
-  return new Float64Array(bytes)[3];
+  return { sampleRate: numbers[3], channels: numbers[4] };
+}
+
+/** How many values a run has for its columns. */
+function valuesOf(how, count) {
+  if (how === FILL) return 1;
+  return how === DATA ? count : count / 2;
 }
 
 /** Encoded columns on their way into the memory, in pieces. */
@@ -102,7 +111,7 @@ class Copy {
       }
       this.done = stop;
       if (stop === count) {
-        this.at = data + (how === FILL ? 1 : how === DATA ? count : count / 2);
+        this.at = data + valuesOf(how, count);
         this.target += count;
         this.done = 0;
       }
@@ -114,27 +123,24 @@ class Copy {
 export class Kernel {
   /** `wasm`: the bytes of kernel.wasm; `image`: those of encoding.py's `encode_engine`. */
   constructor(wasm, image) {
-    this.sampleRate = checkBytes(image, WHOLE);
+    const { sampleRate, channels } = checkBytes(image, WHOLE);
+    this.sampleRate = sampleRate;
+    this.channels = channels;
     const instance = new WebAssembly.Instance(new WebAssembly.Module(wasm), {});
     const { memory, render, __heap_base } = instance.exports;
     this.run = render;
     this.block = Math.ceil(__heap_base.value / 8) * 8;
     this.out = this.block + 8 * L.TOTAL;
-    grow(memory, this.out);
-    this.look(memory);
-    new Copy(image).advance(this.m, this.words, Infinity);
-    this.channels = this.read(L.L_CHANNELS);
-    grow(memory, this.out + 4 * LARGEST_BLOCK * this.channels);
-    this.look(memory); // growing took the views away
-    this.samples = new Float32Array(memory.buffer, this.out, LARGEST_BLOCK * this.channels);
+    grow(memory, this.out + 4 * LARGEST_BLOCK * channels);
+    this.m = new Float64Array(memory.buffer, this.block, L.TOTAL);
+    this.words = new Int32Array(memory.buffer, this.block, 2 * L.TOTAL);
+    // in pieces, so that the browser has compiled the copying before the first sample
+    const copy = new Copy(image);
+    while (!copy.advance(this.m, this.words, COLUMNS_A_BLOCK));
+    this.samples = new Float32Array(memory.buffer, this.out, LARGEST_BLOCK * channels);
     this.dropped = 0;
     this.waiting = []; // changes, each a Copy
     this.slot = -1; // where the surface of the first of them goes
-  }
-
-  look(memory) {
-    this.m = new Float64Array(memory.buffer, this.block, L.TOTAL);
-    this.words = new Int32Array(memory.buffer, this.block, 2 * L.TOTAL);
   }
 
   /** An int64 column as a number. */
@@ -151,7 +157,7 @@ export class Kernel {
   control(events) {
     for (let i = 0; i + EVENT_FIELDS <= events.length; i += EVENT_FIELDS) {
       const source = events[i + 1];
-      if (!(source >= 0 && source < L.SOURCES)) {
+      if (!(Number.isInteger(source) && source >= 0 && source < L.SOURCES)) {
         throw new Error(`no source has the number ${source}; known: ${SOURCES.join(", ")}`);
       }
       const written = this.read(L.RING_WRITTEN + source);
@@ -169,9 +175,9 @@ export class Kernel {
 
   /** Queue a change of encoding.py's `encode_change`: in the order of their coming. */
   change(bytes) {
-    const rate = checkBytes(bytes, CHANGE);
-    if (rate !== this.sampleRate) {
-      throw new Error(`a change for ${rate} Hz; the kernel runs at ${this.sampleRate} Hz`);
+    const { sampleRate } = checkBytes(bytes, CHANGE);
+    if (sampleRate !== this.sampleRate) {
+      throw new Error(`a change for ${sampleRate} Hz; the kernel runs at ${this.sampleRate} Hz`);
     }
     this.waiting.push(new Copy(bytes));
   }

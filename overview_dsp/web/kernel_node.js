@@ -10,28 +10,29 @@ const KERNEL = new URL("./kernel.wasm", import.meta.url);
  * A node that plays a memory image (encoding.py) into `context`.
  *
  * `events` and `changes` are there before the first sample: rows as in `KernelNode.control`, and
- * bytes of `encode_change`. Throws an Error in one line: another version's bytes, another rate.
+ * bytes of `encode_change`. Clicks are left, the tactor is right, unless the image's settings say
+ * otherwise. Throws an Error in one line: another version's bytes, another sample rate.
  */
 export async function openKernel(context, image, { events = [], changes = [] } = {}) {
-  const rate = checkBytes(image, WHOLE);
-  if (rate !== context.sampleRate) {
+  const { sampleRate, channels } = checkBytes(image, WHOLE);
+  if (sampleRate !== context.sampleRate) {
     throw new Error(
-      `the timeline was made for ${rate} Hz, the audio runs at ${context.sampleRate} Hz: ` +
-        `new AudioContext({ sampleRate: ${rate} })`,
+      `the timeline was made for ${sampleRate} Hz, the audio runs at ${context.sampleRate} Hz: ` +
+        `new AudioContext({ sampleRate: ${sampleRate} })`,
     );
   }
   for (const bytes of changes) checkBytes(bytes, CHANGE);
   const [answer] = await Promise.all([fetch(KERNEL), context.audioWorklet.addModule(PROCESSOR)]);
   if (!answer.ok) throw new Error(`${KERNEL}: ${answer.status} ${answer.statusText}`);
   const wasm = await answer.arrayBuffer();
-  return new KernelNode(context, { wasm, image, events: rows(events), changes });
+  return new KernelNode(context, channels, { wasm, image, events: rows(events), changes });
 }
 
 export class KernelNode extends AudioWorkletNode {
-  constructor(context, processorOptions) {
+  constructor(context, channels, processorOptions) {
     super(context, "overview-kernel", {
       numberOfInputs: 0,
-      outputChannelCount: [2],
+      outputChannelCount: [channels],
       processorOptions,
     });
     this.unsent = [];
@@ -66,9 +67,11 @@ export class KernelNode extends AudioWorkletNode {
 
   /** Bytes of `encode_change`: other parameters, another surface. The buffer goes over. */
   change(bytes) {
-    const rate = checkBytes(bytes, CHANGE);
-    if (rate !== this.context.sampleRate) {
-      throw new Error(`a change for ${rate} Hz; the audio runs at ${this.context.sampleRate} Hz`);
+    const { sampleRate } = checkBytes(bytes, CHANGE);
+    if (sampleRate !== this.context.sampleRate) {
+      throw new Error(
+        `a change for ${sampleRate} Hz; the audio runs at ${this.context.sampleRate} Hz`,
+      );
     }
     this.flush();
     this.port.postMessage({ kind: "change", bytes }, [bytes]);

@@ -1,4 +1,4 @@
-// Made by tools/write_layout_js.py from overview_dsp/kernels/layout.py.
+// Made by tools/write_layout_js.py from kernels/layout.py and web/encoding.py.
 
 export const L = Object.freeze({
   CELLS: 65536,
@@ -242,7 +242,17 @@ export const L = Object.freeze({
   TRACE: 9,
 });
 
+// encoding.py
+export const ENCODING = Object.freeze({
+  HEAD: 5,
+  WHOLE: 0,
+  CHANGE: 1,
+  FILL: 0,
+  DATA: 1,
+  TABLE: 2,
+});
+
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([462265124, 1735673849]);
+export const DIGEST = Object.freeze([-391837763, 40688883]);

@@ -1,10 +1,10 @@
-// The AudioWorklet: the kernel, a render quantum at a time; output 0 is clicks, output 1 the tactor.
+// The AudioWorklet: the kernel, a render quantum at a time; left is clicks, right is the tactor.
 //
 // Everything but sound comes by messages, which the browser hands over between two quanta: a few
 // numbers a gesture event, and what the page wants to draw only when it asks. A ring in a
 // SharedArrayBuffer would save the browser that copy, but needs two headers (COOP, COEP) that
 // many static hosts can't send, and the page must sound the same from all of them. Audio is never
-// posted, and `process` allocates nothing.
+// posted, and `process` creates no object.
 
 import { Kernel } from "./kernel.js";
 
@@ -38,7 +38,7 @@ class OverviewProcessor extends AudioWorkletProcessor {
         { kind: "look", over: this.over, meters, strikes },
         [meters.buffer, strikes.buffer],
       );
-    }
+    } else throw new Error(`no message is called ${data.kind}`);
   }
 
   process(inputs, outputs) {

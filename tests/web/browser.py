@@ -1,42 +1,42 @@
-"""A headless Chromium with a page that has the kernel's modules."""
+"""Browsers with a page that has the kernel's modules: a driven Chromium, an undriven Firefox."""
 
 from __future__ import annotations
 
 import base64
 import contextlib
+import json
+import queue
 import shutil
-import threading
+import subprocess
 from collections.abc import Iterator
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-HERE = Path(__file__).parent
-TYPES = {"html": "text/html", "js": "text/javascript", "wasm": "application/wasm"}
-# what the page will be served with: nothing inline, WebAssembly allowed
-POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'"
+from tests.web.site import Site, opened_site
+
+CHROMIUM = [
+    "--no-sandbox",  # as root
+    "--autoplay-policy=no-user-gesture-required",
+    "--enable-precise-memory-info",
+]
+PATIENCE_S = 60.0
 
 
 class Browser:
-    """A page; `given` holds the bytes that it may fetch."""
+    """A page; `give` names bytes that it may fetch."""
 
-    def __init__(self, page: Any, given: dict[str, bytes]) -> None:
-        self._page = page
-        self._given = given
+    def __init__(self, site: Site) -> None:
+        self.site = site
 
     def give(self, **named: bytes) -> None:
-        self._given.update(named)
+        self.site.given.update(named)
 
-    def call(self, function: str, *arguments: Any) -> Any:
+    def call(self, function: str, *given: Any) -> Any:
         """The answer of one of `probe.js`'s functions."""
-        return self._page.evaluate(
-            "async ([name, given]) => (await import('/probe.js'))[name](...given)",
-            [function, list(arguments)],
-        )
+        raise NotImplementedError
 
     def render(self, **given: Any) -> tuple[np.ndarray, dict[str, Any]]:
         """Samples, float32 (frames, 2), and what else `renderOffline` tells."""
@@ -45,59 +45,74 @@ class Browser:
         return samples.reshape(-1, 2), told
 
 
-def _handler(given: dict[str, bytes]) -> type[BaseHTTPRequestHandler]:
-    package = resources.files("overview_dsp.web")
+class Chromium(Browser):
+    """Driven by playwright."""
 
-    class Handler(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            name = self.path.rpartition("/")[2]
-            if self.path.startswith("/given/"):
-                content = given.get(name)
-            elif name in ("page.html", "probe.js"):
-                content = (HERE / name).read_bytes()
-            else:
-                file = package / name
-                content = file.read_bytes() if name and file.is_file() else None
-            self.send_response(200 if content is not None else 404)
-            self.send_header("Content-Type", TYPES.get(name.rpartition(".")[2], "text/plain"))
-            self.send_header("Content-Security-Policy", POLICY)
-            self.end_headers()
-            self.wfile.write(content or b"")
+    def __init__(self, site: Site, page: Any) -> None:
+        super().__init__(site)
+        self._page = page
 
-        def log_message(self, *unused: Any) -> None:
-            pass
+    def call(self, function: str, *given: Any) -> Any:
+        return self._page.evaluate(
+            "async ([name, given]) => (await import('/probe.js'))[name](...given)",
+            [function, list(given)],
+        )
 
-    return Handler
+
+class Firefox(Browser):
+    """Started anew for each call: what drives it is no package of a registry."""
+
+    def __init__(self, site: Site, program: str, profile: Path) -> None:
+        super().__init__(site)
+        self._program = program
+        self._profile = profile
+
+    def call(self, function: str, *given: Any) -> Any:
+        self.give(job=json.dumps({"name": function, "given": given}).encode())
+        command = [self._program, "--headless", "--no-remote", "--profile", str(self._profile)]
+        process = subprocess.Popen(
+            [*command, self.site.url("unattended.html")],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            answer = json.loads(self.site.answers.get(timeout=PATIENCE_S))
+        except queue.Empty:
+            pytest.fail(f"Firefox said nothing in {PATIENCE_S:g} s")
+        finally:
+            process.terminate()
+            process.wait()
+        assert "error" not in answer, answer
+        return answer["value"]
 
 
 @contextlib.contextmanager
-def opened() -> Iterator[Browser]:
-    """A browser on a page of localhost; skips where there is none."""
+def opened_chromium() -> Iterator[Chromium]:
+    """Skips where there is none."""
     api: Any = pytest.importorskip(
         "playwright.sync_api", reason="needs a driver for a browser: pip install playwright"
     )
-    given: dict[str, bytes] = {
-        "kernel.wasm": (resources.files("overview_dsp.web") / "kernel.wasm").read_bytes()
-    }
-    server = ThreadingHTTPServer(("127.0.0.1", 0), _handler(given))
-    thread = threading.Thread(target=server.serve_forever, daemon=True)
-    thread.start()
-    try:
-        with api.sync_playwright() as playwright:
-            try:
-                browser = playwright.chromium.launch(
-                    executable_path=shutil.which("chromium"), args=["--no-sandbox"]
-                )
-            except api.Error as error:
-                pytest.skip(
-                    "needs Chromium: apt install chromium, or playwright install chromium "
-                    f"({str(error).splitlines()[0]})"
-                )
-            page = browser.new_page()
-            page.goto(f"http://127.0.0.1:{server.server_port}/page.html")
-            yield Browser(page, given)
-            browser.close()
-    finally:
-        server.shutdown()
-        server.server_close()
-        thread.join()
+    with opened_site() as site, api.sync_playwright() as playwright:
+        try:
+            browser = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=CHROMIUM
+            )
+        except api.Error as error:
+            pytest.skip(
+                "needs Chromium: apt install chromium, or playwright install chromium "
+                f"({str(error).splitlines()[0]})"
+            )
+        page = browser.new_page()
+        page.goto(site.url("page.html"))
+        yield Chromium(site, page)
+        browser.close()
+
+
+@contextlib.contextmanager
+def opened_firefox(profile: Path) -> Iterator[Firefox]:
+    """Skips where there is none."""
+    program = shutil.which("firefox-esr") or shutil.which("firefox")
+    if program is None:
+        pytest.skip("needs Firefox: apt install firefox-esr")
+    with opened_site() as site:
+        yield Firefox(site, program, profile)

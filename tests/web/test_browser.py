@@ -11,11 +11,12 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 from overview_dsp.live.python_path import run_block
-from overview_dsp.surface_slot import struck_event, write_surface
+from overview_dsp.surface_slot import write_surface
 from overview_dsp.units import db_to_gain
-from overview_dsp.web.encoding import encode_change, encode_engine
+from overview_dsp.web.encoding import encode_change, encode_engine, event_numbers
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played
 
+COLUMNS_A_BLOCK = 16_384  # as kernel.js copies them
 SOURCE_EVENTS = [
     {"sampleTime": sample, "theta2": theta2, "touching": touching, "source": source}
     for sample, theta2, touching, source in events()
@@ -42,6 +43,14 @@ def test_drag_tap_and_release_are_the_native_samples(browser, match, football):
         f"\na quantum of {BLOCK} frames: {per_block * 1e6:.1f} us, {per_block / budget:.1%} of its "
         f"budget (an OfflineAudioContext's whole rendering)"
     )
+
+
+def test_firefox_gives_the_native_samples_too(firefox, match, football):
+    expected = played(engine(match, football))
+    firefox.give(image=encode_engine(engine(match, football, hands=False)))
+    out, told = rendered(firefox, image="image", events=SOURCE_EVENTS)
+    assert np.array_equal(out, expected)
+    print(f"\nFirefox: {told['seconds'] / (FRAMES / BLOCK) * 1e6:.1f} us a quantum")
 
 
 @pytest.fixture(scope="module")
@@ -129,8 +138,8 @@ def test_strikes_and_meters_are_told_when_asked(browser, match, football):
     strikes, meters = made.take_strikes(), made.meters
     assert len(struck) == len(strikes) == look["strikes"] > 10
     assert [one["sample"] / RATE for one in struck] == strikes.time_s.tolist()
-    numbers = np.array([one["event"] for one in struck], dtype=np.int64)
-    assert struck_event(made.surface, numbers).tolist() == strikes.event.tolist()
+    names = [*event_numbers(made.surface), -1]  # the number -1 is the last
+    assert [names[one["event"]] for one in struck] == strikes.event.tolist()
     assert [one["torque"] for one in struck] == strikes.torque.tolist()
     assert look["clock"] == FRAMES
     assert look["cursor"] == meters.cursor
@@ -172,7 +181,8 @@ def test_a_surface_is_copied_into_the_free_slot_in_pieces(browser, match, footba
     # the first goes into slot 1, the second into 2, a third over what the image had in 0
     told = browser.call("runKernel", {**given, "changes": ["rough", "goal"]})
     assert told["region"] == hashlib.sha256(slot[layout.SURFACES :].tobytes()).hexdigest()
-    assert 2 * layout.SLOT_SIZE / 32_768 - 2 < told["waited"] < 2 * layout.SLOT_SIZE / 32_768 + 2
+    pieces = 2 * layout.SLOT_SIZE / COLUMNS_A_BLOCK
+    assert pieces - 2 < told["waited"] < pieces + 2
 
 
 def creaking(match):
@@ -206,17 +216,51 @@ def test_a_used_slot_keeps_nothing_of_its_old_surface(browser, match, football, 
         (lambda b: b[:12] + np.int32(-1).tobytes() + b[16:], "damaged"),
         (lambda b: b[:12] + np.int32(2**31 - 1).tobytes() + b[16:], "damaged"),
         (lambda b: b[:8] + np.int32(0).tobytes() + b[12:], "damaged"),
+        (lambda b: b[:40] + np.float64(-1).tobytes() + b[48:], "damaged"),  # a slot of its own
+        (lambda b: b[:40] + np.float64(0.5).tobytes() + b[48:], "damaged"),
+        (lambda b: b[:56] + np.int32(7).tobytes() + b[60:], "damaged"),  # no such run
+        (lambda b: b[:60] + np.int32(-1).tobytes() + b[64:], "damaged"),
+        (lambda b: b[:56] + np.array([2, 3], np.int32).tobytes() + b[64:], "damaged"),
     ],
 )
 def test_damaged_bytes_are_refused_in_one_line(browser, match, football, goals, damage, line):
     (first, surface), _ = goals
     good = encode_change(football, first, RATE, surface)
+    assert np.frombuffer(good, "<i4", 2, 8)[1] == 1  # a pair: the runs begin at byte 56
     browser.give(image=encode_engine(engine(match, football, hands=False)), good=good)
     assert browser.call("refusal", "image", "good") == ""
     browser.give(bad=damage(good))
     refused = browser.call("refusal", "image", "bad")
     assert line in refused
     assert "\n" not in refused
+
+
+def test_another_sample_rate_is_refused_and_its_own_plays(browser, match, football):
+    made = ov.Engine(football, match)
+    made.prepare(44_100, 44_100)
+    browser.give(image=encode_engine(made))
+    given = {"frames": 44_032, "image": "image", "events": [{"theta2": 2.0, "touching": True}]}
+    assert "44100 Hz" in browser.call("refusedRendering", {**given, "rate": RATE})
+    out, _ = browser.render(**given, rate=44_100)
+    made.control(2.0, True)
+    expected = np.empty((44_032, 2), dtype=np.float32)
+    run_block(made, expected)
+    assert np.array_equal(out, expected)
+
+
+def test_a_pads_channels_carry_the_signals(browser, match, football):
+    """Clicks nowhere, the tactor on the fourth channel: a context that has four gets them."""
+    pad = OutputSettings(SignalSettings(0), SignalSettings(4))
+    made = engine(match, football, settings=pad)
+    expected = np.empty((12_800, 4), dtype=np.float32)
+    run_block(made, expected)
+    browser.give(image=encode_engine(engine(match, football, hands=False, settings=pad), pad))
+    out, _ = browser.render(
+        rate=RATE, frames=12_800, image="image", events=SOURCE_EVENTS, channels=4
+    )
+    out = out.reshape(-1, 4)
+    assert np.abs(out[:, 3]).max() > 0.01
+    assert np.array_equal(out, expected)
 
 
 def test_a_bad_send_is_told_and_disturbs_no_sample(browser, match, football):
@@ -254,3 +298,44 @@ def test_a_third_surface_waits_until_a_slot_is_free(browser, match, football, go
     out, told = rendered(browser, image="image", events=SOURCE_EVENTS, changes=changes)
     assert np.array_equal(out, expected)
     assert told["look"]["changesWaiting"] == 0
+
+
+def test_a_block_allocates_nothing(browser, match, football, goals):
+    (first, surface), _ = goals
+    browser.give(
+        image=encode_engine(engine(match, football, hands=False)),
+        goal=encode_change(football, first, RATE, surface),
+    )
+    blocks = 20_000
+    told = browser.call("heapGrowth", {"image": "image", "blocks": blocks, "change": "goal"})
+    budget = BLOCK / RATE * 1e6
+    print(
+        f"\na quantum of {BLOCK} frames: {told['microseconds']:.1f} us, "
+        f"{told['microseconds'] / budget:.2%} of its budget (the kernel and its JavaScript alone)"
+    )
+    assert told["waiting"] == 0
+    assert told["grown"] < blocks  # a number a block would be 12 bytes or more
+
+
+@pytest.mark.soak
+def test_ten_minutes_grow_no_memory(browser, match, football, goals):
+    (first, surface), _ = goals
+    browser.give(
+        image=encode_engine(engine(match, football, hands=False)),
+        goal=encode_change(football, first, RATE, surface),
+    )
+    blocks = 600 * RATE // BLOCK
+    told = browser.call("heapGrowth", {"image": "image", "blocks": blocks, "change": "goal"})
+    print(f"\nin {blocks} quanta the heap grew by {told['grown']} bytes")
+    assert told["grown"] < 100_000
+
+
+def test_it_plays_in_time(browser, match, football):
+    browser.give(image=encode_engine(engine(match, football, hands=False)))
+    told = browser.call("playInTime", "image", RATE, 200)
+    assert told["faults"] == []
+    assert 0 < told["first"]["clock"] < told["second"]["clock"]
+    assert told["first"]["cursor"] == 0.0
+    assert 0.3 < told["second"]["cursor"] < 0.9
+    assert told["second"]["struck"]
+    assert told["last"]["over"]

@@ -53,8 +53,8 @@ def test_an_engine_comes_back_column_by_column(match, football):
     data = encode_engine(made)
     assert data[:8] == encoding.layout_digest()
     assert np.frombuffer(data, "<i4", 2, 8).tolist() == [encoding.WHOLE, 0]
-    assert np.frombuffer(data, "<f8", 2, 16).tolist() == [-1.0, RATE]
-    assert np.array_equal(decoded_runs(data[32:]), made.memory.view(np.uint64))
+    assert np.frombuffer(data, "<f8", 3, 16).tolist() == [-1.0, RATE, 2.0]
+    assert np.array_equal(decoded_runs(data[40:]), made.memory.view(np.uint64))
     assert len(data) < 600_000  # of 17 MB: what a phone must load
 
 
@@ -64,22 +64,22 @@ def test_a_change_holds_what_an_engine_would_be_told(match, football):
     made.set_preset(ov.load_preset("football-stadium"), sample_time=4_711)
     data = encode_change(before, made.preset, RATE, made.surface, 4_711)
     count = int(np.frombuffer(data, "<i4", 2, 8)[1])
-    pairs = np.frombuffer(data, "<f8", 2 * count, 32).reshape(-1, 2)
+    pairs = np.frombuffer(data, "<f8", 2 * count, 40).reshape(-1, 2)
     told = made.memory.view(np.int64)[layout.HOST_WHAT :][: count + 1].tolist()
     assert count > 0
     assert [*pairs[:, 0], layout.COMMAND_SURFACE] == told
     assert pairs[:, 1].tolist() == made.memory[layout.HOST_VALUE :][:count].tolist()
-    assert np.frombuffer(data, "<f8", 2, 16).tolist() == [4_711, RATE]
+    assert np.frombuffer(data, "<f8", 3, 16).tolist() == [4_711, RATE, 0]
     slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
     write_surface(slot, 0, made.surface, RATE)
-    columns = decoded_runs(data[32 + 16 * count :])
+    columns = decoded_runs(data[40 + 16 * count :])
     assert np.array_equal(columns, slot[layout.SURFACES :].view(np.uint64))
 
 
 def test_a_change_of_parameters_alone_is_small(football):
     quieter = football.with_changes({"tactor.gain_db": -9.0, "disk.release": "return"})
-    assert len(encode_change(football, quieter, RATE)) == 32 + 2 * 16
-    assert len(encode_change(football, football, RATE)) == 32
+    assert len(encode_change(football, quieter, RATE)) == 40 + 2 * 16
+    assert len(encode_change(football, football, RATE)) == 40
 
 
 def test_a_carrier_that_does_not_fit_the_rate_is_refused(football):

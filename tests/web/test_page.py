@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import time
 
 import pytest
@@ -15,20 +14,10 @@ api = pytest.importorskip(
 )
 
 
-@pytest.fixture(scope="module")
-def chromium():
-    with api.sync_playwright() as playwright:
-        try:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=["--no-sandbox"]
-            )
-        except api.Error as error:
-            pytest.skip(
-                "needs Chromium: apt install chromium, or playwright install chromium "
-                f"({str(error).splitlines()[0]})"
-            )
-        yield browser
-        browser.close()
+@pytest.fixture
+def chromium(browser):
+    """The one that is driven already: a second driver can't run beside it."""
+    return browser._page.context.browser
 
 
 @contextlib.contextmanager
