@@ -87,9 +87,9 @@ def served(timeline, *, plays: bool = True, record=None, **given) -> Iterator[Se
             session = HostSession(player)
             stack.enter_context(_polled(player, session))
         socket = listen("127.0.0.1", 0)
-        app = make_app(
-            access, (), notes.append, session, data_routes(timeline, "football", **given)
-        )
+        given = {"audio": "host" if plays else "here", **given}
+        routes = data_routes(timeline, "football", **given)
+        app = make_app(access, (), notes.append, session, routes)
         server = WebServer(app, [socket], None, notes.append)
         found = Served(player, socket.getsockname()[1], access, notes)
         found.session, found.web = session, server

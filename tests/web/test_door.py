@@ -8,12 +8,14 @@ import time
 
 import httpx
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from overview_dsp.web import connections, guard
 from overview_dsp.web.access import MAX_WRONG, WRONG_WITHIN_S, Access, Verdict
 from overview_dsp.web.assets import ASSETS
 from overview_dsp.web.media import open_media
-from overview_dsp.web.origin import host_is_ours
+from overview_dsp.web.origin import host_is_ours, origin_is_ours
 from tests.web.serving import served
 
 DATA = "/data/timeline"
@@ -158,6 +160,18 @@ def test_hosts_are_told_apart():
     assert host_is_ours("[fe80::1]:443", "https", ("fe80::1%eth0", 443), ())
     assert host_is_ours("[fe80::1]", "https", ("fe80::1", 443), ())
     assert host_is_ours("10.0.0.1:90", "http", ("::ffff:10.0.0.1", 90), ())
+
+
+@given(st.text(max_size=40), st.text(max_size=40), st.booleans())
+@settings(max_examples=500, deadline=None)
+def test_any_host_and_origin_are_told_apart_without_an_error(host, origin, must):
+    here = ("192.168.1.5", 8765)
+    if host_is_ours(host, "https", here, {"laptop"}):
+        assert host.lower() in ("192.168.1.5:8765", "laptop:8765")
+    headers = {"host": "laptop:8765", "origin": origin}
+    assert not origin_is_ours(headers, "https", must)
+    longer = {**headers, "origin": f"https://laptop:8765{origin or '/'}"}
+    assert not origin_is_ours(longer, "wss", must)
 
 
 @pytest.mark.parametrize(

@@ -102,3 +102,14 @@ def test_the_page_finds_its_host_again(match, chromium):
         server.until(lambda meters: not meters.touching)
         connected(tab)
         server.until(lambda meters: meters.touching)  # the finger is still there
+
+
+def test_a_browser_that_cant_open_the_socket_is_told_what_it_needs(match, chromium):
+    nothing_plays = served(match, plays=False, audio="host")
+    with nothing_plays as server, page_of(server, chromium) as (tab, _):
+        api.expect(tab.locator("#state")).to_contain_text("--cert")
+
+
+def test_a_page_that_sounds_nowhere_says_what_to_start(match, chromium):
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
+        api.expect(tab.locator("#state")).to_contain_text("--audio host")

@@ -4,6 +4,9 @@
 
 const REPEAT_MS = 100;
 const RETRY_MS = 500;
+// Safari opens a page whose certificate one has let pass, but no WebSocket of it
+const REFUSED_TIMES = 3;
+const REFUSED = "this browser can't connect; an iPhone needs a certificate it trusts (--cert)";
 const AT_MOST = 64; // events of a message
 
 export class Link extends EventTarget {
@@ -11,6 +14,7 @@ export class Link extends EventTarget {
   #waiting = [];
   #last = null; // [theta2, touching]
   #sentAt = 0;
+  #refused = 0; // attempts since the start, while none has succeeded
 
   constructor() {
     super();
@@ -41,7 +45,7 @@ export class Link extends EventTarget {
   }
 
   #flush() {
-    // coalesced events of several pointers may interleave
+    // the host refuses events out of order
     const events = this.#waiting.sort((a, b) => a[0] - b[0]);
     this.#waiting = [];
     for (let i = 0; i < events.length; i += AT_MOST) {
@@ -57,7 +61,10 @@ export class Link extends EventTarget {
   #open() {
     const socket = new WebSocket(`${location.origin.replace(/^http/, "ws")}/control`);
     this.#socket = socket;
-    socket.onopen = () => this.#tell("connected", true);
+    socket.onopen = () => {
+      this.#refused = -Infinity;
+      this.#tell("connected", true);
+    };
     socket.onmessage = ({ data }) => {
       const message = JSON.parse(data);
       if ("ping" in message) {
@@ -70,7 +77,8 @@ export class Link extends EventTarget {
     };
     socket.onclose = ({ reason }) => {
       this.#waiting = [];
-      this.#tell("connected", false, reason);
+      this.#refused += 1;
+      this.#tell("connected", false, this.#refused >= REFUSED_TIMES ? REFUSED : reason);
       setTimeout(() => this.#open(), RETRY_MS);
     };
   }

@@ -9,10 +9,16 @@ const element = (id) => document.getElementById(id);
 
 async function start() {
   await enter();
-  const data = await fetchData("/data/timeline");
+  const session = await fetchData("/data/session");
+  const [first, last] = session.window;
+  const data = await fetchData(`/data/timeline?start=${first}&end=${last}`);
   document.title = element("title").textContent = data.title || "overView";
   const view = new View(element("surface"));
   view.show(data);
+  if (session.audio !== "host") {
+    view.draw(0, null);
+    throw new Error("to be the hand of a disk that sounds there, start it with --audio host");
+  }
   const link = new Link();
   const hand = new Hand(element("surface"), (...event) => link.push(...event));
   let cursor = 0;
