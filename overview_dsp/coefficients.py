@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from overview_dsp.errors import InputError
 from overview_dsp.kernels import elementary, layout
 from overview_dsp.kernels.dc_block import CORNER_HZ
 from overview_dsp.presets.model import Mode, Preset
@@ -15,6 +16,9 @@ from overview_dsp.units import db_to_gain
 
 _exp2 = elementary.plain(elementary.exp2)
 _sin_turns = elementary.plain(elementary.sin_turns)
+
+CARRIER_LIMIT = 0.45
+"""The carrier's frequency stays below this part of the sample rate."""
 
 MODE_LIMIT = 0.49
 """Modes above this part of the sample rate are left out: they would fold back."""
@@ -80,6 +84,31 @@ def coefficients(preset: Preset, sample_rate: float) -> dict[int, float]:
         layout.C_FORGET: _exp(-dt / APPROACH_S),
         layout.C_DC_POLE: _exp(-2.0 * math.pi * CORNER_HZ * dt),
     }
+
+
+def changes(before: Preset, after: Preset, sample_rate: float) -> list[tuple[int, float]]:
+    """What the kernel must be told to go from one preset's parameters to another's.
+
+    Pairs of what (a gliding coefficient or a command of `kernels.layout`) and value; the surface
+    isn't among them.
+    """
+    old = coefficients(before, sample_rate)
+    new = coefficients(after, sample_rate)
+    told = [(column, target) for column, target in new.items() if target != old[column]]
+    returns = after.values["disk.release"] == "return"
+    if returns != (before.values["disk.release"] == "return"):
+        told.append((layout.COMMAND_RELEASE_RETURNS, float(returns)))
+    return told
+
+
+def check_carrier(preset: Preset, sample_rate: float) -> None:
+    """InputError if the tactor's carrier is too high for a sample rate (Hz)."""
+    frequency = preset.number("tactor.frequency_hz")
+    if not frequency < CARRIER_LIMIT * sample_rate:
+        raise InputError(
+            f"tactor.frequency_hz = {frequency:g} is too high for {sample_rate:g} Hz; "
+            f"it must stay below {CARRIER_LIMIT * sample_rate:g} Hz"
+        )
 
 
 def mode_coefficients(mode: Mode, sample_rate: float) -> Mapping[int, float] | None:

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.coefficients import FADE_S, GLIDE_S, coefficients
+from overview_dsp.coefficients import (
+    FADE_S,
+    GLIDE_S,
+    changes,
+    check_carrier,
+    coefficients,
+)
 from overview_dsp.errors import InputError, NotPreparedError, OverviewError
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import block, layout
@@ -31,7 +37,6 @@ if TYPE_CHECKING:
 
 MIN_SAMPLE_RATE = 1_000.0
 MAX_SAMPLE_RATE = 768_000.0
-CARRIER_LIMIT = 0.45
 TRACE_COLUMNS = layout.TRACE_COLUMNS
 __all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes", "is_compiled"]
 
@@ -76,7 +81,7 @@ class Engine:
                 f"sample rate {sample_rate:g} Hz is out of range; "
                 f"it is {MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
             )
-        self._check_carrier(self._preset, rate)
+        check_carrier(self._preset, rate)
         if max_block_size < 1:
             raise InputError(f"max_block_size = {max_block_size}; it is at least 1 frame")
         self._sample_rate = rate
@@ -199,24 +204,17 @@ class Engine:
     ) -> None:
         """Take over a preset and a surface, all at one sample; or nothing, with an error."""
         if self._sample_rate:
-            self._check_carrier(preset, self._sample_rate)
+            check_carrier(preset, self._sample_rate)
             stamp = stamp_of(sample_time)
-            before = coefficients(self._preset, self._sample_rate)
-            after = coefficients(preset, self._sample_rate)
-            changes: list[tuple[int, float]] = [
-                (column, target) for column, target in after.items() if target != before[column]
-            ]
-            returns = preset.values["disk.release"] == "return"
-            if returns != (self._preset.values["disk.release"] == "return"):
-                changes.append((layout.COMMAND_RELEASE_RETURNS, float(returns)))
-            self._mailbox.require_room(len(changes) + 1)
+            told = changes(self._preset, preset, self._sample_rate)
+            self._mailbox.require_room(len(told) + 1)
             if surface is not None:
                 slot = self._mailbox.free_slot()
                 write_surface(self._m, slot, surface, self._sample_rate)
                 self._slot_surfaces[slot] = surface
-                changes.append((layout.COMMAND_SURFACE, float(slot)))
-            if changes:
-                self._journal.append((self._mailbox.push(changes, stamp), note))
+                told.append((layout.COMMAND_SURFACE, float(slot)))
+            if told:
+                self._journal.append((self._mailbox.push(told, stamp), note))
         self._preset = preset
         if surface is not None:
             self._surface = surface
@@ -386,6 +384,15 @@ class Engine:
         )
 
     @property
+    def holder(self) -> tuple[str, float] | None:
+        """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
+        self._require_prepared()
+        source = int(self._w[layout.HOLDER])
+        if source < 0:
+            return None
+        return SOURCES[source], float(self._m[layout.SOURCE_THETA2 + source])
+
+    @property
     def latency_samples(self) -> int:
         """How many samples the disk's input lags a moving hand (a tap is not delayed)."""
         self._require_prepared()
@@ -442,7 +449,7 @@ class Engine:
         """Take over a saved state; InputError, and nothing changed, if it isn't one."""
         preset, seed = decode_state(state)
         if self._sample_rate:
-            self._check_carrier(preset, self._sample_rate)
+            check_carrier(preset, self._sample_rate)
         surface = build_surface(self._timeline, preset)
         self._preset, self._surface, self._seed = preset, surface, seed
         if self._sample_rate:
@@ -454,15 +461,6 @@ class Engine:
     def _require_prepared(self) -> None:
         if not self._sample_rate:
             raise NotPreparedError("the engine is not prepared; call prepare(sample_rate=...)")
-
-    @staticmethod
-    def _check_carrier(preset: Preset, sample_rate: float) -> None:
-        frequency = preset.number("tactor.frequency_hz")
-        if not frequency < CARRIER_LIMIT * sample_rate:
-            raise InputError(
-                f"tactor.frequency_hz = {frequency:g} is too high for {sample_rate:g} Hz; "
-                f"it must stay below {CARRIER_LIMIT * sample_rate:g} Hz"
-            )
 
     def _with_value(self, id: str, value: Value) -> Preset:
         if not id.startswith("kinds."):

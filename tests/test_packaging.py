@@ -13,7 +13,7 @@ import pytest
 import overview_dsp as ov
 
 ROOT = Path(__file__).resolve().parents[1]
-LATE = ("numba", "llvmlite", "sounddevice", "serial", "matplotlib", "soundfile", "scipy")
+LATE = ("numba", "llvmlite", "sounddevice", "serial", "matplotlib", "soundfile", "scipy", "vqf")
 
 
 def python(code: str, folder: Path, path: Path = ROOT, **variables: str) -> str:
@@ -151,6 +151,25 @@ print(json.dumps([[name, load_actuator(name).source] for name in actuator_names(
     found = json.loads(python(code, tmp_path, installed, OVERVIEW_ACTUATORS=str(tmp_path)))
     expected = sorted(path.stem for path in (ROOT / "actuators").glob("*.toml"))
     assert [name for name, _ in found] == expected
+    assert all(Path(source).is_relative_to(installed) for _, source in found)
+
+
+def test_a_wheel_has_what_the_page_loads(installed):
+    for file in (ROOT / "overview_dsp" / "web").iterdir():
+        if file.suffix in (".js", ".wasm"):
+            assert (
+                installed / "overview_dsp" / "web" / file.name
+            ).read_bytes() == file.read_bytes()
+
+
+def test_a_wheel_finds_its_sensors_from_any_folder(installed, tmp_path):
+    code = """
+import json
+from overview_dsp.sensors.profile_file import load_sensor, sensor_names
+print(json.dumps([[name, load_sensor(name).source] for name in sensor_names()]))
+"""
+    found = json.loads(python(code, tmp_path, installed))
+    assert [name for name, _ in found] == sorted(p.stem for p in (ROOT / "sensors").glob("*.toml"))
     assert all(Path(source).is_relative_to(installed) for _, source in found)
 
 

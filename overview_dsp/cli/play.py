@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from overview_dsp.engine import Engine
     from overview_dsp.live.output_settings import OutputSettings
     from overview_dsp.live.player import Stream
+    from overview_dsp.sensors.profile import Sensor
 
 
 @click.command(
@@ -33,8 +34,12 @@ if TYPE_CHECKING:
 )
 @click.argument("timeline")
 @preset_option
-@click.option("--input", "source", help="A gesture or take to play, or - for lines of standard "
-              "input: theta2 (rad) and touching (0 or 1).")  # fmt: skip
+@click.option("--input", "source", help="A gesture or take to play; serial:PORT, a sensor; or - "
+              "for lines of standard input: theta2 (rad) and touching (0 or 1).")  # fmt: skip
+@click.option("--sensor", help="What is on the serial port: a name (imu, roll, encoder, "
+              "potentiometer) or a TOML file; told by content if left out.")  # fmt: skip
+@click.option("--baud", type=click.IntRange(300, 4_000_000), help="Of the serial port, instead of "
+              "the sensor file's (115200).")  # fmt: skip
 @click.option("--device", help="Output: a name or number of `overview devices`, or none.")
 @click.option("--block-size", default=256, show_default=True, help="Frames, 0 = the device's own.")
 @click.option("--sample-rate", type=float, help="Hz; the device's own if left out.")
@@ -54,6 +59,8 @@ def command(
     timeline: str,
     preset: str | None,
     source: str | None,
+    sensor: str | None,
+    baud: int | None,
     device: str | None,
     block_size: int,
     sample_rate: float | None,
@@ -80,8 +87,9 @@ def command(
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.live.inputs import LineInput, TakeInput
     from overview_dsp.live.output_settings import save_settings
-    from overview_dsp.live.player import Player
+    from overview_dsp.live.player import Input, Player
     from overview_dsp.live.preset_watch import PresetWatch
+    from overview_dsp.live.sensor_input import SensorInput
 
     if block_size < 0 or block_size > MAX_BLOCK:
         raise InputError(f"block size {block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
@@ -92,7 +100,10 @@ def command(
     if part is not None and window:
         data = data.window(*part)
     watch = PresetWatch(preset_for(data, preset))
-    gesture = parse_gesture(source) if source is not None and source != "-" else None
+    port = _port(source, sensor, baud)
+    plain = source is not None and source != "-" and port is None
+    gesture = parse_gesture(source) if plain and source is not None else None
+    profile = _profile(sensor)
     name, rate = _device(device, sample_rate)
     chosen = output_settings(None if device == SILENT else name, signals, actuator)
     settings = chosen.settings
@@ -113,15 +124,15 @@ def command(
     )
     if part is not None and not window:
         player.show(*part)
+    hand: Input | None = None
     with _signals() as received:
         try:
-            hand = (
-                TakeInput(gesture)
-                if gesture is not None
-                else LineInput(sys.stdin, player.engine)
-                if source == "-"
-                else None
-            )
+            if port is not None:
+                hand = SensorInput(player.engine, port, profile, baud)
+            elif gesture is not None:
+                hand = TakeInput(gesture)
+            elif source == "-":
+                hand = LineInput(sys.stdin, player.engine)
             lines = headless or source == "-" or not (sys.stdin.isatty() and sys.stdout.isatty())
             if lines:
                 _print_lines(player, hand, received, seconds)
@@ -130,6 +141,8 @@ def command(
 
                 run(player, hand, stopped=lambda: bool(received))
         finally:
+            if hand is not None:
+                hand.close()
             player.close()
             if device != SILENT and chosen.differ(player.settings):
                 save_settings(name, player.settings)
@@ -141,6 +154,28 @@ def command(
 
 
 MAX_BLOCK = 8192
+SERIAL = "serial:"
+
+
+def _port(source: str | None, sensor: str | None, baud: int | None) -> str | None:
+    """The serial port that is the input, or None; InputError for options without one."""
+    from overview_dsp.errors import InputError
+
+    if source is not None and source.startswith(SERIAL):
+        if source == SERIAL:
+            raise InputError("--input serial: names no port; `overview devices` lists them")
+        return source.removeprefix(SERIAL)
+    for option, value in (("--sensor", sensor), ("--baud", baud)):
+        if value is not None:
+            raise InputError(f"{option} is for --input serial:PORT, and that isn't given")
+    return None
+
+
+def _profile(sensor: str | None) -> Sensor:
+    from overview_dsp.sensors.profile import Sensor
+    from overview_dsp.sensors.profile_file import load_sensor
+
+    return Sensor() if sensor is None else load_sensor(sensor)
 
 
 def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:

@@ -17,9 +17,8 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.block import process
 from overview_dsp.kernels.compiling import native, point
-from overview_dsp.kernels.device import finish
+from overview_dsp.kernels.delivery import deliver
 from overview_dsp.kernels.elementary import log2
 
 # PortAudio's unsigned long: 32 bits on Windows, 64 elsewhere
@@ -69,10 +68,7 @@ def _callback(unused, output, frame_count, time_info, flags, user):
     frames = np.int64(frame_count)
     channels = w[layout.L_CHANNELS]
     out = carray(output, (frames * channels,), np.float32)
-    process(m, w, u, out, frames, channels, m, False)
-    over = finish(m, w, out, frames, channels)
-    w[layout.L_CALLBACKS] += 1
-    w[layout.L_FRAMES] += frames
+    over = deliver(m, w, u, out, frames, channels)
     if flags & OUTPUT_UNDERFLOW:
         w[layout.L_UNDERFLOWS] += 1
     note_busy(m, w, now(w) - started, frames)

@@ -1,0 +1,125 @@
+// The page's end of the kernel: an audio node that takes hands, changes and volumes.
+
+import { AT_ONCE, CHANGE, checkBytes, METERS, STRIKE_FIELDS, WHOLE } from "./kernel.js";
+import { SOURCES } from "./layout.js";
+
+const PROCESSOR = new URL("./processor.js", import.meta.url);
+const KERNEL = new URL("./kernel.wasm", import.meta.url);
+
+/**
+ * A node that plays a memory image (encoding.py) into `context`.
+ *
+ * `events` and `changes` are there before the first sample: rows as in `KernelNode.control`, and
+ * bytes of `encode_change`. Clicks are left, the tactor is right, unless the image's settings say
+ * otherwise. Throws an Error in one line: another version's bytes, another sample rate.
+ */
+export async function openKernel(context, image, { events = [], changes = [] } = {}) {
+  const { sampleRate, channels } = checkBytes(image, WHOLE);
+  if (sampleRate !== context.sampleRate) {
+    throw new Error(
+      `the timeline was made for ${sampleRate} Hz, the audio runs at ${context.sampleRate} Hz: ` +
+        `new AudioContext({ sampleRate: ${sampleRate} })`,
+    );
+  }
+  for (const bytes of changes) checkBytes(bytes, CHANGE);
+  const [answer] = await Promise.all([fetch(KERNEL), context.audioWorklet.addModule(PROCESSOR)]);
+  if (!answer.ok) throw new Error(`${KERNEL}: ${answer.status} ${answer.statusText}`);
+  const wasm = await answer.arrayBuffer();
+  return new KernelNode(context, channels, { wasm, image, events: rows(events), changes });
+}
+
+export class KernelNode extends AudioWorkletNode {
+  constructor(context, channels, processorOptions) {
+    super(context, "overview-kernel", {
+      numberOfInputs: 0,
+      outputChannelCount: [channels],
+      processorOptions,
+    });
+    this.unsent = [];
+    this.asked = [];
+    /** Called with a sentence when the audio thread can't do what it was sent. */
+    this.onfault = (message) => console.error(message);
+    this.port.onmessage = ({ data }) => {
+      if (data.kind === "error") this.onfault(data.message);
+      else this.asked.shift()(data);
+    };
+  }
+
+  /**
+   * A hand's event: theta2 in rad (0 to pi) and whether it holds on; `sampleTime` counts from the
+   * node's first sample. All events of one task go in one message.
+   */
+  control(theta2, touching, source = "touch", sampleTime = AT_ONCE) {
+    if (!SOURCES.includes(source)) {
+      throw new Error(`no source is called ${source}; known: ${SOURCES.join(", ")}`);
+    }
+    this.unsent.push({ sampleTime, source, theta2, touching });
+    if (this.unsent.length === 1) queueMicrotask(() => this.flush());
+  }
+
+  /** Send what waits, so that what is sent after it comes after it. */
+  flush() {
+    if (this.unsent.length === 0) return;
+    const events = rows(this.unsent);
+    this.unsent = [];
+    this.port.postMessage({ kind: "control", events }, [events.buffer]);
+  }
+
+  /** Bytes of `encode_change`: other parameters, another surface. The buffer goes over. */
+  change(bytes) {
+    const { sampleRate } = checkBytes(bytes, CHANGE);
+    if (sampleRate !== this.context.sampleRate) {
+      throw new Error(
+        `a change for ${sampleRate} Hz; the audio runs at ${this.context.sampleRate} Hz`,
+      );
+    }
+    this.flush();
+    this.port.postMessage({ kind: "change", bytes }, [bytes]);
+  }
+
+  /** The device's way out of click and tactor: gain and ceiling (linear), delay (s, to 0.1). */
+  output(click, tactor) {
+    const signals = [click, tactor].map(({ gain = 1, ceiling = 1, delay = 0 }) => {
+      if (!(gain >= 0 && gain <= 16 && ceiling > 0 && ceiling <= 1 && delay >= 0 && delay <= 0.1)) {
+        throw new Error(
+          `gain ${gain}, ceiling ${ceiling}, delay ${delay} s; ` +
+            "they are 0 to 16, above 0 to 1, 0 to 0.1 s",
+        );
+      }
+      return { gain, ceiling, delay: Math.round(delay * this.context.sampleRate) };
+    });
+    this.port.postMessage({ kind: "output", signals });
+  }
+
+  /** What the kernel tells of itself: meters by name, strikes since the last look, over. */
+  look() {
+    this.flush();
+    return new Promise((resolve) => {
+      this.asked.push(({ over, meters, strikes }) => {
+        const told = Object.fromEntries(METERS.map((name, i) => [name, meters[i]]));
+        const struck = [];
+        for (let i = 0; i < strikes.length; i += STRIKE_FIELDS) {
+          const [sample, event, torque, level] = strikes.subarray(i, i + STRIKE_FIELDS);
+          struck.push({ sample, event, torque, level });
+        }
+        resolve({ ...told, over, struck });
+      });
+      this.port.postMessage({ kind: "look" });
+    });
+  }
+
+  /** Fade out and end. */
+  stop() {
+    this.flush();
+    this.port.postMessage({ kind: "stop" });
+  }
+}
+
+/** Control events as the audio thread takes them. */
+function rows(events) {
+  const table = new Float64Array(4 * events.length);
+  events.forEach(({ sampleTime = AT_ONCE, source = "touch", theta2, touching }, i) => {
+    table.set([sampleTime, SOURCES.indexOf(source), theta2, touching ? 1 : 0], 4 * i);
+  });
+  return table;
+}

@@ -1,0 +1,118 @@
+"""Browsers with a page that has the kernel's modules: a driven Chromium, an undriven Firefox."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import json
+import queue
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.web.site import Site, opened_site
+
+CHROMIUM = [
+    "--no-sandbox",  # as root
+    "--autoplay-policy=no-user-gesture-required",
+    "--enable-precise-memory-info",
+]
+PATIENCE_S = 60.0
+
+
+class Browser:
+    """A page; `give` names bytes that it may fetch."""
+
+    def __init__(self, site: Site) -> None:
+        self.site = site
+
+    def give(self, **named: bytes) -> None:
+        self.site.given.update(named)
+
+    def call(self, function: str, *given: Any) -> Any:
+        """The answer of one of `probe.js`'s functions."""
+        raise NotImplementedError
+
+    def render(self, **given: Any) -> tuple[np.ndarray, dict[str, Any]]:
+        """Samples, float32 (frames, 2), and what else `renderOffline` tells."""
+        told = self.call("renderOffline", given)
+        samples = np.frombuffer(base64.b64decode(told.pop("samples")), np.float32)
+        return samples.reshape(-1, 2), told
+
+
+class Chromium(Browser):
+    """Driven by playwright."""
+
+    def __init__(self, site: Site, page: Any) -> None:
+        super().__init__(site)
+        self._page = page
+
+    def call(self, function: str, *given: Any) -> Any:
+        return self._page.evaluate(
+            "async ([name, given]) => (await import('/probe.js'))[name](...given)",
+            [function, list(given)],
+        )
+
+
+class Firefox(Browser):
+    """Started anew for each call: what drives it is no package of a registry."""
+
+    def __init__(self, site: Site, program: str, profile: Path) -> None:
+        super().__init__(site)
+        self._program = program
+        self._profile = profile
+
+    def call(self, function: str, *given: Any) -> Any:
+        self.give(job=json.dumps({"name": function, "given": given}).encode())
+        command = [self._program, "--headless", "--no-remote", "--profile", str(self._profile)]
+        process = subprocess.Popen(
+            [*command, self.site.url("unattended.html")],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            answer = json.loads(self.site.answers.get(timeout=PATIENCE_S))
+        except queue.Empty:
+            pytest.fail(f"Firefox said nothing in {PATIENCE_S:g} s")
+        finally:
+            process.terminate()
+            process.wait()
+        assert "error" not in answer, answer
+        return answer["value"]
+
+
+@contextlib.contextmanager
+def opened_chromium() -> Iterator[Chromium]:
+    """Skips where there is none."""
+    api: Any = pytest.importorskip(
+        "playwright.sync_api", reason="needs a driver for a browser: pip install playwright"
+    )
+    with opened_site() as site, api.sync_playwright() as playwright:
+        try:
+            browser = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=CHROMIUM
+            )
+        except api.Error as error:
+            pytest.skip(
+                "needs Chromium: apt install chromium, or playwright install chromium "
+                f"({str(error).splitlines()[0]})"
+            )
+        page = browser.new_page()
+        page.goto(site.url("page.html"))
+        yield Chromium(site, page)
+        browser.close()
+
+
+@contextlib.contextmanager
+def opened_firefox(profile: Path) -> Iterator[Firefox]:
+    """Skips where there is none."""
+    program = shutil.which("firefox-esr") or shutil.which("firefox")
+    if program is None:
+        pytest.skip("needs Firefox: apt install firefox-esr")
+    with opened_site() as site:
+        yield Firefox(site, program, profile)

@@ -1,0 +1,41 @@
+"""Write `overview_dsp/web/layout.js`: the numbers of kernels/layout.py and encoding.py, for pages.
+
+python tools/write_layout_js.py [OUT.js]
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+LAYOUT = ROOT / "overview_dsp" / "web" / "layout.js"
+HEAD = """// Made by tools/write_layout_js.py from kernels/layout.py and web/encoding.py.
+
+"""
+
+
+def main(out: Path) -> None:
+    sys.path.insert(0, str(ROOT))
+    from overview_dsp.gestures import SOURCES
+    from overview_dsp.web.encoding import encoding_numbers, layout_digest, layout_numbers
+
+    low, high = (
+        int.from_bytes(layout_digest()[at : at + 4], "little", signed=True) for at in (0, 4)
+    )
+    names = ", ".join(f'"{name}"' for name in SOURCES)
+    text = HEAD + table("L", layout_numbers()) + "// encoding.py\n"
+    text += table("ENCODING", encoding_numbers())
+    text += f"export const SOURCES = Object.freeze([{names}]);\n\n"
+    text += "// of a memory that this layout fits, its low and its high half\n"
+    text += f"export const DIGEST = Object.freeze([{low}, {high}]);\n"
+    out.write_text(text, encoding="utf-8", newline="\n")
+
+
+def table(name: str, numbers: dict[str, int]) -> str:
+    lines = "".join(f"  {key}: {value},\n" for key, value in numbers.items())
+    return f"export const {name} = Object.freeze({{\n{lines}}});\n\n"
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else LAYOUT)
