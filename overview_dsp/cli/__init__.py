@@ -23,7 +23,7 @@ COMMANDS = {
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
-    "devices": ("devices", "List the audio outputs, and what is missing."),
+    "devices": ("devices", "List audio outputs and serial ports, and what is missing."),
     "bench": ("bench", "Measure how fast the engine runs here."),
 }
 

@@ -97,9 +97,11 @@ class PlayApp(App[None]):
             return
         self._status = status
         self._view.show(status)
-        self._meters.show(status, self._here(status))
-        if status.messages:
-            self._words.update("\n".join(status.messages[-2:]))
+        hand = self._hand
+        self._meters.show(status, self._here(status), "" if hand is None else hand.words)
+        messages = (*status.messages, *(() if hand is None else hand.take_messages()))
+        if messages:
+            self._words.update("\n".join(messages[-2:]))
 
     def _here(self, status: Status) -> str:
         """The moment under the cursor, and the event whose surface it is on."""

@@ -6,6 +6,7 @@ Thread: `poll` is the control thread's, everything else the server's.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from typing import Any
 
 from overview_dsp.coefficients import check_carrier
@@ -17,7 +18,7 @@ from overview_dsp.surface import build_surface
 from overview_dsp.web.hands import RemoteHands
 
 
-class HostSession:
+class HostSession(Input):
     """A player under remote hands; also the input that `headless.run` and the screen poll."""
 
     def __init__(self, player: Player, other: Input | None = None) -> None:
@@ -71,3 +72,16 @@ class HostSession:
     def is_over(self, engine: Engine) -> bool:
         """Whether the other input is over; without one it never is."""
         return self._other is not None and self._other.is_over(engine)
+
+    def take_messages(self) -> tuple[str, ...]:
+        """The other input's."""
+        return () if self._other is None else self._other.take_messages()
+
+    @property
+    def words(self) -> str:
+        """The other input's."""
+        return "" if self._other is None else self._other.words
+
+    def report(self) -> Mapping[str, Any]:
+        """The other input's."""
+        return {} if self._other is None else self._other.report()

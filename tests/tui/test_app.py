@@ -10,7 +10,7 @@ from textual.widgets import Static
 
 import overview_dsp as ov
 from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
+from overview_dsp.live.player import Input, Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
 from overview_dsp.tui import PlayApp, timeline_view
@@ -244,3 +244,34 @@ def test_without_a_server_there_is_no_address(player):
         assert len(app.screen_stack) == 1
 
     drive(player, script)
+
+
+class CountingHand(Input):
+    """A sensor that has counted something and has something to say."""
+
+    words = "serial:made: binary frames, 90°; 7 readings, 2 damaged"
+
+    def __init__(self):
+        self._messages = ["hold it still"]
+
+    def poll(self, engine):
+        pass
+
+    def is_over(self, engine):
+        return False
+
+    def take_messages(self):
+        said, self._messages = tuple(self._messages), []
+        return said
+
+
+def test_an_inputs_counters_and_messages_are_on_the_screen(player):
+    async def inside():
+        app = PlayApp(player, CountingHand())
+        async with app.run_test(size=(100, 30)) as pilot:
+            shown = app.query_one(MetersView)
+            await until(pilot, lambda: "2 damaged" in shown._shown)
+            assert "hold it still" in str(app.query_one("#messages").render())
+            assert shown.size.height == 6
+
+    asyncio.run(inside())
