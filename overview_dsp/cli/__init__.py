@@ -17,6 +17,7 @@ COMMANDS = {
     "demo": ("demo", "The bundled match: sounds, pictures, and what to listen for."),
     "render": ("render", "Play a gesture over a timeline into a sound file."),
     "play": ("play", "Play a timeline live, with the mouse, the keys or a recorded hand."),
+    "serve": ("serve", "The page: a phone or a browser as the hand."),
     "timeline": ("timeline", "Show what was understood from a file, and convert it."),
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "presets": ("presets", "List, show and check presets."),

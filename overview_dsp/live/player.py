@@ -425,6 +425,11 @@ class Player:
         )
 
     @property
+    def latency_s(self) -> float:
+        """From a sample to the output, as the device says."""
+        return self._last.latency_s
+
+    @property
     def at_rest(self) -> bool:
         """Whether the disk lies still and nothing sounds, for a twentieth of a second."""
         meters = self.engine.meters

@@ -6,6 +6,7 @@ import asyncio
 
 import numpy as np
 import pytest
+from textual.widgets import Static
 
 import overview_dsp as ov
 from overview_dsp.live.output_settings import OutputSettings
@@ -30,11 +31,11 @@ def player(match):
     player.close()
 
 
-def drive(player, script, size=(100, 30)):
+def drive(player, script, size=(100, 30), **given):
     """Run `script(app, pilot)` in the application; what it returns."""
 
     async def inside():
-        app = PlayApp(player)
+        app = PlayApp(player, **given)
         async with app.run_test(size=size) as pilot:
             await pilot.pause(0.2)
             result = await script(app, pilot)
@@ -222,6 +223,27 @@ def test_the_output_line_names_the_actuator_and_what_is_taken_back(match):
         assert ", c2 -0.0 dB\n" in drive(player, script)
     finally:
         player.close()
+
+
+def test_the_address_for_a_phone_is_shown_and_its_picture_on_a_key(player):
+    async def script(app, pilot):
+        shown = app.query_one("#invitation", Static)
+        assert "open https://10.0.0.2:8765/#token=x" in str(shown.render())
+        await pilot.press("r")
+        assert "a QR code" in str(app.screen.query_one(Static).render())
+        await pilot.press("x")
+        assert len(app.screen_stack) == 1
+
+    drive(player, script, invitation="open https://10.0.0.2:8765/#token=x\na QR code")
+
+
+def test_without_a_server_there_is_no_address(player):
+    async def script(app, pilot):
+        assert not app.query("#invitation")
+        await pilot.press("r")
+        assert len(app.screen_stack) == 1
+
+    drive(player, script)
 
 
 class CountingHand(Input):
