@@ -223,7 +223,7 @@ def test_a_page_tries_a_preset_on_the_host(disk):
             time.sleep(0.02)
         assert disk.player.preset.kinds["goal"].height == 25.0
         tried["values"]["tactor.gain_db"] = 999.0
-        for body in ({"preset": tried}, {"preset": "../x"}, {}, {"preset": "silk", "x": 1}):
+        for body in ({"preset": tried}, {"preset": "../x"}, {}, {"preset": "crowd", "x": 1}):
             answer = client.post("/host/preset", json=body)
             assert (answer.status_code, answer.text.count("\n")) == (400, 1)
         assert client.post("/host/preset", json={"preset": "football"}).status_code == 204

@@ -96,7 +96,7 @@ def test_presets_come_by_name_with_the_parameter_table(page):
     names = page.get("/data/presets").json()
     assert "football" in names["bundled"]
     found = page.get("/data/preset?name=silk").json()
-    assert found["preset"]["name"] == "silk"
+    assert found["preset"]["name"] == "crowd"
     table = {row["id"]: row for row in found["parameters"]}
     assert table["tactor.gain_db"]["unit"]
     assert page.get("/data/preset").json()["preset"]["name"] == "football"
@@ -168,7 +168,7 @@ def test_a_preset_is_kept_whole_and_found_again(page, own_folder):
      ("a%00b", ""), ("..%5Cx", ""), ("fine", "schema = "), ("fine", "schema = 2"),
      ("fine", 'schema = 2\nextends = "/etc/passwd.toml"'),
      ("fine", 'schema = 2\nextends = "../silk.toml"'), ("fine", 'schema = 2\nextends = "fine"'),
-     ("fine", 'schema = 2\nextends = "silk"\n[tactor]\ngain_db = 999')],
+     ("fine", 'schema = 2\nextends = "crowd"\n[tactor]\ngain_db = 999')],
 )  # fmt: skip
 def test_a_preset_that_isnt_valid_is_one_clear_line_and_leaves_no_file(
     page, own_folder, name, text

@@ -83,5 +83,5 @@ def test_any_text_under_any_name_is_refused_and_leaves_no_file(tmp_path, monkeyp
 
 
 def test_the_table_of_parameters_is_the_whole_one():
-    rows = {row["id"] for row in preset_data.preset_data(ov.load_preset("silk"))["parameters"]}
+    rows = {row["id"] for row in preset_data.preset_data(ov.load_preset("crowd"))["parameters"]}
     assert set(PARAMETERS) <= rows
