@@ -95,7 +95,7 @@ def test_the_surface_is_its_table_and_its_events(page, match, football):
 def test_presets_come_by_name_with_the_parameter_table(page):
     names = page.get("/data/presets").json()
     assert "football" in names["bundled"]
-    found = page.get("/data/preset?name=silk").json()
+    found = page.get("/data/preset?name=crowd").json()
     assert found["preset"]["name"] == "crowd"
     table = {row["id"]: row for row in found["parameters"]}
     assert table["tactor.gain_db"]["unit"]
