@@ -4,8 +4,13 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 import overview_dsp as ov
+
+# how long an example takes is the machine's, not the code's
+settings.register_profile("overview", deadline=None)
+settings.load_profile("overview")
 
 
 @pytest.fixture(scope="session")
