@@ -25,12 +25,15 @@ class Hand:
         What came and what was wrong with it.
     turn : Turn or None
         The last one.
+    heard : tuple of Sample
+        What the bytes fed last said.
     """
 
     def __init__(self, sensor: Sensor, rules: TouchRules, counters: Counters | None = None) -> None:
         """Nothing has come yet; `counters` go on from those of a connection before."""
         self.counters = Counters() if counters is None else counters
         self.turn: Turn | None = None
+        self.heard: tuple[Sample, ...] = ()
         self._sensor = sensor
         self._stream = Stream(sensor, self.counters)
         self._touch = TwistTouch(rules)
@@ -65,7 +68,8 @@ class Hand:
         sensor has none.
         """
         events = []
-        for sample in self._stream.feed(data, arrival_s):
+        self.heard = tuple(self._stream.feed(data, arrival_s))
+        for sample in self.heard:
             event = self._event(sample, elsewhere, place)
             if event is not None:
                 events.append(event)
