@@ -46,6 +46,9 @@ if TYPE_CHECKING:
               "potentiometer) or a TOML file; told by content if left out.")  # fmt: skip
 @click.option("--baud", type=click.IntRange(300, 4_000_000), help="Of the serial port, instead of "
               "the sensor file's (115200).")  # fmt: skip
+@click.option("--force", is_flag=True, help="Brake the motor on the serial port as the surface "
+              "brakes the disk (docs/motors.md); blocks are of 128 frames if no size is "
+              "given.")  # fmt: skip
 @window_options
 @click.option("--seconds", type=float, help="Stop after so long.")
 @click.option(
@@ -61,6 +64,7 @@ def command(
     source: str | None,
     sensor: str | None,
     baud: int | None,
+    force: bool,
     window: tuple[str, str] | None,
     zoom_to: str | None,
     seconds: float | None,
@@ -78,6 +82,7 @@ def command(
     """
     from overview_dsp.gestures import parse_gesture
     from overview_dsp.live.inputs import LineInput, TakeInput
+    from overview_dsp.live.motor_input import MotorInput
     from overview_dsp.live.sensor_input import SensorInput
 
     if remote:
@@ -88,10 +93,12 @@ def command(
     part = part_of(data, window, zoom_to)
     if part is not None and window:
         data, part = data.window(*part), None
-    port = _port(source, sensor, baud)
+    port = _port(source, sensor, baud, force)
     plain = source is not None and source != "-" and port is None
     gesture = parse_gesture(source) if plain and source is not None else None
     profile = _profile(sensor)
+    if force:
+        _prepare_for_force(profile, live)
     name = preset_for(data, preset)
     with ExitStack() as stack:
         player, received = stack.enter_context(opened_player(data, part, name, live))
@@ -99,7 +106,8 @@ def command(
         lines: LineInput | None = None
         invitation = ""
         if port is not None:
-            hand = SensorInput(player.engine, port, profile, baud)
+            kind = MotorInput if force else SensorInput
+            hand = kind(player.engine, port, profile, baud)
         elif gesture is not None:
             hand = TakeInput(gesture)
         elif source == "-":
@@ -130,7 +138,22 @@ def command(
 SERIAL = "serial:"
 
 
-def _port(source: str | None, sensor: str | None, baud: int | None) -> str | None:
+FORCE_BLOCK = 128
+"""Frames: the torque changes with each block, 375 times a second at 48 kHz."""
+
+
+def _prepare_for_force(profile: Sensor, live: dict[str, Any]) -> None:
+    from click.core import ParameterSource
+
+    from overview_dsp.force.loop import require_motor
+
+    require_motor(profile)
+    given = click.get_current_context().get_parameter_source("block_size")
+    if given is ParameterSource.DEFAULT:
+        live["block_size"] = FORCE_BLOCK
+
+
+def _port(source: str | None, sensor: str | None, baud: int | None, force: bool) -> str | None:
     """The serial port that is the input, or None; InputError for options without one."""
     from overview_dsp.errors import InputError
 
@@ -138,7 +161,7 @@ def _port(source: str | None, sensor: str | None, baud: int | None) -> str | Non
         if source == SERIAL:
             raise InputError("--input serial: names no port; `overview devices` lists them")
         return source.removeprefix(SERIAL)
-    for option, value in (("--sensor", sensor), ("--baud", baud)):
+    for option, value in (("--sensor", sensor), ("--baud", baud), ("--force", force or None)):
         if value is not None:
             raise InputError(f"{option} is for --input serial:PORT, and that isn't given")
     return None

@@ -1,1 +1,1 @@
-"""Force out: a motor under the knob brakes the hand as the surface's friction does; opens no device."""
+"""Force out: a motor under the knob brakes the hand as the surface's friction does."""

@@ -15,7 +15,6 @@ friction takes from the hand, or no torque would ever begin.
 
 from __future__ import annotations
 
-
 ENOUGH_J = 2e-5
 """Credit that the knob's own friction brings at most: 2 mN m on a hundredth of a radian."""
 

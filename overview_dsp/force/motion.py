@@ -1,10 +1,10 @@
 """How fast a knob turns, from angles that are known to a step only.
 
 Of all lines through the latest angle that pass within the resolution of the angles before, the
-middle one, the window as long as there is such a line and its slope isn't known well (after Janabi-Sharifi, Hayward, Chen,
-"Discrete-time adaptive windowing for velocity estimation", IEEE Trans. Control Systems Technology
-8(6), 2000). So it is short while the speed changes, and long at low speed. Where standing still is
-such a line too, the knob stands still.
+middle one; the window is as long as there is such a line and its slope isn't known well (after
+Janabi-Sharifi, Hayward, Chen, "Discrete-time adaptive windowing for velocity estimation", IEEE
+Trans. Control Systems Technology 8(6), 2000). So it is short while the speed is high or changes,
+and long at low speed. Where standing still is such a line too, the knob stands still.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a motor can't have done: a line of text has no check, and a wrong digit is another number."""
+"""What a motor can't have done: a line of text has no check, a wrong digit is another number."""
 
 from __future__ import annotations
 

@@ -16,6 +16,9 @@ BAUD = 115_200
 WAIT_S = 0.05
 """How long a read waits for the first byte."""
 
+WRITE_S = 0.01
+"""How long a write waits for room."""
+
 
 class PortLostError(OverviewError):
     """The device has been unplugged, or its driver gave up."""
@@ -33,8 +36,8 @@ class PortInfo:
 class SerialPort:
     """An open port."""
 
-    def __init__(self, device: str, baud: int = BAUD) -> None:
-        """Open it for this program alone.
+    def __init__(self, device: str, baud: int = BAUD, wait_s: float = WAIT_S) -> None:
+        """Open it for this program alone; a read waits `wait_s` for the first byte.
 
         Raises
         ------
@@ -44,14 +47,17 @@ class SerialPort:
         import serial
 
         try:
-            self._port: Any = serial.Serial(device, baud, timeout=WAIT_S, exclusive=_exclusive())
+            self._port: Any = serial.Serial(
+                device, baud, timeout=wait_s, write_timeout=WRITE_S, exclusive=_exclusive()
+            )
         except (serial.SerialException, OSError, ValueError) as error:
             raise InputError(f"serial:{device}: {_why(error, baud)}") from None
         self.device = device
         self._lost = (serial.SerialException, OSError, TypeError)
+        self._full = serial.SerialTimeoutException
 
     def read(self) -> bytes:
-        """What has come, waiting up to 50 ms for the first byte.
+        """What has come, waiting for the first byte.
 
         Raises
         ------
@@ -63,6 +69,22 @@ class SerialPort:
         except self._lost as error:
             raise PortLostError(f"serial:{self.device}: {error}") from None
         return data
+
+    def write(self, data: bytes) -> bool:
+        """Send; whether all of it found room within 10 ms.
+
+        Raises
+        ------
+        PortLostError
+            The device is gone.
+        """
+        try:
+            self._port.write(data)
+        except self._full:
+            return False
+        except self._lost as error:
+            raise PortLostError(f"serial:{self.device}: {error}") from None
+        return True
 
     def close(self) -> None:
         """Give it back; may be called twice."""

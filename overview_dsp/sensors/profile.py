@@ -70,7 +70,7 @@ SENSOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             _number("motor.scale", 1.0, 0.0, 1000.0, "", "Torque at the knob for 1 of the disk's."),
             _number("motor.ceiling_nm", 0.02, 0.0, 10.0, "N·m", "Torque that is never passed."),
             _number("motor.inertia", 5e-5, 1e-7, 1.0, "kg·m²",
-                    "Of rotor and knob; too small a value makes it weak, too large a one unsteady."),
+                    "Of rotor and knob: too small a value makes it weak, too large a one unquiet."),
             _number("motor.friction_nm", 1e-4, 1e-6, 1.0, "N·m",
                     "That the knob itself has at least, without power."),
             _number("motor.turn_deg", 180.0, 1.0, 36_000.0, "deg",
@@ -80,8 +80,8 @@ SENSOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             _number("motor.resolution_deg", 0.1, 1e-4, 10.0, "deg",
                     "Its angle is right to this, either way: a step of its encoder, or its noise."),
             _number("motor.downsample", 10.0, 1.0, 100_000.0, "",
-                    "It reports at every so manieth call of motor.monitor(): 200 times a second "
-                    "or more."),
+                    "It reports at every so manieth call of motor.monitor(); it is to be 200 times "
+                    "a second or more."),
         )
     }
 )  # fmt: skip
