@@ -12,6 +12,7 @@ from overview_dsp.force.delay import LoopDelay
 from overview_dsp.force.ledger import EnergyLedger
 from overview_dsp.force.motion import Motion, SpeedEstimator
 from overview_dsp.force.passivity import PassivityController
+from overview_dsp.force.rate import Rate
 from overview_dsp.force.report_check import ReportCheck
 from overview_dsp.force.watchdog import Watchdog
 from overview_dsp.sensors.profile import MOTOR_COLUMNS, Sensor
@@ -62,7 +63,9 @@ class MotorLoop:
         self.torque = 0.0
         self._was_alive = False
         self._due = self._begin_at = -1e300
+        self._heard_at = -1e300
         self._motion = Motion()
+        self._rate = Rate()
 
     def hear(self, samples: Iterable[Sample], now_s: float) -> None:
         """The device's reports that came together by `now_s`."""
@@ -77,6 +80,8 @@ class MotorLoop:
             self._delay.reported(now_s, target)
             self._speed.add(time_s, angle)
             self._watchdog.heard(now_s)
+            self._heard_at = now_s
+            self._rate.add(now_s)
 
     def step(self, torque: float, now_s: float) -> bytes:
         """What to send, at most every 2 ms; `torque` is the disk's (N m).
@@ -97,7 +102,8 @@ class MotorLoop:
                 self._begin_at = now_s
                 sent = self._commander.begin()
             return sent + self._send(now_s)
-        self._motion = self._speed.motion()
+        known = self._speed.motion()
+        self._motion = Motion(known.speed, known.age_s + now_s - self._heard_at)
         wanted = -self._forward * self._scale * torque if math.isfinite(torque) else 0.0
         self.torque = self._controller.step(
             wanted,
@@ -128,6 +134,11 @@ class MotorLoop:
         self.torque = 0.0
 
     @property
+    def reports_per_s(self) -> float | None:
+        """How often the device reports; None while that isn't known."""
+        return self._rate.hz if self._was_alive else None
+
+    @property
     def alive(self) -> bool:
         """Whether the device spoke as of the latest step."""
         return self._was_alive
@@ -141,6 +152,7 @@ class MotorLoop:
             "speed_rad_s": round(self._motion.speed, 4),
             "loop_delay_ms": round(1e3 * self._delay.seconds(now_s), 2),
             "commands": self.commands,
+            "reports_per_s": None if self._rate.hz is None else round(self._rate.hz, 1),
             "silences": self._watchdog.silences,
             "implausible": self._check.refused,
             "put_in_mj": round(1e3 * self.ledger.put_in, 4),

@@ -19,6 +19,10 @@ WAIT_S = 0.002
 """How long a read waits: the loop's longest step."""
 
 
+SLOWEST_HZ = 200
+"""Reports a second."""
+
+
 class MotorPort(Port, Protocol):
     """A port that is written too."""
 
@@ -55,7 +59,7 @@ class MotorInput(SensorInput):
         self._loop = MotorLoop(sensor)
         self._torque = MeanTorque()
         self._blocked = 0
-        self._was_alive = False
+        self._was_alive = self._said_slow = False
         self._began_at = time.monotonic()
         self._motor: MotorPort | None = None
 
@@ -103,6 +107,13 @@ class MotorInput(SensorInput):
                 "no torque, and the disk is let go"
             )
         self._was_alive = self._loop.alive
+        rate = self._loop.reports_per_s
+        if rate is not None and rate < SLOWEST_HZ and not self._said_slow:
+            self._said_slow = True
+            self._messages.append(
+                f"serial:{self._device}: the motor reports {rate:.0f} times a second, which makes "
+                f"its force weak; {SLOWEST_HZ} or more are wanted (motor.downsample, --baud)"
+            )
         if not sent or self._motor is None:
             return
         try:
