@@ -10,7 +10,7 @@ the torques at both ends of a step the one counts that is worse for the balance.
 `credit` is put in - given, held to a limit: what was taken long ago is no leave to push now (Ryu,
 Preusche, Hannaford, Hirzinger, "Time domain passivity control with reference energy following",
 IEEE Trans. Control Systems Technology 13(5), 2005). From nothing it rises by what the knob's own
-friction takes from the hand, or no torque would ever begin.
+friction takes from a hand that goes on in one direction, or no torque would ever begin.
 """
 
 from __future__ import annotations
@@ -39,8 +39,11 @@ class EnergyLedger:
         self._last: tuple[float, float] | None = None
         self._dragged = 0.0
 
-    def add(self, torque: float, angle: float) -> None:
-        """The device applies `torque` (N m, along the angle) and is at `angle` (rad)."""
+    def add(self, torque: float, angle: float, goes_on: bool) -> None:
+        """The device applies `torque` (N m, along the angle) and is at `angle` (rad).
+
+        `goes_on`: whether the hand is sure to keep its direction.
+        """
         if self._last is None:
             self._last, self._dragged = (torque, angle), angle
             return
@@ -54,9 +57,10 @@ class EnergyLedger:
         way = abs(angle - self._dragged) - self._resolution
         if way > 0.0:
             self._dragged += way if angle > self._dragged else -way
-            rubbed = min(self._friction * way, max(0.0, ENOUGH_J - self.credit))
-            self.rubbed += rubbed
-            self.credit += rubbed
+            if goes_on:
+                rubbed = min(self._friction * way, max(0.0, ENOUGH_J - self.credit))
+                self.rubbed += rubbed
+                self.credit += rubbed
         self.credit = min(self.credit - work, self._limit)
         self._last = (torque, angle)
 

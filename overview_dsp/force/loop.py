@@ -76,7 +76,7 @@ class MotorLoop:
             if self._check.restarted:
                 self.ledger.interrupt()
                 self._speed.clear()
-            self.ledger.add(target * self._per_target, angle)
+            self.ledger.add(target * self._per_target, angle, self._controller.goes_on)
             self._delay.reported(now_s, target)
             self._speed.add(time_s, angle)
             self._watchdog.heard(now_s)

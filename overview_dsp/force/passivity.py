@@ -33,11 +33,14 @@ class PassivityController:
     ----------
     refused, lessened, damped : int
         Steps in which a push was refused, a brake lessened, or damping added.
+    goes_on : bool
+        Whether the hand is sure to keep its direction while a torque sent now acts.
     """
 
     def __init__(self, inertia: float, ceiling: float) -> None:
         """`inertia` of the knob, kg m2; `ceiling`, N m, is never passed."""
         self.refused = self.lessened = self.damped = 0
+        self.goes_on = False
         self._inertia = inertia
         self._ceiling = ceiling
         self._direction = 0.0
@@ -53,6 +56,7 @@ class PassivityController:
         """
         speed = abs(motion.speed)
         if speed == 0.0:
+            self.goes_on = False
             if wanted != 0.0:
                 self.refused += 1
             return 0.0
@@ -65,11 +69,12 @@ class PassivityController:
             self.refused += 1
             brake = 0.0
         hold = delay_s + motion.age_s
+        self.goes_on = self._sure(now_s - self._turned_at, hold)
         way = (speed + 0.5 * QUICKEST * hold) * hold
         highest = min(self._ceiling, MARGIN * self._inertia * speed / hold)
         if credit >= 0.0:
             highest = min(highest, credit / way)
-        elif self._goes_on(now_s, hold):
+        elif self.goes_on:
             self.damped += 1
             brake = -credit / way
         else:
@@ -79,10 +84,6 @@ class PassivityController:
             brake = highest
         return -direction * brake
 
-    def _goes_on(self, now_s: float, hold: float) -> bool:
-        """Whether the hand is sure to keep its direction while a torque sent now acts.
-
-        A hand that goes to and fro takes about as long each way.
-        """
-        since = now_s - self._turned_at
-        return since > hold and since + 2.0 * hold < self._lasted
+    def _sure(self, since: float, hold: float) -> bool:
+        # a hand that goes to and fro takes about as long each way
+        return since > hold and (since + 2.0 * hold < self._lasted or since > 3.0 * self._lasted)

@@ -59,7 +59,8 @@ class MotorInput(SensorInput):
         self._loop = MotorLoop(sensor)
         self._torque = MeanTorque()
         self._blocked = 0
-        self._was_alive = self._said_slow = False
+        self._was_alive = False
+        self._said: set[str] = set()
         self._began_at = time.monotonic()
         self._motor: MotorPort | None = None
 
@@ -75,7 +76,8 @@ class MotorInput(SensorInput):
         said = self._loop.report(time.monotonic())
         force = (
             f"force {1e3 * said['torque_nm']:+.2f} mN·m, loop {said['loop_delay_ms']:.0f} ms, "
-            f"hand {said['put_in_mj']:.1f} mJ in, {said['given_mj']:.1f} mJ back"
+            f"hand {said['put_in_mj']:.1f} mJ in, {said['given_mj']:.1f} mJ back, "
+            f"{said['silences']} silences"
             if said["alive"]
             else "no force: the motor doesn't report"
         )
@@ -102,17 +104,16 @@ class MotorInput(SensorInput):
         sent = self._loop.step(torque, now)
         if self._was_alive and not self._loop.alive:
             self._let_go()
-            self._messages.append(
-                f"serial:{self._device}: the motor said nothing for {1e3 * SILENT_S:g} ms: "
-                "no torque, and the disk is let go"
+            self._say_once(
+                f"the motor said nothing for {1e3 * SILENT_S:g} ms: no torque, and the disk is let "
+                "go; silences are counted"
             )
         self._was_alive = self._loop.alive
         rate = self._loop.reports_per_s
-        if rate is not None and rate < SLOWEST_HZ and not self._said_slow:
-            self._said_slow = True
-            self._messages.append(
-                f"serial:{self._device}: the motor reports {rate:.0f} times a second, which makes "
-                f"its force weak; {SLOWEST_HZ} or more are wanted (motor.downsample, --baud)"
+        if rate is not None and rate < SLOWEST_HZ:
+            self._say_once(
+                f"the motor reports less than {SLOWEST_HZ} times a second, which makes its force "
+                "weak (motor.downsample, --baud)"
             )
         if not sent or self._motor is None:
             return
@@ -120,6 +121,11 @@ class MotorInput(SensorInput):
             self._blocked += not self._motor.write(sent)
         except PortLostError:
             self._lose()
+
+    def _say_once(self, message: str) -> None:
+        if message not in self._said:
+            self._said.add(message)
+            self._messages.append(f"serial:{self._device}: {message}")
 
     def _lose(self) -> None:
         super()._lose()

@@ -102,11 +102,11 @@ def test_the_ledger_is_the_work_of_a_known_torque():
     ledger = EnergyLedger(1.0, 1e-12, STEP)
     angles = np.linspace(0.0, 2.0, 2001)
     for angle in angles:
-        ledger.add(-3e-3, angle)
+        ledger.add(-3e-3, angle, True)
     assert ledger.put_in == pytest.approx(6e-3)
     assert ledger.given == 0.0
     for angle in angles[::-1]:
-        ledger.add(-3e-3, angle)
+        ledger.add(-3e-3, angle, True)
     assert ledger.given == pytest.approx(6e-3)
     assert ledger.credit == pytest.approx(ledger.rubbed, abs=1e-12)
 
@@ -120,7 +120,7 @@ def test_the_ledger_never_flatters(reports):
         turned = after[1] - before[1]
         best += min(-before[0] * turned, -after[0] * turned)
     for torque, angle in reports:
-        ledger.add(torque, angle)
+        ledger.add(torque, angle, True)
     assert ledger.put_in - ledger.given <= best + 1e-9
     assert ledger.credit <= ledger.put_in - ledger.given + ledger.rubbed + 1e-9
 
@@ -128,7 +128,7 @@ def test_the_ledger_never_flatters(reports):
 def test_credit_of_long_ago_is_no_leave_to_push():
     ledger = EnergyLedger(1e-3, 1e-4, STEP)
     for n in range(1000):
-        ledger.add(-0.01, 0.1 * n)
+        ledger.add(-0.01, 0.1 * n, True)
     assert ledger.put_in > 0.9
     assert ledger.credit == 1e-3
 
@@ -136,18 +136,21 @@ def test_credit_of_long_ago_is_no_leave_to_push():
 def test_friction_of_the_knob_brings_a_little_credit_and_trembling_none():
     ledger = EnergyLedger(1.0, 1e-4, STEP)
     for n in range(2000):
-        ledger.add(0.0, STEP * (n % 2))
+        ledger.add(0.0, STEP * (n % 2), True)
     assert ledger.credit == 0.0
     for n in range(1000):
-        ledger.add(0.0, 0.01 * n)
+        ledger.add(0.0, 0.01 * n, False)  # a hand that may turn back at any time
+    assert ledger.credit == 0.0
+    for n in range(1000, 2000):
+        ledger.add(0.0, 0.01 * n, True)
     assert ledger.credit == pytest.approx(ENOUGH_J)
 
 
 def test_what_a_lost_device_did_is_not_reckoned():
     ledger = EnergyLedger(1.0, 1e-4, STEP)
-    ledger.add(-0.01, 0.0)
+    ledger.add(-0.01, 0.0, True)
     ledger.interrupt()
-    ledger.add(-0.01, 50.0)
+    ledger.add(-0.01, 50.0, True)
     assert ledger.put_in == ledger.given == 0.0
 
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from overview_dsp.force.ledger import ENOUGH_J
 from overview_dsp.sensors.profile_file import load_sensor
 from tests.force.simulation import sim, simulate
 
@@ -19,17 +20,18 @@ DELAYS_S = (0.0, 0.005, 0.02)
 
 
 def check_passive(course, motor, loop):
-    """The hand got no more than it put in: by its own work, by the motor's, by the ledger."""
+    """The hand got no more than it put in, at any moment."""
+    # its own work, with what the knob's motion stores: strictly
     assert motor.hand_work > 0.0
-    # stored in the knob's motion and given back: never more than the hand put in
     assert course["hand_work"].min() >= -1e-12
-    own_friction = motor.friction * np.concatenate(
-        [[0.0], np.cumsum(np.abs(np.diff(course["angle"])))]
-    )
-    assert (course["given"] - course["put_in"] - own_friction).max() <= 1e-12
-    assert course["credit"].min() >= 0.0
+    # the motor's, but for the little that the knob's friction had lent
+    assert (course["given"] - course["put_in"]).max() <= 2.0 * ENOUGH_J
+    # and the ledger knew it, but for what is under way and the encoder's step
     ledger = loop.ledger
-    assert ledger.given <= ledger.put_in + ledger.rubbed
+    assert course["credit"].min() >= -ENOUGH_J
+    way = np.ptp(course["angle"][-50:]) + motor.step_rad
+    unknown = np.abs(course["torque"]).max() * way
+    assert ledger.put_in - ledger.given <= motor.put_in - motor.given + unknown
     assert np.abs(course["torque"]).max() <= SENSOR.number("motor.ceiling_nm")
 
 
