@@ -24,6 +24,9 @@ PERIOD_S = 0.002
 BEGIN_EVERY_S = 0.5
 """A motor that doesn't report is begun with again so often: boards restart when a port opens."""
 
+REPORTED_STEP = 0.6 * TARGET_STEP
+"""Targets that differ by less are the same one, rounded."""
+
 CREDIT_RAD = 0.5
 """The ledger's credit is at most the ceiling along this way."""
 
@@ -53,7 +56,7 @@ class MotorLoop:
         self._controller = PassivityController(sensor.number("motor.inertia"), ceiling)
         resolution = math.radians(sensor.number("motor.resolution_deg"))
         self._speed = SpeedEstimator(resolution)
-        self._delay = LoopDelay(0.6 * TARGET_STEP)
+        self._delay = LoopDelay(REPORTED_STEP)
         self._watchdog = Watchdog()
         self._check = ReportCheck(ceiling / self._per_target + TARGET_STEP)
         self.ledger = EnergyLedger(
@@ -130,6 +133,11 @@ class MotorLoop:
     def lost(self) -> None:
         """The port is gone: nothing is known until the device speaks again."""
         self.ledger.interrupt()
+        self._delay = LoopDelay(REPORTED_STEP)
+        self._speed.clear()
+        self._watchdog.forget()
+        self._check.forget()
+        self._was_alive = False
         self._begin_at = -1e300
         self.torque = 0.0
 

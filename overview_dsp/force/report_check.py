@@ -32,6 +32,10 @@ class ReportCheck:
         self._other: tuple[float, float] | None = None
         self._agreeing = 0
 
+    def forget(self) -> None:
+        """The device is gone: the next angle is a first one."""
+        self._last = self._other = None
+
     def plausible(self, time_s: float, target: float, angle: float) -> bool:
         """Whether `target` was ever asked for, and the angle (rad) be reached by `time_s`."""
         self.restarted = False

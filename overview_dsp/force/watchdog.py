@@ -18,6 +18,11 @@ class Watchdog:
         self._heard_at = self._since = -1e300
         self._alive = False
 
+    def forget(self) -> None:
+        """The device is gone: whatever speaks next begins anew."""
+        self._heard_at = self._since = -1e300
+        self._alive = False
+
     def heard(self, now_s: float) -> None:
         """The device said something that was understood."""
         if now_s - self._heard_at > SILENT_S:

@@ -53,9 +53,15 @@ class Bench:
 
     def __init__(self, engine):
         self.engine = engine
-        self.port = MadeMotorPort()
-        self.input = MotorInput(engine, "made", SENSOR, open_port=lambda *_: self.port)
+        self.there = True
+        self.input = MotorInput(engine, "made", SENSOR, open_port=self._open)
         self.angle = 0.0
+
+    def _open(self, *_):
+        if not self.there:
+            raise ov.InputError("serial:made: no such port")
+        self.port = MadeMotorPort()
+        return self.port
 
     def turn(self, speed, seconds):
         """Turn at `speed` (rad/s) in real time, the engine kept in time with it."""
@@ -105,7 +111,7 @@ def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
     while not any("said nothing" in said for said in bench.input.take_messages()):
         assert time.monotonic() < silent_at + 2.0
         time.sleep(0.002)
-    bench.engine.process(np.zeros((64, 2), dtype=np.float32))
+    bench.engine.process(np.zeros((800, 2), dtype=np.float32))
     assert bench.engine.holder is None
     last = max(at for at, data in bench.port.written if not data.endswith(b"M0.0000\n"))
     print(f"last torque {1e3 * (last - silent_at):.1f} ms after the last report")
@@ -128,6 +134,26 @@ def test_the_motor_has_no_torque_and_no_power_after_the_end(bench):
     bench.input.close()
     assert bench.port.lines()[-2:] == ["M0", "ME0"]
     assert bench.port.closed
+
+
+def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
+    bench.turn(0.0, 0.3)
+    bench.turn(3.0, 0.3)
+    bench.there = False
+    gone, bench.port.lost = bench.port, True
+    time.sleep(0.2)
+    assert gone.closed
+    assert "no force" in bench.input.words
+    bench.there = True
+    until = time.monotonic() + 5.0
+    while bench.port is gone:
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    bench.turn(0.0, 0.3)
+    assert bench.port.lines()[0] == "@0"
+    assert not any(bench.targets())
+    bench.turn(3.0, 0.6)
+    assert min(bench.targets()) < 0.0
 
 
 def test_a_motor_that_reports_too_seldom_is_told_once(bench):
