@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import os
 import threading
 import time
 from dataclasses import dataclass
@@ -71,8 +72,6 @@ class SerialPort:
 
 
 def _exclusive() -> bool | None:
-    import os
-
     return True if os.name == "posix" else None  # Windows never shares a port
 
 
@@ -110,17 +109,25 @@ def _identity(one: Any) -> str:
 
 
 def find_again(device: str, identity: str) -> str:
-    """The port that a device has now, by its USB identity; its old name if that isn't known."""
-    if identity:
-        for one in ports():
-            if one.identity == identity:
-                return one.device
-    return device
+    """The port that a device has now, by its USB identity; its old name if that isn't known.
+
+    Raises
+    ------
+    InputError
+        No port has a device of that identity; its old name may be another one's by now.
+    """
+    if not identity:
+        return device
+    found = [one.device for one in ports() if one.identity == identity]
+    if not found:
+        raise InputError(f"serial:{device}: no such port: {identity} isn't plugged in")
+    return device if device in found else found[0]
 
 
 def identity_of(device: str) -> str:
-    """A port's USB identity, or an empty text."""
-    return next((one.identity for one in ports() if one.device == device), "")
+    """A port's USB identity, or an empty text; links to it (/dev/serial/by-id) are followed."""
+    names = {device, os.path.realpath(device)}
+    return next((one.identity for one in ports() if one.device in names), "")
 
 
 def listen(devices: list[str], seconds: float, baud: int = BAUD) -> dict[str, str]:
