@@ -40,7 +40,7 @@ class HandWriter:
         self._engine = engine
         self._source = source
         self._now = now
-        self._clock = EventClock(engine.sample_rate)
+        self.restart()
         self._ran = (-1, now())
 
     def find(self) -> Found:
@@ -51,8 +51,7 @@ class HandWriter:
             return Found(None, place, False)
         return Found(held[1], place, held[0] in YIELDING)
 
-    @property
-    def runs(self) -> bool:
+    def _runs(self) -> bool:
         """Whether the engine takes events: while its output is lost they would be stale."""
         now, sample = self._now(), self._engine.sample_time
         last, since = self._ran
@@ -66,18 +65,21 @@ class HandWriter:
     def restart(self) -> None:
         """What came until now says nothing of when things will come."""
         self._clock = EventClock(self._engine.sample_rate)
+        self._saw = False
 
     def saw(self, time_s: float) -> None:
         """Something of `time_s`, of the hand's own clock, has just come."""
-        self._clock.saw(time_s, self._engine.sample_time)
+        if self._runs():
+            self._saw = True
+            self._clock.saw(time_s, self._engine.sample_time)
 
     def write(self, events: Iterable[Event]) -> None:
         """Hand events over, each at its time; where the engine stands still, only what lets go."""
-        runs, sample = self.runs, self._engine.sample_time
+        runs, sample = self._runs(), self._engine.sample_time
         for event in events:
             if event.touching and not runs:
                 continue
-            stamp = self._clock.stamp(event.time_s, sample)
+            stamp = self._clock.stamp(event.time_s, sample) if self._saw else None
             if event.again:
                 self._push(event.theta2, False, stamp)
             self._push(event.theta2, event.touching, stamp)

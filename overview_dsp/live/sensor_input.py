@@ -12,7 +12,8 @@ from overview_dsp.engine import Engine
 from overview_dsp.errors import InputError
 from overview_dsp.live.hand_writer import HandWriter
 from overview_dsp.live.player import Input
-from overview_dsp.live.serial_port import PortLostError, SerialPort, find_again, identity_of
+from overview_dsp.live.port_lost import PortLostError
+from overview_dsp.live.serial_port import SerialPort, find_again, identity_of
 from overview_dsp.presets.model import Preset
 from overview_dsp.sensors.hand import Hand
 from overview_dsp.sensors.profile import Sensor

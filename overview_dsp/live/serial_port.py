@@ -10,16 +10,13 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.errors import InputError
+from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.sensors.telling import Told, tell
 
 BAUD = 115_200
 WAIT_S = 0.05
 """How long a read waits for the first byte."""
-
-
-class PortLostError(OverviewError):
-    """The device has been unplugged, or its driver gave up."""
 
 
 @dataclass(frozen=True)

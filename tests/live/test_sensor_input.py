@@ -20,8 +20,9 @@ from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
 from overview_dsp.live import serial_port
 from overview_dsp.live.event_clock import EventClock
+from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.sensor_input import SensorInput
-from overview_dsp.live.serial_port import PortLostError, SerialPort
+from overview_dsp.live.serial_port import SerialPort
 from overview_dsp.sensors.frames import decode_frame
 from overview_dsp.sensors.profile import Sensor
 from tests.cli.running import overview
