@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from overview_dsp.cli.common import print_json
+
 if TYPE_CHECKING:
     from overview_dsp.controllers.midi_map import Control
 
@@ -30,8 +32,15 @@ def command() -> None:
 @click.option("--high", type=float, help="And its upper end.")
 @click.option("--seconds", type=click.FloatRange(0.1, 3600.0), default=30.0, show_default=True,
               help="Give up after so long.")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def learn(
-    name: str, target: str, path: str, low: float | None, high: float | None, seconds: float
+    name: str,
+    target: str,
+    path: str,
+    low: float | None,
+    high: float | None,
+    seconds: float,
+    as_json: bool,
 ) -> None:
     """Move a control of the port NAME: from now on it does TARGET.
 
@@ -66,7 +75,10 @@ def learn(
     kept = tuple(one for one in controls if (one.name, one.channel) != same and one.to != target)
     with whole_file(path) as temporary:
         temporary.write_text(write_map((*kept, found)), encoding="utf-8")
-    click.echo(f"{path}: {found.name}, channel {found.channel}, is {target}")
+    if as_json:
+        print_json({"control": found.name, "channel": found.channel, "to": target, "file": path})
+    else:
+        click.echo(f"{path}: {found.name}, channel {found.channel}, is {target}")
 
 
 def _moved(name: str, target: str, seconds: float) -> Control:

@@ -9,8 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-pytest.importorskip("pythonosc", reason="needs python-osc: pip install '.[osc]'")
-
 from overview_dsp.controllers.moves import Asked, LetGo, Touched, Turned
 from overview_dsp.controllers.osc_messages import OscReader
 from overview_dsp.controllers.osc_packets import encode_message, require_osc

@@ -13,8 +13,14 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.controllers.midi_messages import MidiReader
 from overview_dsp.controllers.osc_messages import OscReader
+from overview_dsp.gestures import SOURCES
 from overview_dsp.live.controller_input import ControllerInput
+from overview_dsp.live.osc_out import OscOut
+from overview_dsp.live.osc_port import OscPort
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.player import Player
 from overview_dsp.live.port_lost import PortLostError
+from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.several_inputs import SeveralInputs
 from overview_dsp.live.silent import SilentStream
 from tests.controllers.osc_bytes import message, messages
@@ -237,23 +243,60 @@ def test_a_flood_is_read_and_leaves_nothing_behind(opened, running):
     until(lambda: running.holder is None)
 
 
+def test_what_controllers_did_and_set_is_recorded_and_renders_to_the_same_bits(
+    match, football, tmp_path
+):
+    path = tmp_path / "take.csv"
+    player = Player(
+        match, PresetWatch("football"), lambda engine, given: SilentStream(engine, 256, given),
+        OutputSettings(), callback="python", record=path,
+    )  # fmt: skip
+    opened = Opened(player.engine)
+    osc, osc_port = opened.open("osc", OscReader)
+    midi, midi_port = opened.open("midi", lambda counters: MidiReader(counters=counters))
+
+    def played(seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            osc.poll(player.engine)
+            midi.poll(player.engine)
+            player.poll()
+            time.sleep(0.01)
+
+    for n in range(40):
+        osc_port.put(message("/overview/theta2", 0.05 * n))
+        midi_port.put(bend(8192 + 100 * n))
+        osc_port.put(message("/overview/tactor/gain_db", -0.2 * n))
+        played(0.01)
+    osc_port.put(message("/overview/kinds/goal/height", 60))
+    midi_port.put(bytes((0x90, 90, 100)))
+    played(0.3)
+    for one in opened.inputs:
+        one.close()
+    played(0.2)
+    player.close()
+    take = ov.load_gesture(path)
+    assert {SOURCES[source] for source in take.source} >= {"osc", "midi"}
+    assert len(take.changes) > 5
+    result = ov.render(match, football, take, tail="none")
+    assert result.trace.cursor[player.engine.sample_time - 1] == player.engine.meters.cursor
+    assert result.engine.meters.strikes == player.engine.meters.strikes
+    assert result.engine.preset.kinds["goal"].height == 60.0
+
+
 # --- UDP ------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
-def osc_port():
-    pytest.importorskip("pythonosc", reason="needs python-osc: pip install '.[osc]'")
-    from overview_dsp.live.osc_port import OscPort
-
+def number():
+    """Of a port that is free."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
-        number = free.getsockname()[1]
-    return OscPort, number
+        return free.getsockname()[1]
 
 
-def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, osc_port):
-    open_port, number = osc_port
-    hand = ControllerInput(running, "osc", lambda: open_port(str(number)), OscReader)
+def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, number):
+    hand = ControllerInput(running, "osc", lambda: OscPort(str(number)), OscReader)
     client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         client.sendto(message("/overview/theta2", 2.0, 1), ("127.0.0.1", number))
@@ -263,25 +306,22 @@ def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, osc_port):
         until(lambda: running.holder is None)
         assert hand.report()["refused"] == 1
         with pytest.raises(ov.InputError, match="another program listens"):
-            open_port(str(number))
+            OscPort(str(number))
     finally:
         client.close()
         hand.close()
-    open_port(str(number)).close()  # given back
+    OscPort(str(number)).close()  # given back
 
 
 @pytest.mark.parametrize(
     "text", ["", "x", "0", "70000", "1:2:x", ":9000", "no.such.host.invalid:9"]
 )
-def test_an_address_that_is_none_is_one_line(osc_port, text):
-    open_port, _ = osc_port
+def test_an_address_that_is_none_is_one_line(text):
     with pytest.raises(ov.InputError):
-        open_port(text)
+        OscPort(text)
 
 
-def test_what_the_disk_does_is_sent_out(running, osc_port, match):
-    from overview_dsp.live.osc_out import OscOut
-
+def test_what_the_disk_does_is_sent_out(running, match):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
         listener.bind(("127.0.0.1", 0))
         listener.settimeout(5.0)
