@@ -58,6 +58,8 @@ class SerialPort:
         """
         try:
             data: bytes = self._port.read(max(1, self._port.in_waiting))
+            if self._port.in_waiting:  # what came with the byte that was waited for
+                data += self._port.read(self._port.in_waiting)
         except self._lost as error:
             raise PortLostError(f"serial:{self.device}: {error}") from None
         return data
