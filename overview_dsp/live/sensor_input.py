@@ -24,6 +24,9 @@ from overview_dsp.units import HALF_TURN
 MOST = 16_384
 """Bytes read at a time; of more, the latest."""
 
+BEHIND_S = 0.1
+"""Who finds more waiting after each read for so long doesn't keep up: what waits is given up."""
+
 SILENT_S = 0.3
 """A sensor of which nothing is understood for so long lets go."""
 
@@ -32,6 +35,10 @@ RETRY_S = 1.0
 
 class Port(Protocol):
     """Where bytes come from: a serial port, or a test's."""
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that have come and haven't been read."""
 
     def read(self) -> bytes:
         """What has come; PortLostError if nothing more will."""
@@ -76,6 +83,7 @@ class SensorInput(Input):
         self._writer = HandWriter(engine, self.SOURCE)
         self._messages: deque[str] = deque()
         self._heard_at = self._understood_at = time.monotonic()
+        self._kept_up_at = self._heard_at
         self._silent = False
         self._missing = ""
         self._lost = 0
@@ -161,11 +169,10 @@ class SensorInput(Input):
                 self._find_again()
                 continue
             try:
-                data = self._port.read()
+                self._take(self._port.read())
+                self._keep_up(self._port)
             except PortLostError:
                 self._lose()
-                continue
-            self._take(data)
 
     def _take(self, data: bytes) -> None:
         now = time.monotonic()
@@ -188,6 +195,15 @@ class SensorInput(Input):
         elif now - self._understood_at > SILENT_S and not self._silent:
             self._silent = True
             self._fall_silent(now - self._heard_at > SILENT_S)
+
+    def _keep_up(self, port: Port) -> None:
+        now = time.monotonic()
+        if not port.waiting:
+            self._kept_up_at = now
+        elif now - self._kept_up_at > BEHIND_S:
+            self._kept_up_at = now
+            while port.waiting and time.monotonic() - now < BEHIND_S:
+                self._hand.counters.overrun_bytes += len(port.read())
 
     def _fall_silent(self, silent: bool) -> None:
         if self._let_go():
@@ -219,5 +235,5 @@ class SensorInput(Input):
         self._hand = Hand(self._sensor, TouchRules.of(self._preset), self._hand.counters)
         self._writer.restart()
         self._device, self._port = device, port
-        self._heard_at = self._understood_at = time.monotonic()
+        self._heard_at = self._understood_at = self._kept_up_at = time.monotonic()
         self._messages.append("is back")

@@ -64,6 +64,14 @@ class SerialPort:
             raise PortLostError(f"serial:{self.device}: {error}") from None
         return data
 
+    @property
+    def waiting(self) -> int:
+        """Bytes that have come and haven't been read; 0 if the device is gone."""
+        try:
+            return int(self._port.in_waiting)
+        except self._lost:  # the next read says so
+            return 0
+
     def close(self) -> None:
         """Give it back; may be called twice."""
         with contextlib.suppress(*self._lost):

@@ -101,7 +101,7 @@ def check(found):
     assert counted == taken
     for name in ("damaged", "lost", "repeated", "clock_wraps"):
         assert report[name] > 0, name
-    assert report["clock_restarts"] == report["overrun_bytes"] == 0
+    assert report["clock_restarts"] == 0
     unplugged = [one for one in device["faults"] if one["name"] == "unplugged"]
     assert report["connections_lost"] == len(unplugged)
     assert report["connected"]

@@ -53,6 +53,10 @@ class MadePort:
             self._data += data
         self._ready.set()
 
+    @property
+    def waiting(self):
+        return len(self._data)
+
     def read(self):
         if self.lost:
             raise PortLostError("gone")
@@ -279,6 +283,37 @@ def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
     assert sum("held by another program" in line for line in messages) == 1
     bench.there = True
     bench.until(lambda: bench.input.report()["connected"])
+
+
+def test_who_does_not_keep_up_gives_up_what_waits(bench):
+    bench.turn(0.0, 2)
+
+    class Flood:
+        """There is always more."""
+
+        waiting = 4096
+
+        def read(self):
+            bench.now_ms += 1
+            return f"{bench.now_ms},512\n".encode() * 20
+
+        def close(self):
+            pass
+
+    bench.input._port = Flood()
+    bench.until(lambda: bench.input.report()["overrun_bytes"] > 1000)
+    bench.until(lambda: any("more comes" in line for line in bench.input.take_messages()))
+
+
+def test_what_had_piled_up_delays_nothing_once_it_is_worked_off():
+    clock = EventClock(48_000.0)
+    for n in range(600):
+        behind = 0.2 if n < 200 else 0.0
+        now = round((n * 1e-3 + behind) * 48_000.0)
+        clock.saw(n * 1e-3, now)
+        stamp = clock.stamp(n * 1e-3, now)
+        if n > 450:
+            assert stamp - now <= 2 * 0.012 * 48_000.0 + 1
 
 
 def test_far_too_much_is_given_up_and_counted(bench):
