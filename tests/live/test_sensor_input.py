@@ -221,7 +221,11 @@ def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
     assert bench.engine.holder[0] == "serial"
-    time.sleep(0.6)  # the engine stands still, and the sensor is silent
+    for n in range(120):  # the engine stands still, and the knob is turned back to rest
+        bench.now_ms += 10
+        bench.port.put(f"{bench.now_ms},{511 if n < 80 else 0}\n".encode())
+        time.sleep(0.01)
+    bench.until(lambda: not bench.input.report()["holding"])
     bench.run(0.1)
     assert bench.engine.holder is None
 
