@@ -77,7 +77,8 @@ class HandWriter:
         """Hand events over, each at its time; where the engine stands still, only what lets go."""
         runs, sample = self._runs(), self._engine.sample_time
         for event in events:
-            if event.touching and not runs:
+            if not runs:
+                self.let_go(None if event.touching else event)
                 continue
             stamp = self._clock.stamp(event.time_s, sample) if self._saw else None
             if event.again:
