@@ -66,10 +66,10 @@ class Hands:
 
         inputs: dict[str, Input] = {}
         for name, open_one in self.openers.items():
-            inputs[name] = open_one(engine)
-            closing(inputs[name].close)
-            if isinstance(inputs[name], LineInput):
-                self.lines = inputs[name]  # type: ignore[assignment]
+            one = inputs[name] = open_one(engine)
+            closing(one.close)
+            if isinstance(one, LineInput):
+                self.lines = one
         if len(inputs) > 1:
             return SeveralInputs(inputs)
         return next(iter(inputs.values()), None)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from overview_dsp.controllers.hand import ControllerHand
-from overview_dsp.controllers.moves import Asked, Counters, Dialled, Move
+from overview_dsp.controllers.moves import Asked, Counters, Dialled, Move, Turned
 from overview_dsp.controllers.parameters import PickUp, as_asked, find_parameter
 from overview_dsp.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
@@ -215,6 +215,8 @@ class ControllerInput(Input):
         found = self._writer.find()
         events = []
         for move in moves:
+            if isinstance(move, Turned) and not self._hand.rules.by_rest:
+                self._say('a control feels no taps: choose twist.release = "rest"')
             if isinstance(move, Asked | Dialled):
                 with self._wanting:
                     self._wanted[move.id] = move

@@ -8,7 +8,7 @@ Where the modalities change over, the disk is led and never thrown: theta2 begin
 the hand that holds it) is, and goes over to the device's own angle within `twist.join_ms`. While
 another hand holds the disk, the device follows it, so that it can take over where that hand was.
 It does when that hand lets go; and if that hand feels no touch either, and so may never let go, as
-soon as the device is turned as far as it takes to engage.
+soon as the device is turned on, away from rest, as far as it takes to engage.
 """
 
 from __future__ import annotations
@@ -105,9 +105,9 @@ class TwistTouch:
             return self.release(turn.time_s)
         again = False
         if elsewhere is not None:
-            if not self._led:
-                self._led, self._led_at = True, turn.theta2
-            self._theta2 = elsewhere
+            # back towards rest is letting go, as a wheel's spring does
+            self._led_at = min(self._led_at, turn.theta2) if self._led else turn.theta2
+            self._led, self._theta2 = True, elsewhere
             again = yields and self._turned(turn, self._led_at)
             if again:
                 self._begin(turn, elsewhere)

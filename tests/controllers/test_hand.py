@@ -93,9 +93,20 @@ def test_two_faders_change_over_without_a_jump():
     assert np.abs(np.diff([event.theta2 for event in events])).max() < 0.25
     assert events[-1].theta2 == pytest.approx(0.99)
     # and back
-    back = played(hand, [(3, Turned("a", 2.45)), (3.05, Turned("a", 2.0))], 4.0, since=3.0)
+    back = played(hand, [(3, Turned("a", 2.5)), (3.05, Turned("a", 2.8))], 4.0, since=3.0)
     assert np.abs(np.diff([0.99, *(event.theta2 for event in back)])).max() < 0.1
-    assert back[-1].theta2 == 2.0
+    assert back[-1].theta2 == 2.8
+
+
+def test_a_wheel_that_springs_back_takes_nothing_over():
+    moves = [*turned("wheel", (0, 0), (0.5, 2.5)), *turned("b", (1, 0.0), (2, 1.0))]
+    hand = ControllerHand(RULES)
+    before = played(hand, moves, 3.0)
+    after = played(hand, [*turned("wheel", (3, 2.5), (3.2, 0.0)), (3.2, Turned("wheel", 0.0))], 4.0,
+                   since=3.0)  # fmt: skip
+    assert after == []
+    assert before[-1].touching
+    assert hand.holding
 
 
 def test_under_a_finger_a_fader_follows_and_joins_when_the_finger_lets_go():

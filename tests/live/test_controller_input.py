@@ -163,6 +163,14 @@ def test_a_lost_controller_lets_go_is_said_once_and_comes_back(opened, running):
     assert hand.report()["messages"] == 2
 
 
+def test_a_preset_whose_twist_lets_go_by_taps_alone_is_pointed_out(opened, running, football):
+    hand, port = opened.open("osc", OscReader)
+    running.set_preset(football.with_changes({"twist.release": "tap"}))
+    hand.poll(running)
+    port.put(message("/overview/theta2", 0.1), message("/overview/theta2", 0.2))
+    assert len(said(hand, "twist.release")) == 1
+
+
 def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
     hand, port = opened.open("osc", OscReader)
     port.put(
@@ -218,10 +226,10 @@ def test_two_controllers_change_over_without_a_jump(opened, running):
     assert running.holder[0] == "midi"
     assert np.abs(np.diff(seen)).max() < 0.4
     # the fader that lies at 2.0 is turned again
-    for theta2 in np.linspace(2.0, 1.0, 20):
+    for theta2 in np.linspace(2.0, 3.0, 20):
         osc_port.put(message("/overview/theta2", float(theta2)))
         time.sleep(0.01)
-    until(lambda: running.holder[0] == "osc" and running.holder[1] == pytest.approx(1.0))
+    until(lambda: running.holder[0] == "osc" and running.holder[1] == pytest.approx(3.0))
     # and back at the middle the wheel lets go: nothing more of it
     midi_port.put(bend(8192))
     until(lambda: not midi.report()["holding"])
