@@ -11,8 +11,9 @@ from overview_dsp.engine import Engine
 from overview_dsp.force.loop import MotorLoop
 from overview_dsp.force.mean_torque import MeanTorque
 from overview_dsp.force.watchdog import SILENT_S
+from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.sensor_input import Port, SensorInput
-from overview_dsp.live.serial_port import PortLostError, SerialPort
+from overview_dsp.live.serial_port import SerialPort
 from overview_dsp.sensors.profile import Sensor
 
 WAIT_S = 0.002
@@ -117,15 +118,12 @@ class MotorInput(SensorInput):
             )
         if not sent or self._motor is None:
             return
-        try:
-            self._blocked += not self._motor.write(sent)
-        except PortLostError:
-            self._lose()
+        self._blocked += not self._motor.write(sent)
 
     def _say_once(self, message: str) -> None:
         if message not in self._said:
             self._said.add(message)
-            self._messages.append(f"serial:{self._device}: {message}")
+            self._messages.append(message)
 
     def _lose(self) -> None:
         super()._lose()
@@ -138,6 +136,10 @@ class _EndedPort:
 
     def __init__(self, port: MotorPort, end: Callable[[], bytes]) -> None:
         self._port, self._end = port, end
+
+    @property
+    def waiting(self) -> int:
+        return self._port.waiting
 
     def read(self) -> bytes:
         return self._port.read()
