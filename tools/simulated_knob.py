@@ -268,6 +268,7 @@ def play_motor(options: argparse.Namespace) -> None:
     print(f"serial:{options.link or wire.name}  motor, {options.hand}", flush=True)
     began, said, heard = time.monotonic(), 0, False
     lowest = highest = motor.angle
+    moved = 0.0
     try:
         while options.seconds is None or motor.time < options.seconds:
             time.sleep(0.0005)
@@ -285,9 +286,10 @@ def play_motor(options: argparse.Namespace) -> None:
             lowest, highest = min(lowest, motor.angle), max(highest, motor.angle)
             if motor.time >= said + 1:
                 said += 1
+                moved = math.degrees(highest - lowest)
                 print(
                     f"{said:4d} s  {math.degrees(motor.angle):8.2f} deg (moved "
-                    f"{math.degrees(highest - lowest):6.2f})  {1e3 * motor.torque:+7.3f} mN m  "
+                    f"{moved:6.2f})  {1e3 * motor.torque:+7.3f} mN m  "
                     f"in {1e3 * motor.put_in:8.3f} mJ  back {1e3 * motor.given:8.3f} mJ",
                     flush=True,
                 )
@@ -300,6 +302,7 @@ def play_motor(options: argparse.Namespace) -> None:
         "put_in_mj": 1e3 * motor.put_in,
         "given_mj": 1e3 * motor.given,
         "hand_mj": 1e3 * motor.hand_work,
+        "moved_deg": moved,  # in the last second
         "target": motor.target,
         "enabled": motor.enabled,
         "silences": motor.silences,

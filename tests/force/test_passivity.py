@@ -46,6 +46,14 @@ def test_the_hand_gets_no_more_than_it_put_in(match, football, hand, times, dela
     assert np.abs(course["torque"]).max() > 5e-4  # and it is felt
 
 
+@pytest.mark.parametrize("model", ["bristle", "detent"])
+def test_friction_that_sticks_and_wells_that_pull_give_nothing_either(match, football, model):
+    preset = football.with_changes({"surface.model": model})
+    course, motor, loop = simulate(preset, match, SENSOR, sim.sweep(hertz=1.0), 3.0, 0.005)
+    check_passive(course, motor, loop)
+    assert np.abs(course["torque"]).max() > 5e-4
+
+
 @pytest.mark.parametrize("delay_s", DELAYS_S)
 @pytest.mark.parametrize("times", [1, 10])
 @pytest.mark.parametrize("hand", ["hold", "flick"])

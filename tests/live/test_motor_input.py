@@ -212,6 +212,14 @@ def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms)
 
 
 @needs_pty
+def test_a_knob_that_is_held_lies_still_over_a_port(motor):
+    port = motor("--hand", "hold", "--delay-ms", 20)
+    lines, _ = played("--input", f"serial:{port}", *FORCE, "--seconds", 7)
+    assert lines[-1]["summary"]["input"]["force"]["commands"] > 500
+    assert motor.told()["moved_deg"] < 0.2
+
+
+@needs_pty
 def test_a_host_that_is_killed_leaves_no_torque(motor):
     """The device's own duty: nothing tells it to stop."""
     port = motor("--hand", "sweep")
