@@ -384,6 +384,21 @@ class Engine:
         )
 
     @property
+    def impulse(self) -> tuple[float, float]:
+        """The time processed since reset (s), and the torque's integral over it (N m s).
+
+        Of two looks, the mean torque between them: what lasts a millisecond is in it, however
+        long the blocks are. Thread: any.
+        """
+        self._require_prepared()
+        m, w = self._m, self._w
+        while True:  # the audio thread may write between the two
+            summed = int(w[layout.M_SUMMED])
+            impulse = float(m[layout.M_IMPULSE])
+            if summed == w[layout.M_SUMMED]:
+                return summed / self._sample_rate, impulse / self._sample_rate
+
+    @property
     def holder(self) -> tuple[str, float] | None:
         """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
         self._require_prepared()

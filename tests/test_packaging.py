@@ -13,7 +13,18 @@ import pytest
 import overview_dsp as ov
 
 ROOT = Path(__file__).resolve().parents[1]
-LATE = ("numba", "llvmlite", "sounddevice", "serial", "matplotlib", "soundfile", "scipy", "vqf")
+LATE = (
+    "numba",
+    "llvmlite",
+    "sounddevice",
+    "serial",
+    "matplotlib",
+    "soundfile",
+    "scipy",
+    "vqf",
+    "rtmidi",
+    "pythonosc",
+)
 
 
 def python(code: str, folder: Path, path: Path = ROOT, **variables: str) -> str:

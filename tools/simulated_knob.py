@@ -2,6 +2,7 @@
 
     python tools/simulated_knob.py imu
     python tools/simulated_knob.py imu recording.mat --format text --rate 200
+    python tools/simulated_knob.py motor --hand jiggle --delay-ms 20
     overview devices --port /tmp/simulated-knob
     overview play world-cup-final-2018 --input serial:/tmp/simulated-knob
 
@@ -14,6 +15,12 @@ imu_gyr (rad/s) and sampling_rate, an `.npz` with acc, gyr and fs, or a CSV with
 It speaks the binary frame (`--format frames`), lines of six numbers (`text`, m/s² and rad/s) or
 lines of JSON (`json`). What is wrong with real wires can be had too: `--noise` spoils bytes,
 `--lose` leaves samples out, `--burst` sends late and together, `--unplug` takes the port away.
+
+`motor` is a motor knob with SimpleFOC's Commander (`simulated_motor.py`), in a hand that sweeps,
+jiggles, holds or flicks it, on a wire with a delay each way. A line a second says where it is, what
+torque it gives and what work went which way.
+
+    overview play world-cup-final-2018 --input serial:/tmp/simulated-knob --sensor simplefoc --force
 
 Imports nothing of the package, so that the two understand each other by what is documented alone.
 Needs a pseudo-terminal: Linux or macOS.
@@ -177,6 +184,13 @@ class Wire:
         """Whether somebody has the port open."""
         return not any(event & select.POLLHUP for _, event in self._poll.poll(0))
 
+    def receive(self) -> bytes:
+        """What has come, without waiting."""
+        try:
+            return os.read(self._ours, 65536)
+        except OSError:  # nothing, or nobody
+            return b""
+
     def send(self, data: bytes) -> None:
         """What finds no room, or nobody, is lost, as on a wire."""
         with contextlib.suppress(OSError):
@@ -237,6 +251,65 @@ def play_imu(options: argparse.Namespace) -> None:
         wire.close()
 
 
+def play_motor(options: argparse.Namespace) -> None:
+    """Keep a motor in time until stopped; the last line is the whole as JSON."""
+    from simulated_motor import HANDS, Hand, Motor, Session
+
+    motor = Motor(
+        inertia=options.inertia,
+        friction=options.friction,
+        counts=options.counts,
+        nm_per_unit=options.nm_per_unit,
+        watchdog=not options.no_watchdog,
+    )
+    session = Session(motor, Hand(HANDS[options.hand]()), options.delay_ms * 1e-3)
+    dice = random.Random(options.seed)
+    wire = Wire(options.link)
+    print(f"serial:{options.link or wire.name}  motor, {options.hand}", flush=True)
+    began, said, heard = time.monotonic(), 0, False
+    lowest = highest = motor.angle
+    moved = 0.0
+    try:
+        while options.seconds is None or motor.time < options.seconds:
+            time.sleep(0.0005)
+            now = time.monotonic() - began
+            if now - motor.time > 0.25:  # held up for longer: the time is lost, as for a person
+                began += now - motor.time
+                continue
+            sent = session.exchange(now, wire.receive())
+            if wire.is_open and not heard:  # a board begins again
+                motor.begin()
+            heard = wire.is_open
+            silent = options.mute is not None and motor.time >= options.mute
+            if sent and not silent:
+                wire.send(spoil(sent, options.noise, dice) if options.noise else sent)
+            lowest, highest = min(lowest, motor.angle), max(highest, motor.angle)
+            if motor.time >= said + 1:
+                said += 1
+                moved = math.degrees(highest - lowest)
+                print(
+                    f"{said:4d} s  {math.degrees(motor.angle):8.2f} deg (moved "
+                    f"{moved:6.2f})  {1e3 * motor.torque:+7.3f} mN m  "
+                    f"in {1e3 * motor.put_in:8.3f} mJ  back {1e3 * motor.given:8.3f} mJ",
+                    flush=True,
+                )
+                lowest = highest = motor.angle
+    except KeyboardInterrupt:
+        pass
+    finally:
+        wire.close()
+    told = {
+        "put_in_mj": 1e3 * motor.put_in,
+        "given_mj": 1e3 * motor.given,
+        "hand_mj": 1e3 * motor.hand_work,
+        "moved_deg": moved,  # in the last second
+        "target": motor.target,
+        "enabled": motor.enabled,
+        "silences": motor.silences,
+    }
+    print(json.dumps(told), flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -256,6 +329,20 @@ def main() -> None:
     imu.add_argument("--start-us", type=int, default=0, help="where its clock begins")
     imu.add_argument("--seed", type=int, default=1)
     imu.add_argument("--link", default=LINK, help="a name for the port (empty: none)")
+    motor = kinds.add_parser("motor", help="a motor knob")
+    motor.set_defaults(play=play_motor)
+    motor.add_argument("--hand", choices=("sweep", "jiggle", "hold", "flick"), default="sweep")
+    motor.add_argument("--delay-ms", type=float, default=2.0, help="of the wire, each way")
+    motor.add_argument("--inertia", type=float, default=5e-5, help="kg m2")
+    motor.add_argument("--friction", type=float, default=3e-4, help="of the knob itself, N m")
+    motor.add_argument("--counts", type=int, default=4096, help="of its encoder, a turn")
+    motor.add_argument("--nm-per-unit", type=float, default=0.003, help="torque of 1 of its target")
+    motor.add_argument("--seconds", type=float, help="stop after so long")
+    motor.add_argument("--mute", type=float, metavar="S", help="say nothing from then on")
+    motor.add_argument("--noise", type=float, default=0.0, help="part of the bytes that is spoilt")
+    motor.add_argument("--no-watchdog", action="store_true", help="keep the torque in silence")
+    motor.add_argument("--seed", type=int, default=1)
+    motor.add_argument("--link", default=LINK, help="a name for the port (empty: none)")
     options = parser.parse_args()
     if os.name != "posix":
         sys.exit("a pseudo-terminal is needed: Linux or macOS")

@@ -22,8 +22,9 @@ COMMANDS = {
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
+    "midi": ("midi", "Learn what the controls of a MIDI controller do."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
-    "devices": ("devices", "List audio outputs and serial ports, and what is missing."),
+    "devices": ("devices", "List audio outputs, serial and MIDI ports, and what is missing."),
     "bench": ("bench", "Measure how fast the engine runs here."),
 }
 

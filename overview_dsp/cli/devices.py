@@ -15,11 +15,13 @@ from overview_dsp.cli.common import print_json
               help="Speed to listen at.")  # fmt: skip
 @click.option("--port", "more", multiple=True, metavar="PORT", help="A port to list too.")
 def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> None:
-    """List audio outputs with their channels and latency, and serial ports.
+    """List audio outputs with their channels and latency, serial ports and MIDI ports.
 
     Each serial port is listened to, to say what it seems to speak: many boards start anew when
     theirs is opened.
     """
+    from overview_dsp.errors import OverviewError
+    from overview_dsp.live.midi_port import midi_ports
     from overview_dsp.live.portaudio import no_output_hint, outputs
     from overview_dsp.live.serial_port import PortInfo, ports
     from overview_dsp.live.serial_port import listen as hear
@@ -29,6 +31,11 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
     known = {port.device for port in serial}
     serial += [PortInfo(device, "", "") for device in more if device not in known]
     heard = hear([port.device for port in serial], listen, baud) if listen else {}
+    midi, why = [], ""
+    try:
+        midi = midi_ports()
+    except OverviewError as error:
+        why = str(error)
     if as_json:
         print_json(
             {
@@ -36,6 +43,7 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
                 "serial_ports": [
                     {**vars(port), "speaks": heard.get(port.device)} for port in serial
                 ],
+                "midi_ports": midi,
             }
         )
         return
@@ -54,3 +62,7 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
             click.echo(f"       {heard[port.device]}")
     if not serial:
         click.echo("no serial port with a device (tools/simulated_knob.py makes one to try with)")
+    for name in midi:
+        click.echo(f"  midi:{name}")
+    if not midi:
+        click.echo(f"no MIDI port: {why or 'no controller is plugged in'}")

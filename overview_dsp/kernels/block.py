@@ -69,6 +69,7 @@ def is_finite(m):
         + m[layout.TEXTURE]
         + m[layout.PHASE]
         + m[layout.BRISTLE]
+        + m[layout.M_IMPULSE]
     )
     return total - total == 0.0
 

@@ -134,7 +134,9 @@ METERS = BANK_SIN + BANKS * MAX_MODES
     M_FRICTION,  # last
     M_SILENT,  # w: samples since the last one that was not zero on both channels
     M_STILL,  # w: samples since the disk was last away from where its springs rest
-) = range(METERS, METERS + 14)
+    M_IMPULSE,  # sum of the torque over the samples so far, N m samples
+    M_SUMMED,  # w: samples in that sum
+) = range(METERS, METERS + 16)
 TOTAL_STATE = METERS + 16
 
 # --- rings: written by the control thread, read by the audio thread ----------------------------

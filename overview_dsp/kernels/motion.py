@@ -70,6 +70,7 @@ def move(m, w, frames, trace, at, traced):
     below = m[places + following - 1] - RETREAT if following > 0 else -FAR
 
     friction = 0.0
+    impulse = m[layout.M_IMPULSE]
     for n in range(frames):
         y1, y2 = smooth(target, y1, y2, smoothing)
         ahead = x + 0.5 * v
@@ -108,6 +109,7 @@ def move(m, w, frames, trace, at, traced):
         if approach < STANDSTILL:
             approach = 0.0
         phase = advance(phase, carrier)
+        impulse = impulse + torque
         m[layout.D_TORQUE + n] = torque
         m[layout.D_OMEGA + n] = omega
         m[layout.D_PHASE + n] = phase
@@ -147,3 +149,5 @@ def move(m, w, frames, trace, at, traced):
     w[layout.NEXT_EVENT] = following
     m[layout.M_TORQUE] = m[layout.D_TORQUE + frames - 1]
     m[layout.M_FRICTION] = friction
+    m[layout.M_IMPULSE] = impulse
+    w[layout.M_SUMMED] += frames

@@ -13,7 +13,8 @@ IN_TIME = 0.95
 
 LONGEST_WAIT_S = 0.012
 """Beyond the median: what bursts of a USB serial adapter (16 ms) and blocks of 1024 frames need. A
-machine that is held up longer makes those events late, instead of all."""
+machine that is held up longer makes those events late, instead of all. Twice that beyond the least:
+once what had piled up is worked off, nothing waits for it."""
 
 
 class EventClock:
@@ -38,7 +39,8 @@ class EventClock:
         """A sample of the sensor's `time_s` arrived when the engine was at sample `now`."""
         self._behind.append(now - time_s * self._rate)
         order = sorted(self._behind)
-        usual = order[len(order) // 2] + LONGEST_WAIT_S * self._rate
+        longest = LONGEST_WAIT_S * self._rate
+        usual = min(order[len(order) // 2] + longest, order[0] + 2.0 * longest)
         self._offset = min(order[min(len(order) - 1, int(IN_TIME * len(order)))], usual)
 
     def stamp(self, time_s: float, now: int) -> int:

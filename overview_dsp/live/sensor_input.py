@@ -10,29 +10,35 @@ from typing import Any, Protocol
 
 from overview_dsp.engine import Engine
 from overview_dsp.errors import InputError
-from overview_dsp.live.event_clock import EventClock
+from overview_dsp.live.hand_writer import HandWriter
 from overview_dsp.live.player import Input
-from overview_dsp.live.serial_port import PortLostError, SerialPort, find_again, identity_of
+from overview_dsp.live.port_lost import PortLostError
+from overview_dsp.live.serial_port import SerialPort, find_again, identity_of
 from overview_dsp.presets.model import Preset
 from overview_dsp.sensors.hand import Hand
 from overview_dsp.sensors.profile import Sensor
-from overview_dsp.sensors.touching import Event, TouchRules
+from overview_dsp.sensors.touching import TouchRules
+from overview_dsp.sensors.trouble import Trouble
 from overview_dsp.units import HALF_TURN
 
 MOST = 16_384
 """Bytes read at a time; of more, the latest."""
 
+BEHIND_S = 0.1
+"""Who finds more waiting after each read for so long doesn't keep up: what waits is given up."""
+
 SILENT_S = 0.3
-"""A sensor that says nothing for so long lets go."""
+"""A sensor of which nothing is understood for so long lets go."""
 
 RETRY_S = 1.0
-
-STALLED_S = 0.5
-"""An engine that has stood still for so long has lost its output."""
 
 
 class Port(Protocol):
     """Where bytes come from: a serial port, or a test's."""
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that have come and haven't been read."""
 
     def read(self) -> bytes:
         """What has come; PortLostError if nothing more will."""
@@ -73,13 +79,14 @@ class SensorInput(Input):
         self._port: Port | None = open_port(device, self._baud)
         self._preset: Preset = engine.preset
         self._hand = Hand(sensor, TouchRules.of(self._preset))
-        self._clock = EventClock(engine.sample_rate)
+        self._trouble = Trouble()
+        self._writer = HandWriter(engine, self.SOURCE)
         self._messages: deque[str] = deque()
-        self._heard_at = time.monotonic()
+        self._heard_at = self._understood_at = time.monotonic()
+        self._kept_up_at = self._heard_at
         self._silent = False
-        self._ran = (-1, self._heard_at)
+        self._missing = ""
         self._lost = 0
-        self._theta2 = 0.0
         self._over = threading.Event()
         self._failure: Exception | None = None
         self._thread = threading.Thread(target=self._run, name=f"serial:{device}", daemon=True)
@@ -112,10 +119,10 @@ class SensorInput(Input):
 
     def take_messages(self) -> tuple[str, ...]:
         """What a person should know, new since the last call."""
-        messages = []
+        said = self._hand.take_messages()
         while self._messages:
-            messages.append(self._messages.popleft())
-        return (*messages, *(f"serial:{self._device}: {one}" for one in self._hand.take_messages()))
+            said += (self._messages.popleft(),)
+        return tuple(f"serial:{self._device}: {one}" for one in said)
 
     @property
     def words(self) -> str:
@@ -134,7 +141,7 @@ class SensorInput(Input):
 
     def report(self) -> dict[str, Any]:
         """Everything counted, and how long events wait for their sample, ms."""
-        median, highest = self._clock.added_latency_s
+        median, highest = self._writer.waits_s
         return {
             "port": self._device,
             "connected": self._port is not None,
@@ -162,59 +169,49 @@ class SensorInput(Input):
                 self._find_again()
                 continue
             try:
-                data = self._port.read()
+                self._take(self._port.read())
+                self._keep_up(self._port)
             except PortLostError:
                 self._lose()
-                continue
-            self._take(data)
 
     def _take(self, data: bytes) -> None:
         now = time.monotonic()
-        if not data:
-            if now - self._heard_at > SILENT_S and not self._silent:
-                self._silent = True
-                if self._let_go():
-                    self._messages.append(
-                        f"serial:{self._device}: silent for {SILENT_S:g} s; the disk is let go"
-                    )
-            return
-        self._heard_at, self._silent = now, False
+        counters = self._hand.counters
+        if data:
+            self._heard_at = now
         if len(data) > MOST:
-            self._hand.counters.overrun_bytes += len(data) - MOST
+            counters.overrun_bytes += len(data) - MOST
             data = data[-MOST:]
-        engine = self._engine
-        held = engine.holder
-        elsewhere = held[1] if held is not None and held[0] != self.SOURCE else None
-        before = self._hand.turn
-        events = self._hand.feed(data, now, elsewhere, engine.meters.cursor * HALF_TURN)
-        sample = engine.sample_time
+        before, understood = self._hand.turn, counters.readings - counters.repeated
+        elsewhere, place, yields = self._writer.find()
+        events = self._hand.feed(data, now, elsewhere, place, yields) if data else []
         turn = self._hand.turn
-        runs = self._runs(sample, now)
         if turn is not None and turn is not before:
-            self._clock.saw(turn.time_s, sample)
-        if runs:
-            for event in events:
-                self._push(event, self._clock.stamp(event.time_s, sample))
+            self._writer.saw(turn.time_s)
+        self._writer.write(events)
+        self._messages.extend(self._trouble.new(counters))
+        if counters.readings - counters.repeated > understood:
+            self._understood_at, self._silent = now, False
+        elif now - self._understood_at > SILENT_S and not self._silent:
+            self._silent = True
+            self._fall_silent(now - self._heard_at > SILENT_S)
 
-    def _runs(self, sample: int, now: float) -> bool:
-        """Whether the engine takes events: while its output is lost they would be stale."""
-        last, since = self._ran
-        if sample == last:
-            return now - since < STALLED_S
-        if now - since >= STALLED_S:
-            self._clock = EventClock(self._engine.sample_rate)
-        self._ran = (sample, now)
-        return True
+    def _keep_up(self, port: Port) -> None:
+        now = time.monotonic()
+        if not port.waiting:
+            self._kept_up_at = now
+        elif now - self._kept_up_at > BEHIND_S:
+            self._kept_up_at = now
+            while port.waiting and time.monotonic() - now < BEHIND_S:
+                self._hand.counters.overrun_bytes += len(port.read())
 
-    def _push(self, event: Event, stamp: int | None) -> None:
-        self._theta2 = event.theta2
-        self._engine.control(event.theta2, event.touching, stamp, self.SOURCE)
+    def _fall_silent(self, silent: bool) -> None:
+        if self._let_go():
+            what = "silent" if silent else "nothing new understood"
+            self._messages.append(f"{what} for {SILENT_S:g} s; the disk is let go")
 
     def _let_go(self) -> bool:
-        event = self._hand.release()
-        if event is not None:
-            self._push(event, None)
-        return event is not None
+        return self._writer.let_go(self._hand.release())
 
     def _lose(self) -> None:
         assert self._port is not None
@@ -222,18 +219,21 @@ class SensorInput(Input):
         self._port.close()
         self._port = None
         self._lost += 1
-        self._messages.append(
-            f"serial:{self._device}: unplugged; the disk is let go, waiting for it to come back"
-        )
+        self._missing = ""
+        self._messages.append("unplugged; the disk is let go, waiting for it to come back")
 
     def _find_again(self) -> None:
-        device = find_again(self._device, self._identity)
         try:
+            device = find_again(self._device, self._identity)
             port = self._open_port(device, self._baud)
-        except InputError:
+        except InputError as error:
+            why = str(error).removeprefix(f"serial:{self._device}: ")
+            if why != self._missing and "no such port" not in why:
+                self._messages.append(f"{why} (waiting)")
+            self._missing = why
             return
         self._hand = Hand(self._sensor, TouchRules.of(self._preset), self._hand.counters)
-        self._clock = EventClock(self._engine.sample_rate)
+        self._writer.restart()
         self._device, self._port = device, port
-        self._heard_at = time.monotonic()
-        self._messages.append(f"serial:{device}: is back")
+        self._heard_at = self._understood_at = self._kept_up_at = time.monotonic()
+        self._messages.append("is back")

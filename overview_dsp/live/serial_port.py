@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import os
 import threading
 import time
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.errors import InputError
+from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.sensors.telling import Told, tell
 
 BAUD = 115_200
 WAIT_S = 0.05
 """How long a read waits for the first byte."""
 
-
-class PortLostError(OverviewError):
-    """The device has been unplugged, or its driver gave up."""
+WRITE_S = 0.01
+"""How long a write waits for room."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,8 @@ class PortInfo:
 class SerialPort:
     """An open port."""
 
-    def __init__(self, device: str, baud: int = BAUD) -> None:
-        """Open it for this program alone.
+    def __init__(self, device: str, baud: int = BAUD, wait_s: float = WAIT_S) -> None:
+        """Open it for this program alone; a read waits `wait_s` for the first byte.
 
         Raises
         ------
@@ -44,14 +45,17 @@ class SerialPort:
         import serial
 
         try:
-            self._port: Any = serial.Serial(device, baud, timeout=WAIT_S, exclusive=_exclusive())
+            self._port: Any = serial.Serial(
+                device, baud, timeout=wait_s, write_timeout=WRITE_S, exclusive=_exclusive()
+            )
         except (serial.SerialException, OSError, ValueError) as error:
             raise InputError(f"serial:{device}: {_why(error, baud)}") from None
         self.device = device
         self._lost = (serial.SerialException, OSError, TypeError)
+        self._full = serial.SerialTimeoutException
 
     def read(self) -> bytes:
-        """What has come, waiting up to 50 ms for the first byte.
+        """What has come, waiting for the first byte.
 
         Raises
         ------
@@ -60,9 +64,35 @@ class SerialPort:
         """
         try:
             data: bytes = self._port.read(max(1, self._port.in_waiting))
+            if self._port.in_waiting:  # what came with the byte that was waited for
+                data += self._port.read(self._port.in_waiting)
         except self._lost as error:
             raise PortLostError(f"serial:{self.device}: {error}") from None
         return data
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that have come and haven't been read; 0 if the device is gone."""
+        try:
+            return int(self._port.in_waiting)
+        except self._lost:  # the next read says so
+            return 0
+
+    def write(self, data: bytes) -> bool:
+        """Send; whether all of it found room within 10 ms.
+
+        Raises
+        ------
+        PortLostError
+            The device is gone.
+        """
+        try:
+            self._port.write(data)
+        except self._full:
+            return False
+        except self._lost as error:
+            raise PortLostError(f"serial:{self.device}: {error}") from None
+        return True
 
     def close(self) -> None:
         """Give it back; may be called twice."""
@@ -71,8 +101,6 @@ class SerialPort:
 
 
 def _exclusive() -> bool | None:
-    import os
-
     return True if os.name == "posix" else None  # Windows never shares a port
 
 
@@ -110,17 +138,25 @@ def _identity(one: Any) -> str:
 
 
 def find_again(device: str, identity: str) -> str:
-    """The port that a device has now, by its USB identity; its old name if that isn't known."""
-    if identity:
-        for one in ports():
-            if one.identity == identity:
-                return one.device
-    return device
+    """The port that a device has now, by its USB identity; its old name if that isn't known.
+
+    Raises
+    ------
+    InputError
+        No port has a device of that identity; its old name may be another one's by now.
+    """
+    if not identity:
+        return device
+    found = [one.device for one in ports() if one.identity == identity]
+    if not found:
+        raise InputError(f"serial:{device}: no such port: {identity} isn't plugged in")
+    return device if device in found else found[0]
 
 
 def identity_of(device: str) -> str:
-    """A port's USB identity, or an empty text."""
-    return next((one.identity for one in ports() if one.device == device), "")
+    """A port's USB identity, or an empty text; links to it (/dev/serial/by-id) are followed."""
+    names = {device, os.path.realpath(device)}
+    return next((one.identity for one in ports() if one.device in names), "")
 
 
 def listen(devices: list[str], seconds: float, baud: int = BAUD) -> dict[str, str]:

@@ -158,25 +158,35 @@ class InertialAngle:
         self.frozen = sample.time_s - self._said_at > FROZEN_S
 
 
+_PLAIN = {
+    "roll_deg": "roll in degrees",
+    "count": "encoder",
+    "shaft_rad": "motor knob",
+    "pot": "potentiometer",
+}
+
+
 class PlainAngle:
-    """Roll in degrees, an encoder's count or a potentiometer's wiper."""
+    """Roll in degrees, an encoder's count, a motor's shaft or a potentiometer's wiper."""
 
     taps = False
 
     def __init__(self, sensor: Sensor, column: str) -> None:
-        """`column`: roll_deg, count or pot."""
+        """`column`: roll_deg, count, shaft_rad or pot."""
         self._column = column
         self._low = sensor.number("potentiometer.low")
         self._span = sensor.number("potentiometer.high") - self._low
         self._per_count = HALF_TURN / sensor.number("encoder.counts")
         self._wrap = sensor.number("encoder.wrap")
-        if sensor.values["encoder.reverse"]:
+        reverse = sensor.values["encoder.reverse"]
+        if column == "shaft_rad":
+            self._per_count = HALF_TURN / math.radians(sensor.number("motor.turn_deg"))
+            self._wrap, reverse = 0.0, sensor.values["motor.reverse"]
+        if reverse:
             self._per_count = -self._per_count
         self._count: float | None = None
         self._theta2 = 0.0
-        self.words = {"roll_deg": "roll in degrees", "count": "encoder", "pot": "potentiometer"}[
-            column
-        ]
+        self.words = _PLAIN[column]
 
     def step(self, time_s: float, reading: Reading) -> Turn | None:
         """As `Angle.step`."""
@@ -185,7 +195,7 @@ class PlainAngle:
         value = reading[self._column]
         if self._column == "roll_deg":
             self._theta2 = abs(math.remainder(math.radians(value), 2.0 * HALF_TURN))
-        elif self._column == "count":
+        elif self._column in ("count", "shaft_rad"):
             self._theta2 = self._counted(value)
         else:
             part = (value - self._low) / self._span
@@ -205,7 +215,7 @@ def angle_of(sensor: Sensor, binary: bool, reading: Reading, counters: Counters)
     """What makes an angle of such readings; None if nothing in this one does."""
     if all(name in reading for name in ACCELERATION):
         return InertialAngle(sensor, binary, counters)
-    for column in ("roll_deg", "count", "pot"):
+    for column in _PLAIN:
         if column in reading:
             return PlainAngle(sensor, column)
     return None

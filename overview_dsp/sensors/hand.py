@@ -25,12 +25,15 @@ class Hand:
         What came and what was wrong with it.
     turn : Turn or None
         The last one.
+    heard : tuple of Sample
+        What the bytes fed last said.
     """
 
     def __init__(self, sensor: Sensor, rules: TouchRules, counters: Counters | None = None) -> None:
         """Nothing has come yet; `counters` go on from those of a connection before."""
         self.counters = Counters() if counters is None else counters
         self.turn: Turn | None = None
+        self.heard: tuple[Sample, ...] = ()
         self._sensor = sensor
         self._stream = Stream(sensor, self.counters)
         self._touch = TwistTouch(rules)
@@ -56,17 +59,23 @@ class Hand:
         return self._touch.holding
 
     def feed(
-        self, data: bytes, arrival_s: float, elsewhere: float | None = None, place: float = 0.0
+        self,
+        data: bytes,
+        arrival_s: float,
+        elsewhere: float | None = None,
+        place: float = 0.0,
+        yields: bool = False,
     ) -> list[Event]:
         """The events that these bytes make.
 
-        `arrival_s`: when they came, s of any clock that goes forward; `elsewhere` and `place` as
-        `TwistTouch.step`. Event times are of the sensor's clock, or of `arrival_s`'s where the
-        sensor has none.
+        `arrival_s`: when they came, s of any clock that goes forward; `elsewhere`, `place` and
+        `yields` as `TwistTouch.step`. Event times are of the sensor's clock, or of `arrival_s`'s
+        where the sensor has none.
         """
         events = []
-        for sample in self._stream.feed(data, arrival_s):
-            event = self._event(sample, elsewhere, place)
+        self.heard = tuple(self._stream.feed(data, arrival_s))
+        for sample in self.heard:
+            event = self._event(sample, elsewhere, place, yields)
             if event is not None:
                 events.append(event)
         if self._stream.problem:
@@ -94,7 +103,9 @@ class Hand:
             **vars(self.counters),
         }
 
-    def _event(self, sample: Sample, elsewhere: float | None, place: float) -> Event | None:
+    def _event(
+        self, sample: Sample, elsewhere: float | None, place: float, yields: bool
+    ) -> Event | None:
         time_s, reading = sample
         if self._stopped:
             return None
@@ -117,8 +128,10 @@ class Hand:
         if isinstance(self._angle, InertialAngle) and self._angle.frozen:
             return self._touch.release(time_s)
         was = self._touch.holding
-        event = self._touch.step(turn, elsewhere, place)
-        if event is None or (was == event.touching and time_s - self._event_at < CLOSEST_S):
+        event = self._touch.step(turn, elsewhere, place, yields)
+        if event is None:
+            return None
+        if was == event.touching and not event.again and time_s - self._event_at < CLOSEST_S:
             return None
         self._event_at = time_s
         return event

@@ -5,6 +5,7 @@ Everything a file may say stands in one table, as with presets: id, unit, range,
 
 from __future__ import annotations
 
+import string
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -14,6 +15,10 @@ from overview_dsp.presets.parameters import Parameter, Value, did_you_mean
 from overview_dsp.sensors.reading import COLUMNS
 
 TOLD = "told"
+
+MOTOR_COLUMNS = ("motor_target", "shaft_rad")
+"""What a motor reports."""
+
 _AXES = ("x", "y", "z", "-x", "-y", "-z")
 
 
@@ -55,6 +60,28 @@ SENSOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             Parameter("encoder.reverse", False, doc="It counts down.", choices=(False, True)),
             _number("potentiometer.low", 0.0, -1e9, 1e9, "", "At the timeline's start."),
             _number("potentiometer.high", 1023.0, -1e9, 1e9, "", "At its end."),
+            Parameter("motor.protocol", "none", doc="How its motor is told a torque.",
+                      choices=("none", "simplefoc")),
+            Parameter("motor.letter", "M", doc="The motor's in its Commander.",
+                      choices=tuple(string.ascii_letters)),
+            _number("motor.nm_per_unit", 0.0, 0.0, 100.0, "N·m",
+                    "Torque of 1 of its target: of 1 A, or 1 V in voltage mode; with a motor it "
+                    "must be said."),
+            _number("motor.scale", 1.0, 0.0, 1000.0, "", "Torque at the knob for 1 of the disk's."),
+            _number("motor.ceiling_nm", 0.02, 0.0, 10.0, "N·m", "Torque that is never passed."),
+            _number("motor.inertia", 5e-5, 1e-7, 1.0, "kg·m²",
+                    "Of rotor and knob: too small a value makes it weak, too large a one unquiet."),
+            _number("motor.friction_nm", 1e-4, 1e-6, 1.0, "N·m",
+                    "That the knob itself has at least, without power."),
+            _number("motor.turn_deg", 180.0, 1.0, 36_000.0, "deg",
+                    "Turn of the shaft for the whole timeline."),
+            Parameter("motor.reverse", False, doc="Its angle falls as the timeline goes on.",
+                      choices=(False, True)),
+            _number("motor.resolution_deg", 0.1, 1e-4, 10.0, "deg",
+                    "Its angle is right to this, either way: a step of its encoder, or its noise."),
+            _number("motor.downsample", 10.0, 1.0, 100_000.0, "",
+                    "It reports at every so manieth call of motor.monitor(); it is to be 200 times "
+                    "a second or more."),
         )
     }
 )  # fmt: skip
@@ -107,10 +134,23 @@ class Sensor:
                                  f"known: {', '.join(COLUMNS)}")  # fmt: skip
         if len(set(self.columns)) != len(self.columns):
             raise InputError("stream.columns names a column twice")
+        self._check_motor()
         if self.columns and self.values["stream.format"] not in (TOLD, "text"):
             raise InputError('stream.columns is for stream.format = "text"')
         if self.values["stream.format"] == "text" and not self.columns:
             raise InputError('stream.columns is missing; text has a list of names: ["ax", "ay", …]')
+
+    def _check_motor(self) -> None:
+        if self.values["motor.protocol"] == "none":
+            return
+        if self.number("motor.nm_per_unit") == 0.0:
+            raise InputError(
+                "motor.nm_per_unit is missing; it is the torque (N·m) of 1 A, or of 1 V in voltage "
+                "mode: 8.27 / KV for 1 A, and that over the phase resistance for 1 V"
+            )
+        if self.columns != MOTOR_COLUMNS:
+            names = ", ".join(f'"{name}"' for name in MOTOR_COLUMNS)
+            raise InputError(f"stream.columns of a motor are what it is told to report: [{names}]")
 
     def number(self, id: str) -> float:
         """A numeric value by its id."""

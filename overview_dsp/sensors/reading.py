@@ -19,6 +19,8 @@ COLUMNS: Mapping[str, str] = {
     "roll_deg": "roll, degrees: 0 face up, 180 or -180 face down",
     "count": "counts of an encoder",
     "pot": "wiper of a potentiometer",
+    "motor_target": "target that a motor applies, A or V",
+    "shaft_rad": "angle of a motor's shaft, rad",
     "touch": "1 while the hand holds on, else 0",
 }
 """Names of what a sensor may say, each in the sensor's own unit."""

@@ -7,6 +7,8 @@
 Where the modalities change over, the disk is led and never thrown: theta2 begins where the disk (or
 the hand that holds it) is, and goes over to the device's own angle within `twist.join_ms`. While
 another hand holds the disk, the device follows it, so that it can take over where that hand was.
+It does when that hand lets go; and if that hand feels no touch either, and so may never let go, as
+soon as the device is turned on, away from rest, as far as it takes to engage.
 """
 
 from __future__ import annotations
@@ -46,11 +48,15 @@ class TouchRules:
 
 @dataclass(frozen=True)
 class Event:
-    """A control event: time (s), theta2 (rad), touching."""
+    """A control event: time (s), theta2 (rad), touching.
+
+    `again`: the disk is let go and touched in one, so that of several hands this is the last one.
+    """
 
     time_s: float
     theta2: float
     touching: bool
+    again: bool = False
 
 
 class TwistTouch:
@@ -73,12 +79,15 @@ class TwistTouch:
         self._from = 0.0
         self._joined_at = 0.0
         self._led = False
+        self._led_at = 0.0
 
-    def step(self, turn: Turn, elsewhere: float | None, place: float) -> Event | None:
+    def step(
+        self, turn: Turn, elsewhere: float | None, place: float, yields: bool = False
+    ) -> Event | None:
         """The event of a turn, or None.
 
-        `elsewhere`: theta2 of another hand that holds the disk, rad; `place`: where the disk is,
-        as theta2, rad.
+        `elsewhere`: theta2 of another hand that holds the disk, rad, and whether it `yields` to a
+        turn; `place`: where the disk is, as theta2, rad.
         """
         if self._rest is None:
             self._rest = turn.theta2
@@ -94,13 +103,19 @@ class TwistTouch:
             self._begin(turn, place if elsewhere is None else elsewhere)
         elif self._releases(turn, at_rest):
             return self.release(turn.time_s)
+        again = False
         if elsewhere is not None:
-            self._theta2, self._led = elsewhere, True
+            # back towards rest is letting go, as a wheel's spring does
+            self._led_at = min(self._led_at, turn.theta2) if self._led else turn.theta2
+            self._led, self._theta2 = True, elsewhere
+            again = yields and self._turned(turn, self._led_at)
+            if again:
+                self._begin(turn, elsewhere)
         else:
             if self._led:
                 self._begin(turn, self._theta2)
             self._theta2 = turn.theta2 + (self._from - turn.theta2) * self._left(turn.time_s)
-        return Event(turn.time_s, self._theta2, True)
+        return Event(turn.time_s, self._theta2, True, again)
 
     def release(self, time_s: float) -> Event | None:
         """Let go, whatever the rules say; None if nothing is held."""
@@ -116,8 +131,10 @@ class TwistTouch:
         assert self._rest is not None
         if turn.tapped and self.rules.by_tap:
             return True
-        away = abs(turn.theta2 - self._rest) > self.rules.rest + self.rules.turn
-        return self._armed and away and turn.sure
+        return self._armed and self._turned(turn, self._rest)
+
+    def _turned(self, turn: Turn, since: float) -> bool:
+        return turn.sure and abs(turn.theta2 - since) > self.rules.rest + self.rules.turn
 
     def _releases(self, turn: Turn, at_rest: bool) -> bool:
         if turn.touch is not None:

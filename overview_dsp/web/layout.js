@@ -105,6 +105,8 @@ export const L = Object.freeze({
   M_FRICTION: 1088,
   M_SILENT: 1089,
   M_STILL: 1090,
+  M_IMPULSE: 1091,
+  M_SUMMED: 1092,
   TOTAL_STATE: 1093,
   RING_WRITTEN: 1093,
   RING_READ: 1099,
@@ -255,4 +257,4 @@ export const ENCODING = Object.freeze({
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([-391837763, 40688883]);
+export const DIGEST = Object.freeze([-457943575, 1754354492]);

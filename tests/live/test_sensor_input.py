@@ -16,9 +16,13 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.gestures import SOURCES
+from overview_dsp.kernels import layout
+from overview_dsp.live import serial_port
 from overview_dsp.live.event_clock import EventClock
+from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.sensor_input import SensorInput
-from overview_dsp.live.serial_port import PortLostError, SerialPort
+from overview_dsp.live.serial_port import SerialPort
 from overview_dsp.sensors.frames import decode_frame
 from overview_dsp.sensors.profile import Sensor
 from tests.cli.running import overview
@@ -49,6 +53,10 @@ class MadePort:
             self._data += data
         self._ready.set()
 
+    @property
+    def waiting(self):
+        return len(self._data)
+
     def read(self):
         if self.lost:
             raise PortLostError("gone")
@@ -63,6 +71,7 @@ class MadePort:
 
 
 POT = Sensor(columns=("t_ms", "pot"))
+SERIAL = SOURCES.index("serial")
 
 
 class Bench:
@@ -72,19 +81,25 @@ class Bench:
         self.engine = engine
         self.opened = []
         self.there = True
+        self.refusal = ov.InputError("serial:made: no such port")
         self.input = SensorInput(engine, "made", POT, open_port=self._open)
         self.now_ms = 0
         self.port.put(b"\n")
 
     def _open(self, device, baud):
         if not self.there:
-            raise ov.InputError("serial:made: no such port")
+            raise self.refusal
         self.opened.append(MadePort())
         return self.opened[-1]
 
     @property
     def port(self):
         return self.opened[-1]
+
+    @property
+    def written(self):
+        """Events handed to the engine so far."""
+        return int(self.engine.memory.view(np.int64)[layout.RING_WRITTEN + SERIAL])
 
     def turn(self, place, samples=1):
         for _ in range(samples):
@@ -190,16 +205,119 @@ def test_while_the_output_is_lost_no_stale_events_are_kept(bench):
         bench.now_ms += 10
         bench.port.put(f"{bench.now_ms},{600 + n}\n".encode())
         time.sleep(0.01)
-    waiting = bench.input._ran
+    waiting = bench.written
     bench.now_ms += 10
     bench.port.put(f"{bench.now_ms},1023\n".encode())
     time.sleep(0.1)
-    assert bench.input._ran == waiting
+    assert bench.written == waiting
     bench.run(0.5)
     assert bench.engine.holder[1] < 0.9 * math.pi
-    bench.turn(1.0, 5)
+    bench.turn(1.0, 30)
     bench.run(0.2)
     assert bench.engine.holder[1] == pytest.approx(math.pi, abs=0.01)
+
+
+def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
+    bench.turn(0.0, 2)
+    bench.turn(0.5, 10)
+    assert bench.engine.holder[0] == "serial"
+    for n in range(120):  # the engine stands still, and the knob is turned back to rest
+        bench.now_ms += 10
+        bench.port.put(f"{bench.now_ms},{511 if n < 80 else 0}\n".encode())
+        time.sleep(0.01)
+    bench.until(lambda: not bench.input.report()["holding"])
+    bench.run(0.6)  # with what came before it was known that the engine stands still
+    assert bench.engine.holder is None
+
+
+@pytest.mark.parametrize(
+    ("sent", "said"),
+    [
+        # as another speed reads: bytes come, and none of them is a line
+        (lambda bench: bytes(range(0, 256, 5)), "speed"),
+        # one sample, again and again: the device hangs in its sending
+        (lambda bench: f"{bench.now_ms},512\n".encode(), "twice"),
+    ],
+)
+def test_what_is_no_new_sample_lets_go_and_is_said_once(bench, sent, said):
+    bench.turn(0.0, 2)
+    bench.turn(0.5, 10)
+    assert bench.engine.holder[0] == "serial"
+    messages = []
+    for _ in range(60):
+        bench.port.put(sent(bench))
+        bench.run(0.01)
+        time.sleep(0.01)
+        messages += bench.input.take_messages()
+    assert bench.engine.holder is None
+    assert sum("the disk is let go" in line for line in messages) == 1
+    assert sum(said in line for line in messages) == 1
+    bench.port.put(b"\n")
+    bench.turn(0.9, 10)
+    assert bench.engine.holder[0] == "serial"
+
+
+def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(bench, monkeypatch):
+    here = {"made": "1:2:mine"}
+    monkeypatch.setattr(
+        serial_port, "ports", lambda: [serial_port.PortInfo(a, "", b) for a, b in here.items()]
+    )
+    bench.input._identity = "1:2:mine"
+    here.clear()
+    here["made"] = "1:2:another"
+    bench.port.lost = True
+    bench.until(lambda: not bench.input.report()["connected"])
+    time.sleep(1.3)
+    assert len(bench.opened) == 1
+    here["elsewhere"] = "1:2:mine"
+    bench.until(lambda: bench.input.report()["connected"])
+    assert bench.input.report()["port"] == "elsewhere"
+    assert serial_port.find_again("elsewhere", "1:2:mine") == "elsewhere"
+    assert serial_port.find_again("elsewhere", "") == "elsewhere"
+
+
+def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
+    held = ov.InputError("serial:made: held by another program (a serial monitor?)")
+    bench.refusal = held
+    bench.there = False
+    bench.port.lost = True
+    bench.until(lambda: not bench.input.report()["connected"])
+    time.sleep(2.3)
+    messages = bench.input.take_messages()
+    assert sum("held by another program" in line for line in messages) == 1
+    bench.there = True
+    bench.until(lambda: bench.input.report()["connected"])
+
+
+def test_who_does_not_keep_up_gives_up_what_waits(bench):
+    bench.turn(0.0, 2)
+
+    class Flood:
+        """There is always more."""
+
+        waiting = 4096
+
+        def read(self):
+            bench.now_ms += 1
+            return f"{bench.now_ms},512\n".encode() * 20
+
+        def close(self):
+            pass
+
+    bench.input._port = Flood()
+    bench.until(lambda: bench.input.report()["overrun_bytes"] > 1000)
+    bench.until(lambda: any("more comes" in line for line in bench.input.take_messages()))
+
+
+def test_what_had_piled_up_delays_nothing_once_it_is_worked_off():
+    clock = EventClock(48_000.0)
+    for n in range(600):
+        behind = 0.2 if n < 200 else 0.0
+        now = round((n * 1e-3 + behind) * 48_000.0)
+        clock.saw(n * 1e-3, now)
+        stamp = clock.stamp(n * 1e-3, now)
+        if n > 450:
+            assert stamp - now <= 2 * 0.012 * 48_000.0 + 1
 
 
 def test_far_too_much_is_given_up_and_counted(bench):

@@ -14,7 +14,7 @@ HEAD = "schema = 1\n"
 
 
 def test_every_bundled_sensor_is_read():
-    assert sensor_names() == ("encoder", "imu", "potentiometer", "roll")
+    assert sensor_names() == ("encoder", "imu", "potentiometer", "roll", "simplefoc")
     for name in sensor_names():
         assert load_sensor(name).title
 

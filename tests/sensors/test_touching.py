@@ -54,6 +54,30 @@ def test_it_takes_hold_again_each_time():
     assert len(edges(twisted(np.concatenate([THERE_AND_BACK] * 3)))) == 6
 
 
+@pytest.mark.parametrize("yields", [True, False])
+def test_a_turn_takes_over_from_a_hand_that_yields_and_does_not_jump(yields):
+    touch = TwistTouch(RULES)
+    other = 2.0
+    events = []
+    # held at 60 degrees; then the other takes over; then turned on to 90
+    degrees = course(RATE, (0, 0), (0.5, 60), (1.5, 60), (2.0, 90), (3.0, 90))
+    for n, theta2 in enumerate(degrees):
+        taken = any(one.again for one in events)
+        elsewhere = other if n > 0.8 * RATE and not taken else None
+        event = touch.step(Turn(n / RATE, float(theta2)), elsewhere, 0.0, yields)
+        if event is not None:
+            events.append(event)
+    again = [event for event in events if event.again]
+    assert len(again) == yields
+    if yields:
+        assert again[0].theta2 == other
+        after = [event.theta2 for event in events if event.time_s >= again[0].time_s]
+        assert np.abs(np.diff(after)).max() < 0.1
+        assert after[-1] == pytest.approx(math.pi / 2)
+    else:
+        assert events[-1].theta2 == other
+
+
 def test_a_trembling_hand_at_rest_does_not_take_hold():
     dice = np.random.default_rng(1)
     assert twisted(np.radians(8.0) * dice.random(4000)) == []

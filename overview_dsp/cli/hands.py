@@ -1,0 +1,207 @@
+"""`--input`: which hands play, and how they are opened."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from overview_dsp.engine import Engine
+    from overview_dsp.live.controller_input import Reader
+    from overview_dsp.live.inputs import LineInput
+    from overview_dsp.live.player import Input
+
+DEVICES = ("serial", "osc", "midi")
+SILENT_OSC_S = 5.0
+"""UDP knows no connection: who holds on by it and says nothing for so long has let go."""
+
+FORCE_BLOCK = 128
+"""Frames: the torque changes with each block, 375 times a second at 48 kHz."""
+
+_OF = {
+    "sensor": "serial:PORT",
+    "baud": "serial:PORT",
+    "midi_map": "midi:NAME",
+    "force": "serial:PORT",
+}
+
+
+def input_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The options of hands, for `parse_hands`."""
+    options = (
+        click.option("--input", "sources", multiple=True, help="serial:PORT, a sensor; osc:PORT or "
+                     "osc:HOST:PORT; midi:NAME; - for lines of standard input: theta2 (rad) and "
+                     "touching (0 or 1); several together. Or a gesture or take to play."),
+        click.option("--sensor", help="What is on the serial port: a name (imu, roll, encoder, "
+                     "potentiometer, simplefoc) or a TOML file; told by content if left out."),
+        click.option("--baud", type=click.IntRange(300, 4_000_000), help="Of the serial port, "
+                     "instead of the sensor file's (115200)."),
+        click.option("--force", is_flag=True, help="Brake the motor on the serial port as the "
+                     "surface brakes the disk (docs/motors.md); blocks are of 128 frames if no "
+                     "size is given."),
+        click.option("--midi-map", metavar="FILE.toml", help="What the controls of a MIDI "
+                     "controller do; `overview midi learn` writes one."),
+        click.option("--osc-out", metavar="[HOST:]PORT", help="Send cursor, torque and events."),
+    )  # fmt: skip
+    for option in reversed(options):
+        function = option(function)
+    return function
+
+
+@dataclass
+class Hands:
+    """What `--input` asks for, checked; `opened` opens it.
+
+    Attributes
+    ----------
+    lines : LineInput or None
+        Standard input, once it is opened.
+    """
+
+    openers: dict[str, Callable[[Engine], Input]]
+    lines: LineInput | None = None
+
+    @property
+    def by_lines(self) -> bool:
+        """Whether standard input is one of them."""
+        return "lines" in self.openers
+
+    def opened(self, engine: Engine, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
+        """The hands, begun, as one; `closing` is told what gives each back. InputError as they."""
+        from overview_dsp.live.inputs import LineInput
+        from overview_dsp.live.several_inputs import SeveralInputs
+
+        inputs: dict[str, Input] = {}
+        for name, open_one in self.openers.items():
+            one = inputs[name] = open_one(engine)
+            closing(one.close)
+            if isinstance(one, LineInput):
+                self.lines = one
+        if len(inputs) > 1:
+            return SeveralInputs(inputs)
+        return next(iter(inputs.values()), None)
+
+
+def parse_hands(
+    sources: tuple[str, ...],
+    sensor: str | None,
+    baud: int | None,
+    midi_map: str | None,
+    force: bool = False,
+) -> Hands:
+    """The hands that the options name; nothing is opened.
+
+    Raises
+    ------
+    InputError
+        Not a hand, two of one kind, or an option of one that isn't there.
+    """
+    from overview_dsp.errors import InputError
+
+    openers: dict[str, Callable[[Engine], Input]] = {}
+    for source in sources:
+        kind, colon, where = source.partition(":")
+        open_one: Callable[[Engine], Input]
+        if source == "-":
+            name, open_one = "lines", _open_lines
+        elif colon and kind in DEVICES:
+            if not where:
+                raise InputError(f"--input {source} names no port; `overview devices` lists them")
+            name = kind
+            open_one = _device(kind, where, sensor, baud, midi_map, force)
+        else:
+            name, open_one = "take", _take(source)
+        if name in openers:
+            raise InputError(f"--input {source}: one of a kind; there is one before it")
+        openers[name] = open_one
+    if "take" in openers and len(openers) > 1:
+        raise InputError("--input: a gesture or take plays alone; leave it or the others out")
+    options = {"sensor": sensor, "baud": baud, "midi_map": midi_map, "force": force or None}
+    for option, value in options.items():
+        if value is not None and _OF[option].partition(":")[0] not in openers:
+            raise InputError(
+                f"--{option.replace('_', '-')} is for --input {_OF[option]}, and that isn't given"
+            )
+    return Hands(openers)
+
+
+def _open_lines(engine: Engine) -> Input:
+    from overview_dsp.live.inputs import LineInput
+
+    return LineInput(sys.stdin, engine)
+
+
+def _take(source: str) -> Callable[[Engine], Input]:
+    from overview_dsp.gestures import parse_gesture
+    from overview_dsp.live.inputs import TakeInput
+
+    gesture = parse_gesture(source)
+    return lambda engine: TakeInput(gesture)
+
+
+def _device(
+    kind: str, where: str, sensor: str | None, baud: int | None, midi_map: str | None, force: bool
+) -> Callable[[Engine], Input]:
+    if kind == "serial":
+        return _serial(where, sensor, baud, force)
+    return _osc(where) if kind == "osc" else _midi(where, midi_map)
+
+
+def _serial(
+    where: str, sensor: str | None, baud: int | None, force: bool
+) -> Callable[[Engine], Input]:
+    from overview_dsp.force.loop import require_motor
+    from overview_dsp.live.motor_input import MotorInput
+    from overview_dsp.live.sensor_input import SensorInput
+    from overview_dsp.sensors.profile import Sensor
+    from overview_dsp.sensors.profile_file import load_sensor
+
+    profile = Sensor() if sensor is None else load_sensor(sensor)
+    if force:
+        require_motor(profile)
+        return lambda engine: MotorInput(engine, where, profile, baud)
+    return lambda engine: SensorInput(engine, where, profile, baud)
+
+
+def _osc(where: str) -> Callable[[Engine], Input]:
+    from overview_dsp.controllers.osc_messages import OscReader
+    from overview_dsp.live.controller_input import ControllerInput
+    from overview_dsp.live.osc_port import OscPort, parse_address
+
+    parse_address(where)
+    return lambda engine: ControllerInput(
+        engine, "osc", lambda: OscPort(where), OscReader, SILENT_OSC_S
+    )
+
+
+def _midi(where: str, midi_map: str | None) -> Callable[[Engine], Input]:
+    from overview_dsp.controllers.midi_map import DEFAULT, load_map
+    from overview_dsp.controllers.midi_messages import MidiReader
+    from overview_dsp.controllers.moves import Counters
+    from overview_dsp.controllers.parameters import require_parameters
+    from overview_dsp.live.controller_input import ControllerInput
+    from overview_dsp.live.midi_port import MidiPort
+
+    controls = DEFAULT if midi_map is None else load_map(midi_map)
+
+    def reader(counters: Counters) -> Reader:
+        return MidiReader(controls, counters)
+
+    def opened(engine: Engine) -> Input:
+        require_parameters(controls, engine.preset)
+        return ControllerInput(engine, "midi", lambda: MidiPort(where), reader)
+
+    return opened
+
+
+def choose_force_block(live: dict[str, Any]) -> None:
+    """Blocks that renew a motor's torque often enough, unless the command line names a size."""
+    from click.core import ParameterSource
+
+    given = click.get_current_context().get_parameter_source("block_size")
+    if given is ParameterSource.DEFAULT:
+        live["block_size"] = FORCE_BLOCK

@@ -1,0 +1,148 @@
+"""What MIDI messages mean, by a list of controls.
+
+A spring holds a pitch bend wheel in its middle, as a wrist lies face up: bent either way is turned
+away, its end is the end of the timeline, and let go it is back at rest. A control change is a fader
+from 0 to 1; where its fine half (number + 32) is seen it has 14 bits, else 7. Keys tap: each holds
+on at its place of the timeline until it is let go.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.controllers.midi_map import DEFAULT, TAPS, THETA2, TOUCH, Control
+from overview_dsp.controllers.moves import Counters, Dialled, LetGo, Move, Place, Touched
+from overview_dsp.units import HALF_TURN
+
+FINE = 32
+"""A control change below this has its lower 7 bits so many numbers above."""
+
+FINE_WITHIN_S = 0.005
+"""The fine half comes at once after the coarse one, or not at all."""
+
+SOUND_OFF, NOTES_OFF = 120, 123
+BEND_MIDDLE = 8192
+
+
+class MidiReader:
+    """Messages in, moves out.
+
+    Attributes
+    ----------
+    counters : Counters
+    """
+
+    def __init__(
+        self, controls: tuple[Control, ...] = DEFAULT, counters: Counters | None = None
+    ) -> None:
+        """Nothing has come yet."""
+        self.counters = Counters() if counters is None else counters
+        self._controls = controls
+        self._places = {
+            one: Place(f"{one.name}/{one.channel}") for one in controls if one.to == THETA2
+        }
+        self._coarse: dict[tuple[int, int], int] = {}
+        self._fine: set[tuple[int, int]] = set()
+        self._pending: dict[tuple[int, int], float] = {}
+
+    def read(self, data: bytes, time_s: float) -> list[Move]:
+        """The moves of one whole message."""
+        kind = data[0] & 0xF0 if data else 0
+        if kind == 0xF0:  # clocks, dumps: nothing to a hand
+            return []
+        length = 2 if kind in (0xC0, 0xD0) else 3
+        if kind < 0x80 or len(data) != length or any(byte > 0x7F for byte in data[1:]):
+            self.counters.refused += 1
+            return []
+        channel = (data[0] & 0x0F) + 1
+        self.counters.messages += 1
+        if kind in (0x80, 0x90):
+            return self._note(data[1], kind == 0x90 and data[2] > 0, channel)
+        if kind == 0xB0:
+            return self._change(data[1], data[2], channel, time_s)
+        if kind == 0xE0:
+            bent = (data[1] | data[2] << 7) - BEND_MIDDLE
+            part = min(1.0, abs(bent) / (BEND_MIDDLE - 1))
+            return self._moved("bend", 0, channel, part)
+        if kind == 0xD0:
+            return self._moved("pressure", 0, channel, data[1] / 127.0)
+        return self._nothing()
+
+    def tick(self, time_s: float) -> list[Move]:
+        """Take what waits for its fine half for whole: that is 0, and was left out."""
+        due = [one for one, since in self._pending.items() if time_s - since > FINE_WITHIN_S]
+        moves = []
+        for channel, number in due:
+            del self._pending[channel, number]
+            moves += self._moved(
+                "cc", number, channel, (self._coarse[channel, number] << 7) / 16383.0
+            )
+        return moves
+
+    @property
+    def waiting(self) -> bool:
+        """Whether `tick` is to be called soon."""
+        return bool(self._pending)
+
+    def take_messages(self) -> list[str]:
+        """What a person should know, new since the last call: nothing."""
+        return []
+
+    # --- inside -----------------------------------------------------------------------------------
+
+    def _heard(self, kind: str, number: int, channel: int) -> list[Control]:
+        return [one for one in self._controls if one.hears(kind, number, channel)]
+
+    def _nothing(self) -> list[Move]:
+        self.counters.unknown += 1
+        return []
+
+    def _note(self, number: int, down: bool, channel: int) -> list[Move]:
+        heard = self._heard("note", number, channel)
+        if not heard:
+            return self._nothing()
+        moves: list[Move] = []
+        for one in heard:
+            if one.to == TAPS:
+                name = f"key {channel}/{number}"
+                part = (number - one.number) / (one.highest - one.number)
+                moves.append(Touched(name, _theta2(one, part)) if down else LetGo(name))
+            else:
+                moves += self._do(one, float(down))
+        return moves
+
+    def _change(self, number: int, value: int, channel: int, time_s: float) -> list[Move]:
+        if number >= SOUND_OFF:
+            return [LetGo()] if number in (SOUND_OFF, NOTES_OFF) else self._nothing()
+        if self._heard("cc", number, channel):
+            key = (channel, number)
+            self._coarse[key] = value
+            if key in self._fine:
+                self._pending[key] = time_s
+                return []
+            return self._moved("cc", number, channel, value / 127.0)
+        key = (channel, number - FINE)
+        if FINE <= number < 2 * FINE and key in self._coarse:
+            self._fine.add(key)
+            self._pending.pop(key, None)
+            part = (self._coarse[key] << 7 | value) / 16383.0
+            return self._moved("cc", number - FINE, channel, part)
+        return self._nothing()
+
+    def _moved(self, kind: str, number: int, channel: int, part: float) -> list[Move]:
+        heard = self._heard(kind, number, channel)
+        if not heard:
+            return self._nothing()
+        return [move for one in heard for move in self._do(one, part)]
+
+    def _do(self, control: Control, part: float) -> list[Move]:
+        if control.to == THETA2:
+            return self._places[control].turn(_theta2(control, part))
+        if control.to == TOUCH:
+            touching = part >= 0.5
+            return [move for place in self._places.values() for move in place.touch(touching)]
+        return [Dialled(control.to, part, control.low, control.high)]
+
+
+def _theta2(control: Control, part: float) -> float:
+    low = 0.0 if control.low is None else control.low
+    high = 1.0 if control.high is None else control.high
+    return HALF_TURN * (low + (high - low) * part)

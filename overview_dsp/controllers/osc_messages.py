@@ -1,0 +1,110 @@
+"""What OSC messages to this program mean.
+
+/overview/theta2 1.57        the angle (rad, 0 to pi)
+/overview/theta2 1.57 1      the angle, and whether the hand holds on
+/overview/touch 1            whether the hand holds on (0 or 1)
+/overview/tactor/gain_db -6  a parameter by its id; a dot may stand for the stroke
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from overview_dsp.controllers.moves import Asked, Counters, Move, Place
+from overview_dsp.controllers.osc_packets import decode_packet
+from overview_dsp.errors import InputError
+from overview_dsp.units import HALF_TURN
+
+PREFIX = "/overview/"
+ROUNDED = 1e-4
+"""Beyond an end by so much (rad) is the end in single precision, and no mistake."""
+
+
+class OscReader:
+    """Datagrams in, moves out.
+
+    Attributes
+    ----------
+    counters : Counters
+    """
+
+    def __init__(self, counters: Counters | None = None) -> None:
+        """Nothing has come yet."""
+        self.counters = Counters() if counters is None else counters
+        self._place = Place("theta2")
+        self._said: list[str] = []
+
+    def read(self, data: bytes, time_s: float) -> list[Move]:
+        """The moves of a datagram; what is wrong with it is counted."""
+        try:
+            messages = decode_packet(data)
+        except InputError as error:
+            self._refuse(str(error))
+            return []
+        return [move for address, values in messages for move in self._of(address, values)]
+
+    def tick(self, time_s: float) -> list[Move]:
+        """What time alone does: nothing."""
+        return []
+
+    def take_messages(self) -> list[str]:
+        """What a person should know, new since the last call."""
+        said, self._said = self._said, []
+        return said
+
+    def _of(self, address: str, values: Sequence[Any]) -> list[Move]:
+        if not address.startswith(PREFIX):
+            self.counters.unknown += 1
+            return []
+        name = address.removeprefix(PREFIX)
+        try:
+            moves = self._named(name, values)
+        except InputError as error:
+            self._refuse(f"{address}: {error}")
+            return []
+        self.counters.messages += 1
+        return moves
+
+    def _named(self, name: str, values: Sequence[Any]) -> list[Move]:
+        if name == "theta2":
+            if len(values) not in (1, 2):
+                raise InputError("it takes an angle, and may take a touch")
+            angle = self._angle(values[0])
+            if len(values) == 2:
+                return self._place.both(angle, _flag(values[1]))
+            return self._place.turn(angle)
+        if len(values) != 1:
+            raise InputError(f"it takes one value; {len(values)} came")
+        if name == "touch":
+            return self._place.touch(_flag(values[0]))
+        if not isinstance(values[0], bool | int | float | str):
+            raise InputError("it takes a number, a text, true or false")
+        return [Asked(name.replace("/", "."), values[0])]
+
+    def _angle(self, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError("an angle is a number")
+        if not math.isfinite(value):
+            raise InputError(f"an angle is 0 to {HALF_TURN:.4f} rad, not {value}")
+        kept = min(max(float(value), 0.0), HALF_TURN)
+        if abs(kept - value) > ROUNDED:
+            if not self.counters.clamped:
+                self._said.append(
+                    f"{PREFIX}theta2 {value:.4g} is beyond an end; it is 0 to {HALF_TURN:.4f} rad, "
+                    "and the end is taken (counted on)"
+                )
+            self.counters.clamped += 1
+        return kept
+
+    def _refuse(self, why: str) -> None:
+        if not self.counters.refused:
+            self._said.append(f"{why} (the first of them; counted on)")
+        self.counters.refused += 1
+
+
+def _flag(value: object) -> bool:
+    if isinstance(value, bool | int | float) and value in (0, 1):
+        return bool(value)
+    raise InputError("a touch is 0 or 1")

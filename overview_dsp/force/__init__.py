@@ -1,0 +1,1 @@
+"""Force out: a motor under the knob brakes the hand as the surface's friction does."""

@@ -1,0 +1,181 @@
+"""MIDI ports: found, opened, read. `rtmidi` is imported here alone, and late."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import threading
+import time
+from collections import deque
+from collections.abc import Iterator
+from typing import Any
+
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.live.port_lost import PortLostError
+
+HINT = (
+    "MIDI needs python-rtmidi: pip install 'overview-dsp[midi]' (from Python 3.13 on it is built "
+    "there, and needs a C++ compiler)"
+)
+MOST = 4096
+"""Messages that wait; of more, the latest."""
+
+LOOK_EVERY_S = 0.5
+ACTIVE_SENSING = 0xFE
+SENSED_WITHIN_S = 0.5
+"""Who sends active sensing does every 0.3 s; then this is silence (MIDI 1.0, active sensing)."""
+
+_NUMBERS = re.compile(r" \d+:\d+$")
+
+
+def _import_rtmidi() -> Any:
+    try:
+        import rtmidi
+    except ImportError:
+        raise OverviewError(HINT) from None
+    return rtmidi
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what the systems' own libraries write to the terminal where they are missing."""
+    os.environ.setdefault("JACK_NO_START_SERVER", "1")  # looking starts no server
+    kept = os.dup(2)
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
+
+
+def _systems() -> list[Any]:
+    """An unopened input of each of the machine's MIDI systems that answers (ALSA, JACK, ...)."""
+    rtmidi = _import_rtmidi()
+    found = []
+    with _quiet():
+        for api in rtmidi.get_compiled_api():
+            try:
+                found.append(rtmidi.MidiIn(api, name="overview"))
+            except Exception:  # one that isn't there; rtmidi has a class of its own for it
+                continue
+    return found
+
+
+def midi_ports() -> list[str]:
+    """The names of the ports that messages can come from; OverviewError without rtmidi."""
+    systems = _systems()
+    names = [_plain(name) for one in systems for name in one.get_ports()]
+    for one in systems:
+        one.delete()
+    return list(dict.fromkeys(names))
+
+
+def _plain(name: str) -> str:
+    """Without the numbers that ALSA gives anew each time."""
+    return _NUMBERS.sub("", name)
+
+
+def _matching(names: list[str], wanted: str) -> list[int]:
+    """The ports of that name, whole or a part of it, whatever its case."""
+    plain = [_plain(name) for name in names]
+    whole = [index for index, name in enumerate(plain) if name == wanted]
+    return whole or [i for i, name in enumerate(plain) if wanted.casefold() in name.casefold()]
+
+
+class MidiPort:
+    """An open port.
+
+    Attributes
+    ----------
+    name : str
+        As `--input` names it.
+    dropped : int
+        Messages given up because more came than was read.
+    """
+
+    def __init__(self, wanted: str) -> None:
+        """Open the port of that name, or the one whose name has that in it.
+
+        Raises
+        ------
+        InputError
+            No such port, or several.
+        OverviewError
+            python-rtmidi isn't installed.
+        """
+        self.name = f"midi:{wanted}"
+        self.dropped = 0
+        self._messages: deque[bytes] = deque()
+        self._came = threading.Event()
+        self._input, self._port = self._open(wanted)
+        self._looked_at = time.monotonic()
+        self._sensed_at: float | None = None
+
+    def _open(self, wanted: str) -> tuple[Any, str]:
+        systems = _systems()
+        chosen: Any = None
+        try:
+            for one in systems:
+                names = one.get_ports()
+                found = _matching(names, wanted)
+                if len(found) > 1:
+                    several = ", ".join(_plain(names[index]) for index in found)
+                    raise InputError(f"{self.name}: several are called so: {several}")
+                if found:
+                    chosen = one
+                    one.ignore_types(sysex=True, timing=True, active_sense=False)
+                    one.set_callback(self._take)
+                    one.open_port(found[0], name="in")
+                    return one, names[found[0]]
+            known = ", ".join(_plain(name) for one in systems for name in one.get_ports())
+            raise InputError(f"{self.name}: no such port; there are: {known or 'none'}")
+        except RuntimeError as error:  # rtmidi's
+            raise InputError(f"{self.name}: can't be opened ({error}); is it held by another "
+                             "program?") from None  # fmt: skip
+        finally:
+            for one in systems:
+                if one is not chosen:
+                    one.delete()
+
+    def _take(self, event: tuple[list[int], float], _: object) -> None:
+        """Called by a thread of rtmidi's."""
+        if len(self._messages) >= MOST:
+            self._messages.popleft()
+            self.dropped += 1
+        self._messages.append(bytes(event[0]))
+        self._came.set()
+
+    def receive(self, wait_s: float) -> list[bytes]:
+        """The messages that have come, waiting so long (s) for the first.
+
+        Raises
+        ------
+        PortLostError
+            The port is gone, or no longer senses that it is there.
+        """
+        self._came.wait(wait_s)
+        self._came.clear()
+        found = []
+        while self._messages:
+            found.append(self._messages.popleft())
+        now = time.monotonic()
+        sensing = self._sensed_at is not None or bytes([ACTIVE_SENSING]) in found
+        if found and sensing:
+            self._sensed_at = now
+        if self._sensed_at is not None and now - self._sensed_at > SENSED_WITHIN_S:
+            raise PortLostError(f"{self.name}: it has stopped to say that it is there")
+        if now - self._looked_at > LOOK_EVERY_S:
+            self._looked_at = now
+            if self._port not in self._input.get_ports():
+                raise PortLostError(f"{self.name}: gone")
+        return [one for one in found if one[0] < 0xF0]
+
+    def close(self) -> None:
+        """Give it back."""
+        self._input.cancel_callback()
+        self._input.close_port()
+        self._input.delete()

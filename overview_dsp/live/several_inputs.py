@@ -1,0 +1,47 @@
+"""Several hands in one session; the rule by which they change over is `controllers.hand`'s."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from overview_dsp.engine import Engine
+from overview_dsp.live.player import Input
+
+
+class SeveralInputs(Input):
+    """Inputs that play together, each as a source of its own.
+
+    Thread: control.
+    """
+
+    def __init__(self, inputs: Mapping[str, Input]) -> None:
+        """`inputs`: each by the name of its source."""
+        self._inputs = dict(inputs)
+
+    def poll(self, engine: Engine) -> None:
+        """Each hands over what is due."""
+        for one in self._inputs.values():
+            one.poll(engine)
+
+    def is_over(self, engine: Engine) -> bool:
+        """Whether nothing more will come from any."""
+        return all(one.is_over(engine) for one in self._inputs.values())
+
+    def take_messages(self) -> tuple[str, ...]:
+        """What a person should know, new since the last call."""
+        return tuple(line for one in self._inputs.values() for line in one.take_messages())
+
+    @property
+    def words(self) -> str:
+        """A line for each."""
+        return "\n".join(one.words for one in self._inputs.values() if one.words)
+
+    def report(self) -> dict[str, Any]:
+        """What each counted, by its source."""
+        return {name: dict(one.report()) for name, one in self._inputs.items()}
+
+    def close(self) -> None:
+        """Each lets go and gives back what it opened."""
+        for one in self._inputs.values():
+            one.close()

@@ -1,0 +1,100 @@
+"""`overview play --input`: several hands, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.controllers.osc_bytes import message
+
+from .running import MATCH, ROOT, overview, refused
+
+PLAY = ("play", MATCH, "--device", "none")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--input", "osc:"), ("osc:", "overview devices")),
+        (("--input", "midi:"), ("midi:", "overview devices")),
+        (("--input", "osc:x"), ("'x'", "9000")),
+        (("--input", "osc:70000"), ("70000", "9000")),
+        (("--input", "osc:9000", "--input", "osc:9001"), ("osc:9001", "one of a kind")),
+        (("--input", "sweep:1", "--input", "osc:9000"), ("plays alone",)),
+        (("--input", "sweep:1", "--input", "sweep:1"), ("one of a kind",)),
+        (("--input", "osc:9000", "--sensor", "imu"), ("--sensor", "serial:PORT")),
+        (("--input", "osc:9000", "--midi-map", "x.toml"), ("--midi-map", "midi:NAME")),
+        (("--input", "midi:x", "--midi-map", "nowhere.toml"), ("nowhere.toml", "midi learn")),
+        (("--osc-out", "x"), ("'x'", "9000")),
+    ],
+)
+def test_wrong_hands_are_one_line(arguments, words):
+    refused(overview(*PLAY, *arguments), *words)
+
+
+def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('schema = 1\n[[control]]\ncontrol = "cc 7"\nto = "tactor.gian_db"\n')
+    line = refused(overview(*PLAY, "--input", "midi:x", "--midi-map", path))
+    assert "did you mean 'tactor.gain_db'" in line
+
+
+@pytest.mark.parametrize(
+    ("module", "arguments", "hint"),
+    [
+        ("pythonosc", ("--input", "osc:9000"), "pip install 'overview-dsp[osc]'"),
+        ("pythonosc", ("--osc-out", "9000"), "pip install 'overview-dsp[osc]'"),
+        ("rtmidi", ("--input", "midi:x"), "pip install 'overview-dsp[midi]'"),
+    ],
+)
+def test_a_missing_library_is_one_line_that_says_how_to_get_it(
+    monkeypatch, module, arguments, hint
+):
+    monkeypatch.setitem(sys.modules, module, None)
+    refused(overview(*PLAY, *arguments), hint, code=1)
+
+
+def test_lines_and_osc_play_together_and_each_is_reported(tmp_path):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        number = free.getsockname()[1]
+    take = tmp_path / "take.csv"
+    command = [sys.executable, "-m", "overview_dsp", *PLAY, "--input", "-", "--input",
+               f"osc:{number}", "--record", str(take), "--seconds", "4"]  # fmt: skip
+    playing = subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        playing.stdin.write("2.0 1\n2.0 0\n")
+        playing.stdin.flush()
+        until = time.monotonic() + 60.0
+        while playing.poll() is None and time.monotonic() < until:
+            client.sendto(message("/overview/theta2", 1.0, 1), ("127.0.0.1", number))
+            time.sleep(0.05)
+    out, err = playing.communicate(timeout=60)
+    assert playing.returncode == 0, err
+    report = json.loads(out.splitlines()[-1])["summary"]["input"]
+    assert report["osc"]["messages"] > 5
+    assert report["osc"]["refused"] == 0
+    sources = {line.split(",")[-1] for line in take.read_text().splitlines()}
+    assert {"twist", "osc"} <= sources, sources
+
+
+def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
+    pytest.importorskip("sounddevice", exc_type=OSError, reason="needs PortAudio")
+    from overview_dsp.live import midi_port
+
+    monkeypatch.setattr(midi_port, "midi_ports", lambda: ["nanoKONTROL2"])
+    assert "midi:nanoKONTROL2" in overview("devices", "--listen", 0).out
+    found = json.loads(overview("devices", "--listen", 0, "--json").out)
+    assert found["midi_ports"] == ["nanoKONTROL2"]
+    monkeypatch.undo()
+    monkeypatch.setitem(sys.modules, "rtmidi", None)
+    assert "overview-dsp[midi]" in overview("devices", "--listen", 0).out

@@ -1,0 +1,351 @@
+"""Controllers into a running engine: made-up ports, UDP by hand, MIDI on a headless server."""
+
+from __future__ import annotations
+
+import math
+import socket
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.controllers.midi_messages import MidiReader
+from overview_dsp.controllers.osc_messages import OscReader
+from overview_dsp.gestures import SOURCES
+from overview_dsp.live.controller_input import ControllerInput
+from overview_dsp.live.osc_out import OscOut
+from overview_dsp.live.osc_port import OscPort
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.player import Player
+from overview_dsp.live.port_lost import PortLostError
+from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.several_inputs import SeveralInputs
+from overview_dsp.live.silent import SilentStream
+from tests.controllers.osc_bytes import message, messages
+
+
+class MadePort:
+    """A port that gives what a test puts in."""
+
+    name = "made"
+
+    def __init__(self):
+        self._ready = threading.Event()
+        self._waiting = []
+        self.dropped = 0
+        self.lost = self.closed = False
+
+    def put(self, *datagrams):
+        self._waiting.extend(datagrams)
+        self._ready.set()
+
+    def receive(self, wait_s):
+        self._ready.wait(wait_s)
+        self._ready.clear()
+        if self.lost:
+            raise PortLostError("gone")
+        found, self._waiting = self._waiting, []
+        return found
+
+    def close(self):
+        self.closed = True
+
+
+@pytest.fixture
+def engine(match, football):
+    engine = ov.Engine(football, match)
+    engine.prepare(48_000, 4800)
+    return engine
+
+
+@pytest.fixture
+def running(engine):
+    """The engine, run by a thread in real time."""
+    stream = SilentStream(engine, 256)
+    stream.start()
+    yield engine
+    stream.close()
+
+
+class Opened:
+    """Inputs with made-up ports, that are closed in the end."""
+
+    def __init__(self, engine):
+        self.engine = engine
+        self.ports = []
+        self.inputs = []
+        self.there = True
+
+    def open(self, source, reader, silent_s=None):
+        def open_port():
+            if not self.there:
+                raise ov.InputError("made: no such port")
+            self.ports.append(MadePort())
+            return self.ports[-1]
+
+        self.inputs.append(ControllerInput(self.engine, source, open_port, reader, silent_s))
+        return self.inputs[-1], self.ports[-1]
+
+
+@pytest.fixture
+def opened(running):
+    opened = Opened(running)
+    yield opened
+    for one in opened.inputs:
+        one.close()
+
+
+def until(condition, seconds=10.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+def said(hand, word, seconds=10.0):
+    """Wait for a message with that word; every message until then."""
+    lines = []
+
+    def heard():
+        lines.extend(hand.take_messages())
+        return any(word in line for line in lines)
+
+    until(heard, seconds)
+    return lines
+
+
+def bend(value):
+    return bytes((0xE0, value & 0x7F, value >> 7))
+
+
+def test_an_osc_touch_holds_moves_and_lets_go(opened, running):
+    _, port = opened.open("osc", OscReader)
+    port.put(message("/overview/theta2", 1.0, 1))
+    until(lambda: running.holder is not None)
+    assert running.holder == ("osc", pytest.approx(1.0))
+    port.put(message("/overview/theta2", 2.0))
+    until(lambda: running.holder[1] == pytest.approx(2.0))
+    port.put(message("/overview/touch", 0))
+    until(lambda: running.holder is None)
+
+
+def test_who_says_nothing_for_long_has_let_go(opened, running):
+    hand, port = opened.open("osc", OscReader, silent_s=0.3)
+    port.put(message("/overview/theta2", 1.0, 1))
+    until(lambda: running.holder is not None)
+    said(hand, "silent for 0.3 s")
+    until(lambda: running.holder is None)
+    # and takes hold again
+    port.put(message("/overview/theta2", 2.0, 0), message("/overview/theta2", 2.0, 1))
+    until(lambda: running.holder is not None)
+
+
+def test_a_lost_controller_lets_go_is_said_once_and_comes_back(opened, running):
+    hand, port = opened.open("midi", lambda counters: MidiReader(counters=counters))
+    port.put(bytes((0x90, 60, 100)))
+    until(lambda: running.holder is not None)
+    opened.there = False
+    port.lost = True
+    port.put()
+    lines = said(hand, "gone")
+    until(lambda: running.holder is None)
+    assert not hand.report()["connected"]
+    assert "gone" in hand.words
+    time.sleep(1.2)
+    opened.there = True
+    lines += said(hand, "is back")
+    assert len(lines) == 2
+    assert hand.report()["connections_lost"] == 1
+    opened.ports[-1].put(bytes((0x90, 60, 100)))
+    until(lambda: running.holder is not None)
+    assert hand.report()["messages"] == 2
+
+
+def test_a_preset_whose_twist_lets_go_by_taps_alone_is_pointed_out(opened, running, football):
+    hand, port = opened.open("osc", OscReader)
+    running.set_preset(football.with_changes({"twist.release": "tap"}))
+    hand.poll(running)
+    port.put(message("/overview/theta2", 0.1), message("/overview/theta2", 0.2))
+    assert len(said(hand, "twist.release")) == 1
+
+
+def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
+    hand, port = opened.open("osc", OscReader)
+    port.put(
+        message("/overview/tactor/gain_db", -6.0),
+        message("/overview/kinds.goal.height", 50),
+        message("/overview/tactor/gian_db", -6.0),
+        message("/overview/tactor/exponent", "loud"),
+    )
+    until(lambda: hand.report()["messages"] == 4)
+    hand.poll(running)
+    assert running.preset.values["tactor.gain_db"] == -6.0
+    assert running.preset.kinds["goal"].height == 50.0
+    lines = hand.take_messages()
+    assert len(lines) == 2
+    assert "did you mean 'tactor.gain_db'" in lines[0]
+    port.put(message("/overview/tactor/gian_db", -6.0))
+    until(lambda: hand.report()["messages"] == 5)
+    hand.poll(running)
+    assert hand.take_messages() == ()
+    assert hand.report()["refused"] == 3
+
+
+def test_many_surface_changes_wait_for_a_slot_and_the_last_one_wins(opened, running):
+    hand, port = opened.open("osc", OscReader)
+    for n in range(40):
+        port.put(message("/overview/kinds/goal/height", 10.0 + n))
+        time.sleep(0.002)
+        hand.poll(running)
+
+    def settled():
+        hand.poll(running)
+        return running.preset.kinds["goal"].height == 49.0
+
+    until(settled)
+    assert hand.take_messages() == ()
+
+
+def test_two_controllers_change_over_without_a_jump(opened, running):
+    osc, osc_port = opened.open("osc", OscReader)
+    midi, midi_port = opened.open("midi", lambda counters: MidiReader(counters=counters))
+    both = SeveralInputs({"osc": osc, "midi": midi})
+    for theta2 in np.linspace(0.0, 2.0, 20):
+        osc_port.put(message("/overview/theta2", float(theta2)))
+        time.sleep(0.005)
+    until(lambda: running.holder is not None and running.holder[1] == pytest.approx(2.0))
+    seen = [2.0]
+    for value in range(8192, 13000, 100):
+        midi_port.put(bend(value))
+        time.sleep(0.01)
+        if running.holder is not None:
+            seen.append(running.holder[1])
+    until(lambda: running.holder[1] == pytest.approx((12992 - 8192) / 8191 * math.pi, abs=0.01))
+    assert running.holder[0] == "midi"
+    assert np.abs(np.diff(seen)).max() < 0.4
+    # the fader that lies at 2.0 is turned again
+    for theta2 in np.linspace(2.0, 3.0, 20):
+        osc_port.put(message("/overview/theta2", float(theta2)))
+        time.sleep(0.01)
+    until(lambda: running.holder[0] == "osc" and running.holder[1] == pytest.approx(3.0))
+    # and back at the middle the wheel lets go: nothing more of it
+    midi_port.put(bend(8192))
+    until(lambda: not midi.report()["holding"])
+    assert running.holder[0] == "osc"
+    assert set(both.report()) == {"osc", "midi"}
+    assert len(both.words.splitlines()) == 2
+
+
+def test_a_flood_is_read_and_leaves_nothing_behind(opened, running):
+    hand, port = opened.open("osc", OscReader)
+    for _ in range(200):
+        port.put(*(message("/overview/theta2", (k % 300) / 100, 1) for k in range(100)))
+        time.sleep(0.001)
+    until(lambda: hand.report()["messages"] == 20_000, 30.0)
+    port.put(message("/overview/theta2", 1.5, 1))
+    until(lambda: running.holder is not None and running.holder[1] == pytest.approx(1.5))
+    assert running.meters.dropped_events == 0
+    port.put(message("/overview/touch", 0))
+    until(lambda: running.holder is None)
+
+
+def test_what_controllers_did_and_set_is_recorded_and_renders_to_the_same_bits(
+    match, football, tmp_path
+):
+    path = tmp_path / "take.csv"
+    player = Player(
+        match, PresetWatch("football"), lambda engine, given: SilentStream(engine, 256, given),
+        OutputSettings(), callback="python", record=path,
+    )  # fmt: skip
+    opened = Opened(player.engine)
+    osc, osc_port = opened.open("osc", OscReader)
+    midi, midi_port = opened.open("midi", lambda counters: MidiReader(counters=counters))
+
+    def played(seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            osc.poll(player.engine)
+            midi.poll(player.engine)
+            player.poll()
+            time.sleep(0.01)
+
+    for n in range(40):
+        osc_port.put(message("/overview/theta2", 0.05 * n))
+        midi_port.put(bend(8192 + 100 * n))
+        osc_port.put(message("/overview/tactor/gain_db", -0.2 * n))
+        played(0.01)
+    osc_port.put(message("/overview/kinds/goal/height", 60))
+    midi_port.put(bytes((0x90, 90, 100)))
+    played(0.3)
+    for one in opened.inputs:
+        one.close()
+    played(0.2)
+    player.close()
+    take = ov.load_gesture(path)
+    assert {SOURCES[source] for source in take.source} >= {"osc", "midi"}
+    assert len(take.changes) > 5
+    result = ov.render(match, football, take, tail="none")
+    assert result.trace.cursor[player.engine.sample_time - 1] == player.engine.meters.cursor
+    assert result.engine.meters.strikes == player.engine.meters.strikes
+    assert result.engine.preset.kinds["goal"].height == 60.0
+
+
+# --- UDP ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def number():
+    """Of a port that is free."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, number):
+    hand = ControllerInput(running, "osc", lambda: OscPort(str(number)), OscReader)
+    client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        client.sendto(message("/overview/theta2", 2.0, 1), ("127.0.0.1", number))
+        until(lambda: running.meters.cursor > 0.6)
+        client.sendto(b"rubbish", ("127.0.0.1", number))
+        client.sendto(message("/overview/touch", 0), ("127.0.0.1", number))
+        until(lambda: running.holder is None)
+        assert hand.report()["refused"] == 1
+        with pytest.raises(ov.InputError, match="another program listens"):
+            OscPort(str(number))
+    finally:
+        client.close()
+        hand.close()
+    OscPort(str(number)).close()  # given back
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x", "0", "70000", "1:2:x", ":9000", "no.such.host.invalid:9"]
+)
+def test_an_address_that_is_none_is_one_line(text):
+    with pytest.raises(ov.InputError):
+        OscPort(text)
+
+
+def test_what_the_disk_does_is_sent_out(running, match):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.settimeout(5.0)
+        out = OscOut(running, str(listener.getsockname()[1]))
+        running.control(3.0, True)
+        heard = {}
+        events = []
+        end = time.monotonic() + 10.0
+        while time.monotonic() < end and not (events and heard.get("/overview/cursor", 0) > 0.8):
+            address, values = messages(listener.recv(65535))
+            heard[address] = values[0]
+            events += [values] if address == "/overview/event" else []
+        out.close()
+    assert heard["/overview/touching"] == 1
+    assert "/overview/torque" in heard
+    happened = [(event.kind, event.label) for event in match.events]
+    for kind, label, _, level in events:
+        assert (kind, label) in happened
+        assert level > 0.0

@@ -1,0 +1,271 @@
+"""A motor knob into a running engine and back: through a made-up port, and through a real one."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.live.motor_input import MotorInput
+from overview_dsp.sensors.profile_file import load_sensor
+from tests.cli.running import overview
+from tests.live.test_sensor_input import KNOB, PLAY, ROOT, MadePort, needs_pty, played
+
+SENSOR = load_sensor("simplefoc")
+
+
+def line_fits(data):
+    """A port that never blocks, and a Commander whose buffer has 20 characters."""
+    assert all(len(line) < 20 for line in data.split(b"\n"))
+    return True
+
+
+class MadeMotorPort(MadePort):
+    """Also keeps what is written."""
+
+    def __init__(self):
+        super().__init__()
+        self.written = []
+        self.targets = []
+
+    def write(self, data):
+        self.written.append((time.monotonic(), data))
+        self.targets += [
+            float(line[1:])
+            for line in data.decode().split()
+            if line[1] in "-0123456789" and line[0] == "M"
+        ]
+        return line_fits(data)
+
+    def lines(self):
+        return b"".join(data for _, data in self.written).decode().splitlines()
+
+
+class Bench:
+    """An engine run by hand, and a motor that says its angle every millisecond."""
+
+    def __init__(self, engine):
+        self.engine = engine
+        self.there = True
+        self.input = MotorInput(engine, "made", SENSOR, open_port=self._open)
+        self.angle = 0.0
+
+    def _open(self, *_):
+        if not self.there:
+            raise ov.InputError("serial:made: no such port")
+        self.port = MadeMotorPort()
+        return self.port
+
+    def turn(self, speed, seconds):
+        """Turn at `speed` (rad/s) in real time, the engine kept in time with it."""
+        began, done, rate = time.monotonic(), 0, self.engine.sample_rate
+        while done < round(seconds * 1000):
+            done += 1
+            self.angle += speed * 1e-3
+            applied = self.targets()[-1:] or [0.0]
+            self.port.put(f"{applied[0]:.4f}\t{self.angle:.4f}\r\n".encode())
+            if done % 5 == 0:
+                self.engine.process(np.zeros((round(0.005 * rate), 2), dtype=np.float32))
+            time.sleep(max(0.0, began + done * 1e-3 - time.monotonic()))
+
+    def targets(self):
+        return self.port.targets[:]
+
+
+@pytest.fixture
+def bench(match, football):
+    engine = ov.Engine(football, match)
+    engine.prepare(8_000, 48_000)
+    bench = Bench(engine)
+    yield bench
+    bench.input.close()
+
+
+def test_a_turning_knob_is_braked_and_a_resting_one_is_not(bench):
+    bench.turn(0.0, 0.4)
+    assert not any(bench.targets())
+    assert bench.port.lines()[:6] == ["@0", "MC0", "M0", "MMS1000001", "MMD10", "ME1"]
+    bench.turn(3.0, 0.8)
+    assert bench.engine.holder[0] == "serial"
+    assert min(bench.targets()) < -0.05
+    assert max(bench.targets()) == 0.0
+    bench.turn(0.0, 0.3)
+    assert bench.targets()[-1] == 0.0
+    report = bench.input.report()["force"]
+    assert report["alive"]
+    assert "mN·m" in bench.input.words
+
+
+def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
+    bench.turn(0.0, 0.3)
+    bench.turn(3.0, 0.6)
+    assert bench.targets()[-1] < 0.0
+    silent_at = time.monotonic()
+    while not any("said nothing" in said for said in bench.input.take_messages()):
+        assert time.monotonic() < silent_at + 2.0
+        time.sleep(0.002)
+    bench.engine.process(np.zeros((800, 2), dtype=np.float32))
+    assert bench.engine.holder is None
+    last = max(at for at, data in bench.port.written if not data.endswith(b"M0.0000\n"))
+    print(f"last torque {1e3 * (last - silent_at):.1f} ms after the last report")
+    assert bench.targets()[-1] == 0.0
+
+
+def test_another_hand_that_holds_the_disk_does_not_turn_the_motor(bench):
+    bench.turn(0.0, 0.3)
+    bench.turn(3.0, 0.4)
+    bench.engine.control(0.5, True)
+    bench.turn(3.0, 0.1)
+    bench.port.targets.clear()
+    bench.turn(3.0, 0.2)
+    assert bench.engine.holder[0] == "touch"
+    assert not any(bench.targets())
+
+
+def test_the_motor_has_no_torque_and_no_power_after_the_end(bench):
+    bench.turn(0.0, 0.2)
+    bench.input.close()
+    assert bench.port.lines()[-2:] == ["M0", "ME0"]
+    assert bench.port.closed
+
+
+def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
+    bench.turn(0.0, 0.3)
+    bench.turn(3.0, 0.3)
+    bench.there = False
+    gone, bench.port.lost = bench.port, True
+    time.sleep(0.2)
+    assert gone.closed
+    assert "no force" in bench.input.words
+    bench.there = True
+    until = time.monotonic() + 5.0
+    while bench.port is gone:
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    bench.turn(0.0, 0.3)
+    assert bench.port.lines()[0] == "@0"
+    assert not any(bench.targets())
+    bench.turn(3.0, 0.6)
+    assert min(bench.targets()) < 0.0
+
+
+def test_a_motor_that_reports_too_seldom_is_told_once(bench):
+    for n in range(140):
+        bench.port.put(f"0.0000\t{0.001 * n:.4f}\r\n".encode())
+        time.sleep(0.02)
+    said = [one for one in bench.input.take_messages() if "times a second" in one]
+    assert len(said) == 1
+    assert "motor.downsample" in said[0]
+
+
+@pytest.fixture
+def motor(tmp_path):
+    """Start simulated motors; the port of each, and what it told at its end."""
+    running = []
+
+    def start(*arguments):
+        link = tmp_path / f"motor{len(running)}"
+        command = [sys.executable, str(KNOB), "motor", "--link", str(link), *map(str, arguments)]
+        running.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
+        assert running[-1].stdout.readline().startswith(f"serial:{link}")
+        return link
+
+    def told():
+        process = running[-1]
+        process.send_signal(signal.SIGINT)
+        return json.loads(process.communicate(timeout=20)[0].splitlines()[-1])
+
+    start.told = told
+    yield start
+    for process in running:
+        process.terminate()
+        process.wait()
+        process.stdout.close()
+
+
+FORCE = ("--sensor", "simplefoc", "--force")
+
+
+@needs_pty
+@pytest.mark.parametrize("delay_ms", [0, 20])
+def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms):
+    port = motor("--delay-ms", delay_ms)
+    lines, _ = played("--input", f"serial:{port}", *FORCE, "--seconds", 9)
+    force = lines[-1]["summary"]["input"]["force"]
+    told = motor.told()
+    print(force, told)
+    assert force["put_in_mj"] > 0.5
+    assert force["given_mj"] <= force["put_in_mj"] + force["rubbed_mj"]
+    assert force["put_in_mj"] == pytest.approx(told["put_in_mj"], rel=0.25)
+    assert told["given_mj"] <= told["put_in_mj"]
+    assert told["hand_mj"] > told["put_in_mj"]
+    assert not told["enabled"]
+    assert told["target"] == 0.0
+    assert lines[-1]["summary"]["block_size"] == 128
+
+
+@needs_pty
+def test_a_knob_that_is_held_lies_still_over_a_port(motor):
+    port = motor("--hand", "hold", "--delay-ms", 20)
+    lines, _ = played("--input", f"serial:{port}", *FORCE, "--seconds", 7)
+    assert lines[-1]["summary"]["input"]["force"]["commands"] > 500
+    assert motor.told()["moved_deg"] < 0.2
+
+
+@needs_pty
+def test_a_host_that_is_killed_leaves_no_torque(motor):
+    """The device's own duty: nothing tells it to stop."""
+    port = motor("--hand", "sweep")
+    process = subprocess.Popen(
+        [*PLAY, "--input", f"serial:{port}", *FORCE],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])},
+    )  # fmt: skip
+    try:
+        until = time.monotonic() + 60.0
+        for line in process.stdout:
+            assert time.monotonic() < until
+            if json.loads(line)["input"]["force"]["torque_nm"] != 0.0:
+                break
+    finally:
+        process.kill()
+        process.communicate()
+    time.sleep(0.3)
+    told = motor.told()
+    assert told["silences"] >= 1
+    assert told["target"] == 0.0
+
+
+@needs_pty
+def test_a_motor_that_falls_silent_is_let_go(motor):
+    port = motor("--mute", 6)
+    lines, said = played("--input", f"serial:{port}", *FORCE, "--seconds", 9)
+    force = lines[-1]["summary"]["input"]["force"]
+    assert force["silences"] >= 1
+    assert not force["alive"]
+    assert force["torque_nm"] == 0.0
+    assert not lines[-2]["touching"]
+    assert "said nothing for 40 ms" in said
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--force",),
+        ("--force", "--input", "sweep:2"),
+        ("--force", "--input", "serial:/dev/null"),
+        ("--force", "--input", "serial:/dev/null", "--sensor", "imu"),
+        ("--force", "--input", "serial:/dev/no-such-port", "--sensor", "simplefoc"),
+    ],
+)
+def test_wrong_options_are_one_line(arguments):
+    done = overview("play", "world-cup-final-2018", "--device", "none", *arguments)
+    assert done.code == 2
+    assert len(done.errors) == 1
