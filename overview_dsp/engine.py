@@ -17,10 +17,10 @@ from overview_dsp.coefficients import (
     check_carrier,
     coefficients,
 )
+from overview_dsp.compile_notice import announce_compile
 from overview_dsp.errors import InputError, NotPreparedError, OverviewError
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import block, layout
-from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
 from overview_dsp.mailbox import Mailbox, stamp_of
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 MIN_SAMPLE_RATE = 1_000.0
 MAX_SAMPLE_RATE = 768_000.0
 TRACE_COLUMNS = layout.TRACE_COLUMNS
-__all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes", "is_compiled"]
+__all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes"]
 
 APPLIED_EVENT = np.dtype(
     [("sample", np.int64), ("source", np.int64), ("theta2", np.float64), ("touching", np.bool_)]
@@ -84,6 +84,7 @@ class Engine:
         check_carrier(self._preset, rate)
         if max_block_size < 1:
             raise InputError(f"max_block_size = {max_block_size}; it is at least 1 frame")
+        announce_compile("process")
         self._sample_rate = rate
         self._max_block_size = int(max_block_size)
         self._m = np.zeros(layout.TOTAL)
