@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         sweep,
         tap,
     )
+    from overview_dsp.many import Voice, VoiceResult, render_many, voices
     from overview_dsp.presets import PARAMETERS, Kind, Mode, Parameter, Preset, bundled_names
     from overview_dsp.presets.library import load_preset
     from overview_dsp.rendering import Result, Trace, render, render_to_file
@@ -58,6 +59,7 @@ _ROOMS = {
         "sweep",
         "tap",
     ),
+    "many": ("Voice", "VoiceResult", "render_many", "voices"),
     "presets": ("PARAMETERS", "Kind", "Mode", "Parameter", "Preset", "bundled_names"),
     "presets.library": ("load_preset",),
     "rendering": ("Result", "Trace", "render", "render_to_file"),
@@ -89,6 +91,8 @@ __all__ = [
     "Surface",
     "Timeline",
     "Trace",
+    "Voice",
+    "VoiceResult",
     "build_surface",
     "bundled_names",
     "load_actuator",
@@ -97,12 +101,14 @@ __all__ = [
     "load_timeline",
     "parse_gesture",
     "render",
+    "render_many",
     "render_to_file",
     "rest",
     "save_gesture",
     "save_timeline",
     "sweep",
     "tap",
+    "voices",
 ]
 
 

@@ -53,12 +53,23 @@ class Engine:
     Thread: `process` belongs to the audio thread, everything else to one control thread.
     """
 
-    def __init__(self, preset: Preset, timeline: Timeline, *, seed: int = 0) -> None:
-        """Build the surface; nothing is allocated or compiled until `prepare`."""
+    def __init__(
+        self,
+        preset: Preset,
+        timeline: Timeline,
+        *,
+        seed: int = 0,
+        surface: Surface | None = None,
+    ) -> None:
+        """Build the surface; nothing is allocated or compiled until `prepare`.
+
+        `surface` is that of this timeline and preset, where it is built already.
+        """
         self._preset = preset
         self._timeline = timeline
         self._seed = seed
-        self._surface = build_surface(timeline, preset)
+        self._surface = build_surface(timeline, preset) if surface is None else surface
+        self._slot_surfaces: list[Surface | None] = [None] * layout.SLOTS
         self._sample_rate = 0.0
         self._max_block_size = 0
         self._journal: deque[tuple[int, dict[str, Any] | None]] = deque(maxlen=layout.HOST_RING)
@@ -97,6 +108,29 @@ class Engine:
         self._w[layout.S_TACTOR_CHANNEL] = 1
         self._m[layout.S_SAMPLE_RATE] = rate
         self._u[layout.S_SEED] = seed_state(self._seed)
+        self._slot_surfaces = [None] * layout.SLOTS
+        self.reset()
+
+    def restart(
+        self,
+        preset: Preset,
+        timeline: Timeline,
+        *,
+        seed: int = 0,
+        surface: Surface | None = None,
+    ) -> None:
+        """As a new engine with these, prepared as this one is, in the same memory.
+
+        Raises
+        ------
+        InputError
+            The preset's carrier doesn't fit the sample rate; nothing is changed.
+        """
+        self._require_prepared()
+        check_carrier(preset, self._sample_rate)
+        built = build_surface(timeline, preset) if surface is None else surface
+        self._preset, self._timeline, self._seed, self._surface = preset, timeline, seed, built
+        self._u[layout.S_SEED] = seed_state(seed)
         self.reset()
 
     def reset(self) -> None:
@@ -107,9 +141,10 @@ class Engine:
             self._w[layout.GLIDE_LEFT + column] = 0
         self._w[layout.S_RELEASE_RETURNS] = self._preset.values["disk.release"] == "return"
         self._w[layout.ACTIVE_SLOT] = 0
-        write_surface(self._m, 0, self._surface, self._sample_rate)
+        if self._slot_surfaces[0] is not self._surface:
+            write_surface(self._m, 0, self._surface, self._sample_rate)
+            self._slot_surfaces[0] = self._surface
         block.reset(self._m, self._w, self._u)
-        self._slot_surfaces = [self._surface] * layout.SLOTS
         self._mailbox.dropped = 0
         self._journal.clear()
 
@@ -130,6 +165,23 @@ class Engine:
         """
         self._require_prepared()
         self._mailbox.control(theta2, touching, stamp_of(sample_time), source)
+
+    def control_all(
+        self,
+        theta2: NDArray[np.float64],
+        touching: NDArray[np.bool_],
+        sample_times: NDArray[np.int64],
+        sources: NDArray[np.int8],
+    ) -> None:
+        """Many events of `control`, in order; sources are indices of `SOURCES`.
+
+        Raises
+        ------
+        OverviewError
+            More than a ring has room for; none is taken.
+        """
+        self._require_prepared()
+        self._mailbox.control_all(theta2, touching, sample_times, sources)
 
     def set(self, id: str, value: Value, sample_time: int | None = None) -> None:
         """Change a parameter; it glides for 20 ms from the stamped sample.
@@ -412,6 +464,7 @@ class Engine:
         self._w[layout.STRIKES_READ] = total
         at = np.arange(first, total) % layout.STRIKE_LOG
         surface = self._slot_surfaces[int(self._w[layout.ACTIVE_SLOT])]
+        assert surface is not None
         return Strikes(
             time_s=self._m[layout.LOG_TIME + at] / self._sample_rate,
             event=struck_event(surface, self._w[layout.LOG_EVENT + at]),
