@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from overview_dsp.kernels.smoother import latency
 from overview_dsp.mailbox import Mailbox, stamp_of
 from overview_dsp.meters import Meters, Setting, Strikes
 from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS, Parameter, Value
+from overview_dsp.presets.parameters import PARAMETERS, Parameter, Value
 from overview_dsp.saved_state import decode_state, encode_state, preset_to_dict
 from overview_dsp.surface import Surface, build_surface
 from overview_dsp.surface_slot import struck_event, write_surface
@@ -194,7 +194,7 @@ class Engine:
         InputError
             No such parameter, or a value that is not allowed; nothing is changed.
         """
-        preset = self._with_value(id, value)
+        preset = self._preset.with_value(id, value)
         known = PARAMETERS.get(id)
         surface = None
         if known is None or known.surface:
@@ -515,23 +515,3 @@ class Engine:
     def _require_prepared(self) -> None:
         if not self._sample_rate:
             raise NotPreparedError("the engine is not prepared; call prepare(sample_rate=...)")
-
-    def _with_value(self, id: str, value: Value) -> Preset:
-        if not id.startswith("kinds."):
-            return self._preset.with_changes({id: value})
-        parts = id.split(".")
-        if len(parts) != 3 or parts[1] not in self._preset.kinds:
-            raise InputError(
-                f"no parameter is called {id!r}; an event kind's is kinds.KIND.KEY, "
-                f"with KIND one of {', '.join(self._preset.kinds)}"
-            )
-        _, kind_name, key = parts
-        if key not in KIND_PARAMETERS:
-            raise InputError(
-                f"no parameter is called {id!r}; an event kind has {', '.join(KIND_PARAMETERS)}"
-            )
-        changes: dict[str, Any] = {key: replace(KIND_PARAMETERS[key], id=id).check(value)}
-        if key.startswith("width_"):
-            changes = {"width_percent": None, "width_ms": None, **changes}
-        kind = replace(self._preset.kinds[kind_name], **changes)
-        return replace(self._preset, kinds={**self._preset.kinds, kind_name: kind})
