@@ -22,13 +22,15 @@ from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture
 from overview_dsp.meters import Strikes
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Tail, Trace, blocks, checked_tail, join_strikes
+from overview_dsp.rendering import Block, Tail, Trace, blocks, checked_tail, join_strikes
 from overview_dsp.sound_file import save_sound
 from overview_dsp.surface import Surface
 from overview_dsp.surface_cache import SurfaceCache
 from overview_dsp.timeline import Timeline
 
-BLOCK = 16384
+BLOCK = 65536
+"""Frames rendered at a time: a second and more, with its trace 5 MB."""
+
 AHEAD = 4
 """Voices a thread that are rendered before their turn: memory stays bounded."""
 
@@ -105,11 +107,17 @@ class VoiceRenderer:
             engine = self._engine
             engine.restart(voice.preset, voice.timeline, seed=voice.seed, surface=surface)
         done = list(blocks(engine, voice.gesture, tail, trace, block=BLOCK))
-        samples = np.concatenate([np.empty((0, 2), np.float32), *(b.samples for b in done)])
-        columns = np.empty((0, len(TRACE_COLUMNS)))
-        table = np.concatenate([columns, *(b.trace for b in done if b.trace is not None)])
-        strikes = join_strikes([engine.take_strikes(), *(b.strikes for b in done)])
-        kept = Trace(table) if trace else None
+        if not done:
+            nothing = np.empty((0, 2), np.float32)
+            done = [Block(nothing, np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes())]
+        if len(done) == 1:
+            samples, table, strikes = done[0].samples, done[0].trace, done[0].strikes
+        else:
+            samples = np.concatenate([block.samples for block in done])
+            tables = [block.trace for block in done if block.trace is not None]
+            table = np.concatenate(tables) if tables else None
+            strikes = join_strikes([block.strikes for block in done])
+        kept = Trace(table) if trace and table is not None else None
         return VoiceResult(voice, surface, samples, engine.sample_rate, kept, strikes)
 
 

@@ -7,6 +7,7 @@ import io
 import math
 import os
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -25,17 +26,27 @@ _DITHER_SEED = 1
 _PIECE = 4096  # frames written at a time: libsndfile's Ogg encoder overflows its stack on long ones
 
 
+@cache
+def _known() -> dict[str, tuple[str, ...]]:
+    """The subtypes of each format that libsndfile has here: asking it takes half a millisecond."""
+    import soundfile
+
+    return {
+        name: tuple(soundfile.available_subtypes(name)) for name in soundfile.available_formats()
+    }
+
+
 def _format_of(path: Path, subtype: str | None) -> tuple[str, str]:
     import soundfile
 
-    known = soundfile.available_formats()
+    known = _known()
     name = path.suffix[1:].upper()
     name = {"AIF": "AIFF", "OGA": "OGG", "OPUS": "OGG"}.get(name, name)
     # RAW has no header to say what it is; SD2 puts half of itself into a second file
     if name not in known or name in ("RAW", "SD2"):
         some = "wav, flac, aiff, ogg, caf, w64, rf64"
         raise InputError(f"{path}: no sound format is called {path.suffix!r}; use {some}")
-    allowed = soundfile.available_subtypes(name)
+    allowed = known[name]
     if subtype is None:
         chosen = DEFAULT_SUBTYPE if DEFAULT_SUBTYPE in allowed else soundfile.default_subtype(name)
         return name, "OPUS" if path.suffix.lower() == ".opus" else chosen
@@ -212,8 +223,9 @@ def sound_bytes(
             file, "w", samplerate=rate, channels=samples.shape[1], subtype=chosen, format=form
         ) as sound:
             data = _Rounding(chosen)(samples)
-            for first in range(0, len(data), _PIECE):
-                sound.write(data[first : first + _PIECE])
+            piece = _PIECE if form == "OGG" else max(1, len(data))
+            for first in range(0, len(data), piece):
+                sound.write(data[first : first + piece])
     except soundfile.LibsndfileError as error:
         raise _cannot_hold(path, form, chosen, samples.shape[1], rate, error) from None
     return file.getvalue()

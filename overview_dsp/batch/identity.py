@@ -79,14 +79,20 @@ class Keys:
         self._gestures = [digest(gesture) for gesture in study.gestures.values()]
         self._ids = tuple(study.parameters)
         self._common = digest(PROGRAM, study.settings)
+        self._before_seed: dict[Any, Any] = {}
 
     def key(self, case: Case) -> str:
         """The key of a case: `KEY_DIGITS` hexadecimal digits, the name of its file."""
-        return digest(
-            self._common,
-            self._timelines[case.timeline],
-            self._presets[case.preset],
-            self._gestures[case.gesture],
-            sorted(zip(self._ids, case.values, strict=True)),
-            case.seed,
-        )[:KEY_DIGITS]
+        parts = (case.timeline, case.preset, case.gesture, case.values)
+        # seeds change fastest: what comes before them is hashed once
+        if parts not in self._before_seed:
+            found = hashlib.sha256()
+            _feed(found, self._common)
+            _feed(found, self._timelines[case.timeline])
+            _feed(found, self._presets[case.preset])
+            _feed(found, self._gestures[case.gesture])
+            _feed(found, sorted(zip(self._ids, case.values, strict=True)))
+            self._before_seed = {parts: found}
+        found = self._before_seed[parts].copy()
+        _feed(found, case.seed)
+        return str(found.hexdigest())[:KEY_DIGITS]

@@ -153,7 +153,7 @@ def _timelines(file: _JobsFile) -> Iterable[tuple[str, Callable[[], Timeline]]]:
             if not isinstance(name, str):
                 raise file.wrong("timelines", "a table has a file = ...")
         for one in _matching(file, name) if name not in BUNDLED else [name]:
-            label = one if one == name else _label(file, one)
+            label = one
             if options:
                 told = (f"{key}={_plain(value)}" for key, value in options.items())
                 label = f"{label} ({', '.join(told)})"
@@ -162,12 +162,6 @@ def _timelines(file: _JobsFile) -> Iterable[tuple[str, Callable[[], Timeline]]]:
 
 def _plain(value: Any) -> str:
     return " to ".join(map(str, value)) if isinstance(value, list) else str(value)
-
-
-def _label(file: _JobsFile, path: str) -> str:
-    """A file's name as the jobs file would write it."""
-    folder = os.path.dirname(file.where)
-    return path if is_address(path) or os.path.isabs(path) else os.path.relpath(path, folder or ".")
 
 
 def _matching(file: _JobsFile, name: str) -> list[str]:
@@ -179,7 +173,7 @@ def _matching(file: _JobsFile, name: str) -> list[str]:
         fs, root = library("fsspec").core.url_to_fs(path)
         found = [fs.unstrip_protocol(one) for one in fs.glob(root)]
     else:
-        found = glob.glob(path)
+        found = glob.glob(name, root_dir=os.path.dirname(file.where) or ".")
     if not found:
         raise file.wrong("timelines", f"no file is like {name!r}")
     return sorted(found)
@@ -195,8 +189,7 @@ def _timeline(file: _JobsFile, name: str, options: Mapping[str, Any]) -> Timelin
     if name in BUNDLED:
         timeline = load_timeline(name, **load)
     else:
-        at = name if os.path.exists(name) or is_address(name) else file.resolved(name)
-        with local_copy(at) as path:
+        with local_copy(file.resolved(name)) as path:
             timeline = load_timeline(path, **load)
     window, zoom_to = options.get("window"), options.get("zoom_to")
     if window is not None and zoom_to is not None:

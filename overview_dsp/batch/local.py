@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -16,7 +17,7 @@ from multiprocessing import connection, get_context, parent_process
 
 from overview_dsp.batch.study import Study
 from overview_dsp.batch.task import Done, Job, Worker
-from overview_dsp.errors import OverviewError
+from overview_dsp.errors import OverviewError, OverviewWarning
 
 MOST_DEATHS = 3
 """So often a task may lose its process before the study gives up."""
@@ -25,6 +26,7 @@ WAITING = 4
 """Tasks a process that are handed out before their turn."""
 
 _worker: Worker | None = None
+_notes: list[str] = []
 
 
 def _end_with_parent() -> None:
@@ -39,12 +41,23 @@ def _begin(study: Study) -> None:
     # Ctrl-C is the parent's to answer
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    # notes are the parent's to show, once
+    warnings.simplefilter("always", OverviewWarning)
+    warnings.showwarning = _note  # type: ignore[assignment]
     _worker = Worker(study)
 
 
-def _run(jobs: Sequence[Job]) -> Done:
+def _note(message: Warning | str, category: type[Warning], *where: object) -> None:
+    if issubclass(category, OverviewWarning):
+        _notes.append(str(message))
+
+
+def _run(jobs: Sequence[Job]) -> tuple[Done, list[str]]:
     assert _worker is not None
-    return _worker.run(jobs)
+    done = _worker.run(jobs)
+    notes = list(dict.fromkeys(_notes))
+    _notes.clear()
+    return done, notes
 
 
 def run_here(study: Study, tasks: Sequence[Sequence[Job]]) -> Iterator[Done]:
@@ -66,10 +79,15 @@ def run_in_processes(
     """
     left = dict(enumerate(tasks))
     deaths = 0
+    told: set[str] = set()
     while left:
         try:
-            for number, done in _run_once(study, dict(left), processes):
+            for number, (done, notes) in _run_once(study, dict(left), processes):
                 del left[number]
+                for note in notes:
+                    if note not in told:
+                        warnings.warn(note, OverviewWarning, stacklevel=2)
+                told.update(notes)
                 yield done
         except BrokenProcessPool:
             deaths += 1
@@ -82,7 +100,7 @@ def run_in_processes(
 
 def _run_once(
     study: Study, left: dict[int, Sequence[Job]], processes: int
-) -> Iterator[tuple[int, Done]]:
+) -> Iterator[tuple[int, tuple[Done, list[str]]]]:
     pool = ProcessPoolExecutor(
         min(processes, len(left)),
         # not forked: threads of libraries don't survive that
@@ -90,7 +108,7 @@ def _run_once(
         initializer=_begin,
         initargs=(study,),
     )
-    waiting: dict[Future[Done], int] = {}
+    waiting: dict[Future[tuple[Done, list[str]]], int] = {}
     numbers = iter(list(left))
     try:
         while True:

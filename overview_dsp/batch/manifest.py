@@ -138,8 +138,10 @@ def encode_manifest(study: Study, table: Any, rows: NDArray[np.int64]) -> bytes:
     places = np.unravel_index(np.arange(count), sizes)
 
     def chosen(values: Sequence[Any], at: NDArray[np.int64]) -> Any:
-        codes = arrow.array(at.astype(np.int32))
-        return arrow.DictionaryArray.from_arrays(codes, arrow.array(list(values)))
+        # each value once: of a dictionary with twins Parquet writes bytes left over in memory
+        unique = list(dict.fromkeys(values))
+        code = np.array([unique.index(value) for value in values], np.int32)
+        return arrow.DictionaryArray.from_arrays(arrow.array(code[at]), arrow.array(unique))
 
     columns: dict[str, Any] = {
         "index": arrow.array(np.arange(count)),
@@ -165,4 +167,5 @@ def encode_manifest(study: Study, table: Any, rows: NDArray[np.int64]) -> bytes:
         "columns": MEASURES,
     }
     metadata = {"overview_study": json.dumps(about, ensure_ascii=False)}
-    return _encoded(arrow.table(columns).replace_schema_metadata(metadata))
+    whole = arrow.table(columns).combine_chunks()
+    return _encoded(whole.replace_schema_metadata(metadata))

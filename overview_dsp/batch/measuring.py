@@ -17,12 +17,11 @@ from overview_dsp.units import gain_to_db
 
 def measures(result: VoiceResult, data: bytes) -> dict[str, Any]:
     """The measures of a rendered voice (with its trace) that is stored as `data`."""
-    peaks = np.abs(result.samples).max(axis=0, initial=0.0)
     return {
         "frames": len(result.samples),
         "duration_s": len(result.samples) / result.sample_rate,
-        "peak_click_dbfs": _db(float(peaks[0])),
-        "peak_tactor_dbfs": _db(float(peaks[1])),
+        "peak_click_dbfs": _peak_db(result.samples[:, 0]),
+        "peak_tactor_dbfs": _peak_db(result.samples[:, 1]),
         "loudness_lufs": _loudness(result.samples[:, :1], result.sample_rate),
         "strikes": len(result.strikes),
         "felt": _felt(result),
@@ -34,7 +33,8 @@ def measures(result: VoiceResult, data: bytes) -> dict[str, Any]:
     }
 
 
-def _db(peak: float) -> float | None:
+def _peak_db(signal: NDArray[np.float32]) -> float | None:
+    peak = float(np.abs(signal).max(initial=0.0))
     return gain_to_db(peak) if peak > 0.0 else None
 
 

@@ -84,11 +84,25 @@ class Place:
             raise output_error(Path(self.where, name), error) from error
 
     def get(self, name: str) -> bytes:
-        """A file's bytes; FileNotFoundError if it isn't there."""
-        if self._path is None:
-            data: bytes = self._fs.cat_file(self._remote(name))
-            return data
-        return (self._path / name).read_bytes()
+        """A file's bytes.
+
+        Raises
+        ------
+        FileNotFoundError
+            It isn't there.
+        InputError
+            It can't be read.
+        """
+        try:
+            if self._path is None:
+                data: bytes = self._fs.cat_file(self._remote(name))
+                return data
+            return (self._path / name).read_bytes()
+        except FileNotFoundError:
+            raise
+        except OSError as error:
+            reason = error.strerror or error
+            raise InputError(f"{self.where}/{name}: can't be read ({reason})") from None
 
     def sizes(self, folder: str) -> dict[str, int]:
         """The files in a folder of the place and those below it: name in the place to bytes."""
