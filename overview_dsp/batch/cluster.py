@@ -21,6 +21,8 @@ from overview_dsp.errors import OverviewError
 MOST_RETRIES = 10
 """So often a task is given out anew after its worker has died."""
 
+CONNECT_S = 10.0
+
 WAITING = 2000
 """Tasks with the scheduler at a time."""
 
@@ -51,7 +53,7 @@ class Cluster:
         """Connect; OverviewError if nothing answers at the address."""
         distributed = library("distributed", "cluster")
         try:
-            self._client = distributed.Client(address, set_as_default=False, timeout="10s")
+            self._client = distributed.Client(address, set_as_default=False, timeout=CONNECT_S)
         except (OSError, ValueError, TimeoutError) as error:
             raise OverviewError(
                 f"{address}: no Dask scheduler answers ({type(error).__name__}); "
@@ -88,7 +90,7 @@ class Cluster:
                 for jobs in itertools.islice(numbers, count)
             ]
 
-        waiting = self._as_completed(more(WAITING))
+        waiting = self._as_completed(more(WAITING), loop=client.loop)
         try:
             for future in waiting:
                 try:
