@@ -9,8 +9,8 @@ its torque is heard as friction clicks and felt as a 250 Hz vibration.
     result = ov.render(timeline, ov.load_preset("football"), ov.sweep(4.0))
     result.save("out.wav")
 
-Importing this package compiles nothing and needs no sound card: what needs numba is imported when
-it is first used.
+Importing this package compiles nothing and needs no sound card: each name is imported when it is
+first used.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from overview_dsp.actuators import Actuator, load_actuator
 from overview_dsp.errors import (
     InputError,
     NotPreparedError,
@@ -26,36 +25,48 @@ from overview_dsp.errors import (
     OverviewError,
     OverviewWarning,
 )
-from overview_dsp.gestures import (
-    Gesture,
-    load_gesture,
-    parse_gesture,
-    rest,
-    save_gesture,
-    sweep,
-    tap,
-)
-from overview_dsp.presets import PARAMETERS, Kind, Mode, Parameter, Preset, bundled_names
-from overview_dsp.presets.library import load_preset
-from overview_dsp.surface import Surface, build_surface
-from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline, save_timeline
 
 if TYPE_CHECKING:
+    from overview_dsp.actuators import Actuator, load_actuator
     from overview_dsp.engine import Engine, Meters, Setting, Strikes
+    from overview_dsp.gestures import (
+        Gesture,
+        load_gesture,
+        parse_gesture,
+        rest,
+        save_gesture,
+        sweep,
+        tap,
+    )
+    from overview_dsp.many import Voice, VoiceResult, render_many, voices
+    from overview_dsp.presets import PARAMETERS, Kind, Mode, Parameter, Preset, bundled_names
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.rendering import Result, Trace, render, render_to_file
+    from overview_dsp.surface import Surface, build_surface
+    from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline, save_timeline
 
 __version__ = "0.1.0"
 
-_LATE = {
-    "Engine": "engine",
-    "Meters": "engine",
-    "Setting": "engine",
-    "Strikes": "engine",
-    "Result": "rendering",
-    "Trace": "rendering",
-    "render": "rendering",
-    "render_to_file": "rendering",
+_ROOMS = {
+    "actuators": ("Actuator", "load_actuator"),
+    "engine": ("Engine", "Meters", "Setting", "Strikes"),
+    "gestures": (
+        "Gesture",
+        "load_gesture",
+        "parse_gesture",
+        "rest",
+        "save_gesture",
+        "sweep",
+        "tap",
+    ),
+    "many": ("Voice", "VoiceResult", "render_many", "voices"),
+    "presets": ("PARAMETERS", "Kind", "Mode", "Parameter", "Preset", "bundled_names"),
+    "presets.library": ("load_preset",),
+    "rendering": ("Result", "Trace", "render", "render_to_file"),
+    "surface": ("Surface", "build_surface"),
+    "timeline": ("Event", "Intensity", "Timeline", "load_timeline", "save_timeline"),
 }
+_ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}
 
 __all__ = [
     "PARAMETERS",
@@ -80,6 +91,8 @@ __all__ = [
     "Surface",
     "Timeline",
     "Trace",
+    "Voice",
+    "VoiceResult",
     "build_surface",
     "bundled_names",
     "load_actuator",
@@ -88,20 +101,25 @@ __all__ = [
     "load_timeline",
     "parse_gesture",
     "render",
+    "render_many",
     "render_to_file",
     "rest",
     "save_gesture",
     "save_timeline",
     "sweep",
     "tap",
+    "voices",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _LATE:
+    if name in _ROOMS:
+        return import_module(f"{__name__}.{name}")
+    if name not in _ROOM_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module = import_module(f"{__name__}.{_LATE[name]}")
-    return getattr(module, name)
+    value = getattr(import_module(f"{__name__}.{_ROOM_OF[name]}"), name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

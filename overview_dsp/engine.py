@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,16 +17,16 @@ from overview_dsp.coefficients import (
     check_carrier,
     coefficients,
 )
+from overview_dsp.compile_notice import announce_compile
 from overview_dsp.errors import InputError, NotPreparedError, OverviewError
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import block, layout
-from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
 from overview_dsp.mailbox import Mailbox, stamp_of
 from overview_dsp.meters import Meters, Setting, Strikes
 from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS, Parameter, Value
+from overview_dsp.presets.parameters import PARAMETERS, Parameter, Value
 from overview_dsp.saved_state import decode_state, encode_state, preset_to_dict
 from overview_dsp.surface import Surface, build_surface
 from overview_dsp.surface_slot import struck_event, write_surface
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 MIN_SAMPLE_RATE = 1_000.0
 MAX_SAMPLE_RATE = 768_000.0
 TRACE_COLUMNS = layout.TRACE_COLUMNS
-__all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes", "is_compiled"]
+__all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes"]
 
 APPLIED_EVENT = np.dtype(
     [("sample", np.int64), ("source", np.int64), ("theta2", np.float64), ("touching", np.bool_)]
@@ -53,12 +53,23 @@ class Engine:
     Thread: `process` belongs to the audio thread, everything else to one control thread.
     """
 
-    def __init__(self, preset: Preset, timeline: Timeline, *, seed: int = 0) -> None:
-        """Build the surface; nothing is allocated or compiled until `prepare`."""
+    def __init__(
+        self,
+        preset: Preset,
+        timeline: Timeline,
+        *,
+        seed: int = 0,
+        surface: Surface | None = None,
+    ) -> None:
+        """Build the surface; nothing is allocated or compiled until `prepare`.
+
+        `surface` is that of this timeline and preset, where it is built already.
+        """
         self._preset = preset
         self._timeline = timeline
         self._seed = seed
-        self._surface = build_surface(timeline, preset)
+        self._surface = build_surface(timeline, preset) if surface is None else surface
+        self._slot_surfaces: list[Surface | None] = [None] * layout.SLOTS
         self._sample_rate = 0.0
         self._max_block_size = 0
         self._journal: deque[tuple[int, dict[str, Any] | None]] = deque(maxlen=layout.HOST_RING)
@@ -84,6 +95,7 @@ class Engine:
         check_carrier(self._preset, rate)
         if max_block_size < 1:
             raise InputError(f"max_block_size = {max_block_size}; it is at least 1 frame")
+        announce_compile("process")
         self._sample_rate = rate
         self._max_block_size = int(max_block_size)
         self._m = np.zeros(layout.TOTAL)
@@ -96,6 +108,29 @@ class Engine:
         self._w[layout.S_TACTOR_CHANNEL] = 1
         self._m[layout.S_SAMPLE_RATE] = rate
         self._u[layout.S_SEED] = seed_state(self._seed)
+        self._slot_surfaces = [None] * layout.SLOTS
+        self.reset()
+
+    def restart(
+        self,
+        preset: Preset,
+        timeline: Timeline,
+        *,
+        seed: int = 0,
+        surface: Surface | None = None,
+    ) -> None:
+        """As a new engine with these, prepared as this one is, in the same memory.
+
+        Raises
+        ------
+        InputError
+            The preset's carrier doesn't fit the sample rate; nothing is changed.
+        """
+        self._require_prepared()
+        check_carrier(preset, self._sample_rate)
+        built = build_surface(timeline, preset) if surface is None else surface
+        self._preset, self._timeline, self._seed, self._surface = preset, timeline, seed, built
+        self._u[layout.S_SEED] = seed_state(seed)
         self.reset()
 
     def reset(self) -> None:
@@ -106,9 +141,10 @@ class Engine:
             self._w[layout.GLIDE_LEFT + column] = 0
         self._w[layout.S_RELEASE_RETURNS] = self._preset.values["disk.release"] == "return"
         self._w[layout.ACTIVE_SLOT] = 0
-        write_surface(self._m, 0, self._surface, self._sample_rate)
+        if self._slot_surfaces[0] is not self._surface:
+            write_surface(self._m, 0, self._surface, self._sample_rate)
+            self._slot_surfaces[0] = self._surface
         block.reset(self._m, self._w, self._u)
-        self._slot_surfaces = [self._surface] * layout.SLOTS
         self._mailbox.dropped = 0
         self._journal.clear()
 
@@ -130,6 +166,23 @@ class Engine:
         self._require_prepared()
         self._mailbox.control(theta2, touching, stamp_of(sample_time), source)
 
+    def control_all(
+        self,
+        theta2: NDArray[np.float64],
+        touching: NDArray[np.bool_],
+        sample_times: NDArray[np.int64],
+        sources: NDArray[np.int8],
+    ) -> None:
+        """Many events of `control`, in order; sources are indices of `SOURCES`.
+
+        Raises
+        ------
+        OverviewError
+            More than a ring has room for; none is taken.
+        """
+        self._require_prepared()
+        self._mailbox.control_all(theta2, touching, sample_times, sources)
+
     def set(self, id: str, value: Value, sample_time: int | None = None) -> None:
         """Change a parameter; it glides for 20 ms from the stamped sample.
 
@@ -141,7 +194,7 @@ class Engine:
         InputError
             No such parameter, or a value that is not allowed; nothing is changed.
         """
-        preset = self._with_value(id, value)
+        preset = self._preset.with_value(id, value)
         known = PARAMETERS.get(id)
         surface = None
         if known is None or known.surface:
@@ -426,6 +479,7 @@ class Engine:
         self._w[layout.STRIKES_READ] = total
         at = np.arange(first, total) % layout.STRIKE_LOG
         surface = self._slot_surfaces[int(self._w[layout.ACTIVE_SLOT])]
+        assert surface is not None
         return Strikes(
             time_s=self._m[layout.LOG_TIME + at] / self._sample_rate,
             event=struck_event(surface, self._w[layout.LOG_EVENT + at]),
@@ -476,23 +530,3 @@ class Engine:
     def _require_prepared(self) -> None:
         if not self._sample_rate:
             raise NotPreparedError("the engine is not prepared; call prepare(sample_rate=...)")
-
-    def _with_value(self, id: str, value: Value) -> Preset:
-        if not id.startswith("kinds."):
-            return self._preset.with_changes({id: value})
-        parts = id.split(".")
-        if len(parts) != 3 or parts[1] not in self._preset.kinds:
-            raise InputError(
-                f"no parameter is called {id!r}; an event kind's is kinds.KIND.KEY, "
-                f"with KIND one of {', '.join(self._preset.kinds)}"
-            )
-        _, kind_name, key = parts
-        if key not in KIND_PARAMETERS:
-            raise InputError(
-                f"no parameter is called {id!r}; an event kind has {', '.join(KIND_PARAMETERS)}"
-            )
-        changes: dict[str, Any] = {key: replace(KIND_PARAMETERS[key], id=id).check(value)}
-        if key.startswith("width_"):
-            changes = {"width_percent": None, "width_ms": None, **changes}
-        kind = replace(self._preset.kinds[kind_name], **changes)
-        return replace(self._preset, kinds={**self._preset.kinds, kind_name: kind})

@@ -52,6 +52,36 @@ class Mailbox:
         self._w[layout.RING_TOUCHING + at] = 1 if touching else 0
         self._w[layout.RING_WRITTEN + ring] = written + 1
 
+    def control_all(
+        self,
+        theta2: NDArray[np.float64],
+        touching: NDArray[np.bool_],
+        stamps: NDArray[np.int64],
+        sources: NDArray[np.int8],
+    ) -> None:
+        """Push events of hands, in order: all, or none with OverviewError if a ring has no room."""
+        if len(sources) and not 0 <= sources.min() <= sources.max() < len(SOURCES):
+            raise InputError(
+                f"a source is an index of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
+            )
+        of_ring = [(ring, np.flatnonzero(sources == ring)) for ring in range(len(SOURCES))]
+        for ring, events in of_ring:
+            waiting = int(self._w[layout.RING_WRITTEN + ring]) - int(
+                self._w[layout.RING_READ + ring]
+            )
+            if waiting + len(events) > layout.RING:
+                raise OverviewError(
+                    f"{len(events)} control events of {SOURCES[ring]!r}, {waiting} wait already; "
+                    f"there is room for {layout.RING}: process a block first"
+                )
+        for ring, events in of_ring:
+            written = int(self._w[layout.RING_WRITTEN + ring])
+            at = ring * layout.RING + (written + np.arange(len(events))) % layout.RING
+            self._w[layout.RING_TIME + at] = stamps[events]
+            self._m[layout.RING_THETA2 + at] = theta2[events]
+            self._w[layout.RING_TOUCHING + at] = touching[events]
+            self._w[layout.RING_WRITTEN + ring] = written + len(events)
+
     def require_room(self, changes: int) -> None:
         """Raise OverviewError unless so many parameter or surface changes can be pushed."""
         waiting = int(self._w[layout.HOST_WRITTEN]) - int(self._w[layout.HOST_READ])

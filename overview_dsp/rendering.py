@@ -16,7 +16,7 @@ from overview_dsp.actuators.stage import ActuatorStage, Protected, warn_of_carri
 from overview_dsp.changes import apply_change
 from overview_dsp.engine import TRACE_COLUMNS, Engine, Strikes
 from overview_dsp.errors import InputError
-from overview_dsp.gestures import SOURCES, Gesture
+from overview_dsp.gestures import Gesture
 from overview_dsp.presets.model import Preset
 from overview_dsp.result_page import Row, result_page
 from overview_dsp.sound_file import save_sound
@@ -165,11 +165,13 @@ def blocks(
     trace: bool = True,
     progress: Progress | None = None,
     stage: ActuatorStage | None = None,
+    block: int | None = None,
 ) -> Iterator[Block]:
     """Play a gesture through a prepared engine, block by block, in constant memory.
 
     `progress` is told the part done, 0 to 1. The blocks' arrays are their reader's to keep.
-    With an actuator's `stage`, the tactor's samples are its drive.
+    With an actuator's `stage`, the tactor's samples are its drive. A block has up to `block` frames
+    (None: `BLOCK`).
     """
     tail = checked_tail(tail)
     rate = engine.sample_rate
@@ -187,7 +189,7 @@ def blocks(
     changes = [(round(change.time_s * rate), change.what) for change in gesture.changes]
     changed = done = 0
     while done < most:
-        frames = min(BLOCK, most - done)
+        frames = min(block or BLOCK, most - done)
         ahead = int(np.searchsorted(stamps, done + frames))
         waiting = max(0, fed - int(np.searchsorted(stamps, done)))
         # a denser take is fed in shorter blocks
@@ -201,14 +203,15 @@ def blocks(
             # a change is made when it is due: only two surfaces can wait
             frames = min(frames, changes[changed][0] - done)
             ahead = min(ahead, int(np.searchsorted(stamps, done + frames)))
-        for i in range(fed, ahead):
-            engine.control(
-                float(gesture.theta2[i]),
-                bool(gesture.touching[i]),
-                start + int(stamps[i]),
-                SOURCES[gesture.source[i]],
+        if ahead > fed:
+            now = slice(fed, ahead)
+            engine.control_all(
+                gesture.theta2[now],
+                gesture.touching[now],
+                start + stamps[now],
+                gesture.source[now],
             )
-        fed = max(fed, ahead)
+            fed = ahead
         samples = np.empty((frames, 2), dtype=np.float32)
         table = np.empty((frames, len(TRACE_COLUMNS))) if trace else None
         engine.process(samples, table)

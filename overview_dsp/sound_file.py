@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import math
 import os
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -24,17 +26,27 @@ _DITHER_SEED = 1
 _PIECE = 4096  # frames written at a time: libsndfile's Ogg encoder overflows its stack on long ones
 
 
+@cache
+def _known() -> dict[str, tuple[str, ...]]:
+    """The subtypes of each format that libsndfile has here: asking it takes half a millisecond."""
+    import soundfile
+
+    return {
+        name: tuple(soundfile.available_subtypes(name)) for name in soundfile.available_formats()
+    }
+
+
 def _format_of(path: Path, subtype: str | None) -> tuple[str, str]:
     import soundfile
 
-    known = soundfile.available_formats()
+    known = _known()
     name = path.suffix[1:].upper()
     name = {"AIF": "AIFF", "OGA": "OGG", "OPUS": "OGG"}.get(name, name)
     # RAW has no header to say what it is; SD2 puts half of itself into a second file
     if name not in known or name in ("RAW", "SD2"):
         some = "wav, flac, aiff, ogg, caf, w64, rf64"
         raise InputError(f"{path}: no sound format is called {path.suffix!r}; use {some}")
-    allowed = soundfile.available_subtypes(name)
+    allowed = known[name]
     if subtype is None:
         chosen = DEFAULT_SUBTYPE if DEFAULT_SUBTYPE in allowed else soundfile.default_subtype(name)
         return name, "OPUS" if path.suffix.lower() == ".opus" else chosen
@@ -44,6 +56,43 @@ def _format_of(path: Path, subtype: str | None) -> tuple[str, str]:
             f"{path}: {name} has no subtype {subtype!r}; it has {', '.join(sorted(allowed))}"
         )
     return name, chosen
+
+
+def _require_whole_rate(path: Path, sample_rate: float) -> int:
+    """The rate, if a file can hold it: InputError otherwise."""
+    if not math.isfinite(sample_rate) or sample_rate != int(sample_rate):
+        near = round(sample_rate) if math.isfinite(sample_rate) else 48_000
+        raise InputError(
+            f"{path}: a file's sample rate is a whole number, not {sample_rate:.15g} Hz; use {near}"
+        )
+    return int(sample_rate)
+
+
+class _Rounding:
+    """Samples to what a subtype stores, block after block: dithered where it has few bits."""
+
+    def __init__(self, subtype: str) -> None:
+        self._bits = _BITS.get(subtype, 0)
+        self._dithered = 0 < self._bits <= _DITHERED_BITS
+        self._random = np.random.default_rng(_DITHER_SEED)
+        self.note = f"TPDF dither at {self._bits} bits" if self._dithered else "no dither"
+
+    def __call__(self, samples: NDArray[np.float32]) -> NDArray[Any]:
+        """Samples as whole steps in the upper bits of int16 or int32; as they are for floats.
+
+        libsndfile would round them down: half a step of constant offset.
+        """
+        if not self._bits:
+            return samples
+        steps = samples.astype(np.float64) * 2.0 ** (self._bits - 1)
+        if self._dithered:
+            # drawn frame by frame, so that the blocks it comes in change nothing
+            noise = self._random.random((*samples.shape, 2))
+            steps += np.where(samples == 0.0, 0.0, noise[..., 0] - noise[..., 1])
+        top = 2.0 ** (self._bits - 1)
+        whole = np.clip(np.rint(steps), -top, top - 1.0)
+        width = 16 if self._dithered else 32
+        return (whole * 2.0 ** (width - self._bits)).astype(f"i{width // 8}")
 
 
 class SoundWriter:
@@ -57,23 +106,14 @@ class SoundWriter:
         self, path: Path, sample_rate: float, subtype: str | None = None, channels: int = 2
     ) -> None:
         """Choose the format; InputError if there is none, or a rate a file can't hold."""
-        if not math.isfinite(sample_rate) or sample_rate != int(sample_rate):
-            near = round(sample_rate) if math.isfinite(sample_rate) else 48_000
-            raise InputError(
-                f"{path}: a file's sample rate is a whole number, not {sample_rate:.15g} Hz; "
-                f"use {near}"
-            )
         self.path = path
         self.frames = 0
-        self._rate = int(sample_rate)
+        self._rate = _require_whole_rate(path, sample_rate)
         self._channels = channels
         self._format, self._subtype = _format_of(path, subtype)
-        self._bits = _BITS.get(self._subtype, 0)
-        self._dithered = 0 < self._bits <= _DITHERED_BITS
-        self._random = np.random.default_rng(_DITHER_SEED)
+        self._rounded = _Rounding(self._subtype)
         self._stack = contextlib.ExitStack()
-        dither = f"TPDF dither at {self._bits} bits" if self._dithered else "no dither"
-        self.note = f"{self._format} {self._subtype}, {dither}"
+        self.note = f"{self._format} {self._subtype}, {self._rounded.note}"
         self._file: Any = None
 
     def __enter__(self) -> SoundWriter:
@@ -94,10 +134,8 @@ class SoundWriter:
             except soundfile.LibsndfileError as error:
                 if error.code == _SYSTEM_ERROR:
                     raise self._disk_error(error) from None
-                reason = error.error_string.removeprefix("Error : ").strip(" .")
-                raise InputError(
-                    f"{self.path}: {self._format} {self._subtype} can't hold {self._channels} "
-                    f"channels at {self._rate} Hz ({reason}); use wav or flac, or another rate"
+                raise _cannot_hold(
+                    self.path, self._format, self._subtype, self._channels, self._rate, error
                 ) from None
             stack.push(self._close)
             self._stack = stack.pop_all()
@@ -105,25 +143,10 @@ class SoundWriter:
 
     def write(self, samples: NDArray[np.float32]) -> None:
         """Append float32 (frames, channels)."""
-        data = self._rounded(samples) if self._bits else samples
+        data = self._rounded(samples)
         with self._disk_errors():
             self._file.write(data)
         self.frames += len(samples)
-
-    def _rounded(self, samples: NDArray[np.float32]) -> NDArray[Any]:
-        """Samples as whole steps in the upper bits of int16 or int32.
-
-        libsndfile would round them down: half a step of constant offset.
-        """
-        steps = samples.astype(np.float64) * 2.0 ** (self._bits - 1)
-        if self._dithered:
-            # drawn frame by frame, so that the blocks it comes in change nothing
-            noise = self._random.random((*samples.shape, 2))
-            steps += np.where(samples == 0.0, 0.0, noise[..., 0] - noise[..., 1])
-        top = 2.0 ** (self._bits - 1)
-        whole = np.clip(np.rint(steps), -top, top - 1.0)
-        width = 16 if self._dithered else 32
-        return (whole * 2.0 ** (width - self._bits)).astype(f"i{width // 8}")
 
     def finish(self) -> None:
         """Write what still waits in buffers: after this, the disk had room for all of it."""
@@ -178,3 +201,41 @@ def save_sound(
     with SoundWriter(Path(path), sample_rate, subtype, samples.shape[1]) as sound:
         for first in range(0, len(samples), _PIECE):
             sound.write(samples[first : first + _PIECE])
+
+
+def check_sound(name: str, sample_rate: float, subtype: str | None = None) -> None:
+    """InputError if `sound_bytes` has no such format, or it can't hold the rate or two channels."""
+    sound_bytes(name, np.zeros((1, 2), np.float32), sample_rate, subtype)
+
+
+def sound_bytes(
+    name: str, samples: NDArray[np.float32], sample_rate: float, subtype: str | None = None
+) -> bytes:
+    """The bytes of a sound file of that name with float32 samples (frames, channels)."""
+    import soundfile
+
+    path = Path(name)
+    rate = _require_whole_rate(path, sample_rate)
+    form, chosen = _format_of(path, subtype)
+    file = io.BytesIO()
+    try:
+        with soundfile.SoundFile(
+            file, "w", samplerate=rate, channels=samples.shape[1], subtype=chosen, format=form
+        ) as sound:
+            data = _Rounding(chosen)(samples)
+            piece = _PIECE if form == "OGG" else max(1, len(data))
+            for first in range(0, len(data), piece):
+                sound.write(data[first : first + piece])
+    except soundfile.LibsndfileError as error:
+        raise _cannot_hold(path, form, chosen, samples.shape[1], rate, error) from None
+    return file.getvalue()
+
+
+def _cannot_hold(
+    path: Path, form: str, subtype: str, channels: int, rate: int, error: Any
+) -> InputError:
+    reason = error.error_string.removeprefix("Error : ").strip(" .")
+    return InputError(
+        f"{path}: {form} {subtype} can't hold {channels} channels at {rate} Hz ({reason}); "
+        "use wav or flac, or another rate"
+    )

@@ -14,17 +14,9 @@ import overview_dsp as ov
 
 ROOT = Path(__file__).resolve().parents[1]
 LATE = (
-    "numba",
-    "llvmlite",
-    "sounddevice",
-    "serial",
-    "matplotlib",
-    "soundfile",
-    "scipy",
-    "vqf",
-    "rtmidi",
-    "pythonosc",
-)
+    "numba", "llvmlite", "sounddevice", "serial", "matplotlib", "soundfile", "scipy", "vqf",
+    "rtmidi", "pythonosc", "numpy", "pydantic", "pyarrow", "fsspec", "distributed", "dask", "asyncio",
+)  # fmt: skip
 
 
 def python(code: str, folder: Path, path: Path = ROOT, **variables: str) -> str:
@@ -58,6 +50,26 @@ def test_importing_the_package_imports_nothing_heavy_and_no_device(tmp_path):
     )
     assert "overview_dsp" in names
     assert not {name.partition(".")[0] for name in names} & set(LATE)
+
+
+def test_the_help_imports_nothing_that_only_commands_need(tmp_path):
+    code = """
+import json, sys
+from overview_dsp.cli import main
+sys.argv = ["overview", "--help"]
+try:
+    main()
+except SystemExit:
+    print(json.dumps(list(sys.modules)))
+"""
+    names = json.loads(python(code, tmp_path).splitlines()[-1])
+    assert "click" in names
+    assert not {name.partition(".")[0] for name in names} & set(LATE)
+
+
+def test_rooms_are_there_without_importing_them_one_by_one(tmp_path):
+    code = "import overview_dsp as ov; print(ov.gestures.SOURCES[0], ov.presets.library.__name__)"
+    assert python(code, tmp_path) == "touch overview_dsp.presets.library\n"
 
 
 def test_a_timeline_a_preset_and_a_gesture_need_no_compiler(tmp_path):

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.sound_file import SoundWriter, save_sound
+from overview_dsp.sound_file import SoundWriter, check_sound, save_sound, sound_bytes
 
 RATE = 8000
 
@@ -170,3 +170,32 @@ def test_a_file_that_is_not_finished_is_not_left_behind(tmp_path, error):
     with pytest.raises(error):
         fail()
     assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "subtype"),
+    [
+        ("a.wav", None),
+        ("a.wav", "PCM_16"),
+        ("a.wav", "FLOAT"),
+        ("a.flac", None),
+        ("a.aiff", "PCM_S8"),
+    ],
+)
+def test_the_bytes_are_those_of_the_file(tmp_path, name, subtype):
+    save_sound(tmp_path / name, chord(9000), RATE, subtype)
+    assert sound_bytes(name, chord(9000), RATE, subtype) == (tmp_path / name).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "rate", "subtype"),
+    [
+        ("a.txt", RATE, None),
+        ("a.wav", RATE, "PCM_12"),
+        ("a.wav", 8000.5, None),
+        ("a.flac", 700_000, None),
+    ],
+)
+def test_a_sound_that_cannot_be_is_refused_without_one(name, rate, subtype):
+    with pytest.raises(ov.InputError, match=r"a\."):
+        check_sound(name, rate, subtype)

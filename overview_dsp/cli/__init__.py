@@ -20,6 +20,7 @@ COMMANDS = {
     "serve": ("serve", "The page: a phone or a browser as the hand."),
     "timeline": ("timeline", "Show what was understood from a file, and convert it."),
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
+    "batch": ("batch", "Render a study: a grid of many, here or on a cluster."),
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
     "midi": ("midi", "Learn what the controls of a MIDI controller do."),

@@ -19,10 +19,9 @@ BAR_AFTER_S = 1.0
 
 def announce_compile(*kernels: str) -> None:
     """Say so when the first use of the kernels on this machine is about to compile them."""
-    from overview_dsp.engine import is_compiled
+    from overview_dsp.compile_notice import announce_compile
 
-    if not all(is_compiled(kernel) for kernel in ("process", *kernels)):
-        click.echo("compiling the engine for this machine (once, 10 to 20 s) ...", err=True)
+    announce_compile("process", *kernels)
 
 
 @contextmanager

@@ -48,7 +48,9 @@ def cache_folder() -> Path:
 
 
 def is_compiled(function: str = "process") -> bool:
-    """Whether a kernel's machine code is already on disk (else its first use compiles it)."""
+    """Whether the first use of a kernel will compile nothing: it is on disk, or runs as Python."""
+    if _config.DISABLE_JIT:
+        return True
     folder = cache_folder()
     return folder.is_dir() and any(folder.rglob(f"*.{function}-*.nbc"))
 

@@ -10,7 +10,7 @@ the event-free rest of the stroke; its level is their median.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,6 +88,48 @@ def window_db(
     return starts, 10.0 * np.log10(np.maximum(mean, 1e-20))
 
 
+def passed_events(
+    surface: Surface, cursor: NDArray[np.float64]
+) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """Each event that a stroke passes, and the frames in which the disk is on it."""
+    lowest, highest = cursor.min(initial=1.0), cursor.max(initial=0.0)
+    for i in np.flatnonzero((lowest < surface.place) & (surface.place <= highest)).tolist():
+        first, last = surface.span[i]
+        inside = np.flatnonzero((cursor >= first) & (cursor <= last))
+        if len(inside):
+            yield i, inside
+
+
+def _highest(
+    starts: NDArray[np.float64],
+    level: NDArray[np.float64],
+    length: float,
+    inside: NDArray[np.int64],
+) -> float:
+    """The highest level of the windows that overlap the frames on an event; NaN without any."""
+    overlapping = (starts + length > inside[0]) & (starts <= inside[-1])
+    return float(level[overlapping].max()) if overlapping.any() else np.nan
+
+
+def event_levels(
+    surface: Surface,
+    columns: Mapping[str, NDArray[np.float64]],
+    tactor: NDArray[np.float32],
+    sample_rate: float,
+) -> NDArray[np.float64]:
+    """Highest level at each event of the surface's table in any stroke, dB; NaN if not passed.
+
+    `columns` (`touching` and `cursor` are used) and `tactor` are those of `stroke_feel`.
+    """
+    found = np.full(len(surface.place), np.nan)
+    for stroke in strokes(columns["touching"], columns["cursor"]):
+        frames = slice(stroke.start, stroke.stop)
+        starts, level = window_db(tactor[frames], sample_rate)
+        for i, inside in passed_events(surface, columns["cursor"][frames]):
+            found[i] = np.fmax(found[i], _highest(starts, level, WINDOW_S * sample_rate, inside))
+    return found
+
+
 def stroke_feel(
     stroke: Stroke,
     surface: Surface,
@@ -115,14 +157,7 @@ def stroke_feel(
     slope = np.diff(torque, prepend=torque[:1]) * sample_rate
     count = len(surface.place)
     event_db, rise = np.full(count, np.nan), np.full(count, np.nan)
-    for i, (first, last) in enumerate(surface.span):
-        inside = np.flatnonzero((cursor >= first) & (cursor <= last))
-        place = surface.place[i]
-        passed = cursor.min(initial=1.0) < place <= cursor.max(initial=0.0)
-        if not len(inside) or not passed:
-            continue
-        overlapping = (starts + length > inside[0]) & (starts <= inside[-1])
-        if overlapping.any():
-            event_db[i] = level[overlapping].max()
+    for i, inside in passed_events(surface, cursor):
+        event_db[i] = _highest(starts, level, length, inside)
         rise[i] = slope[inside].max()
     return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.presets.parameters import (
@@ -189,3 +190,41 @@ class Preset:
     def with_changes(self, changes: Mapping[str, Value]) -> Preset:
         """This preset with other values, by parameter id."""
         return replace(self, values={**self.values, **changes})
+
+    def with_value(self, id: str, value: object) -> Preset:
+        """This preset with another value of a parameter: `tactor.gain_db`, `kinds.goal.height`.
+
+        Raises
+        ------
+        InputError
+            No such parameter, or a value that is not allowed.
+        """
+        if not id.startswith("kinds."):
+            return self.with_changes({id: parameter(id).check(value)})
+        parts = id.split(".")
+        if len(parts) != 3 or parts[1] not in self.kinds:
+            raise InputError(
+                f"no parameter is called {id!r}; an event kind's is kinds.KIND.KEY, "
+                f"with KIND one of {', '.join(self.kinds)}"
+            )
+        _, name, key = parts
+        if key not in KIND_PARAMETERS:
+            raise InputError(
+                f"no parameter is called {id!r}; an event kind has {', '.join(KIND_PARAMETERS)}"
+            )
+        changes: dict[str, Any] = {key: replace(KIND_PARAMETERS[key], id=id).check(value)}
+        if key.startswith("width_"):
+            changes = {"width_percent": None, "width_ms": None, **changes}
+        return replace(self, kinds={**self.kinds, name: replace(self.kinds[name], **changes)})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mappingproxy can't be pickled
+        return Preset, (
+            self.name,
+            self.title,
+            self.description,
+            dict(self.values),
+            dict(self.kinds),
+            self.tags,
+            self.authors,
+        )

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from overview_dsp.measure.felt import Stroke, stroke_feel, strokes, window_db
+import overview_dsp as ov
+from overview_dsp.measure.felt import Stroke, event_levels, stroke_feel, strokes, window_db
 from overview_dsp.surface import build_surface
 from tests.examples import preset_with, timeline_of
 
@@ -67,3 +68,19 @@ def test_an_event_that_was_not_passed_has_no_level():
     )
     assert np.isfinite(feel.event_db[0])
     assert np.isnan(feel.event_db[1])
+
+
+def test_an_events_level_is_that_of_its_strongest_stroke():
+    timeline, preset = timeline_of(20.0, 50.0, 90.0), preset_with(height=8.0, width=3.0)
+    gesture = ov.sweep(0.5, 0.0, 0.7) + ov.rest(0.2) + ov.sweep(0.1, 0.0, 0.6)
+    result = ov.render(timeline, preset, gesture, RATE)
+    surface, tactor = result.engine.surface, result.samples[:, 1]
+    levels = [
+        stroke_feel(stroke, surface, result.trace, tactor, RATE).event_db
+        for stroke in strokes(result.trace.touching, result.trace.cursor)
+    ]
+    assert len(levels) >= 3
+    strongest = np.fmax.reduce(levels)
+    np.testing.assert_array_equal(event_levels(surface, result.trace, tactor, RATE), strongest)
+    assert np.isfinite(strongest[:2]).all()
+    assert np.isnan(strongest[2])

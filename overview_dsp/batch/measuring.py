@@ -1,0 +1,63 @@
+"""What a manifest says of a render: its length, levels, felt events and bytes."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.many import VoiceResult
+from overview_dsp.measure.felt import event_levels
+from overview_dsp.timeline.audio.k_weighting import MIN_RATE
+from overview_dsp.timeline.audio.loudness import StepMeter
+from overview_dsp.units import gain_to_db
+
+
+def measures(result: VoiceResult, data: bytes) -> dict[str, Any]:
+    """The measures of a rendered voice (with its trace) that is stored as `data`."""
+    return {
+        "frames": len(result.samples),
+        "duration_s": len(result.samples) / result.sample_rate,
+        "peak_click_dbfs": _peak_db(result.samples[:, 0]),
+        "peak_tactor_dbfs": _peak_db(result.samples[:, 1]),
+        "loudness_lufs": _loudness(result.samples[:, :1], result.sample_rate),
+        "strikes": len(result.strikes),
+        "felt": _felt(result),
+        "bytes": len(data),
+        "sha256": hashlib.sha256(data).hexdigest(),
+        "samples_sha256": hashlib.sha256(
+            result.samples.astype("<f4", copy=False).tobytes()
+        ).hexdigest(),
+    }
+
+
+def _peak_db(signal: NDArray[np.float32]) -> float | None:
+    peak = float(np.abs(signal).max(initial=0.0))
+    return gain_to_db(peak) if peak > 0.0 else None
+
+
+def _loudness(click: NDArray[np.float32], sample_rate: float) -> float | None:
+    """Integrated loudness of what is heard (BS.1770), LUFS; None below its lowest rate."""
+    if sample_rate < MIN_RATE or not len(click):
+        return None
+    meter = StepMeter(int(sample_rate), (1.0,))
+    for first in range(0, len(click), meter.block_frames):
+        meter.feed(click[first : first + meter.block_frames])
+    return meter.finish().integrated()
+
+
+def _felt(result: VoiceResult) -> list[dict[str, Any]]:
+    """The events that the disk passed, in the order of their places."""
+    assert result.trace is not None
+    surface, events = result.surface, result.voice.timeline.events
+    levels = event_levels(surface, result.trace, result.samples[:, 1], result.sample_rate)
+    return [
+        {
+            "event": int(surface.event[i]),
+            "kind": events[surface.event[i]].kind,
+            "level_db": float(levels[i]),
+        }
+        for i in np.flatnonzero(np.isfinite(levels))
+    ]

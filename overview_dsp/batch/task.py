@@ -1,0 +1,117 @@
+"""A worker's part: some cases of a study to sounds, and what was measured to parts.
+
+A part is written when its sounds are there, so whatever is in a part is finished.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
+from overview_dsp.batch.measuring import measures
+from overview_dsp.batch.storage import Place
+from overview_dsp.batch.study import Case, Study
+from overview_dsp.errors import OutputError, OverviewError
+from overview_dsp.many import Voice, VoiceRenderer
+from overview_dsp.presets.model import Preset
+from overview_dsp.presets.parameters import Value
+from overview_dsp.sound_file import sound_bytes
+from overview_dsp.surface_cache import SurfaceCache
+
+PART_S = 2.0
+"""A part is written at least so often: what a crash takes with it is no more."""
+
+Job = tuple[int, str]
+"""A case's index and key."""
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a worker tells of its cases: how many were finished, and which failed why."""
+
+    finished: int
+    failed: tuple[tuple[int, str], ...]
+
+
+def sound_name(key: str, format: str) -> str:
+    """The name of a case's sound in the study's place."""
+    return f"{SOUNDS}/{key[:2]}/{key}.{format}"
+
+
+class Worker:
+    """What one worker keeps between its tasks. Thread: any; a memory block a thread."""
+
+    def __init__(self, study: Study) -> None:
+        """Open the study's place; nothing is rendered yet."""
+        self.study = study
+        self.place = Place(study.out)
+        self._surfaces = SurfaceCache()
+        self._own = threading.local()
+        self._last_preset: dict[tuple[int, tuple[Value, ...]], Preset] = {}
+
+    def run(self, jobs: Sequence[Job]) -> Done:
+        """Render, measure and store some cases; those that can't be rendered are told.
+
+        Raises
+        ------
+        InputError, OutputError
+            The study's place can't be written: no case can.
+        """
+        rows: list[dict[str, Any]] = []
+        failed: list[tuple[int, str]] = []
+        written = time.monotonic()
+        for index, key in jobs:
+            try:
+                name, data, row = self._rendered(self.study.case(index), key)
+            except OutputError:
+                raise
+            except Exception as error:
+                what = str(error) if isinstance(error, OverviewError) else repr(error)
+                failed.append((index, what))
+                rows.append({"key": key, "error": what})
+            else:
+                self.place.put(name, data)
+                rows.append(row)
+            if time.monotonic() - written > PART_S:
+                self._keep(rows)
+                written = time.monotonic()
+        self._keep(rows)
+        return Done(len(jobs) - len(failed), tuple(failed))
+
+    def _keep(self, rows: list[dict[str, Any]]) -> None:
+        if rows:
+            name = f"{PARTS}/{rows[0]['key']}-{len(rows)}.parquet"
+            self.place.put(name, encode_part(rows))
+            rows.clear()
+
+    def _rendered(self, case: Case, key: str) -> tuple[str, bytes, dict[str, Any]]:
+        study, settings = self.study, self.study.settings
+        timeline = list(study.timelines.values())[case.timeline]
+        gesture = list(study.gestures.values())[case.gesture]
+        voice = Voice(timeline, self._preset(case), gesture, case.seed)
+        result = self._renderer().render(voice, settings.tail, trace=True)
+        name = sound_name(key, settings.format)
+        data = sound_bytes(name, result.samples, result.sample_rate, settings.subtype)
+        row = {"key": key, "file": name, **measures(result, data)}
+        return name, data, row
+
+    def _preset(self, case: Case) -> Preset:
+        at = (case.preset, case.values)
+        # seeds change fastest: the last one is the next
+        preset = self._last_preset.get(at)
+        if preset is None:
+            preset = list(self.study.presets.values())[case.preset]
+            for id, value in zip(self.study.parameters, case.values, strict=True):
+                preset = preset.with_value(id, value)
+            self._last_preset = {at: preset}
+        return preset
+
+    def _renderer(self) -> VoiceRenderer:
+        if not hasattr(self._own, "renderer"):
+            self._own.renderer = VoiceRenderer(self.study.settings.sample_rate, self._surfaces)
+        renderer: VoiceRenderer = self._own.renderer
+        return renderer

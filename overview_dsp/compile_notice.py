@@ -1,0 +1,18 @@
+"""Say so, once, before kernels are compiled: the first use on a machine takes a while."""
+
+from __future__ import annotations
+
+import sys
+
+from overview_dsp.kernels.compiling import is_compiled
+
+_told: set[str] = set()
+
+
+def announce_compile(*kernels: str) -> None:
+    """A line on stderr if the first use of kernels (by name) on this machine will compile them."""
+    new = set(kernels) - _told
+    if all(is_compiled(kernel) for kernel in new):
+        return
+    _told.update(new)
+    print("compiling the engine for this machine (once, 10 to 20 s) ...", file=sys.stderr)

@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+import pytest
+
+import overview_dsp as ov
+from overview_dsp import compile_notice
+from overview_dsp.compile_notice import announce_compile
+
+from .examples import plain_preset, timeline_of
+
+
+@pytest.fixture(autouse=True)
+def _nothing_told(monkeypatch):
+    monkeypatch.setattr(compile_notice, "_told", set())
+
+
+def test_a_first_compilation_is_announced_once_on_stderr(tmp_path, monkeypatch, capsys):
+    engine = ov.Engine(plain_preset(), timeline_of())
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    engine.prepare()
+    engine.prepare()
+    announce_compile("process")
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert len(said.err.splitlines()) == 1
+    assert "compiling" in said.err
+
+
+def test_nothing_is_announced_where_nothing_will_be_compiled(capsys):
+    ov.render(timeline_of(), plain_preset(), ov.tap(0.2, 0.01), 1000, tail="none")
+    capsys.readouterr()
+    announce_compile("process")
+    assert capsys.readouterr().err == ""
