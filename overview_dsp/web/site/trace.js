@@ -1,0 +1,43 @@
+// The last seconds of torque, a value a frame, and where something was struck.
+
+export const LENGTH = 300; // frames
+
+export class Trace {
+  constructor() {
+    this.torque = new Float32Array(LENGTH);
+    this.struck = new Uint8Array(LENGTH);
+    this.at = 0;
+  }
+
+  push(torque, struck) {
+    this.torque[this.at] = torque;
+    this.struck[this.at] = struck ? 1 : 0;
+    this.at = (this.at + 1) % LENGTH;
+  }
+
+  /** Drawn the newest at the right; `full` N m reach the edge. */
+  draw(c, box, full, colours) {
+    const step = (box.right - box.left) / (LENGTH - 1);
+    c.beginPath();
+    for (let i = 0; i < LENGTH; i += 1) {
+      const part = this.torque[(this.at + i) % LENGTH] / full;
+      // square root: a surface and its goals in one view
+      const height = Math.sign(part) * Math.min(1, Math.sqrt(Math.abs(part)));
+      c.lineTo(box.left + i * step, box.y - height * box.half);
+    }
+    c.strokeStyle = colours.trace;
+    c.lineWidth = 1.5;
+    c.stroke();
+    c.beginPath();
+    for (let i = 0; i < LENGTH; i += 1) {
+      if (this.struck[(this.at + i) % LENGTH]) {
+        const x = box.left + i * step;
+        c.moveTo(x, box.y + box.half + 5);
+        c.lineTo(x, box.y + box.half + 11);
+      }
+    }
+    c.strokeStyle = colours.hand;
+    c.lineWidth = 2;
+    c.stroke();
+  }
+}
