@@ -98,10 +98,10 @@ def command(
 ) -> None:
     """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt.
 
-    --to web writes no gesture but a folder for any web host: a page with TIMELINE under the finger.
+    --to web writes no gesture but a folder for any web host, a page to feel TIMELINE on.
 
-    An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel, and the
-    device that plays them makes its drive.
+    An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
+    and the device that plays them makes its drive.
     """
     from overview_dsp.actuators.stage import protected_report
     from overview_dsp.errors import InputError

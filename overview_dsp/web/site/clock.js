@@ -4,7 +4,8 @@
 // their mean is taken. A moment is a little ahead of its sample, so that a move can be drawn out
 // between the two events it was seen at: `LEAD_S` is the price, and only moves pay it.
 
-export const LEAD_S = 0.02;
+// a frame, since pointers are told once a frame, and one more less what the first one left
+export const LEAD_S = 0.03;
 const JUMP_S = 0.1; // a suspended output: begin again
 const WEIGHT = 0.05;
 
@@ -26,5 +27,10 @@ export class SampleClock {
   sampleAt(time) {
     if (Number.isNaN(this.offset)) return -1;
     return Math.max(0, Math.round(this.offset + (time / 1e3 + LEAD_S) * this.rate));
+  }
+
+  /** The sample that is rendered at `time`. */
+  rendering(time) {
+    return Math.round(this.offset + (time / 1e3) * this.rate);
   }
 }

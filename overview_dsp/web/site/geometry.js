@@ -22,15 +22,15 @@ export function geometryOf(width, height, still) {
   const from = bottom + axis + 18;
   const room = height - 34 - from;
   if (width >= WIDE) {
-    const radius = Math.min(room / 2 - 8, 130);
-    const x = left + radius + 70;
+    const radius = Math.min(room / 2 - 8, 150);
+    const x = left + radius + 60;
     made.disk = { x, y: from + room / 2 + 4, radius };
     made.trace = { left: x + radius + 90, right, y: from + room / 2, half: room / 2 - 24 };
   } else {
-    const half = Math.min(34, room * 0.14);
-    const radius = Math.min((room - 2 * half - 26) / 2 - 4, width * 0.3);
+    const half = Math.min(30, room * 0.12);
+    const radius = Math.min((room - 2 * half - 40) / 2 - 4, width * 0.32);
     made.disk = { x: width / 2, y: from + radius + 4, radius };
-    made.trace = { left, right, y: height - 40 - half, half };
+    made.trace = { left, right, y: height - 42 - half, half };
   }
   return made;
 }

@@ -233,6 +233,7 @@ class Page {
     by("window").textContent = `${momentText(start, this.info)} to ${momentText(end, this.info)}`;
     by("in").disabled = level >= levels(windows);
     by("out").disabled = level === 0;
+    by("earlier").hidden = by("later").hidden = level === 0;
     by("earlier").disabled = windowBeside(windows, number, -1) < 0;
     by("later").disabled = windowBeside(windows, number, 1) < 0;
   }
@@ -294,7 +295,7 @@ class Page {
   take(told) {
     this.meters = told;
     this.cursor = told.cursor;
-    this.picture.trace.push(told.torque, told.struck.length > 0);
+    this.picture.trace.push(told.torque, told.struck);
     const rests = this.hand.holder === null && told.cursor < 1e-4 && told.envelope < 1e-4;
     this.quiet = rests ? this.quiet + 1 : 0;
     if (this.settings.felt === "motor" && this.settings.vibration) {

@@ -23,24 +23,25 @@ export class Strokes {
   }
 
   move(place, time) {
-    const sample = this.clock.sampleAt(time);
+    const { rate } = this.clock;
+    let sample = this.clock.sampleAt(time);
     if (sample < 0) {
       this.place = place;
       this.send(place, true, -1);
       return;
     }
-    const { rate } = this.clock;
-    const from = Math.max(this.last, sample - Math.round(LONGEST_S * rate));
+    // what comes late begins now: an event whose sample has passed would be a corner
+    const now = this.clock.rendering(performance.now());
+    const from = Math.max(this.last, now, sample - Math.round(LONGEST_S * rate));
+    sample = Math.max(sample, from + 1);
     const steps = Math.ceil((sample - from) / (EVERY_S * rate));
     for (let i = 1; i <= steps; i += 1) {
       const part = i / steps;
       const at = Math.round(from + (sample - from) * part);
       this.send(this.place + (place - this.place) * part, true, at);
     }
-    if (steps > 0) {
-      this.last = sample;
-      this.place = place;
-    }
+    this.last = sample;
+    this.place = place;
   }
 
   release(time) {

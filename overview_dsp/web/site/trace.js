@@ -9,9 +9,14 @@ export class Trace {
     this.at = 0;
   }
 
+  /** Torque (N m) now, and the strikes since the last frame, whose torque may be over by now. */
   push(torque, struck) {
-    this.torque[this.at] = torque;
-    this.struck[this.at] = struck ? 1 : 0;
+    let most = torque;
+    for (const one of struck) {
+      if (Math.abs(one.torque) > Math.abs(most)) most = one.torque;
+    }
+    this.torque[this.at] = most;
+    this.struck[this.at] = struck.length > 0 ? 1 : 0;
     this.at = (this.at + 1) % LENGTH;
   }
 
@@ -21,8 +26,8 @@ export class Trace {
     c.beginPath();
     for (let i = 0; i < LENGTH; i += 1) {
       const part = this.torque[(this.at + i) % LENGTH] / full;
-      // square root: a surface and its goals in one view
-      const height = Math.sign(part) * Math.min(1, Math.sqrt(Math.abs(part)));
+      // cube root: a surface and its goals in one view
+      const height = Math.max(-1, Math.min(1, Math.cbrt(part)));
       c.lineTo(box.left + i * step, box.y - height * box.half);
     }
     c.strokeStyle = colours.trace;
@@ -32,8 +37,8 @@ export class Trace {
     for (let i = 0; i < LENGTH; i += 1) {
       if (this.struck[(this.at + i) % LENGTH]) {
         const x = box.left + i * step;
-        c.moveTo(x, box.y + box.half + 5);
-        c.lineTo(x, box.y + box.half + 11);
+        c.moveTo(x, box.y + box.half);
+        c.lineTo(x, box.y + box.half + 5);
       }
     }
     c.strokeStyle = colours.hand;
