@@ -28,7 +28,7 @@ export function geometryOf(width, height, still) {
     made.trace = { left: x + radius + 90, right, y: from + room / 2, half: room / 2 - 24 };
   } else {
     const half = Math.min(30, room * 0.12);
-    const radius = Math.min((room - 2 * half - 40) / 2 - 4, width * 0.32);
+    const radius = Math.min((room - 2 * half - 26) / 2, width * 0.33);
     made.disk = { x: width / 2, y: from + radius + 4, radius };
     made.trace = { left, right, y: height - 42 - half, half };
   }

@@ -96,17 +96,20 @@ function drawAxis(c, g, view, info, colours) {
 }
 
 function drawEvent(c, g, view, event, info, colours) {
-  const { shape, colour } = info.kinds[event.kind];
+  const { shape, colour, count } = info.kinds[event.kind];
   const x = g.x(event.place);
-  const y = g.y(levelAt(view, event.place));
-  if (event.kind !== "touch") {
-    c.strokeStyle = colours.line;
-    c.lineWidth = 1;
-    c.beginPath();
-    c.moveTo(x, y);
-    c.lineTo(x, g.bottom);
-    c.stroke();
+  if (count === 0) {
+    // a detail, of which there may be hundreds: a row of their own
+    drawMark(c, shape, x, g.bottom - 12, 4, colours[colour], colours.rim);
+    return;
   }
+  const y = g.y(levelAt(view, event.place));
+  c.strokeStyle = colours.line;
+  c.lineWidth = 1;
+  c.beginPath();
+  c.moveTo(x, y);
+  c.lineTo(x, g.bottom);
+  c.stroke();
   drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
 }
 
@@ -128,7 +131,7 @@ function drawLabels(c, g, view, info, colours) {
   }
 }
 
-/** Half a turn about the disk, with what holds it there drawn outwards, and the events. */
+/** Half a turn about the disk, and where the events are on it. */
 function drawScale(c, disk, view, info, colours) {
   const { x, y, radius } = disk;
   c.strokeStyle = colours.line;
@@ -137,12 +140,13 @@ function drawScale(c, disk, view, info, colours) {
   c.arc(x, y, radius, angleOf(0), angleOf(1));
   c.stroke();
   for (const event of view.events) {
-    const { colour } = info.kinds[event.kind];
-    if (event.kind === "touch") continue;
+    const { colour, count } = info.kinds[event.kind];
+    if (count === 0) continue;
     const angle = angleOf(event.place);
-    const out = event.kind === "foul" ? 7 : 12;
+    const light = colour === "grey";
+    const out = light ? 7 : 12;
     c.strokeStyle = colours[colour];
-    c.lineWidth = event.kind === "foul" ? 1.5 : 3;
+    c.lineWidth = light ? 1.5 : 3;
     c.beginPath();
     c.moveTo(x + (radius + 2) * Math.cos(angle), y + (radius + 2) * Math.sin(angle));
     c.lineTo(x + (radius + out) * Math.cos(angle), y + (radius + out) * Math.sin(angle));

@@ -45,7 +45,7 @@ export function drawMark(path, shape, x, y, size, colour, rim) {
   path.beginPath();
   (SHAPES[shape] ?? SHAPES.circle)(path, x, y, sizeOf(shape, size));
   if (OPEN.has(shape)) {
-    path.lineWidth = 2;
+    path.lineWidth = size / 3;
     path.strokeStyle = colour;
     path.stroke();
     return;

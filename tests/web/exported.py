@@ -1,0 +1,77 @@
+"""A page as it was exported, on a web host that sends a strict policy and nothing else."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import threading
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+POLICY = "; ".join(
+    [
+        "default-src 'none'",
+        "script-src 'self' 'wasm-unsafe-eval'",
+        *(f"{what}-src 'self'" for what in ("style", "img", "connect", "worker", "manifest")),
+    ]
+)
+PHONE = {"width": 390, "height": 844}
+DESKTOP = {"width": 1280, "height": 800}
+
+
+class Handler(SimpleHTTPRequestHandler):
+    def end_headers(self) -> None:
+        self.send_header("Content-Security-Policy", POLICY)
+        super().end_headers()
+
+    def log_message(self, *unused: Any) -> None:
+        pass
+
+
+class Host:
+    """`url` serves `folder` until `close`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=folder))
+        self.thread = threading.Thread(target=self.server.serve_forever, daemon=True)
+        self.thread.start()
+        self.url = f"http://127.0.0.1:{self.server.server_port}/"
+
+    def close(self) -> None:
+        self.server.shutdown()
+        self.server.server_close()
+        self.thread.join()
+
+
+@contextlib.contextmanager
+def opened_host(folder: Path) -> Iterator[Host]:
+    host = Host(folder)
+    try:
+        yield host
+    finally:
+        host.close()
+
+
+@contextlib.contextmanager
+def launched() -> Iterator[Any]:
+    """A Chromium that lets a page sound only after a touch; skips where there is none."""
+    api: Any = pytest.importorskip(
+        "playwright.sync_api", reason="needs a driver for a browser: pip install playwright"
+    )
+    with api.sync_playwright() as playwright:
+        try:
+            browser = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+            )
+        except api.Error as error:
+            pytest.skip(
+                "needs Chromium: apt install chromium, or playwright install chromium "
+                f"({str(error).splitlines()[0]})"
+            )
+        yield browser
+        browser.close()
