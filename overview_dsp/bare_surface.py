@@ -76,7 +76,8 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
             number("surface.gap_height"),
             number("surface.gap_period_percent"),
         )
-        friction[missing] = bare * ribbed
+        # ribs stand out of the pattern too
+        friction[missing] = ribbed * (bare + (top if made_of != "none" else 0.0))
         known[missing] = 0.0
     material = str(preset.values["surface.material"])
     free = modes_of(material, number("surface.pitch_hz"), number("surface.ring"))

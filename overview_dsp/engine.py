@@ -384,6 +384,15 @@ class Engine:
         )
 
     @property
+    def holder(self) -> tuple[str, float] | None:
+        """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
+        self._require_prepared()
+        source = int(self._w[layout.HOLDER])
+        if source < 0:
+            return None
+        return SOURCES[source], float(self._m[layout.SOURCE_THETA2 + source])
+
+    @property
     def latency_samples(self) -> int:
         """How many samples the disk's input lags a moving hand (a tap is not delayed)."""
         self._require_prepared()

@@ -35,10 +35,11 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 @contextlib.contextmanager
-def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[Path]:
     """Give a temporary path beside `path`; rename it into place on success, delete it otherwise.
 
-    The temporary name keeps the suffix, so a writer that looks at it chooses the same format.
+    The temporary name keeps the suffix, so a writer that looks at it chooses the same format. A
+    `private` file may be read by its owner only.
 
     Raises
     ------
@@ -66,9 +67,10 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield temporary
         with open(temporary, "rb") as written:
             os.fsync(written.fileno())
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
+        if not private:
+            umask = os.umask(0)
+            os.umask(umask)
+            os.chmod(temporary, 0o666 & ~umask)
         os.replace(temporary, target)
     except OSError as error:
         raise output_error(target, error) from error

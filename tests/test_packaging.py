@@ -13,7 +13,7 @@ import pytest
 import overview_dsp as ov
 
 ROOT = Path(__file__).resolve().parents[1]
-LATE = ("numba", "llvmlite", "sounddevice", "serial", "matplotlib", "soundfile", "scipy")
+LATE = ("numba", "llvmlite", "sounddevice", "serial", "matplotlib", "soundfile", "scipy", "vqf")
 
 
 def python(code: str, folder: Path, path: Path = ROOT, **variables: str) -> str:
@@ -160,6 +160,17 @@ def test_a_wheel_has_what_the_page_loads(installed):
             assert (
                 installed / "overview_dsp" / "web" / file.name
             ).read_bytes() == file.read_bytes()
+
+
+def test_a_wheel_finds_its_sensors_from_any_folder(installed, tmp_path):
+    code = """
+import json
+from overview_dsp.sensors.profile_file import load_sensor, sensor_names
+print(json.dumps([[name, load_sensor(name).source] for name in sensor_names()]))
+"""
+    found = json.loads(python(code, tmp_path, installed))
+    assert [name for name, _ in found] == sorted(p.stem for p in (ROOT / "sensors").glob("*.toml"))
+    assert all(Path(source).is_relative_to(installed) for _, source in found)
 
 
 def test_a_wheel_has_the_command_line_and_renders(installed, tmp_path):

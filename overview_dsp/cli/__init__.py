@@ -17,12 +17,13 @@ COMMANDS = {
     "demo": ("demo", "The bundled match: sounds, pictures, and what to listen for."),
     "render": ("render", "Play a gesture over a timeline into a sound file."),
     "play": ("play", "Play a timeline live, with the mouse, the keys or a recorded hand."),
+    "serve": ("serve", "The page: a phone or a browser as the hand."),
     "timeline": ("timeline", "Show what was understood from a file, and convert it."),
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
-    "devices": ("devices", "List the audio outputs, and what is missing."),
+    "devices": ("devices", "List audio outputs and serial ports, and what is missing."),
     "bench": ("bench", "Measure how fast the engine runs here."),
 }
 

@@ -1,4 +1,4 @@
-"""`overview devices`: what can play here, and what is missing."""
+"""`overview devices`: what can play here and what can be turned, and what is missing."""
 
 from __future__ import annotations
 
@@ -9,13 +9,35 @@ from overview_dsp.cli.common import print_json
 
 @click.command(name="devices", epilog="Example: overview devices --json")
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def command(as_json: bool) -> None:
-    """List audio outputs with their channels and latency."""
+@click.option("--listen", type=click.FloatRange(0.0, 60.0), default=2.0, show_default=True,
+              metavar="S", help="How long to listen to serial ports; 0 = not at all.")  # fmt: skip
+@click.option("--baud", type=click.IntRange(300, 4_000_000), default=115_200, show_default=True,
+              help="Speed to listen at.")  # fmt: skip
+@click.option("--port", "more", multiple=True, metavar="PORT", help="A port to list too.")
+def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> None:
+    """List audio outputs with their channels and latency, and serial ports.
+
+    Each serial port is listened to, to say what it seems to speak: many boards start anew when
+    theirs is opened.
+    """
     from overview_dsp.live.portaudio import no_output_hint, outputs
+    from overview_dsp.live.serial_port import PortInfo, ports
+    from overview_dsp.live.serial_port import listen as hear
 
     found = outputs()
+    serial = ports()
+    known = {port.device for port in serial}
+    serial += [PortInfo(device, "", "") for device in more if device not in known]
+    heard = hear([port.device for port in serial], listen, baud) if listen else {}
     if as_json:
-        print_json([vars(output) for output in found])
+        print_json(
+            {
+                "outputs": [vars(output) for output in found],
+                "serial_ports": [
+                    {**vars(port), "speaks": heard.get(port.device)} for port in serial
+                ],
+            }
+        )
         return
     if not found:
         click.echo(f"PortAudio sees no output: {no_output_hint()}; rendering to files needs none")
@@ -25,3 +47,10 @@ def command(as_json: bool) -> None:
             f"{star}{output.index:>3}  {output.name} ({output.host}): {output.channels} channels, "
             f"{output.sample_rate:g} Hz, latency {output.latency_s * 1e3:.1f} ms"
         )
+    for port in serial:
+        about = " ".join(word for word in (port.description, port.identity) if word)
+        click.echo(f"  serial:{port.device} {about}".rstrip())
+        if port.device in heard:
+            click.echo(f"       {heard[port.device]}")
+    if not serial:
+        click.echo("no serial port with a device (tools/simulated_knob.py makes one to try with)")

@@ -31,19 +31,24 @@ def run(
         if hand is not None:
             hand.poll(player.engine)
         status = player.poll()
-        for message in status.messages:
+        for message in (*status.messages, *(() if hand is None else hand.take_messages())):
             note(message)
         click, tactor = max(click, status.peak_click), max(tactor, status.peak_tactor)
         now = time.monotonic()
         if now - last >= LINE_EVERY_S:
             last += LINE_EVERY_S
-            yield _line(status, click, tactor)
+            yield {**_line(status, click, tactor), **_input(hand)}
             click = tactor = 0.0
         over = hand is not None and hand.is_over(player.engine) and player.at_rest
         if over or stopped() or (seconds is not None and now - started >= seconds):
             break
         time.sleep(LOOK_EVERY_S)
-    yield {"summary": _summary(player.poll())}
+    yield {"summary": {**_summary(player.poll()), **_input(hand)}}
+
+
+def _input(hand: Input | None) -> dict[str, Any]:
+    report = {} if hand is None else dict(hand.report())
+    return {"input": report} if report else {}
 
 
 def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:

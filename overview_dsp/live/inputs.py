@@ -11,6 +11,7 @@ import numpy as np
 from overview_dsp.changes import apply_change
 from overview_dsp.engine import Engine
 from overview_dsp.gestures import SOURCES, Gesture
+from overview_dsp.live.player import Input
 
 AHEAD_S = 0.5
 """A take's events are handed over this long before they are due."""
@@ -22,7 +23,7 @@ AT_MOST = 2000
 """Events handed over at a time: the engine's ring holds 4096."""
 
 
-class TakeInput:
+class TakeInput(Input):
     """Plays a gesture into a running engine, sample by sample.
 
     Thread: control; `poll` at least four times a second.
@@ -67,7 +68,7 @@ class TakeInput:
         return self._fed == len(self._stamps) and engine.sample_time >= end
 
 
-class LineInput:
+class LineInput(Input):
     """Control events as lines of text, `theta2 touching` (rad, 0 or 1), from a thread of its own.
 
     Lines of another form are counted and the first one is told; the end of the text lets go.

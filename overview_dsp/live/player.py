@@ -12,9 +12,9 @@ import os
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 from overview_dsp.actuators import Actuator
 from overview_dsp.actuators.stage import Protected, read_protected
@@ -67,6 +67,23 @@ class Input(Protocol):
 
     def is_over(self, engine: Engine) -> bool:
         """Whether nothing more will come."""
+
+    def take_messages(self) -> tuple[str, ...]:
+        """What a person should know, new since the last call."""
+        return ()
+
+    @property
+    def words(self) -> str:
+        """A line for the play screen, or nothing."""
+        return ""
+
+    def report(self) -> Mapping[str, Any]:
+        """What it counted, for a line of JSON."""
+        return {}
+
+    def close(self) -> None:
+        """Let go and give back what was opened."""
+        return
 
 
 @dataclass(frozen=True)
@@ -406,6 +423,11 @@ class Player:
             recording=None if self._record is None else os.fspath(self._record),
             messages=messages,
         )
+
+    @property
+    def latency_s(self) -> float:
+        """From a sample to the output, as the device says."""
+        return self._last.latency_s
 
     @property
     def at_rest(self) -> bool:

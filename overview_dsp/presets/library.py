@@ -88,6 +88,13 @@ def load_preset(name: str | Path) -> Preset:
     return parse_preset(preset_text(path), path.stem, str(path), _base)
 
 
+def parse_own(text: str, path: Path) -> Preset:
+    """The preset of a text that is to be the file `path`; InputError if it isn't valid."""
+    if len(text.encode()) > MAX_BYTES:
+        raise InputError(f"{path.name}: larger than {MAX_BYTES:,} bytes; it is a short TOML file")
+    return parse_preset(text, path.stem, str(path), _base)
+
+
 def fitting(kinds: Mapping[str, int]) -> str:
     """The bundled preset made for data with these kinds of events: the one that names most of them.
 

@@ -242,6 +242,45 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Time constant of each of the input smoother's two poles; its latency is twice it.",
                 "log",
             ),
+            Parameter(
+                "twist.release",
+                "either",
+                doc="What lets go of the disk where a device has no touch sensor: being back at "
+                "rest, a tap-tap on it, or either.",
+                choices=("rest", "tap", "either"),
+            ),
+            _number(
+                "twist.rest_deg",
+                4.0,
+                0.5,
+                60.0,
+                "deg",
+                "Within this of face up the device is at rest.",
+            ),
+            _number(
+                "twist.turn_deg",
+                6.0,
+                0.5,
+                60.0,
+                "deg",
+                "Turned so far beyond that it takes hold.",
+            ),
+            _number(
+                "twist.rest_ms",
+                200.0,
+                0.0,
+                5000.0,
+                "ms",
+                "How long it must be at rest to let go.",
+            ),
+            _number(
+                "twist.join_ms",
+                150.0,
+                0.0,
+                2000.0,
+                "ms",
+                "How long theta2 takes from where the disk is to the device's own angle.",
+            ),
             # --- the surface ------------------------------------------------------------------
             _number(
                 "surface.friction",

@@ -10,7 +10,7 @@ from textual.binding import Binding, BindingType
 from textual.widgets import Footer, Static
 
 from overview_dsp.live.player import Input, Player, Status
-from overview_dsp.tui.help_screen import HelpScreen
+from overview_dsp.tui.help_screen import HelpScreen, TextScreen
 from overview_dsp.tui.meters_view import MetersView
 from overview_dsp.tui.timeline_view import TimelineView, axis_text
 
@@ -24,6 +24,7 @@ class PlayApp(App[None]):
 
     CSS = """
     Screen { overflow: hidden; }
+    #invitation { height: 1; }
     #title { height: 1; text-style: bold; }
     #messages { height: 2; color: $warning; }
     """
@@ -45,14 +46,20 @@ class PlayApp(App[None]):
         Binding("right_square_bracket", "event(1)", show=False),
         Binding("m", "mute_click", "mute clicks"),
         Binding("t", "mute_tactor", "mute tactor"),
+        Binding("r", "remote", show=False),
         Binding("question_mark", "help", "help"),
         Binding("q,ctrl+c", "quit", "quit"),
     ]
 
     def __init__(
-        self, player: Player, hand: Input | None = None, stopped: Callable[[], bool] | None = None
+        self,
+        player: Player,
+        hand: Input | None = None,
+        stopped: Callable[[], bool] | None = None,
+        invitation: str = "",
     ) -> None:
         super().__init__()
+        self._invitation = invitation
         self._player = player
         self._hand = hand
         self._stopped = stopped
@@ -65,6 +72,8 @@ class PlayApp(App[None]):
     def compose(self) -> ComposeResult:
         """Title, timeline, meters, messages, keys."""
         yield Static(self._player.timeline.title, id="title", markup=False)
+        if self._invitation:
+            yield Static(self._invitation.splitlines()[0], id="invitation", markup=False)
         yield self._view
         yield self._meters
         yield self._words
@@ -88,9 +97,11 @@ class PlayApp(App[None]):
             return
         self._status = status
         self._view.show(status)
-        self._meters.show(status, self._here(status))
-        if status.messages:
-            self._words.update("\n".join(status.messages[-2:]))
+        hand = self._hand
+        self._meters.show(status, self._here(status), "" if hand is None else hand.words)
+        messages = (*status.messages, *(() if hand is None else hand.take_messages()))
+        if messages:
+            self._words.update("\n".join(messages[-2:]))
 
     def _here(self, status: Status) -> str:
         """The moment under the cursor, and the event whose surface it is on."""
@@ -171,16 +182,27 @@ class PlayApp(App[None]):
         """Tactor off or on."""
         self._player.mute_tactor(not self._player.settings.tactor.mute)
 
+    def action_remote(self) -> None:
+        """How a phone takes hold of the disk."""
+        if self._invitation:
+            self.push_screen(TextScreen(self._invitation))
+
     def action_help(self) -> None:
         """The keys, explained."""
         self.push_screen(HelpScreen())
 
 
 def run(
-    player: Player, hand: Input | None = None, stopped: Callable[[], bool] | None = None
+    player: Player,
+    hand: Input | None = None,
+    stopped: Callable[[], bool] | None = None,
+    invitation: str = "",
 ) -> None:
-    """Show a player until the person quits or `stopped()`; errors of the player are raised."""
-    app = PlayApp(player, hand, stopped)
+    """Show a player until the person quits or `stopped()`; errors of the player are raised.
+
+    `invitation` is what a person needs to let another device in; its first line is always shown.
+    """
+    app = PlayApp(player, hand, stopped, invitation)
     app.run()
     if app.failure is not None:
         raise app.failure

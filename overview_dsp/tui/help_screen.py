@@ -1,4 +1,4 @@
-"""The keys, explained."""
+"""Texts over the screen: the keys, explained, and whatever else is to be read."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ Escape       let go
 [ ]          touch the previous, the next event
 + -  0       zoom about the disk; the whole
 m t          mute the clicks, the tactor
+r            the address for a phone (with --remote)
 q            quit
 
 ▼ finger  ~ spring  ◉ disk: it sticks where friction is high
@@ -29,19 +30,23 @@ q            quit
 any key closes this"""
 
 
-class HelpScreen(ModalScreen[None]):
+class TextScreen(ModalScreen[None]):
     """Closed by any key or click."""
 
     CSS = """
-    HelpScreen { align: center middle; }
-    HelpScreen Static { width: auto; height: auto; border: round $accent; padding: 0 1;
-        background: $surface; }
+    TextScreen { align: center middle; }
+    TextScreen Static { width: auto; height: auto; border: round $accent; padding: 0 1;
+        background: black; color: white; }
     """
     BINDINGS: ClassVar[list[BindingType]] = []
 
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self._text = text
+
     def compose(self) -> ComposeResult:
         """The text."""
-        yield Static(HELP, markup=False)
+        yield Static(self._text, markup=False)
 
     def on_key(self) -> None:
         """Close."""
@@ -50,3 +55,10 @@ class HelpScreen(ModalScreen[None]):
     def on_click(self) -> None:
         """Close."""
         self.dismiss()
+
+
+class HelpScreen(TextScreen):
+    """The keys."""
+
+    def __init__(self) -> None:
+        super().__init__(HELP)

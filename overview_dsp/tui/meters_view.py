@@ -19,15 +19,15 @@ HOLD_FALL_DB = 1.0
 class MetersView(Static):
     """Three bars (torque, click, tactor) and a line about the output."""
 
-    DEFAULT_CSS = "MetersView { height: 5; }"
+    DEFAULT_CSS = "MetersView { height: auto; min-height: 5; }"
 
     def __init__(self) -> None:
         super().__init__()
         self._held = [FLOOR_DB, FLOOR_DB]
         self._shown = ""
 
-    def show(self, status: Status, here: str) -> None:
-        """Write the meters; `here` names what is under the cursor."""
+    def show(self, status: Status, here: str, hand: str = "") -> None:
+        """Write the meters; `here` names what is under the cursor, `hand` is the input's line."""
         text = Text()
         part = min(abs(status.torque) / status.full_torque, 1.0)
         text.append("torque ").append(bar(part), "yellow")
@@ -52,6 +52,8 @@ class MetersView(Static):
             f"{status.frames_lost} frames lost, {status.dropped} events dropped",
             "red" if trouble else "dim",
         )
+        if hand:
+            text.append(f"\n{hand}", "dim")
         if text.plain != self._shown:
             self._shown = text.plain
             self.update(text)

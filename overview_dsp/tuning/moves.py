@@ -17,7 +17,7 @@ MOST_HEIGHT = 8.0
 MOST_WIDTH = 2.0
 """Heights move by up to this ratio, widths by less: a width is a kind's character."""
 
-RATE = 8000.0
+RATE = 16_000.0
 """The disk and its vibration are the same at any rate; a low one is quick."""
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.audition import pages
-from overview_dsp.gestures import sweep
+from overview_dsp.gestures import Gesture, sweep
 from overview_dsp.measure.feel_report import STEP_DB, KindFeel, feel_report, steps_apart
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
@@ -24,15 +24,18 @@ from overview_dsp.tuning.ordering import check_target
 
 WANTED_STEPS = 1.0
 _AIM_STEPS = 1.3
+_CLEAR_STEPS = 1.8
 _GOOD = 0.02
-"""A little more is aimed at, so that other speeds than the measured ones hold it too; the search
-ends where that is all but reached."""
+"""More is aimed at, so that other speeds than the measured ones hold it too, and the fainter of a
+kind's events (_CLEAR_STEPS above what is none); the search ends where that is all but reached."""
 
-SPEEDS = {f"{seconds:g} s": sweep(seconds) for seconds in (1.0, 1.35, 1.8, 2.5, 3.3, 4.5, 6.0)}
+SECONDS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
+SPEEDS = {f"{seconds:g} s": sweep(seconds) for seconds in SECONDS}
+ROUGH = {f"{seconds:g} s": sweep(seconds) for seconds in (1.0, 2.0, 5.0)}
 FAULT = 2.0
 """What a masked or merged event costs, as a pair of kinds that lack so many steps, squared."""
 
-TRIES = 3000
+TRIES = 2000
 TOGETHER = 0.15
 """Part of the tries that raise or lower all kinds at once."""
 
@@ -68,10 +71,34 @@ def separated(
         check_target(preset, order)
     names = tuple(preset.kinds)
     rng = np.random.default_rng(seed)
+    best = np.zeros(2 * len(names))
+    # few speeds bring it near, all of them to the end
+    best, _ = _searched(preset, names, order, ROUGH, rng, best, lambda p: progress(0.5 * p))
+    best, feels = _searched(
+        preset, names, order, SPEEDS, rng, best, lambda p: progress(0.5 + 0.5 * p)
+    )
+    progress(1.0)
+    found = moved(preset, names, best)
+    least = min(_least_steps(kinds, order) for kinds in feels.values())
+    faults = sum(kind.masked + kind.merged for kinds in feels.values() for kind in kinds.values())
+    named = replace(found, name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
+    return Tuned(named, least, least >= WANTED_STEPS and not faults)
+
+
+def _searched(
+    preset: Preset,
+    names: tuple[str, ...],
+    order: Sequence[str],
+    speeds: Mapping[str, Gesture],
+    rng: np.random.Generator,
+    start: NDArray[np.float64],
+    progress: Callable[[float], None],
+) -> tuple[NDArray[np.float64], Feels]:
+    """The best moves found from some on, and how they feel at these speeds."""
     most = limits(len(names))
     all_pages = pages(preset)
-    best = np.zeros(2 * len(names))
-    feels = _felt(preset, all_pages)
+    best = start
+    feels = _felt(moved(preset, names, best), all_pages, speeds)
     lacking = _lacking(feels, names, order)
     for count in range(TRIES):
         if lacking.sum() < _GOOD:
@@ -88,22 +115,17 @@ def separated(
         tried[which + len(names)] += move[1] if len(which) == 1 else 0.0
         tried = np.clip(tried, -most, most)
         there = [page for page in all_pages if any(names[i] in page.kinds() for i in which)]
-        felt = _felt(moved(preset, names, tried), there)
-        merged = {speed: {**feels[speed], **felt[speed]} for speed in SPEEDS}
+        felt = _felt(moved(preset, names, tried), there, speeds)
+        merged = {speed: {**feels[speed], **felt[speed]} for speed in speeds}
         now = _lacking(merged, names, order)
         if now.sum() < lacking.sum():
             best, feels, lacking = tried, merged, now
-    progress(1.0)
-    found = moved(preset, names, best)
-    least = min(_least_steps(kinds, order) for kinds in feels.values())
-    faults = sum(kind.masked + kind.merged for kinds in feels.values() for kind in kinds.values())
-    named = replace(found, name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
-    return Tuned(named, least, least >= WANTED_STEPS and not faults)
+    return best, feels
 
 
-def _felt(preset: Preset, timelines: Sequence[Timeline]) -> Feels:
-    report = feel_report(preset, timelines, SPEEDS, RATE, recoils=False)
-    return {speed: {kind.kind: kind for kind in report.stroke(speed).kinds} for speed in SPEEDS}
+def _felt(preset: Preset, timelines: Sequence[Timeline], speeds: Mapping[str, Gesture]) -> Feels:
+    report = feel_report(preset, timelines, speeds, RATE, recoils=False)
+    return {speed: {kind.kind: kind for kind in report.stroke(speed).kinds} for speed in speeds}
 
 
 def _least_steps(kinds: Mapping[str, KindFeel], order: Sequence[str]) -> float:
@@ -131,6 +153,6 @@ def _lacking(feels: Feels, names: Sequence[str], order: Sequence[str]) -> NDArra
         for name, i in place.items():
             kind = kinds[name]
             above = kind.contrast_db / STEP_DB
-            found[i, i] += max(0.0, _AIM_STEPS - above) ** 2 if kind.events else FAULT**2
+            found[i, i] += max(0.0, _CLEAR_STEPS - above) ** 2 if kind.events else FAULT**2
             found[i, i] += FAULT**2 * (kind.masked + kind.merged)
     return found

@@ -1,1 +1,1 @@
-"""The page: the kernel as WebAssembly, what runs it in a browser, and the bytes it is given."""
+"""The page: the kernel as WebAssembly, what runs it in a browser, and the server of all that."""

@@ -194,7 +194,9 @@ main()
 def test_devices_lists_the_server_with_its_channels():
     with jack_server.Server(period=256) as server:
         found = json.loads(server.run(DEVICES))
-    assert any(output["name"] == "system" and output["channels"] == 2 for output in found)
+    assert any(
+        output["name"] == "system" and output["channels"] == 2 for output in found["outputs"]
+    )
 
 
 UNKNOWN = """

@@ -6,10 +6,11 @@ import asyncio
 
 import numpy as np
 import pytest
+from textual.widgets import Static
 
 import overview_dsp as ov
 from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
+from overview_dsp.live.player import Input, Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
 from overview_dsp.tui import PlayApp, timeline_view
@@ -30,11 +31,11 @@ def player(match):
     player.close()
 
 
-def drive(player, script, size=(100, 30)):
+def drive(player, script, size=(100, 30), **given):
     """Run `script(app, pilot)` in the application; what it returns."""
 
     async def inside():
-        app = PlayApp(player)
+        app = PlayApp(player, **given)
         async with app.run_test(size=size) as pilot:
             await pilot.pause(0.2)
             result = await script(app, pilot)
@@ -222,3 +223,55 @@ def test_the_output_line_names_the_actuator_and_what_is_taken_back(match):
         assert ", c2 -0.0 dB\n" in drive(player, script)
     finally:
         player.close()
+
+
+def test_the_address_for_a_phone_is_shown_and_its_picture_on_a_key(player):
+    async def script(app, pilot):
+        shown = app.query_one("#invitation", Static)
+        assert "open https://10.0.0.2:8765/#token=x" in str(shown.render())
+        await pilot.press("r")
+        assert "a QR code" in str(app.screen.query_one(Static).render())
+        await pilot.press("x")
+        assert len(app.screen_stack) == 1
+
+    drive(player, script, invitation="open https://10.0.0.2:8765/#token=x\na QR code")
+
+
+def test_without_a_server_there_is_no_address(player):
+    async def script(app, pilot):
+        assert not app.query("#invitation")
+        await pilot.press("r")
+        assert len(app.screen_stack) == 1
+
+    drive(player, script)
+
+
+class CountingHand(Input):
+    """A sensor that has counted something and has something to say."""
+
+    words = "serial:made: binary frames, 90°; 7 readings, 2 damaged"
+
+    def __init__(self):
+        self._messages = ["hold it still"]
+
+    def poll(self, engine):
+        pass
+
+    def is_over(self, engine):
+        return False
+
+    def take_messages(self):
+        said, self._messages = tuple(self._messages), []
+        return said
+
+
+def test_an_inputs_counters_and_messages_are_on_the_screen(player):
+    async def inside():
+        app = PlayApp(player, CountingHand())
+        async with app.run_test(size=(100, 30)) as pilot:
+            shown = app.query_one(MetersView)
+            await until(pilot, lambda: "2 damaged" in shown._shown)
+            assert "hold it still" in str(app.query_one("#messages").render())
+            assert shown.size.height == 6
+
+    asyncio.run(inside())

@@ -2,13 +2,27 @@ from __future__ import annotations
 
 import pytest
 
-from tests.web.browser import opened_chromium, opened_firefox
+from tests.web.browser import launched, opened_chromium, opened_driver, opened_firefox
 
 
 @pytest.fixture(scope="session")
-def browser():
-    with opened_chromium() as page:
+def driver():
+    with opened_driver() as one:
+        yield one
+
+
+@pytest.fixture(scope="session")
+def browser(driver):
+    """A page with the kernel's modules."""
+    with opened_chromium(driver) as page:
         yield page
+
+
+@pytest.fixture(scope="session")
+def chromium(driver):
+    """A browser as people have it: a page sounds only after a touch."""
+    with launched(driver) as one:
+        yield one
 
 
 @pytest.fixture(scope="session")

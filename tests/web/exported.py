@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import threading
 from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
-
-import pytest
 
 POLICY = "; ".join(
     [
@@ -20,8 +17,6 @@ POLICY = "; ".join(
         *(f"{what}-src 'self'" for what in ("style", "img", "connect", "worker", "manifest")),
     ]
 )
-PHONE = {"width": 390, "height": 844}
-DESKTOP = {"width": 1280, "height": 800}
 
 
 class Handler(SimpleHTTPRequestHandler):
@@ -55,23 +50,3 @@ def opened_host(folder: Path) -> Iterator[Host]:
         yield host
     finally:
         host.close()
-
-
-@contextlib.contextmanager
-def launched() -> Iterator[Any]:
-    """A Chromium that lets a page sound only after a touch; skips where there is none."""
-    api: Any = pytest.importorskip(
-        "playwright.sync_api", reason="needs a driver for a browser: pip install playwright"
-    )
-    with api.sync_playwright() as playwright:
-        try:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=["--no-sandbox"]
-            )
-        except api.Error as error:
-            pytest.skip(
-                "needs Chromium: apt install chromium, or playwright install chromium "
-                f"({str(error).splitlines()[0]})"
-            )
-        yield browser
-        browser.close()

@@ -15,6 +15,7 @@ from overview_dsp.surface_slot import write_surface
 from overview_dsp.units import db_to_gain
 from overview_dsp.web.encoding import encode_change, encode_engine, event_numbers
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played
+from tests.web.surfaces import preset_of
 
 COLUMNS_A_BLOCK = 16_384  # as kernel.js copies them
 SOURCE_EVENTS = [
@@ -146,9 +147,9 @@ def test_strikes_and_meters_are_told_when_asked(browser, match, football):
     assert look["torque"] == meters.torque
 
 
-@pytest.mark.parametrize("preset", ["football", "creaking-door", "gravel"])
+@pytest.mark.parametrize("preset", ["football", "door", "gravel"])
 def test_the_page_starts_from_the_engines_memory(browser, match, preset):
-    made = engine(match, ov.load_preset(preset))  # with events that wait, and its state
+    made = engine(match, preset_of(preset))  # with events that wait, and its state
     played(made, 4_800)
     made.control(1.0, True, FRAMES + 77)
     browser.give(image=encode_engine(made))
@@ -171,8 +172,8 @@ def test_a_surface_is_copied_into_the_free_slot_in_pieces(browser, match, footba
     (first, surface), _ = goals
     browser.give(
         image=encode_engine(engine(match, football, hands=False)),
-        rough=encode_change(football, ov.load_preset("creaking-door"), RATE, creaking(match)),
-        goal=encode_change(ov.load_preset("creaking-door"), first, RATE, surface),
+        rough=encode_change(football, preset_of("door"), RATE, creaking(match)),
+        goal=encode_change(preset_of("door"), first, RATE, surface),
     )
     slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
     write_surface(slot, 0, surface, RATE)
@@ -186,12 +187,12 @@ def test_a_surface_is_copied_into_the_free_slot_in_pieces(browser, match, footba
 
 
 def creaking(match):
-    return ov.build_surface(match, ov.load_preset("creaking-door"))
+    return ov.build_surface(match, preset_of("door"))
 
 
 def test_a_used_slot_keeps_nothing_of_its_old_surface(browser, match, football, goals):
     (first, surface), _ = goals
-    door = ov.load_preset("creaking-door")
+    door = preset_of("door")
     browser.give(
         image=encode_engine(engine(match, door, hands=False)),
         goal=encode_change(door, first, RATE, surface),
@@ -278,7 +279,7 @@ def test_a_bad_send_is_told_and_disturbs_no_sample(browser, match, football):
 def test_a_third_surface_waits_until_a_slot_is_free(browser, match, football, goals):
     """Not in the slot that is faded from, nor in the one that waits."""
     (first, surface), _ = goals
-    door = ov.load_preset("creaking-door")
+    door = preset_of("door")
     stamps = 20_000, 21_000, 90_000
     made = engine(match, football)
     made.set_preset(first, sample_time=stamps[0])

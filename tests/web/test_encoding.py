@@ -18,6 +18,7 @@ from overview_dsp.surface_slot import write_surface
 from overview_dsp.web import encoding
 from overview_dsp.web.encoding import DATA, FILL, TABLE, encode_change, encode_engine
 from tests.web.schedule import RATE, engine
+from tests.web.surfaces import preset_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -61,7 +62,7 @@ def test_an_engine_comes_back_column_by_column(match, football):
 def test_a_change_holds_what_an_engine_would_be_told(match, football):
     made = engine(match, football, hands=False)
     before = made.preset
-    made.set_preset(ov.load_preset("football-stadium"), sample_time=4_711)
+    made.set_preset(preset_of("stadium"), sample_time=4_711)
     data = encode_change(before, made.preset, RATE, made.surface, 4_711)
     count = int(np.frombuffer(data, "<i4", 2, 8)[1])
     pairs = np.frombuffer(data, "<f8", 2 * count, 40).reshape(-1, 2)

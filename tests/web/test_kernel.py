@@ -18,6 +18,7 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 from tests.web.schedule import BLOCK, FRAMES, RELEASE, change, engine, played
+from tests.web.surfaces import preset_of
 from tests.web.wasm_runner import WasmKernel
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -66,24 +67,10 @@ def test_no_partition_changes_a_bit(match, football, native, sizes):
     assert np.array_equal(out, native)
 
 
-def dial():
-    """Wells to swing in, with ends and bristles."""
-    return ov.load_preset("plain").with_changes(
-        {
-            "disk.inertia": 2e-5,
-            "surface.model": "detent",
-            "surface.pattern": "waves",
-            "surface.pattern_period_percent": 5.0,
-            "surface.grip": 8.0,
-            "surface.end_stiffness": 1.0,
-        }
-    )
-
-
 PRESETS = {
     "viscous": lambda: ov.load_preset("football"),
-    "bristles": lambda: ov.load_preset("creaking-door"),
-    "wells": dial,
+    "bristles": lambda: preset_of("door"),
+    "wells": lambda: preset_of("dial"),
 }
 
 

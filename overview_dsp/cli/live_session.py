@@ -1,0 +1,178 @@
+"""What commands that play live share: the device, the player, its end by a signal or in time."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from overview_dsp.cli.actuator_option import actuator_option
+from overview_dsp.cli.common import announce_compile
+from overview_dsp.cli.output_options import SILENT, device_named, output_options, output_settings
+
+if TYPE_CHECKING:
+    from overview_dsp.engine import Engine
+    from overview_dsp.live.output_settings import OutputSettings
+    from overview_dsp.live.player import Input, Player, Stream
+    from overview_dsp.timeline import Timeline
+
+MAX_BLOCK = 8192
+
+
+def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Options of the device and the session, which `opened_player` takes as `live`."""
+    options = (
+        click.option("--device", help="Output: a name or number of `overview devices`, or none."),
+        click.option("--block-size", default=256, show_default=True,
+                     help="Frames, 0 = the device's own."),
+        click.option("--sample-rate", type=float, help="Hz; the device's own if left out."),
+        click.option("--callback", type=click.Choice(["native", "python"]), default="native",
+                     show_default=True, help="What PortAudio calls."),
+        click.option("--record", metavar="TAKE.csv", help="Keep what was played, to the bit."),
+        click.option("--seed", default=0, show_default=True, help="Of the surface's grain."),
+        actuator_option,
+        output_options,
+    )  # fmt: skip
+    for option in reversed(options):
+        function = option(function)
+    return function
+
+
+@contextmanager
+def opened_player(
+    data: Timeline,
+    part: tuple[float, float] | None,
+    preset: str,
+    live: dict[str, Any],
+) -> Iterator[tuple[Player, list[int]]]:
+    """A player on the device that the options name, and the signals that ask for its end.
+
+    It is closed, saved and remembered afterwards. `part` (s) is what it shows first.
+
+    Raises
+    ------
+    OverviewError
+        A device, file or value that can't be used.
+    """
+    from overview_dsp.actuators.stage import warn_of_carrier
+    from overview_dsp.errors import InputError
+    from overview_dsp.files import require_writable
+    from overview_dsp.live.output_settings import save_settings
+    from overview_dsp.live.player import Player
+    from overview_dsp.live.preset_watch import PresetWatch
+
+    live = dict(live)
+    device, block_size, sample_rate, callback, record, seed, actuator = (
+        live.pop(name)
+        for name in (
+            "device", "block_size", "sample_rate", "callback", "record", "seed", "actuator"
+        )
+    )  # fmt: skip
+    if block_size < 0 or block_size > MAX_BLOCK:
+        raise InputError(f"block size {block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
+    if record is not None:
+        require_writable(record)
+    watch = PresetWatch(preset)
+    name, rate = _device(device, sample_rate)
+    chosen = output_settings(None if device == SILENT else name, live, actuator)
+    settings = chosen.settings
+    if settings.actuator is not None:
+        warn_of_carrier(settings.actuator, watch.preset.number("tactor.frequency_hz"))
+    native = callback == "native" and device != SILENT
+    announce_compile("_callback" if native else "finish_block")
+    player = Player(
+        data,
+        watch,
+        _opener(device, block_size, callback),
+        settings,
+        sample_rate=rate,
+        max_block_size=MAX_BLOCK,
+        callback="native" if native else "python",
+        record=record,
+        seed=seed,
+    )
+    with ended_by_signals() as received:
+        try:
+            if part is not None:
+                player.show(*part)
+            yield player, received
+        finally:
+            player.close()
+            if device != SILENT and chosen.differ(player.settings):
+                save_settings(name, player.settings)
+    if record is not None:
+        click.echo(f"{record}: the take, to the bit", err=True)
+
+
+def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
+    """The device's full name and the rate to play at."""
+    if device == SILENT:
+        return SILENT, sample_rate or 48_000.0
+    from overview_dsp.live.portaudio import find_output
+
+    found = find_output(device_named(device))
+    return f"{found.name} ({found.host})", sample_rate or found.sample_rate
+
+
+def _opener(
+    device: str | None, block_size: int, callback: Any
+) -> Callable[[Engine, OutputSettings], Stream]:
+    first = True
+
+    def open_stream(engine: Engine, settings: OutputSettings) -> Stream:
+        nonlocal first
+        if device == SILENT:
+            from overview_dsp.live.silent import SilentStream
+
+            return SilentStream(engine, block_size or 256, settings)
+        from overview_dsp.live.portaudio import OutputStream, rescan
+
+        if not first:
+            rescan()
+        first = False
+        return OutputStream(engine, device_named(device), block_size, settings, callback)
+
+    return open_stream
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[list[int]]:
+    """The signals that ask for an end, collected instead of obeyed."""
+    received: list[int] = []
+    names = ("SIGINT", "SIGTERM", "SIGHUP")
+    wanted = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    before = {
+        number: signal.signal(number, lambda got, _: received.append(got)) for number in wanted
+    }
+    try:
+        yield received
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def exit_if_stopped(received: list[int]) -> None:
+    """End the program as signals do, if one came."""
+    if received:
+        click.echo(f"stopped by {signal.Signals(received[0]).name}", err=True)
+        sys.exit(128 + received[0])
+
+
+def note(message: str) -> None:
+    """A line for the person."""
+    click.echo(f"note: {message}", err=True)
+
+
+def print_lines(
+    player: Player, hand: Input | None, received: list[int], seconds: float | None
+) -> None:
+    """Play with a line of JSON a second."""
+    from overview_dsp.live.headless import run
+
+    for report in run(player, hand, lambda: bool(received), note, seconds):
+        print(json.dumps(report), flush=True)

@@ -1,0 +1,118 @@
+"""`overview serve`: the page, for a phone or a browser."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+import click
+
+from overview_dsp.cli.common import part_of, window_options
+from overview_dsp.cli.live_session import (
+    ended_by_signals,
+    exit_if_stopped,
+    live_options,
+    opened_player,
+    print_lines,
+)
+from overview_dsp.cli.server_options import (
+    Opened,
+    open_server,
+    refuse_given,
+    require_server,
+    server_options,
+)
+from overview_dsp.cli.timeline_options import (
+    open_timeline,
+    preset_for,
+    preset_option,
+    timeline_options,
+)
+
+LOOK_EVERY_S = 0.1
+
+
+@click.command(
+    name="serve",
+    epilog="Example: overview serve world-cup-final-2018 --host 0.0.0.0 --audio host",
+)
+@click.argument("timeline")
+@preset_option
+@click.option("--audio", type=click.Choice(["here", "host"]), default="here", show_default=True,
+              help="What makes the sound: the page, or this machine's output.")  # fmt: skip
+@window_options
+@click.option("--media", metavar="FILE", help="A film or recording of it, to play from a moment.")
+@click.option("--media-offset", type=float, default=0.0, show_default=True, metavar="S",
+              help="Where in it the timeline's time 0 is.")  # fmt: skip
+@click.option("--seconds", type=float, help="Stop after so long.")
+@click.option("--json", "as_json", is_flag=True, help="The address as a line of JSON.")
+@server_options
+@timeline_options
+@live_options
+def command(
+    timeline: str,
+    preset: str | None,
+    audio: str,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
+    media: str | None,
+    media_offset: float,
+    seconds: float | None,
+    as_json: bool,
+    server: dict[str, Any],
+    load: dict[str, Any],
+    **live: Any,
+) -> None:
+    """Serve a page on which TIMELINE is dragged, tapped and let go, until Ctrl-C.
+
+    Beyond this machine (--host) it is served with https, and a QR code holds its address. Whoever
+    has the printed address may use it. With --audio host the page is the hand, and the disk is
+    heard and felt here: the options from --device on are those of `overview play`.
+    """
+    data = open_timeline(timeline, load)
+    part = part_of(data, window, zoom_to)
+    if part is not None and window:
+        data, part = data.window(*part), None
+    name = preset_for(data, preset)
+    require_server()
+    if audio == "here":
+        refuse_given(live, "is for --audio host; the page sounds by itself")
+    from overview_dsp.web.data import data_routes
+    from overview_dsp.web.media import open_media
+
+    film = None
+    if media is not None:
+        film = open_media(media, media_offset)
+    routes = data_routes(data, name, audio=audio, first=part, media=film)
+    if audio == "host":
+        from overview_dsp.web.session import HostSession
+
+        with opened_player(data, part, name, live) as (player, received):
+            session = HostSession(player)
+            with open_server(server, session, routes) as opened:
+                _tell(opened, as_json)
+                print_lines(player, session, received, seconds)
+    else:
+        with (
+            ended_by_signals() as received,
+            open_server(server, None, routes) as opened,
+        ):
+            _tell(opened, as_json)
+            _wait(received, seconds)
+    exit_if_stopped(received)
+
+
+def _tell(opened: Opened, as_json: bool) -> None:
+    if as_json:
+        report = {
+            "address": opened.address,
+            "fingerprint_sha256": opened.fingerprint_sha256,
+        }
+        print(json.dumps(report), flush=True)
+
+
+def _wait(received: list[int], seconds: float | None) -> None:
+    until = None if seconds is None else time.monotonic() + seconds
+    while not received and (until is None or time.monotonic() < until):
+        time.sleep(LOOK_EVERY_S)

@@ -1,0 +1,1 @@
+"""Sensors: bytes in, the hand's control events out; opens no device."""

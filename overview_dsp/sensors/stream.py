@@ -1,0 +1,74 @@
+"""Bytes to samples with their times: told, decoded, checked, stamped."""
+
+from __future__ import annotations
+
+from overview_dsp.sensors.clock import ArrivalClock, StampClock
+from overview_dsp.sensors.profile import TOLD, Sensor
+from overview_dsp.sensors.reading import STAMPS, Counters, Reading
+from overview_dsp.sensors.sequence import SequenceCheck
+from overview_dsp.sensors.telling import ENOUGH, Decoder, Told, tell
+
+Sample = tuple[float, Reading]
+"""Time, s, and what was said then."""
+
+
+class Stream:
+    """What one sensor sends.
+
+    Attributes
+    ----------
+    told : Told or None
+        What it is, once that is known.
+    problem : str
+        Why it can't be told; one line, empty if nothing is wrong.
+    """
+
+    def __init__(self, sensor: Sensor, counters: Counters) -> None:
+        """Nothing has come yet; `counters` counts what is wrong."""
+        self._counters = counters
+        self._pending = bytearray()
+        self._decoder: Decoder | None = None
+        self._clock: StampClock | ArrivalClock | None = None
+        self._sequence = SequenceCheck(counters)
+        self._columns = sensor.columns
+        self.told: Told | None = None
+        self.problem = ""
+        form = sensor.values["stream.format"]
+        if form == TOLD and self._columns:
+            form = "text"
+        if form != TOLD:
+            self._know(Told(form, self._columns))  # type: ignore[arg-type]
+
+    def _know(self, told: Told) -> Decoder:
+        self.told = told
+        self.problem = ""
+        self._decoder = told.decoder(self._counters)
+        return self._decoder
+
+    def feed(self, data: bytes, arrival_s: float) -> list[Sample]:
+        """The samples that these bytes complete; `arrival_s` is of any clock that goes forward."""
+        if self._decoder is None:
+            self._pending += data
+            del self._pending[: -2 * ENOUGH]
+            found = tell(bytes(self._pending))
+            if not isinstance(found, Told):
+                self._counters.received_bytes += len(data)
+                self.problem = found or self.problem
+                return []
+            self._counters.received_bytes -= len(self._pending) - len(data)
+            readings = self._know(found).feed(bytes(self._pending))
+            self._pending.clear()
+            if not any(name in readings[-1] for name in STAMPS):
+                readings = readings[-1:]  # when the earlier ones came isn't known
+        else:
+            readings = self._decoder.feed(data)
+        return self._timed(self._sequence.pass_on(readings), arrival_s)
+
+    def _timed(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+        if not readings:
+            return []
+        if self._clock is None:
+            stamped = any(name in readings[0] for name in STAMPS)
+            self._clock = StampClock(self._counters) if stamped else ArrivalClock()
+        times = self._clock.times(readings, arrival_s)
+        return [(at, one) for at, one in zip(times, readings, strict=True) if at is not None]

@@ -1,0 +1,93 @@
+"""From a sensor's numbers to m/s² and rad/s along the device's axes."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from overview_dsp.errors import InputError
+from overview_dsp.sensors.profile import TOLD, Sensor
+
+GRAVITY = 9.80665
+"""m/s²."""
+
+NEAR = 0.15
+"""Gravity at rest may be off by so much and still tells its unit."""
+
+FRAME_ACCELERATION = 1.0 / 2048.0
+FRAME_ANGULAR_VELOCITY = 1000.0 / 16384.0
+"""g and deg/s of 1 in a binary frame: +-16 g and +-2000 deg/s in an int16, as common sensors do."""
+
+ACCELERATION_UNITS = {"m/s²": 1.0, "g": GRAVITY, "mg": 1e-3 * GRAVITY}
+ANGULAR_VELOCITY_UNITS = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Units:
+    """Factors to m/s² and rad/s, and the axes.
+
+    `words` says what was told.
+    """
+
+    acceleration: float
+    angular_velocity: float
+    axes: tuple[tuple[int, float], ...]
+    words: str
+
+    def acceleration_of(self, raw: Sequence[float]) -> Vector:
+        """Acceleration along the device's x, y and z, m/s²; upwards is positive at rest."""
+        return self._turned(raw, self.acceleration)
+
+    def angular_velocity_of(self, raw: Sequence[float]) -> Vector:
+        """Angular velocity about the device's x, y and z, rad/s."""
+        return self._turned(raw, self.angular_velocity)
+
+    def _turned(self, raw: Sequence[float], factor: float) -> Vector:
+        (i, a), (j, b), (k, c) = self.axes
+        return raw[i] * a * factor, raw[j] * b * factor, raw[k] * c * factor
+
+
+def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -> Units:
+    """Units as the profile says, or told by gravity.
+
+    `binary`: the numbers are of binary frames; `at_rest`: accelerations as sent, while it lay
+    still.
+
+    Raises
+    ------
+    InputError
+        Gravity is that of no unit: says what was read and what to write.
+    """
+    scale = sensor.number("acceleration.scale")
+    turning = sensor.number("angular_velocity.scale")
+    told = sensor.values["acceleration.unit"] == TOLD
+    if binary and told and scale == 1.0:
+        scale = FRAME_ACCELERATION
+    if binary and sensor.values["angular_velocity.unit"] == TOLD and turning == 1.0:
+        turning = FRAME_ANGULAR_VELOCITY
+    size = statistics.median(math.hypot(*raw) for raw in at_rest) * abs(scale)
+    unit = str(sensor.values["acceleration.unit"])
+    if told:
+        allowed = ("g",) if binary else tuple(ACCELERATION_UNITS)
+        near = [name for name in allowed
+                if abs(size * ACCELERATION_UNITS[name] / GRAVITY - 1.0) <= NEAR]  # fmt: skip
+        if not near:
+            raise InputError(
+                f"the acceleration at rest is {size:.4g}; gravity is 9.81 m/s², 1 g or 1000 mg. "
+                "Hold it still, or give --sensor FILE.toml with acceleration.unit and "
+                "acceleration.scale (g for 1 of the sensor, say)"
+            )
+        unit = near[0]
+    turned = str(sensor.values["angular_velocity.unit"])
+    if turned == TOLD:
+        turned = "rad/s" if unit == "m/s²" else "deg/s"
+    return Units(
+        scale * ACCELERATION_UNITS[unit],
+        turning * ANGULAR_VELOCITY_UNITS[turned],
+        sensor.axes,
+        f"{unit}, {turned}",
+    )

@@ -1,0 +1,132 @@
+"""What comes over `/control`, a JSON object a message, checked.
+
+From the page::
+
+    {"events": [[time_ms, theta2, touching], ...]}   1 to 64, in order: the page's clock
+                                                     (`performance.now()`), rad 0 to pi, 0 or 1
+    {"pong": host_s, "time_ms": time_ms}             the answer to a ping, at once
+    {"show": [start_s, end_s]}                       the part of the timeline to put under the hand
+
+From the host::
+
+    {"ping": host_s}
+    {"status": {...}}     ten times a second, see `control`
+    {"released": "..."}   the disk was let go, and why
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+from overview_dsp.errors import InputError
+
+MAX_MESSAGE_BYTES = 8192
+MAX_EVENTS = 64
+"""Events of a message."""
+
+MAX_TIME_MS = 1e12
+"""No page has been open for thirty years."""
+
+
+@dataclass(frozen=True)
+class RemoteEvent:
+    """A hand's event at `time_s` of the page's clock; theta2 rad, 0 to pi."""
+
+    time_s: float
+    theta2: float
+    touching: bool
+
+
+@dataclass(frozen=True)
+class Events:
+    """What a hand did, in order."""
+
+    events: tuple[RemoteEvent, ...]
+
+
+@dataclass(frozen=True)
+class Pong:
+    """When a ping left here (s of our clock) and was answered (s of the page's)."""
+
+    host_s: float
+    page_s: float
+
+
+@dataclass(frozen=True)
+class Show:
+    """A part of the timeline to put under the hand."""
+
+    start_s: float
+    end_s: float
+
+
+def decode_message(text: str) -> Events | Pong | Show:
+    """A message of a page; InputError, in a line, for anything else."""
+    try:
+        found = json.loads(text, parse_constant=_no_number)
+    except InputError:
+        raise
+    except (ValueError, RecursionError):
+        raise InputError("a message is a JSON object") from None
+    if not isinstance(found, dict):
+        raise InputError("a message is a JSON object")
+    keys = found.keys()
+    if keys == {"events"}:
+        return _events(found["events"])
+    if keys == {"pong", "time_ms"}:
+        return Pong(
+            _number(found["pong"], "pong", 0.0, MAX_TIME_MS),
+            _number(found["time_ms"], "time_ms", 0.0, MAX_TIME_MS) * 1e-3,
+        )
+    if keys == {"show"}:
+        start, end = _row(found["show"], "show", 2)
+        return Show(
+            _number(start, "show[0]", 0.0, math.inf), _number(end, "show[1]", 0.0, math.inf)
+        )
+    raise InputError("a message has the keys events, pong and time_ms, or show")
+
+
+def _events(given: Any) -> Events:
+    if not isinstance(given, list) or not 1 <= len(given) <= MAX_EVENTS:
+        raise InputError(f"events is a list of 1 to {MAX_EVENTS}")
+    events = []
+    for i, row in enumerate(given):
+        time_ms, theta2, touching = _row(row, f"events[{i}]", 3)
+        if touching not in (0, 1) or not isinstance(touching, int):
+            raise InputError(f"events[{i}][2] is 0 or 1")
+        events.append(
+            RemoteEvent(
+                _number(time_ms, f"events[{i}][0]", 0.0, MAX_TIME_MS) * 1e-3,
+                _number(theta2, f"events[{i}][1]", 0.0, math.pi),
+                bool(touching),
+            )
+        )
+    if any(b.time_s < a.time_s for a, b in itertools.pairwise(events)):
+        raise InputError("events are in order of time")
+    return Events(tuple(events))
+
+
+def _row(given: Any, where: str, length: int) -> list[Any]:
+    if not isinstance(given, list) or len(given) != length:
+        raise InputError(f"{where} is a list of {length} numbers")
+    return given
+
+
+def _number(given: Any, where: str, low: float, high: float) -> float:
+    if isinstance(given, bool) or not isinstance(given, int | float):
+        raise InputError(f"{where} is a number")
+    try:
+        value = float(given)
+    except OverflowError:
+        value = math.inf
+    if not math.isfinite(value) or not low <= value <= high:
+        raise InputError(f"{where} is out of range; it is finite, {low:g} to {high:g}")
+    return value
+
+
+def _no_number(name: str) -> NoReturn:
+    raise InputError(f"{name} is no number of JSON's")

@@ -1,0 +1,87 @@
+"""Whatever a page gives as a preset, a window or a rate is taken, or refused in one line."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import json
+import warnings
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import overview_dsp as ov
+from overview_dsp.presets.parameters import PARAMETERS
+from overview_dsp.web import preset_data, sound_data
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner),
+    max_leaves=6,
+)
+
+
+def paths(node, before=()):
+    """The ways to every place of nested dicts and lists."""
+    found = [before]
+    items = node.items() if isinstance(node, dict) else enumerate(node)
+    if isinstance(node, dict | list):
+        for key, inner in items:
+            if isinstance(inner, dict | list):
+                found += paths(inner, (*before, key))
+            else:
+                found.append((*before, key))
+    return found
+
+
+FOOTBALL = json.loads(json.dumps(preset_data.preset_data(ov.load_preset("football"))["preset"]))
+PLACES = [path for path in paths(FOOTBALL) if path]
+
+
+@given(st.data())
+@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+def test_a_preset_that_was_tampered_with_is_a_preset_or_one_line(match, data):
+    given_preset = copy.deepcopy(FOOTBALL)
+    for path in data.draw(st.lists(st.sampled_from(PLACES), min_size=1, max_size=3)):
+        node = given_preset
+        try:
+            for key in path[:-1]:
+                node = node[key]
+            how = data.draw(st.sampled_from(["put", "drop", "add"]))
+            if how == "put":
+                node[path[-1]] = data.draw(values)
+            elif how == "drop":
+                del node[path[-1]]
+            else:
+                node[data.draw(st.text(max_size=5))] = data.draw(values)
+        except (KeyError, IndexError, TypeError):
+            continue
+    body = {"sample_rate": 48000, "before": "football", "after": given_preset, "window": [0, 60]}
+    body = json.loads(json.dumps(body))  # as it comes
+    found = None
+    with contextlib.suppress(ov.InputError), warnings.catch_warnings():
+        warnings.simplefilter("ignore", ov.OverviewWarning)
+        found = sound_data.change(match, body)
+    assert found is None or len(found) > 1000
+
+
+@given(st.dictionaries(st.sampled_from(["sample_rate", "preset", "window", "seed"]), values))
+@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+def test_any_question_for_a_whole_is_refused_in_one_line(match, asked):
+    with pytest.raises(ov.InputError):
+        sound_data.whole(match, {**asked, "sample_rate": asked.get("sample_rate", "none")})
+
+
+@given(st.text(max_size=300), st.text(max_size=80))
+@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+def test_any_text_under_any_name_is_refused_and_leaves_no_file(tmp_path, monkeypatch, text, name):
+    monkeypatch.setenv("OVERVIEW_PRESETS", str(tmp_path))
+    with pytest.raises(ov.InputError):
+        preset_data.save_own(name, text, True)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_table_of_parameters_is_the_whole_one():
+    rows = {row["id"] for row in preset_data.preset_data(ov.load_preset("crowd"))["parameters"]}
+    assert set(PARAMETERS) <= rows
