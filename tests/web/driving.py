@@ -10,7 +10,7 @@ from typing import Any
 
 PHONE = {"width": 390, "height": 844}
 DESKTOP = {"width": 1280, "height": 800}
-PATIENCE_S = 20.0
+PATIENCE_S = 40.0
 
 
 def until(page: Any, condition: str) -> None:
