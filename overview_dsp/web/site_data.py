@@ -1,11 +1,12 @@
-"""What a static page draws and speaks: JSON of the timeline and of each of its windows.
+"""What a page draws and speaks: JSON of the timeline and of each of its windows.
 
 ``data/timeline.json``::
 
     {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null, "unit",
      "full_torque": N m, "bare_friction": N m s/rad, "rates": [44100, 48000],
      "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6}, ...},
-     "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...]}
+     "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...],
+     "server": null in a folder, else what `data` says}
 
 ``data/window-N.json``, places being 0 to 1 in that window::
 
@@ -92,8 +93,8 @@ def timeline_json(
     }
 
 
-def window_json(shown: Timeline, surface: Surface, part: Part) -> dict[str, Any]:
-    """What is drawn of one window; `shown` is that part, from 0, `surface` what is felt of it."""
+def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, Any]:
+    """What is drawn of one window: the part `shown`, which begins at `start_s`, felt so."""
     nearest = np.rint(np.arange(CELLS + 1) * ((COLUMNS - 1) / CELLS)).astype(np.int64)
     first = np.searchsorted(nearest, np.arange(COLUMNS))
     resistance = np.maximum.reduceat(surface.resistance, first)
@@ -105,7 +106,7 @@ def window_json(shown: Timeline, surface: Surface, part: Part) -> dict[str, Any]
         "events": [
             {
                 "place": event.time_s / length,
-                "time_s": part.start_s + event.time_s,
+                "time_s": start_s + event.time_s,
                 "kind": event.kind,
                 "label": event.label,
             }

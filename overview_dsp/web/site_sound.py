@@ -1,4 +1,4 @@
-"""What a static page sounds with: a window's bytes for one sample rate, and what differs at others.
+"""What a page sounds with: a window's bytes for one sample rate, and what differs at others.
 
 ``sound/N.bin`` are `encoding`'s bytes for the first rate, of the whole's memory (N = 0) or of a
 change to window N (N = ``back``: to the whole again). ``sound/N-RATE.patch``

@@ -1,7 +1,7 @@
-"""The parts that a static page can zoom to: each level a third as long, half overlapping.
+"""The parts that a page can zoom to: each level a third as long, half overlapping.
 
-A page can't make a surface; it holds those of these windows. Any moment lies in the middle half of
-one of each level, so that a zoom about it finds what led to it and what came of it.
+A page can't make a surface; it is given those of these windows. Any moment lies in the middle half
+of one of each level, so that a zoom about it finds what led to it and what came of it.
 """
 
 from __future__ import annotations

@@ -10,34 +10,16 @@ import hashlib
 import json
 import os
 from collections.abc import Callable
-from importlib import resources
-from typing import Any
 
 from overview_dsp.actuators import Actuator
 from overview_dsp.files import whole_folder
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface import build_surface
 from overview_dsp.timeline import Timeline
-from overview_dsp.web.site_data import timeline_json, window_json
-from overview_dsp.web.site_sound import patch_of, whole_bytes, window_bytes
-from overview_dsp.web.site_windows import site_windows
+from overview_dsp.web.assets import page_files
+from overview_dsp.web.site_content import SiteContent
 
-RATES = (48_000, 44_100)
-"""What browsers play at, Hz; others resample."""
-
-KERNEL_FILES = ("kernel.js", "kernel.wasm", "kernel_node.js", "layout.js", "processor.js")
 MARK = "files.js"
 """The file by which a folder is known as one of ours."""
-
-
-def page_files() -> dict[str, bytes]:
-    """The page's own files by their path in the folder, the same for every timeline."""
-    package = resources.files("overview_dsp.web")
-    files = {name: (package / name).read_bytes() for name in KERNEL_FILES}
-    for one in sorted((package / "site").iterdir(), key=lambda file: file.name):
-        if one.is_file():
-            files[one.name] = one.read_bytes()
-    return files
 
 
 def write_site(
@@ -66,46 +48,27 @@ def write_site(
     InputError
         The folder can't be written or holds other files; a surface that can't be made.
     """
-    parts = site_windows(timeline, levels)
+    content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator)
     with whole_folder(path, MARK) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
         digest = hashlib.sha256()
         size = 0
 
-        def put(name: str, content: bytes, group: str = "page") -> None:
+        def put(name: str, file: bytes, group: str) -> None:
             nonlocal size
             place = folder / name
             place.parent.mkdir(exist_ok=True)
-            place.write_bytes(content)
+            place.write_bytes(file)
             listed[group].append(name)
-            digest.update(name.encode() + content)
-            size += len(content)
+            digest.update(name.encode() + file)
+            size += len(file)
 
-        def put_sound(name: str, at_rates: list[bytes], group: str = "page") -> None:
-            put(f"sound/{name}.bin", at_rates[0], group)
-            for rate, content in zip(RATES[1:], at_rates[1:], strict=True):
-                put(f"sound/{name}-{rate}.patch", patch_of(at_rates[0], content), group)
-
-        for name, content in page_files().items():
-            put(name, content)
-        put("data/timeline.json", _json(timeline_json(timeline, preset, parts, RATES)))
-        for i, part in enumerate(parts):
-            group = "page" if i == 0 else "more"
-            shown = timeline if i == 0 else timeline.window(part.start_s, part.end_s)
-            surface = build_surface(shown, preset)
-            put(f"data/window-{i}.json", _json(window_json(shown, surface, part)), group)
-            if i == 0:
-                put_sound("0", [whole_bytes(timeline, preset, at, seed, actuator) for at in RATES])
-            if len(parts) > 1:
-                name = "back" if i == 0 else str(i)
-                put_sound(name, [window_bytes(surface, preset, at) for at in RATES], "more")
+        for name, file in page_files().items():
+            put(name, file, "page")
+        for i, name in enumerate(content.names):
+            put(name, content.make(name), "page" if content.is_needed_first(name) else "more")
             if progress is not None:
-                progress((i + 1) / len(parts))
+                progress((i + 1) / len(content.names))
         told = {"version": digest.hexdigest()[:16], **listed}
         (folder / MARK).write_text(f"self.FILES = {json.dumps(told)};\n", encoding="utf-8")
     return size
-
-
-def _json(document: dict[str, Any]) -> bytes:
-    text = json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text.encode()

@@ -1,4 +1,4 @@
-"""The page in a real Chromium: it comes in by its address and holds the host's disk."""
+"""The page from its server, in a real Chromium: it sounds itself, or holds the host's disk."""
 
 from __future__ import annotations
 
@@ -7,24 +7,27 @@ import time
 
 import pytest
 
+import overview_dsp as ov
+from overview_dsp.web.media import open_media
+from tests.web.driving import PHONE, at, until
 from tests.web.serving import served
 
-api = pytest.importorskip(
-    "playwright.sync_api", reason="needs a driver for a browser: pip install playwright"
-)
+GOAL = 4050.0 / 5880.0  # 4-1
 
 
 @contextlib.contextmanager
 def page_of(server, chromium, token=None, **given):
-    """A tab with the page, once it is connected; nothing may go wrong in it or leave the server."""
-    context = chromium.new_context(viewport={"width": 400, "height": 700}, **given)
+    """A tab with the page and what went wrong in it; nothing may leave the server."""
+    context = chromium.new_context(viewport=PHONE, **given)
     tab = context.new_page()
     wrong = []
     tab.on("console", lambda message: message.type == "error" and wrong.append(message.text))
     tab.on("pageerror", lambda error: wrong.append(str(error)))
     tab.on(
         "request",
-        lambda request: request.url.startswith(server.origin) or wrong.append(request.url),
+        lambda request: (
+            request.url.startswith((server.origin, "blob:")) or wrong.append(request.url)
+        ),
     )
     tab.goto(f"{server.origin}/#token={token or server.access.token}")
     try:
@@ -33,8 +36,16 @@ def page_of(server, chromium, token=None, **given):
         context.close()
 
 
+def says(tab, id, words, seconds=20.0):
+    end = time.monotonic() + seconds
+    while words not in (text := tab.text_content(f"#{id}")):
+        assert time.monotonic() < end, text
+        tab.wait_for_timeout(20)
+
+
 def connected(tab):
-    api.expect(tab.locator("#state")).to_have_text("connected")
+    until(tab, "p.view")
+    says(tab, "link", "at the host")
 
 
 def test_a_drag_on_the_page_moves_the_disk_and_letting_go_frees_it(match, chromium):
@@ -42,18 +53,34 @@ def test_a_drag_on_the_page_moves_the_disk_and_letting_go_frees_it(match, chromi
         connected(tab)
         assert tab.url == f"{server.origin}/"  # the token has left the address
         assert tab.evaluate("crossOriginIsolated")
-        assert tab.title() == match.title
-        tab.mouse.move(100, 300)
+        assert match.title in tab.title()
+        tab.mouse.move(*at(tab, 0.1))
         tab.mouse.down()
         server.until(lambda meters: meters.touching)
-        for x in range(100, 301, 10):
-            tab.mouse.move(x, 300)
+        tab.mouse.move(*at(tab, 0.75), steps=20)
         server.until(lambda meters: abs(meters.cursor - 0.75) < 0.02)
+        until(tab, "Math.abs(p.cursor - 0.75) < 0.02")
         time.sleep(0.8)  # held still, it is held
         assert server.player.engine.meters.touching
-        api.expect(tab.locator("#latency")).to_contain_text("finger to sound")
+        says(tab, "latency", "ms to sound")
         tab.mouse.up()
         server.until(lambda meters: not meters.touching)
+        assert wrong == []
+
+
+def test_a_movement_reaches_the_host_in_small_steps(match, chromium):
+    with served(match) as server, page_of(server, chromium) as (tab, wrong):
+        connected(tab)
+        tab.mouse.move(*at(tab, 0.1))
+        tab.mouse.down()
+        server.until(lambda meters: meters.touching)
+        first = len(server.player.engine.take_applied(0)[0])
+        tab.mouse.move(*at(tab, 0.4), steps=30)
+        server.until(lambda meters: abs(meters.cursor - 0.4) < 0.02)
+        applied = server.player.engine.take_applied(0)[0][first:]
+        assert len(applied) > 90  # a pointer tells 30
+        assert (applied["touching"] == 1).all()
+        tab.mouse.up()
         assert wrong == []
 
 
@@ -61,7 +88,7 @@ def test_a_touching_page_that_is_closed_frees_the_disk(match, chromium):
     with served(match) as server:
         with page_of(server, chromium) as (tab, _):
             connected(tab)
-            tab.mouse.move(200, 300)
+            tab.mouse.move(*at(tab, 0.5))
             tab.mouse.down()
             server.until(lambda meters: meters.touching)
         server.until(lambda meters: not meters.touching)
@@ -71,25 +98,48 @@ def test_a_finger_taps_on_a_phone(match, chromium):
     with served(match) as server, page_of(server, chromium, has_touch=True) as (tab, wrong):
         connected(tab)
         before = len(server.player.engine.take_applied(0)[0])
-        tab.touchscreen.tap(320, 300)
-        end = time.monotonic() + 5.0
-        while len(applied := server.player.engine.take_applied(0)[0]) < before + 2:
-            assert time.monotonic() < end
-            time.sleep(0.02)
-        assert applied["touching"].tolist() == [True, False]
+        tab.touchscreen.tap(*at(tab, 0.8))
+        server.until(lambda meters: meters.touching)
+        server.until(lambda meters: abs(meters.cursor - 0.8) < 0.02)
+        server.until(lambda meters: not meters.touching)
+        applied = server.player.engine.take_applied(0)[0][before:]
         assert applied["theta2"][0] == pytest.approx(0.8 * 3.14159265, abs=0.02)
+        assert list(applied["touching"]).count(0) == 1
         assert wrong == []
+
+
+def test_zooms_of_the_page_and_of_the_host_meet(match, chromium):
+    with served(match) as server, page_of(server, chromium) as (tab, wrong):
+        connected(tab)
+        tab.click("#in")
+        until(tab, "p.view.zoom === 1")
+        start, end = tab.evaluate("[p.start_s, p.end_s]".replace("p.", "overview.view."))
+        wait_for(lambda: server.player.window == pytest.approx((start, end)))
+        server.session.show(1000.0, 1300.0)  # as another page would: a window of its own
+        until(tab, "p.view.start_s === 1000 && p.view.end_s === 1300")
+        tab.click("#later")
+        until(tab, "p.view.end_s > 1300")
+        tab.click("#out")
+        until(tab, "p.view.zoom < 2")
+        assert wrong == []
+
+
+def wait_for(condition, seconds=10.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
 
 
 def test_a_page_with_a_wrong_token_says_what_to_do(match, chromium):
     with served(match) as server, page_of(server, chromium, "wrong") as (tab, _):
-        api.expect(tab.locator("#state")).to_contain_text("open the address printed last")
+        says(tab, "fault", "open the address printed last")
 
 
 def test_the_page_finds_its_host_again(match, chromium):
     with served(match) as server, page_of(server, chromium) as (tab, _):
         connected(tab)
-        tab.mouse.move(200, 300)
+        tab.mouse.move(*at(tab, 0.5))
         tab.mouse.down()
         server.until(lambda meters: meters.touching)
         server.cut()
@@ -101,9 +151,65 @@ def test_the_page_finds_its_host_again(match, chromium):
 def test_a_browser_that_cant_open_the_socket_is_told_what_it_needs(match, chromium):
     nothing_plays = served(match, plays=False, audio="host")
     with nothing_plays as server, page_of(server, chromium) as (tab, _):
-        api.expect(tab.locator("#state")).to_contain_text("--cert")
+        says(tab, "link", "--cert")
 
 
-def test_a_page_that_sounds_nowhere_says_what_to_start(match, chromium):
+# --- the page sounds by itself -------------------------------------------------------------------
+
+
+def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, chromium):
+    first = (3000.0, 4500.0)
+    with (
+        served(match, plays=False, first=first) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.view")
+        assert tab.evaluate("[overview.view.start_s, overview.view.end_s]") == list(first)
+        tab.mouse.move(*at(tab, 0.1))
+        tab.mouse.down()
+        tab.mouse.move(*at(tab, 0.7), steps=40)
+        # the surface of that part, whose events it strikes
+        until(tab, "p.meters.strikes > 5 && Math.abs(p.cursor - 0.7) < 0.01")
+        assert tab.text_content("#clock") == "67:30"
+        tab.mouse.up()
+        until(tab, "p.cursor < 0.001")
+        tab.click("#out")
+        until(tab, "p.view.zoom === 0 && p.meters.changesWaiting === 0")
+        assert tab.evaluate("navigator.serviceWorker.controller") is None
+        assert wrong == []
+
+
+def test_a_goal_can_be_watched_from_a_little_before(match, chromium, tmp_path):
+    film = tmp_path / "match.wav"
+    ov.render(
+        match, ov.load_preset("football"), ov.sweep(0.5), sample_rate=8_000, tail="none"
+    ).save(film)
+    # so short a film holds the seconds about the goal alone
+    media = open_media(str(film), 5.2 - 4050.0)
+    with (
+        served(match, plays=False, media=media) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.view")
+        tab.mouse.move(*at(tab, 0.6))
+        tab.mouse.down()
+        tab.mouse.move(*at(tab, GOAL), steps=20)
+        until(tab, "document.getElementById('event').textContent.includes('4-1')")
+        tab.focus("#slider")
+        tab.keyboard.press("v")
+        until(tab, "document.getElementById('film').open")
+        assert tab.text_content("#film h2") == "goal, 4-1 Mbappé"
+        until(tab, "p.film.video.currentTime > 0.19")
+        tab.mouse.up()
+        tab.click("#film .done")
+        until(tab, "p.film.video.paused")
+        assert wrong == []
+
+
+def test_a_page_without_a_film_offers_none(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
-        api.expect(tab.locator("#state")).to_contain_text("--audio host")
+        until(tab, "p.view")
+        assert not tab.is_visible("#play")
+        tab.focus("#slider")
+        tab.keyboard.press("v")
+        assert not tab.is_visible("#film")

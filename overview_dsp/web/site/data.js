@@ -1,28 +1,27 @@
-// The timeline's files beside the page: what is drawn (JSON) and what sounds (bytes for the kernel).
+// The timeline's files: what is drawn (JSON) and what sounds (bytes for the kernel). A folder has
+// them for some windows and one preset; a server makes them for any (`info.server`).
 
-async function get(path) {
-  const answer = await fetch(new URL(path, import.meta.url));
-  if (!answer.ok) throw new Error(`${path}: ${answer.status} ${answer.statusText}`);
-  return answer;
-}
+import { ask, enter, post } from "./session.js";
 
-const json = async (path) => (await get(path)).json();
-const bytes = async (path) => (await get(path)).arrayBuffer();
+const json = async (path) => (await ask(path)).json();
+const bytes = async (path) => (await ask(path)).arrayBuffer();
 
 export class Data {
   static async open() {
+    await enter();
     const data = new Data();
-    [data.info, data.first] = await Promise.all([
-      json("data/timeline.json"), json("data/window-0.json"),
-    ]);
+    data.info = await json("data/timeline.json");
+    /** What it is felt by, where that isn't the preset of the files. */
+    data.preset = null;
     return data;
   }
 
-  /** What is drawn of window `i`, with its number and ends. */
-  async view(i) {
-    const drawn = i === 0 ? this.first : await json(`data/window-${i}.json`);
-    const { level, start_s, end_s } = this.info.windows[i];
-    return { ...drawn, number: i, zoom: level, start_s, end_s };
+  /** What is drawn of a part. */
+  async view(part) {
+    const drawn = this.hasFile(part)
+      ? await json(`data/window-${part.number}.json`)
+      : await (await post("data/window", { window: ends(part), ...this.by("preset") })).json();
+    return { ...drawn, ...part };
   }
 
   /** The kernel's memory at a sample rate, over the whole timeline. */
@@ -30,9 +29,27 @@ export class Data {
     return this.sound("0", rate);
   }
 
-  /** A change to window `i`. */
-  change(i, rate) {
-    return this.sound(i === 0 ? "back" : String(i), rate);
+  /** A change to a part. */
+  change(part, rate) {
+    if (!this.hasFile(part)) {
+      const presets = { ...this.by("before"), ...this.by("after") };
+      return changed({ sample_rate: rate, window: ends(part), ...presets });
+    }
+    return this.sound(part.number === 0 ? "back" : String(part.number), rate);
+  }
+
+  /** A change from one preset to another, with a part's surface or (null) without. */
+  feel(before, after, part, rate) {
+    const surface = part === null ? {} : { window: ends(part) };
+    return changed({ sample_rate: rate, before, after, ...surface });
+  }
+
+  hasFile({ number }) {
+    return number >= 0 && this.preset === null;
+  }
+
+  by(key) {
+    return this.preset === null ? {} : { [key]: this.preset };
   }
 
   async sound(name, rate) {
@@ -42,6 +59,10 @@ export class Data {
     return patched(...(await Promise.all([base, bytes(`sound/${name}-${rate}.patch`)])));
   }
 }
+
+const ends = ({ start_s, end_s }) => [start_s, end_s];
+
+const changed = async (asked) => (await post("sound/change", asked)).arrayBuffer();
 
 /** Bytes with some columns replaced (site_sound.py says how). */
 export function patched(base, patch) {

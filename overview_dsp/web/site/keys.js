@@ -3,7 +3,7 @@
 const STEP = 0.01;
 const PAGE = 0.1;
 
-/** `act` has the methods move, to, event, tap, letGo, zoom; `onfirst()` comes before each. */
+/** `act` has the methods move, to, event, tap, letGo, zoom, play; `onfirst()` comes before each. */
 export function listenToKeys(element, act, onfirst) {
   const keys = {
     ArrowRight: ({ shiftKey }) => act.move(shiftKey ? PAGE : STEP),
@@ -21,6 +21,7 @@ export function listenToKeys(element, act, onfirst) {
     "+": () => act.zoom(1),
     "=": () => act.zoom(1),
     "-": () => act.zoom(-1),
+    v: () => act.play(),
   };
   element.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || !Object.hasOwn(keys, event.key)) return;

@@ -1,7 +1,10 @@
 // The page: data, sound, hand and picture put together.
 
+import { Bench } from "./bench.js";
 import { Data } from "./data.js";
+import { Film } from "./film.js";
 import { Hand } from "./hand.js";
+import { HostSound } from "./host_sound.js";
 import { listenToKeys } from "./keys.js";
 import { drawMark } from "./marks.js";
 import { keepOffline } from "./offline.js";
@@ -14,18 +17,23 @@ import { Strokes } from "./strokes.js";
 import { listenToTouch } from "./touch.js";
 import { Twist } from "./twist.js";
 import { Motor } from "./vibration.js";
-import { eventText, momentText, placeText, secondsAt } from "./words.js";
-import { levels, windowAbout, windowBeside } from "./windows.js";
+import { levels, partAbout, partBeside, partBetween } from "./windows.js";
+import { eventAt, eventPassed, eventText, momentText, placeText, secondsAt } from "./words.js";
 
 const QUIET_FRAMES = 40; // after which an unheld disk at rest is looked at no more
+const REST_MS = 250; // a slider that stands so long is drawn
 
 const by = (id) => document.getElementById(id);
+
+const isSame = (a, b) => a?.start_s === b?.start_s && a?.end_s === b?.end_s;
 
 class Page {
   constructor(data, sound) {
     this.data = data;
     this.info = data.info;
+    this.server = data.info.server;
     this.sound = sound;
+    this.atHost = sound instanceof HostSound;
     this.settings = loadSettings();
     this.hand = new Hand(
       new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
@@ -40,16 +48,45 @@ class Page {
     this.quiet = 0;
     this.running = false;
     this.view = null;
+    this.film = this.server?.media ? new Film(by("film"), this.server.media) : null;
+    this.bench = null;
   }
 
   async begin() {
     by("title").textContent = this.info.title;
     document.title = `${this.info.title}: overView`;
+    document.documentElement.classList.toggle("host", this.atHost);
     this.tellAbout();
     this.apply();
-    await this.go(0);
+    const { windows, duration_s } = this.info;
+    const first = partBetween(windows, this.server?.window ?? [0, duration_s]);
+    // what the sound begins with
+    this.under = this.atHost ? first : partBetween(windows, [0, duration_s]);
+    await this.go(first);
     this.listen();
+    if (this.server) this.listenToServed();
     this.wake();
+  }
+
+  /** What only a server gives. */
+  listenToServed() {
+    by("play").hidden = this.film === null;
+    by("play").addEventListener("click", () => this.play());
+    by("tune").hidden = false;
+    this.bench = new Bench((before, after, surface) => this.feel(before, after, surface));
+    by("tune").addEventListener("click", () => {
+      by("dialog").close();
+      this.bench.toggle(true);
+    });
+    if (!this.atHost) return;
+    const { sound } = this;
+    sound.onlink = (text) => (by("link").textContent = text);
+    sound.onlatency = (text) => (by("latency").textContent = text);
+    sound.onshown = (window) => this.go(partBetween(this.info.windows, window));
+    sound.onstatus = ({ cursor }) => {
+      if (Math.abs(cursor - this.cursor) > 1e-4) this.wake();
+    };
+    sound.tell();
   }
 
   // --- the hand ---------------------------------------------------------------------------------
@@ -128,6 +165,15 @@ class Page {
     this.sayPlace();
   }
 
+  /** Play the film from a little before where the disk is. */
+  play() {
+    if (this.film === null) return;
+    const moment = secondsAt(this.view, this.cursor);
+    const here = eventAt(this.view, this.cursor);
+    const title = here ? eventText(here, this.info) : momentText(moment, this.info);
+    this.film.play(here?.time_s ?? moment, title).catch((error) => this.fault(error.message));
+  }
+
   letGo() {
     this.hand.release("keys");
   }
@@ -178,12 +224,12 @@ class Page {
     const { windows } = this.info;
     const level = Math.min(Math.max(this.view.zoom + direction, 0), levels(windows));
     if (level === this.view.zoom) return Promise.resolve(false);
-    return this.go(windowAbout(windows, level, secondsAt(this.view, place)));
+    return this.go(partAbout(windows, level, secondsAt(this.view, place)));
   }
 
   beside(direction) {
-    const next = windowBeside(this.info.windows, this.view.number, direction);
-    return next < 0 ? Promise.resolve(false) : this.go(next);
+    const next = partBeside(this.info.windows, this.view, direction);
+    return next === null ? Promise.resolve(false) : this.go(next);
   }
 
   wheel({ deltaX, deltaY, shiftKey, clientX }) {
@@ -199,18 +245,17 @@ class Page {
     else this.zoom(-direction, this.picture.placeOf(clientX));
   }
 
-  /** Put window `i` under the hand; the moment a key holds stays under it. */
-  async go(i) {
-    if (this.going) return false;
+  /** Put a part under the hand; the moment a key holds stays under it. */
+  async go(part) {
+    if (this.going || isSame(part, this.view)) return false;
     this.going = true;
     try {
-      const first = this.view === null;
-      const { context } = this.sound;
-      const [view, bytes] = await Promise.all([
-        this.data.view(i), first ? null : this.data.change(i, context.sampleRate),
+      const [view, put] = await Promise.all([
+        this.data.view(part), isSame(part, this.under) ? null : this.sound.show(part),
       ]);
-      const moment = first ? 0 : this.moment;
-      if (bytes) this.sound.change(bytes);
+      const moment = this.view === null ? 0 : this.moment;
+      put?.();
+      this.under = part;
       this.view = view;
       this.picture.show(view);
       if (this.hand.holder === "keys") {
@@ -229,13 +274,31 @@ class Page {
 
   tellWindow() {
     const { windows } = this.info;
-    const { number, zoom: level, start_s: start, end_s: end } = this.view;
+    const { zoom: level, start_s: start, end_s: end } = this.view;
     by("window").textContent = `${momentText(start, this.info)} to ${momentText(end, this.info)}`;
     by("in").disabled = level >= levels(windows);
     by("out").disabled = level === 0;
     by("earlier").hidden = by("later").hidden = level === 0;
-    by("earlier").disabled = windowBeside(windows, number, -1) < 0;
-    by("later").disabled = windowBeside(windows, number, 1) < 0;
+    by("earlier").disabled = partBeside(windows, this.view, -1) === null;
+    by("later").disabled = partBeside(windows, this.view, 1) === null;
+  }
+
+  /** Go over to another preset: its sound at once, its friction's picture when it rests. */
+  async feel(before, after, surface) {
+    await this.sound.feel(before, after, surface ? this.view : null);
+    this.data.preset = after;
+    if (!surface) return;
+    clearTimeout(this.drawing);
+    this.drawing = setTimeout(async () => {
+      const part = this.view;
+      const view = await this.data.view({
+        number: part.number, zoom: part.zoom, start_s: part.start_s, end_s: part.end_s,
+      });
+      if (!isSame(part, this.view)) return;
+      this.view = view;
+      this.picture.show(view);
+      this.wake();
+    }, REST_MS);
   }
 
   // --- settings ---------------------------------------------------------------------------------
@@ -286,28 +349,36 @@ class Page {
   }
 
   async frame() {
-    if (this.sound.running) this.take(await this.sound.look());
-    this.draw();
+    if (this.view !== null) {
+      if (this.sound.running) this.take(await this.sound.look());
+      this.draw();
+    }
     if (this.quiet > QUIET_FRAMES || document.hidden) this.running = false;
     else requestAnimationFrame(() => this.frame());
   }
 
   take(told) {
+    const before = this.cursor;
     this.meters = told;
     this.cursor = told.cursor;
     this.picture.trace.push(told.torque, told.struck);
     const rests = this.hand.holder === null && told.cursor < 1e-4 && told.envelope < 1e-4;
     this.quiet = rests ? this.quiet + 1 : 0;
-    if (this.settings.felt === "motor" && this.settings.vibration) {
+    if (!this.atHost && this.settings.felt === "motor" && this.settings.vibration) {
       this.motor.feel(told.envelope, performance.now());
     }
-    if (this.hand.holder !== "keys") this.sayStruck(told.struck);
+    if (this.hand.holder === "keys") return;
+    if (this.atHost) this.sayEvent(eventPassed(this.view, before, this.cursor));
+    else this.sayStruck(told.struck);
   }
 
   sayStruck(struck) {
     const named = struck.map(({ event }) => this.view.events[this.view.struck[event] ?? -1]);
-    const last = named.filter(Boolean).at(-1);
-    if (last) this.speech.say(eventText(last, this.info));
+    this.sayEvent(named.filter(Boolean).at(-1));
+  }
+
+  sayEvent(event) {
+    if (event) this.speech.say(eventText(event, this.info));
   }
 
   draw() {
@@ -320,10 +391,11 @@ class Page {
 
 try {
   const data = await Data.open();
-  const page = new Page(data, await Sound.open(data));
+  const { server } = data.info;
+  const page = new Page(data, server?.audio === "host" ? new HostSound() : await Sound.open(data));
   await page.begin();
   window.overview = page;
+  if (!server) keepOffline();
 } catch (error) {
   by("fault").textContent = `The page can't begin: ${error.message}`;
 }
-keepOffline();

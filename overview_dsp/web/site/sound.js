@@ -1,4 +1,5 @@
 // The page's sound: an audio context with the kernel in it, and where its two signals go.
+// `host_sound.js` has the same face.
 
 import { SampleClock } from "./clock.js";
 import { openKernel } from "./kernel_node.js";
@@ -16,6 +17,7 @@ export class Sound {
   /** Open it, silent until `start`; the memory is fetched by `data`. */
   static async open(data) {
     const sound = new Sound();
+    sound.data = data;
     // iPhones: as music, so that the silent switch doesn't still it
     if (navigator.audioSession) navigator.audioSession.type = "playback";
     const { rates } = data.info;
@@ -78,8 +80,15 @@ export class Sound {
     this.node.output({ gain: click }, { gain: tactor });
   }
 
-  change(bytes) {
-    this.node.change(bytes);
+  /** Fetch what it takes to put a part under the hand; call the answer to do so. */
+  async show(part) {
+    const bytes = await this.data.change(part, this.context.sampleRate);
+    return () => this.node.change(bytes);
+  }
+
+  /** Go from one preset to another; `part` has the surface, null if it stays. */
+  async feel(before, after, part) {
+    this.node.change(await this.data.feel(before, after, part, this.context.sampleRate));
   }
 
   /** The kernel's meters and strikes. */

@@ -27,6 +27,18 @@ export class Twist {
     this.roll = NaN;
     this.on = false;
     this.heard = (event) => this.turn(event);
+    this.lock = null; // on the screen: a page behind a locked one gets no motion
+    document.addEventListener("visibilitychange", () => this.keepAwake());
+  }
+
+  async keepAwake() {
+    if (!this.on || document.hidden) return;
+    try {
+      this.lock = await navigator.wakeLock?.request("screen");
+    } catch {
+      this.lock = null; // refused: a low battery
+    }
+    if (!this.on) this.lock?.release();
   }
 
   /** Ask where the platform wants that, and begin; an Error in one line if it can't be. */
@@ -39,10 +51,12 @@ export class Twist {
     }
     this.on = true;
     window.addEventListener("deviceorientation", this.heard);
+    this.keepAwake();
   }
 
   end() {
     this.on = false;
+    this.lock?.release();
     window.removeEventListener("deviceorientation", this.heard);
     this.hand.release("twist");
   }

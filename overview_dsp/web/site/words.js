@@ -44,6 +44,13 @@ export function eventAt(view, place) {
   return nearest;
 }
 
+/** The last event that a disk passed on its way between two places of a window, or null. */
+export function eventPassed(view, from, to) {
+  const [low, high] = from < to ? [from, to] : [to, from];
+  const passed = view.events.filter(({ place }) => place > low && place <= high);
+  return (from < to ? passed.at(-1) : passed[0]) ?? null;
+}
+
 export function secondsAt(view, place) {
   return view.start_s + (view.end_s - view.start_s) * place;
 }
