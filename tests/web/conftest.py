@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import pytest
 
 from tests.web.browser import launched, opened_chromium, opened_driver, opened_firefox
@@ -29,3 +32,11 @@ def chromium(driver):
 def firefox(tmp_path_factory):
     with opened_firefox(tmp_path_factory.mktemp("firefox")) as page:
         yield page
+
+
+@pytest.fixture(scope="session")
+def axe():
+    folder = os.environ.get("OVERVIEW_AXE")
+    if not folder or not (Path(folder) / "axe.min.js").is_file():
+        pytest.skip("needs axe-core: npm install axe-core, and its folder in OVERVIEW_AXE")
+    return (Path(folder) / "axe.min.js").read_text()

@@ -30,3 +30,9 @@ def at(page: Any, place: float) -> tuple[float, float]:
     box = page.locator("#canvas").bounding_box()
     left, right = page.evaluate("[overview.picture.geometry.left, overview.picture.geometry.right]")
     return box["x"] + left + (right - left) * place, box["y"] + 120
+
+
+def violations(page: Any, axe: str) -> list[tuple[str, str]]:
+    """What axe-core finds: rules, and the first element of each."""
+    found = page.evaluate(axe + "\n;axe.run().then(({violations}) => violations)")
+    return [(one["id"], one["nodes"][0]["html"]) for one in found]

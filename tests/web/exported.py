@@ -28,11 +28,16 @@ class Handler(SimpleHTTPRequestHandler):
         pass
 
 
+class Server(ThreadingHTTPServer):
+    def handle_error(self, *unused: Any) -> None:
+        """A page that is closed while it loads is no fault."""
+
+
 class Host:
     """`url` serves `folder` until `close`."""
 
     def __init__(self, folder: Path) -> None:
-        self.server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=folder))
+        self.server = Server(("127.0.0.1", 0), partial(Handler, directory=folder))
         self.thread = threading.Thread(target=self.server.serve_forever, daemon=True)
         self.thread.start()
         self.url = f"http://127.0.0.1:{self.server.server_port}/"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +14,7 @@ from overview_dsp.surface import build_surface
 from overview_dsp.units import HALF_TURN
 from overview_dsp.web.site_sound import patch_of, window_bytes
 from overview_dsp.web.static_site import write_site
-from tests.web.driving import DESKTOP, PHONE, at, until
+from tests.web.driving import DESKTOP, PHONE, at, until, violations
 from tests.web.exported import opened_host
 
 RATE = 48_000
@@ -381,14 +379,6 @@ def test_it_works_without_a_network_once_loaded(chromium, site):
     context.close()
 
 
-@pytest.fixture(scope="session")
-def axe():
-    folder = os.environ.get("OVERVIEW_AXE")
-    if not folder or not (Path(folder) / "axe.min.js").is_file():
-        pytest.skip("needs axe-core: npm install axe-core, and its folder in OVERVIEW_AXE")
-    return (Path(folder) / "axe.min.js").read_text()
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
 def test_axe_finds_nothing(chromium, site, axe, scheme, size):
@@ -406,8 +396,7 @@ def test_axe_finds_nothing(chromium, site, axe, scheme, size):
             for dialog in (False, True):
                 if dialog:
                     page.click("#settings")
-                found = page.evaluate(axe + "\n;axe.run().then(({violations}) => violations)")
-                assert [(one["id"], one["nodes"][0]["html"]) for one in found] == []
+                assert violations(page, axe) == []
             page.keyboard.press("Escape")
         context.close()
 

