@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from overview_dsp.web.static_site import write_site
 from tests.web.browser import launched, opened_chromium, opened_driver, opened_firefox
 
 
@@ -40,3 +41,11 @@ def axe():
     if not folder or not (Path(folder) / "axe.min.js").is_file():
         pytest.skip("needs axe-core: npm install axe-core, and its folder in OVERVIEW_AXE")
     return (Path(folder) / "axe.min.js").read_text()
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory, match, football):
+    """A folder with the page of the match."""
+    folder = tmp_path_factory.mktemp("export") / "site"
+    write_site(match, football, folder, levels=1)
+    return folder

@@ -13,20 +13,12 @@ from overview_dsp.live.python_path import connect, run_block
 from overview_dsp.surface import build_surface
 from overview_dsp.units import HALF_TURN
 from overview_dsp.web.site_sound import patch_of, window_bytes
-from overview_dsp.web.static_site import write_site
 from tests.web.driving import DESKTOP, PHONE, at, until, violations
 from tests.web.exported import opened_host
 
 RATE = 48_000
 BLOCK = 128
 GOAL = 0.7176  # 4-1
-
-
-@pytest.fixture(scope="session")
-def site(tmp_path_factory, match, football):
-    folder = tmp_path_factory.mktemp("export") / "site"
-    write_site(match, football, folder, levels=1)
-    return folder
 
 
 @pytest.fixture
