@@ -57,8 +57,7 @@ def test_the_audio_threads_part_of_its_budget(page, chromium):
 
 def test_the_main_threads_work_a_frame_on_a_slow_phone(page):
     client = page.context.new_cdp_session(page)
-    client.send("Performance.enable")
-    client.send("Emulation.setCPUThrottlingRate", {"rate": THROTTLE})
+    client.send("Performance.enable", {"timeDomain": "threadTicks"})
 
     def spent():
         told = client.send("Performance.getMetrics")["metrics"]
@@ -73,14 +72,16 @@ def test_the_main_threads_work_a_frame_on_a_slow_phone(page):
         const redraw = overview.picture.redraw.bind(overview.picture);
         overview.picture.redraw = () => { window.painted += 1; redraw(); };
     }""")
-    first, before = page.evaluate("window.frames"), spent()
-    drag(page, (0.9, 0.2))
-    last, after = page.evaluate("window.frames"), spent()
-    task, script = ((b - a) / (last - first) * 1e3 for a, b in zip(before, after, strict=True))
-    print(
-        f"\nthe main thread, {THROTTLE} times slowed: {task:.1f} ms a frame, {script:.1f} ms of it "
-        f"scripts ({last - first} frames)"
-    )
+    for rate in (1, THROTTLE):
+        client.send("Emulation.setCPUThrottlingRate", {"rate": rate})
+        first, before = page.evaluate("window.frames"), spent()
+        drag(page, (0.9, 0.2))
+        last, after = page.evaluate("window.frames"), spent()
+        task, script = ((b - a) / (last - first) * 1e3 for a, b in zip(before, after, strict=True))
+        print(
+            f"\nthe main thread, {rate} times slowed: {script:.1f} ms of scripts a frame, "
+            f"{task:.1f} ms with the browser's own work, which draws without a graphics card here"
+        )
     assert last - first > 20
     assert page.evaluate("window.painted") == 0  # the curve is drawn once
 

@@ -38,7 +38,7 @@ class Page {
     this.hand = new Hand(
       new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
     );
-    this.picture = new Picture(by("canvas"), this.info);
+    this.picture = new Picture(by("layer"), by("canvas"), this.info);
     this.slider = new Slider(by("slider"), by("clock"), by("event"));
     this.speech = new Speech();
     this.motor = new Motor();
@@ -348,13 +348,21 @@ class Page {
     requestAnimationFrame(() => this.frame());
   }
 
-  async frame() {
+  frame() {
     if (this.view !== null) {
-      if (this.sound.running) this.take(await this.sound.look());
       this.draw();
+      this.look();
     }
     if (this.quiet > QUIET_FRAMES || document.hidden) this.running = false;
     else requestAnimationFrame(() => this.frame());
+  }
+
+  /** Ask how the disk is, for the next frame. */
+  async look() {
+    if (!this.sound.running || this.looking) return;
+    this.looking = true;
+    this.take(await this.sound.look());
+    this.looking = false;
   }
 
   take(told) {

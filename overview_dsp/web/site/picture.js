@@ -1,4 +1,4 @@
-// The canvas: a layer that stands still, and what moves over it.
+// Two canvases: a layer that stands still, and over it what moves.
 
 import { geometryOf } from "./geometry.js";
 import { drawLayer } from "./layer.js";
@@ -17,12 +17,12 @@ export function coloursOf(element) {
 }
 
 export class Picture {
-  constructor(canvas, info) {
+  constructor(layer, canvas, info) {
     this.canvas = canvas;
     this.info = info;
     this.c = canvas.getContext("2d");
-    this.layer = document.createElement("canvas");
-    this.trace = new Trace();
+    this.layer = layer;
+    this.trace = new Trace(info.full_torque);
     this.still = false;
     this.view = null;
     this.resize();
@@ -30,7 +30,8 @@ export class Picture {
 
   resize() {
     const { canvas } = this;
-    const { width, height } = canvas.getBoundingClientRect();
+    const { left, width, height } = canvas.getBoundingClientRect();
+    this.left = left; // asked for now, since at every move it would cost a layout
     const scale = Math.min(window.devicePixelRatio || 1, 3);
     for (const one of [canvas, this.layer]) {
       one.width = Math.round(width * scale);
@@ -61,15 +62,14 @@ export class Picture {
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, canvas.width, canvas.height);
     if (!this.view || canvas.width === 0) return;
-    c.drawImage(this.layer, 0, 0);
     c.setTransform(this.scale, 0, 0, this.scale, 0, 0);
     drawMoving(c, geometry, this.view, state, this.info, this.colours);
     if (geometry.trace) {
-      this.trace.draw(c, geometry.trace, this.info.full_torque, this.colours);
+      this.trace.draw(c, geometry.trace, this.colours);
     }
   }
 
   placeOf(clientX) {
-    return this.geometry.place(clientX - this.canvas.getBoundingClientRect().left);
+    return this.geometry.place(clientX - this.left);
   }
 }

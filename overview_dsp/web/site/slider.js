@@ -7,24 +7,25 @@ export class Slider {
     this.element = element;
     this.clock = clock;
     this.event = event;
-    this.shown = "";
+    this.at = [];
   }
 
   /** The finger is at `place` of a window; the disk at `cursor`. */
   show(view, place, cursor, info) {
-    const text = placeText(view, place, info);
-    if (text !== this.text) {
+    const [oldView, oldPlace, oldCursor] = this.at;
+    this.at = [view, place, cursor];
+    if (view !== oldView || place !== oldPlace) {
       this.element.setAttribute("aria-valuenow", (100 * place).toFixed(1));
-      this.element.setAttribute("aria-valuetext", text);
-      this.text = text;
+      this.element.setAttribute("aria-valuetext", placeText(view, place, info));
     }
-    const moment = momentText(secondsAt(view, cursor), info);
-    const here = eventAt(view, cursor);
-    const label = here ? eventText(here, info) : "";
-    if (moment + label !== this.shown) {
-      this.shown = moment + label;
-      this.clock.textContent = moment;
-      this.event.textContent = label;
+    if (view !== oldView || cursor !== oldCursor) {
+      const here = eventAt(view, cursor);
+      set(this.clock, "textContent", momentText(secondsAt(view, cursor), info));
+      set(this.event, "textContent", here ? eventText(here, info) : "");
     }
   }
+}
+
+function set(element, property, text) {
+  if (element[property] !== text) element[property] = text;
 }

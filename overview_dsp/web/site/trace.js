@@ -3,8 +3,10 @@
 export const LENGTH = 300; // frames
 
 export class Trace {
-  constructor() {
-    this.torque = new Float32Array(LENGTH);
+  /** `full` N m reach the edge. */
+  constructor(full) {
+    this.full = full;
+    this.height = new Float32Array(LENGTH);
     this.struck = new Uint8Array(LENGTH);
     this.at = 0;
   }
@@ -15,19 +17,18 @@ export class Trace {
     for (const one of struck) {
       if (Math.abs(one.torque) > Math.abs(most)) most = one.torque;
     }
-    this.torque[this.at] = most;
+    // cube root: a surface and its goals in one view
+    this.height[this.at] = Math.max(-1, Math.min(1, Math.cbrt(most / this.full)));
     this.struck[this.at] = struck.length > 0 ? 1 : 0;
     this.at = (this.at + 1) % LENGTH;
   }
 
-  /** Drawn the newest at the right; `full` N m reach the edge. */
-  draw(c, box, full, colours) {
+  /** Drawn the newest at the right. */
+  draw(c, box, colours) {
     const step = (box.right - box.left) / (LENGTH - 1);
     c.beginPath();
     for (let i = 0; i < LENGTH; i += 1) {
-      const part = this.torque[(this.at + i) % LENGTH] / full;
-      // cube root: a surface and its goals in one view
-      const height = Math.max(-1, Math.min(1, Math.cbrt(part)));
+      const height = this.height[(this.at + i) % LENGTH];
       c.lineTo(box.left + i * step, box.y - height * box.half);
     }
     c.strokeStyle = colours.trace;

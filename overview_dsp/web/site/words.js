@@ -2,19 +2,21 @@
 
 const AT = 0.004; // of the surface: as near is at the event
 
+// made once: one takes longer than all else a frame does
+const DAYS = new Intl.DateTimeFormat("en-GB", {
+  timeZone: "UTC", day: "numeric", month: "short", year: "numeric",
+});
+const TIMES = new Intl.DateTimeFormat("en-GB", {
+  timeZone: "UTC", weekday: "short", hour: "2-digit", minute: "2-digit", second: "2-digit",
+});
+
 /** Minutes and seconds of a timeline, or its date where it has a calendar. */
 export function momentText(seconds, info) {
   if (info.start) {
     const zone = info.start.match(/(Z|[+-]\d\d:\d\d)$/)?.[0] ?? "";
     const local = info.start.slice(0, info.start.length - zone.length);
     const moment = new Date(Date.parse(`${local}Z`) + 1e3 * seconds);
-    const far = info.duration_s > 3 * 86400;
-    return moment.toLocaleString("en-GB", {
-      timeZone: "UTC",
-      ...(far
-        ? { day: "numeric", month: "short", year: "numeric" }
-        : { weekday: "short", hour: "2-digit", minute: "2-digit", second: "2-digit" }),
-    });
+    return (info.duration_s > 3 * 86400 ? DAYS : TIMES).format(moment);
   }
   const short = info.duration_s < 120;
   const whole = short ? Math.floor(seconds) : Math.round(seconds);
