@@ -65,21 +65,23 @@ class Firefox(Browser):
 
     def call(self, function: str, *given: Any) -> Any:
         self.give(job=json.dumps({"name": function, "given": given}).encode())
+        answer = self.visit(self.site.url("unattended.html"), self.site.answers)
+        assert "error" not in answer, answer
+        return answer["value"]
+
+    def visit(self, url: str, answers: queue.Queue[bytes]) -> Any:
+        """What a page posts, which is open meanwhile."""
         command = [self._program, "--headless", "--no-remote", "--profile", str(self._profile)]
         process = subprocess.Popen(
-            [*command, self.site.url("unattended.html")],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
+            [*command, url], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
         try:
-            answer = json.loads(self.site.answers.get(timeout=PATIENCE_S))
+            return json.loads(answers.get(timeout=PATIENCE_S))
         except queue.Empty:
             pytest.fail(f"Firefox said nothing in {PATIENCE_S:g} s")
         finally:
             process.terminate()
             process.wait()
-        assert "error" not in answer, answer
-        return answer["value"]
 
 
 @contextlib.contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import queue
 import threading
 from collections.abc import Iterator
 from functools import partial
@@ -24,11 +25,22 @@ class Handler(SimpleHTTPRequestHandler):
         self.send_header("Content-Security-Policy", POLICY)
         super().end_headers()
 
+    def do_POST(self) -> None:
+        self.server.told.put(self.rfile.read(int(self.headers["Content-Length"])))
+        self.send_response(204)
+        self.end_headers()
+
     def log_message(self, *unused: Any) -> None:
         pass
 
 
 class Server(ThreadingHTTPServer):
+    """`told` is what pages posted."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.told: queue.Queue[bytes] = queue.Queue()
+
     def handle_error(self, *unused: Any) -> None:
         """A page that is closed while it loads is no fault."""
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -296,6 +298,47 @@ def test_nothing_sticks_when_the_page_is_left(opened):
     page.mouse.up()
 
 
+def hide(page):
+    """As a phone does that goes dark or to another page."""
+    page.evaluate("""() => {
+        Object.defineProperty(document, "hidden", { value: true, configurable: true });
+        document.dispatchEvent(new Event("visibilitychange"));
+    }""")
+
+
+def test_hiding_the_page_lets_the_disk_go(opened):
+    page = opened
+    page.mouse.move(*at(page, 0.4))
+    page.mouse.down()
+    until(page, "p.meters?.touching === 1")
+    hide(page)
+    until(page, "(await p.sound.look()).touching === 0")
+    page.mouse.up()
+
+
+def test_a_twist_holds_on_where_nobody_looks_and_keeps_the_screen_from_locking(opened):
+    page = opened
+    page.evaluate("""() => {
+        window.locks = 0;
+        const request = async () => {
+            window.locks += 1;
+            return { release: () => { window.locks -= 1; } };
+        };
+        Object.defineProperty(navigator, "wakeLock", { value: { request } });
+    }""")
+    page.click("#twist")
+    page.evaluate("""() => dispatchEvent(
+        new DeviceOrientationEvent("deviceorientation", { alpha: 0, beta: 0, gamma: 60 })
+    )""")
+    until(page, "p.hand.holder === 'twist' && Math.abs(p.cursor - 1 / 3) < 0.02")
+    until(page, "window.locks === 1")
+    hide(page)
+    page.wait_for_timeout(200)
+    assert page.evaluate("overview.sound.look().then(({touching}) => touching)") == 1
+    page.evaluate("overview.toggleTwist()")
+    until(page, "(await p.sound.look()).touching === 0 && window.locks === 0")
+
+
 def test_zooming_shows_the_windows_and_comes_back_to_the_whole(opened):
     page = opened
     page.focus("#slider")
@@ -412,3 +455,18 @@ def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
             [list(base), list(given)],
         )
         assert bytes(made) == expected
+
+
+def test_firefox_shows_it_to_keys_and_zooms_it_too(firefox, site, tmp_path):
+    folder = shutil.copytree(site, tmp_path / "site")
+    shutil.copy(Path(__file__).parent / "page" / "alone.js", folder)
+    start = folder / "index.html"
+    own = '<script type="module" src="main.js"></script>'
+    assert own in start.read_text()
+    start.write_text(start.read_text().replace(own, own + own.replace("main", "alone")))
+    with opened_host(folder) as host:
+        told = firefox.visit(host.url, host.server.told)
+    assert "error" not in told, told
+    assert told["event"] == "9:50, near miss (synthetic)"
+    assert told["pixels"] > 500
+    assert told["fault"] == ""
