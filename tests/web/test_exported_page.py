@@ -396,6 +396,7 @@ def test_it_works_without_a_network_once_loaded(chromium, site):
         page.goto(host.url)
         until(page, "p.view")
         page.evaluate("navigator.serviceWorker.ready.then(() => null)")
+        page.evaluate("overview.sound.context.resume()")  # as it is where a page may sound at once
         page.mouse.click(*at(page, 0.5))
         listed = json.loads((site / "files.js").read_text()[13:-2])
         count = 2 + len(listed["page"]) + len(listed["more"])

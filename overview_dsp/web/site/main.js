@@ -47,6 +47,9 @@ class Page {
     this.cursor = 0;
     this.quiet = 0;
     this.running = false;
+    this.begun = false;
+    this.looking = false;
+    this.going = false;
     this.view = null;
     this.film = this.server?.media ? new Film(by("film"), this.server.media) : null;
     this.bench = null;
@@ -130,8 +133,10 @@ class Page {
 
   /** In a touch, a key or a click. */
   start() {
-    if (!this.sound.running) {
-      this.sound.start();
+    this.sound.start();
+    if (!this.begun) {
+      // not of the sound, which some browsers let run before a touch
+      this.begun = true;
       navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
     }
     by("hint").classList.add("gone");
@@ -262,6 +267,7 @@ class Page {
         this.hand.hold("keys", (moment - view.start_s) / (view.end_s - view.start_s));
       }
       this.tellWindow();
+      this.fault("");
       this.wake();
       return true;
     } catch (error) {

@@ -3,8 +3,8 @@
 export async function enter() {
   const token = new URLSearchParams(location.hash.slice(1)).get("token");
   if (!token) return;
-  history.replaceState(null, "", location.pathname);
   await ask("session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
+  history.replaceState(null, "", location.pathname);
 }
 
 /** An answer; an Error with the server's own line if it refuses. */
