@@ -73,7 +73,8 @@ export class Bench {
   // --- rows -------------------------------------------------------------------------------------
 
   show() {
-    const open = new Set([...by("bench-rows").querySelectorAll("details[open]")].map((one) => one.id));
+    const opened = by("bench-rows").querySelectorAll("details[open]");
+    const open = new Set([...opened].map((one) => one.id));
     const { values, kinds } = this.preset;
     const sections = new Map();
     for (const [id, known] of this.table) {

@@ -20,7 +20,9 @@ export function valueText(value, unit) {
   return unit ? `${text} ${unit}` : text;
 }
 
-const words = (key) => key.split(".").at(-1).replace(/_(ms|hz|db|deg|percent|mnm)$/, "").replaceAll("_", " ");
+const UNIT = /_(ms|hz|db|deg|percent|mnm)$/;
+
+const words = (key) => key.split(".").at(-1).replace(UNIT, "").replaceAll("_", " ");
 
 /**
  * A row for the value of `place[key]` that the table describes; `onchange()` follows each change.

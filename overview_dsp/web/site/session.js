@@ -12,7 +12,8 @@ export async function ask(path, options) {
   const answer = await fetch(new URL(path, import.meta.url), options);
   if (answer.ok) return answer;
   const told = answer.headers.get("content-type")?.startsWith("text/plain");
-  throw new Error(told ? (await answer.text()).trim() : `${path}: ${answer.status} ${answer.statusText}`);
+  const line = told ? (await answer.text()).trim() : "";
+  throw new Error(line || `${path}: ${answer.status} ${answer.statusText}`);
 }
 
 /** The answer to an object that is posted as JSON. */

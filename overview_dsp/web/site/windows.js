@@ -16,9 +16,8 @@ export function partBetween(windows, [start, end]) {
   const number = windows.findIndex(same);
   if (number >= 0) return partOf(windows, number);
   // of those as long or longer, the narrowest
-  const zoom = Math.max(
-    ...windows.filter((one) => one.end_s - one.start_s >= end - start - SAME_S).map((one) => one.level),
-  );
+  const wider = windows.filter((one) => one.end_s - one.start_s >= end - start - SAME_S);
+  const zoom = Math.max(...wider.map(({ level }) => level));
   return { number, zoom, start_s: start, end_s: end };
 }
 

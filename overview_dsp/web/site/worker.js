@@ -10,7 +10,7 @@ const NAME = `overview ${self.registration.scope} ${version}`;
 self.addEventListener("install", (event) => {
   event.waitUntil(
     caches.open(NAME).then((kept) =>
-      kept.addAll(["./", "files.js", ...page].map((name) => new Request(name, { cache: "reload" }))),
+      kept.addAll(["./", "files.js", ...page].map(fresh)),
     ),
   );
 });
@@ -34,7 +34,7 @@ self.addEventListener("message", (event) => {
   event.waitUntil(
     caches.open(NAME).then(async (kept) => {
       for (const name of more) {
-        if (!(await kept.match(name))) await kept.add(new Request(name, { cache: "reload" }));
+        if (!(await kept.match(name))) await kept.add(fresh(name));
       }
     }),
   );
@@ -44,6 +44,10 @@ self.addEventListener("fetch", (event) => {
   if (event.request.method !== "GET") return;
   event.respondWith(answer(event.request));
 });
+
+function fresh(name) {
+  return new Request(name, { cache: "reload" });
+}
 
 async function answer(request) {
   const kept = await caches.open(NAME);
