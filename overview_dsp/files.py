@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -85,3 +86,51 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
     except OSError as error:
         raise output_error(folder, error) from error
     return folder
+
+
+@contextlib.contextmanager
+def whole_folder(path: str | os.PathLike[str], ours: str) -> Iterator[Path]:
+    """Give a temporary folder beside `path`; rename it into place on success, delete it otherwise.
+
+    A folder that is there already is replaced if it is empty or holds the file `ours`.
+
+    Raises
+    ------
+    InputError
+        It can't be written, or holds something else.
+    OutputError
+        The disk is full or broken.
+    """
+    target = Path(path)
+    old = None
+    try:
+        if os.path.lexists(target):
+            if not target.is_dir():
+                raise InputError(f"{target}: is a file; name a folder")
+            if any(target.iterdir()) and not (target / ours).is_file():
+                raise InputError(
+                    f"{target}: holds other files, which would be lost; name an empty or new folder"
+                )
+        target = target.absolute()
+        temporary = Path(tempfile.mkdtemp(prefix=".overview-", dir=target.parent))
+    except (OSError, ValueError) as error:  # ValueError: a zero byte
+        if isinstance(error, OSError):
+            raise output_error(target, error) from error
+        raise InputError(f"{str(target)!r}: can't be written ({error})") from error
+    try:
+        yield temporary
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(temporary, 0o777 & ~umask)
+        if target.exists():
+            old = Path(tempfile.mkdtemp(prefix=".overview-", dir=target.parent))
+            os.replace(target, old)
+        os.replace(temporary, target)
+    except OSError as error:
+        if old is not None and not target.exists():
+            os.replace(old, target)
+        raise output_error(target, error) from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+        if old is not None:
+            shutil.rmtree(old, ignore_errors=True)

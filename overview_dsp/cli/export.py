@@ -1,9 +1,9 @@
-"""`overview export`: a gesture baked to the haptic formats of phones and controllers."""
+"""`overview export`: a gesture baked to haptic formats, or a timeline to a page of its own."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,9 +23,19 @@ from overview_dsp.cli.timeline_options import (
 )
 from overview_dsp.gestures.spec import FORMS
 
+if TYPE_CHECKING:
+    from overview_dsp.actuators import Actuator
+    from overview_dsp.presets.model import Preset
+    from overview_dsp.timeline import Timeline
+
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
 DRIVEN = "wav4"
-"""The format that an actuator is driven by."""
+"""The format of a gesture that an actuator is driven by."""
+
+SITE = "web"
+"""The timeline itself, as a folder for a browser."""
+
+_GESTURES_OWN = {"gesture": "--gesture", "points": "--points", "tail": "--tail"}
 
 _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 
@@ -42,10 +52,12 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     "formats",
     required=True,
     multiple=True,
-    type=click.Choice(FORMAT_NAMES),
-    help="The format; may be given several times.",
+    type=click.Choice((*FORMAT_NAMES, SITE)),
+    help="The format; may be given several times. web is a folder with a page.",
 )
-@click.option("-o", "--out", help="Of one format: its file. Of several: a name without suffix.")
+@click.option(
+    "-o", "--out", help="Of one format: its file or folder. Of several: a name without suffix."
+)
 @click.option(
     "--points",
     default=50.0,
@@ -55,11 +67,20 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 )
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
+@click.option(
+    "--zooms",
+    default=2,
+    show_default=True,
+    type=click.IntRange(0, 3),
+    help="Of a page: how often it can zoom in, by 3 each; 0.5 MB, 3, 13 and 41 MB.",
+)
 @actuator_option
 @window_options
 @timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+@click.pass_context
 def command(
+    context: click.Context,
     timeline: str,
     preset: str | None,
     gesture: str,
@@ -68,6 +89,7 @@ def command(
     points: float,
     tail: str,
     seed: int,
+    zooms: int,
     actuator: str | None,
     window: tuple[str, str] | None,
     zoom_to: str | None,
@@ -76,8 +98,10 @@ def command(
 ) -> None:
     """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt.
 
-    An actuator is driven by wav4 alone: the other formats hold how strong it is to feel, and the
-    device that plays them makes its drive.
+    --to web writes no gesture but a folder for any web host, a page to feel TIMELINE on.
+
+    An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
+    and the device that plays them makes its drive.
     """
     from overview_dsp.actuators.stage import protected_report
     from overview_dsp.errors import InputError
@@ -91,6 +115,10 @@ def command(
     if part is not None:
         data = data.window(*part)
     chosen = load_preset(preset_for(data, preset))
+    if SITE in formats:
+        _require_site_alone(context, formats)
+        _site(data, chosen, out or "site", zooms, seed, calibrated(actuator), as_json)
+        return
     movement, rest = parse_gesture(gesture), tail_of(tail)
     driven = calibrated(actuator)
     if driven is not None and DRIVEN not in formats:
@@ -132,6 +160,42 @@ def command(
             f"rendered envelope {report['median_error_db']:.1f} dB (median), "
             f"{report['within_step_percent']:.0f} % of the clip within a step of 2.3 dB"
         )
+
+
+def _require_site_alone(context: click.Context, formats: tuple[str, ...]) -> None:
+    """Refuse what a folder with a page would ignore."""
+    from overview_dsp.errors import InputError
+
+    if set(formats) != {SITE}:
+        raise InputError(f"--to {SITE} writes a folder, not a clip: give it in a call of its own")
+    for name, option in _GESTURES_OWN.items():
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            raise InputError(f"{option} is for clips; --to {SITE} has no gesture: leave it out")
+
+
+def _site(
+    data: Timeline,
+    preset: Preset,
+    out: str,
+    zooms: int,
+    seed: int,
+    actuator: Actuator | None,
+    as_json: bool,
+) -> None:
+    """Write the folder and say how to open it."""
+    from overview_dsp.web.static_site import write_site
+
+    with progress_bar("writing the page") as tell:
+        size = write_site(
+            data, preset, out, levels=zooms, seed=seed, actuator=actuator, progress=tell
+        )
+    if as_json:
+        print_json([{"format": SITE, "files": [out], "bytes": size}])
+        return
+    click.echo(
+        f"{out}: {size / 1e6:.1f} MB for any web host (phones give motion to https pages only); "
+        f"to try it here: python -m http.server -b 127.0.0.1 -d {out}, then http://127.0.0.1:8000"
+    )
 
 
 def _place(out: str | None, to: str, several: bool) -> Path:

@@ -73,7 +73,10 @@ def _table(members: Any) -> str:
 
 
 def reference_json() -> list[dict[str, Any]]:
-    """The reference as data: a dict a parameter."""
+    """The reference as data: a dict a parameter.
+
+    `choices` is empty for a number, which lies from `low` to `high`; `surface` as in `Parameter`.
+    """
     groups = (
         PARAMETERS.values(),
         (replace(known, id=f"kinds.NAME.{known.id}") for known in KIND_PARAMETERS.values()),
@@ -84,6 +87,10 @@ def reference_json() -> list[dict[str, Any]]:
             "id": known.id,
             "default": known.default,
             "allowed": known.allowed,
+            "low": known.low,
+            "high": known.high,
+            "choices": list(known.choices),
+            "surface": known.surface,
             "unit": known.unit,
             "scale": known.scale,
             "doc": known.doc,

@@ -2,7 +2,7 @@
 
 | path | answers |
 |---|---|
-| `/`, `/page/...`, `/kernel...` | the page's files (`assets`), to anyone |
+| `/`, `/main.js`, ... | the page's files (`assets`), to anyone |
 | `POST /session` | 204 and the session's cookie, to whoever has the token |
 | `/control` | a hand on the host's disk (`control`), where the host plays |
 | `POST /host/preset` | 204: the host plays with `{"preset": P}` (P as in `sound_data`) |
@@ -23,7 +23,7 @@ from starlette.websockets import WebSocket
 from overview_dsp.errors import InputError
 from overview_dsp.web.access import Access
 from overview_dsp.web.asked import answering, json_object
-from overview_dsp.web.assets import ASSETS, asset
+from overview_dsp.web.assets import asset, served_paths
 from overview_dsp.web.control import Session, serve_hand
 from overview_dsp.web.guard import Guard, cookie_name
 from overview_dsp.web.preset_data import preset_given
@@ -74,14 +74,14 @@ def make_app(
         session.use(preset_given(asked["preset"]))
         return Response(status_code=204)
 
-    routes: list[BaseRoute] = [Route(path, _send_asset) for path in ASSETS]
+    routes: list[BaseRoute] = [Route(path, _send_asset) for path in served_paths()]
     routes += [Route("/session", enter, methods=["POST"]), *more]
     if session is not None:
         routes.append(WebSocketRoute("/control", control))
         routes.append(Route("/host/preset", answering(use), methods=["POST"]))
     # a router alone: what fails is the guard's to tell
     app = Router(routes, redirect_slashes=False)
-    return Guard(app, access, names, ASSETS.keys(), note)
+    return Guard(app, access, names, served_paths(), note)
 
 
 def _send_asset(request: Request) -> Response:

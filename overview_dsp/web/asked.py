@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Awaitable, Callable
 from typing import Any, NoReturn
 
@@ -12,7 +11,6 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.timeline import Timeline
 
 Answer = Callable[[Request, bytes], Response]
 
@@ -30,35 +28,6 @@ def answering(answer: Answer) -> Callable[[Request], Awaitable[Response]]:
             return PlainTextResponse(f"{error}\n", 503)
 
     return endpoint
-
-
-def number(request: Request, name: str, default: float) -> float:
-    """A finite number of the query."""
-    text = request.query_params.get(name)
-    if text is None:
-        return default
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"{name} is {text[:40]!r}; it is a finite number")
-    return value
-
-
-def whole_number(request: Request, name: str, default: int) -> int:
-    """A whole number of the query."""
-    value = number(request, name, default)
-    if value != int(value):
-        raise InputError(f"{name} is {value!r}; it is a whole number")
-    return int(value)
-
-
-def window(request: Request, timeline: Timeline) -> tuple[float, float]:
-    """The part that `start` and `end` of the query name; the whole if they aren't there."""
-    return timeline.require_window(
-        number(request, "start", 0.0), number(request, "end", timeline.duration_s)
-    )
 
 
 def json_object(body: bytes) -> dict[str, Any]:

@@ -1,4 +1,6 @@
-"""The files of the page: a fixed table, nothing else of this machine's disk can be asked for."""
+"""The page's own files, the same for every timeline: a fixed table, nothing else of this machine's
+disk can be asked for.
+"""
 
 from __future__ import annotations
 
@@ -6,33 +8,43 @@ import hashlib
 from functools import cache
 from importlib import resources
 
-HTML = "text/html; charset=utf-8"
-SCRIPT = "text/javascript; charset=utf-8"
-STYLE = "text/css; charset=utf-8"
-PICTURE = "image/svg+xml"
-WASM = "application/wasm"
-
-# path: (file in this package, type)
-ASSETS = {
-    "/": ("page/index.html", HTML),
-    "/page/style.css": ("page/style.css", STYLE),
-    "/page/icon.svg": ("page/icon.svg", PICTURE),
-    "/page/main.js": ("page/main.js", SCRIPT),
-    "/page/session.js": ("page/session.js", SCRIPT),
-    "/page/link.js": ("page/link.js", SCRIPT),
-    "/page/hand.js": ("page/hand.js", SCRIPT),
-    "/page/view.js": ("page/view.js", SCRIPT),
-    "/kernel.js": ("kernel.js", SCRIPT),
-    "/kernel_node.js": ("kernel_node.js", SCRIPT),
-    "/layout.js": ("layout.js", SCRIPT),
-    "/processor.js": ("processor.js", SCRIPT),
-    "/kernel.wasm": ("kernel.wasm", WASM),
+TYPES = {
+    "html": "text/html; charset=utf-8",
+    "js": "text/javascript; charset=utf-8",
+    "css": "text/css; charset=utf-8",
+    "svg": "image/svg+xml",
+    "png": "image/png",
+    "wasm": "application/wasm",
+    "webmanifest": "application/manifest+json",
 }
+
+KERNEL_FILES = ("kernel.js", "kernel.wasm", "kernel_node.js", "layout.js", "processor.js")
+START = "index.html"
+FOLDER_ONLY = ("worker.js",)
+"""Keeps a folder for use without a network; what a server sends isn't to outlive it."""
+
+
+@cache
+def page_files() -> dict[str, bytes]:
+    """The files by their path in a folder."""
+    package = resources.files(__package__)
+    files = {name: (package / name).read_bytes() for name in KERNEL_FILES}
+    for one in sorted((package / "site").iterdir(), key=lambda file: file.name):
+        if one.is_file():
+            files[one.name] = one.read_bytes()
+    return files
+
+
+def served_paths() -> tuple[str, ...]:
+    """The paths at which a server has them."""
+    names = (name for name in page_files() if name not in FOLDER_ONLY)
+    return tuple("/" if name == START else f"/{name}" for name in names)
 
 
 @cache
 def asset(path: str) -> tuple[bytes, str, str]:
-    """Bytes, type and ETag of a path of `ASSETS`."""
-    name, kind = ASSETS[path]
-    content = resources.files(__package__).joinpath(name).read_bytes()
-    return content, kind, f'"{hashlib.sha256(content).hexdigest()[:16]}"'
+    """Bytes, type and ETag of a path of `served_paths`."""
+    name = START if path == "/" else path.removeprefix("/")
+    content = page_files()[name]
+    tag = f'"{hashlib.sha256(content).hexdigest()[:16]}"'
+    return content, TYPES[name.rpartition(".")[2]], tag

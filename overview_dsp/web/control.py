@@ -1,9 +1,10 @@
 """`/control`: a page's hand over a WebSocket, and what it is told.
 
-Ten times a second it gets ``{"status": {...}}``: `cursor` and `touching` of the disk, `torque_nm`
-and `full_torque_nm`, `holding` (whether the disk is this page's), `window` (s), the name of the
-`preset`, and of latency `round_trip_ms`, `event_to_sample_ms` (from the page's event to the sample
-at which it acts) and `output_ms` (from there to the device, as it says).
+Twenty-five times a second it gets ``{"status": {...}}``: `cursor` and `touching` of the disk,
+`torque_nm` and `full_torque_nm`, the tactor's `envelope`, `holding` (whether the disk is this
+page's), `window` (s), the name of the `preset`, and of latency `round_trip_ms`,
+`event_to_sample_ms` (from the page's event to the sample at which it acts) and `output_ms` (from
+there to the device, as it says).
 
 A message that isn't one, or too many of them, end the connection; the end of a connection lets the
 disk go, and so do 500 ms without an event from a hand that touches: a page repeats its last event.
@@ -25,7 +26,7 @@ from overview_dsp.web.hands import SILENCE_S, Hand, RemoteHands
 from overview_dsp.web.messages import Events, Pong, Show, decode_message
 
 LOOK_EVERY_S = 0.02
-STATUS_EVERY_S = 0.1
+STATUS_EVERY_S = 0.04
 PING_EVERY_S = 0.25
 EVENTS_A_SECOND = 2000.0
 """Twice what a hand sends at most; as many may come at once."""

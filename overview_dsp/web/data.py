@@ -2,14 +2,16 @@
 
 | path | answers |
 |---|---|
-| `GET /data/session` | what sounds (`audio`), the preset's name, the first window, the film |
-| `GET /data/timeline` | a part of the timeline (`timeline_data`) |
-| `GET /data/surface` | the friction of a window (`surface_data`) |
+| `GET /data/...json`, `/sound/...` | the files that a folder has (`site_content`) |
+| `POST /data/window`, `/sound/change` | any window, any preset (`sound_data`) |
 | `GET /data/presets`, `/data/preset?name=NAME` | names; a preset and the parameter table |
-| `POST /sound/whole`, `/sound/change` | what a page's kernel is given (`sound_data`) |
 | `POST /preset/toml` | a preset's file, to download |
 | `PUT /preset/NAME?replace=1` | keeps a preset file in the person's own folder |
 | `GET /media` | the film, in ranges |
+
+``server`` of ``data/timeline.json`` is ``{"audio": "here" or "host", "window": [start_s, end_s],
+"media": {"url", "type", "offset_s"} or null}``: what sounds, the first window, the film. A page
+that is opened again is felt by the preset's file as it is then.
 
 Bad input is 400 and one line. What takes long is done one after the other, in a thread: a page
 can't take more than one core, and no Python here is in the way of a native audio callback.
@@ -28,10 +30,9 @@ from starlette.routing import BaseRoute, Route
 from overview_dsp.errors import InputError
 from overview_dsp.presets.library import load_preset
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface import build_surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.web import sound_data
-from overview_dsp.web.asked import answering, json_object, whole_number, window
+from overview_dsp.web.asked import answering, json_object
 from overview_dsp.web.media import Media
 from overview_dsp.web.preset_data import (
     as_toml,
@@ -40,10 +41,12 @@ from overview_dsp.web.preset_data import (
     preset_names,
     save_own,
 )
-from overview_dsp.web.surface_data import POINTS, encode_surface
-from overview_dsp.web.timeline_data import COLUMNS, timeline_data
+from overview_dsp.web.site_content import SiteContent
 
-BINARY = "application/octet-stream"
+BINARY, JSON = "application/octet-stream", "application/json"
+TOLD = "data/timeline.json"
+LEVELS = 4
+"""How many times a served page zooms, each time to a third."""
 
 
 def data_routes(
@@ -72,51 +75,52 @@ def data_routes(
     named = preset in (*known["bundled"], *known["own"])
     given = load_preset(preset)
 
-    def chosen(name: str | None) -> Preset:
-        if name is None or (name == given.name and not named):
+    def chosen(name: str) -> Preset:
+        if name == given.name and not named:
             return load_preset(preset)  # as its file is now
         return preset_named(name)
 
-    def session(request: Request, body: bytes) -> Response:
-        told = {
-            "audio": audio,
-            "preset": given.name,
-            "window": list(first or (0.0, timeline.duration_s)),
-            "duration_s": timeline.duration_s,
-            "title": timeline.title,
-            "media": None if media is None else media.describe(),
-        }
-        return JSONResponse(told)
+    def made() -> SiteContent:
+        return SiteContent(
+            timeline,
+            load_preset(preset),
+            levels=LEVELS,
+            server={
+                "audio": audio,
+                "window": list(first or (0.0, timeline.duration_s)),
+                "media": None if media is None else media.describe(),
+            },
+        )
 
-    def show(request: Request, body: bytes) -> Response:
-        columns = whole_number(request, "columns", COLUMNS)
-        part = window(request, timeline)
-        with one_at_a_time:
-            return JSONResponse(timeline_data(timeline, part, columns))
+    content = made()
 
-    def surface(request: Request, body: bytes) -> Response:
-        part = window(request, timeline)
-        points = whole_number(request, "points", POINTS)
-        felt = chosen(request.query_params.get("preset"))
+    def file(request: Request, body: bytes) -> Response:
+        nonlocal content
+        name = request.url.path.removeprefix("/")
         with one_at_a_time:
-            made = build_surface(timeline.window(*part), felt)
-            return Response(encode_surface(made, part, points), media_type=BINARY)
+            if name == TOLD and load_preset(preset) != content.preset:
+                content = made()
+            if name not in content.names:
+                return PlainTextResponse("not found\n", 404)
+            kind = JSON if name.endswith(".json") else BINARY
+            return Response(content.make(name), media_type=kind)
+
+    def window(request: Request, body: bytes) -> Response:
+        asked = json_object(body)
+        with one_at_a_time:
+            return JSONResponse(sound_data.window(timeline, content.preset, asked))
 
     def names(request: Request, body: bytes) -> Response:
         return JSONResponse(preset_names())
 
     def one(request: Request, body: bytes) -> Response:
-        return JSONResponse(preset_data(chosen(request.query_params.get("name"))))
-
-    def whole(request: Request, body: bytes) -> Response:
-        asked = json_object(body)
-        with one_at_a_time:
-            return Response(sound_data.whole(timeline, asked), media_type=BINARY)
+        name = request.query_params.get("name")
+        return JSONResponse(preset_data(content.preset if name is None else chosen(name)))
 
     def change(request: Request, body: bytes) -> Response:
         asked = json_object(body)
         with one_at_a_time:
-            return Response(sound_data.change(timeline, asked), media_type=BINARY)
+            return Response(sound_data.change(timeline, content.preset, asked), media_type=BINARY)
 
     def toml(request: Request, body: bytes) -> Response:
         return PlainTextResponse(as_toml(json_object(body)))
@@ -133,15 +137,14 @@ def data_routes(
         return JSONResponse({"name": path.stem}, 201)
 
     routes: list[BaseRoute] = [
-        Route("/data/session", answering(session)),
-        Route("/data/timeline", answering(show)),
-        Route("/data/surface", answering(surface)),
         Route("/data/presets", answering(names)),
         Route("/data/preset", answering(one)),
-        Route("/sound/whole", answering(whole), methods=["POST"]),
         Route("/sound/change", answering(change), methods=["POST"]),
         Route("/preset/toml", answering(toml), methods=["POST"]),
         Route("/preset/{name}", answering(keep), methods=["PUT"]),
+        Route("/data/window", answering(window), methods=["POST"]),
+        Route("/data/{file}", answering(file)),
+        Route("/sound/{file}", answering(file)),
     ]
     if media is not None:
         routes.append(Route("/media", media.send))

@@ -10,7 +10,7 @@ From the page::
 From the host::
 
     {"ping": host_s}
-    {"status": {...}}     ten times a second, see `control`
+    {"status": {...}}     see `control`
     {"released": "..."}   the disk was let go, and why
 """
 

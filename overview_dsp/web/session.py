@@ -47,6 +47,7 @@ class HostSession(Input):
             "cursor": round(meters.cursor, 6),
             "touching": meters.touching,
             "torque_nm": meters.torque,
+            "envelope": round(meters.envelope, 4),
             "full_torque_nm": player.preset.number("tactor.full_torque_mnm") * 1e-3,
             "window": list(player.window),
             "preset": player.preset.name,

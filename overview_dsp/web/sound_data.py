@@ -1,50 +1,43 @@
-"""What a page that makes the sound itself is given: the kernel's memory, and changes of it.
+"""What a served page is given beyond the files of a folder: any window, felt by any preset.
 
-``POST /sound/whole`` with ``{"sample_rate": 48000, "preset": P, "window": [start_s, end_s],
-"seed": 0}`` and ``POST /sound/change`` with ``{"sample_rate": 48000, "before": P, "after": P,
-"window": [start_s, end_s]}``, P a name or a preset as `/data/preset` has it, answer the bytes of
-`encoding`. A whole without a window or a seed has the whole timeline and 0. A change without a
-window keeps the surface: that will do where no parameter of the surface or of a kind differs.
+``POST /data/window`` with ``{"window": [start_s, end_s], "preset": P}`` answers as
+``data/window-N.json`` is (`site_data`); ``POST /sound/change`` with ``{"sample_rate": 48000,
+"before": P, "after": P, "window": [start_s, end_s]}`` the bytes of `encoding`. P is a name, a
+preset as `/data/preset` has it, or left out for the one that is served. A change without a window
+keeps the surface: that will do where no parameter of the surface or of a kind differs.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from overview_dsp.engine import Engine
 from overview_dsp.errors import InputError
+from overview_dsp.presets.model import Preset
 from overview_dsp.surface import build_surface
 from overview_dsp.timeline import Timeline
-from overview_dsp.web.encoding import encode_change, encode_engine
+from overview_dsp.web.encoding import encode_change
 from overview_dsp.web.preset_data import preset_given
-
-BLOCK = 128
-"""Frames of a browser's block."""
+from overview_dsp.web.site_data import window_json
 
 MIN_RATE, MAX_RATE = 8_000.0, 192_000.0
 """What browsers play at, Hz."""
 
-WHOLE_KEYS = {"sample_rate", "preset", "window", "seed"}
 CHANGE_KEYS = {"sample_rate", "before", "after", "window"}
+WINDOW_KEYS = {"window", "preset"}
 
 
-def whole(timeline: Timeline, asked: dict[str, Any]) -> bytes:
-    """The memory of a prepared engine; InputError for what can't be."""
-    _require_keys(asked, WHOLE_KEYS, {"sample_rate", "preset"})
-    seed = asked.get("seed", 0)
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**53:
-        raise InputError(f"seed is a whole number from 0 to {2**53 - 1}")
-    rate = _rate(asked["sample_rate"])
-    part = timeline.window(*_window(timeline, asked.get("window")))
-    engine = Engine(preset_given(asked["preset"]), part, seed=seed)
-    engine.prepare(rate, BLOCK)
-    return encode_engine(engine)
+def window(timeline: Timeline, served: Preset, asked: dict[str, Any]) -> dict[str, Any]:
+    """What is drawn of a window; InputError for what can't be."""
+    _require_keys(asked, WINDOW_KEYS, {"window"})
+    start, end = _window(timeline, asked["window"])
+    part = timeline.window(start, end)
+    return window_json(part, build_surface(part, _preset(asked, "preset", served)), start)
 
 
-def change(timeline: Timeline, asked: dict[str, Any]) -> bytes:
+def change(timeline: Timeline, served: Preset, asked: dict[str, Any]) -> bytes:
     """From one preset to another, and to a window's surface; InputError for what can't be."""
-    _require_keys(asked, CHANGE_KEYS, {"sample_rate", "before", "after"})
-    before, after = preset_given(asked["before"]), preset_given(asked["after"])
+    _require_keys(asked, CHANGE_KEYS, {"sample_rate"})
+    before, after = _preset(asked, "before", served), _preset(asked, "after", served)
     surface = None
     if "window" in asked:
         part = timeline.window(*_window(timeline, asked["window"]))
@@ -52,9 +45,11 @@ def change(timeline: Timeline, asked: dict[str, Any]) -> bytes:
     return encode_change(before, after, _rate(asked["sample_rate"]), surface)
 
 
+def _preset(asked: dict[str, Any], key: str, served: Preset) -> Preset:
+    return preset_given(asked[key]) if key in asked else served
+
+
 def _window(timeline: Timeline, given: Any) -> tuple[float, float]:
-    if given is None:
-        return 0.0, timeline.duration_s
     if not isinstance(given, list) or len(given) != 2:
         raise InputError("window is [start_s, end_s]")
     return timeline.require_window(*given)
@@ -70,4 +65,6 @@ def _rate(given: Any) -> float:
 
 def _require_keys(asked: dict[str, Any], known: set[str], needed: set[str]) -> None:
     if not needed <= asked.keys() <= known:
-        raise InputError(f"the body has the keys {', '.join(sorted(known))}")
+        raise InputError(
+            f"the body has the keys {', '.join(sorted(known))}; needed: {', '.join(sorted(needed))}"
+        )

@@ -73,10 +73,10 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as on POSIX"
 
 def test_it_prints_an_address_serves_and_ends_with_a_signal(tmp_path):
     with running("serve", MATCH, "--port", 0, "--json", folder=tmp_path) as server:
-        told = httpx.get(server.origin + "/data/session", headers=server.headers).json()
+        told = httpx.get(server.origin + "/data/timeline.json", headers=server.headers).json()
         assert told["preset"] == "football"
-        assert told["audio"] == "here"
-        assert httpx.get(server.origin + "/data/session").status_code == 401
+        assert told["server"]["audio"] == "here"
+        assert httpx.get(server.origin + "/data/timeline.json").status_code == 401
         out, err = server.end()
         assert server.process.returncode == 128 + signal.SIGTERM
         assert "Traceback" not in err
@@ -88,14 +88,9 @@ def test_with_audio_here_at_the_host_a_hand_on_a_page_moves_the_disk(tmp_path):
     arguments = ("serve", MATCH, "--port", 0, "--audio", "host", "--device", "none",
                  "--record", take, "--window", "1000", "2000")  # fmt: skip
     with running(*arguments, folder=tmp_path) as server:
-        assert httpx.get(server.origin + "/data/session", headers=server.headers).json() == {
-            "audio": "host",
-            "preset": "football",
-            "window": [0.0, 1000.0],
-            "duration_s": 1000.0,
-            "title": ov.load_timeline(MATCH).title,
-            "media": None,
-        }
+        told = httpx.get(server.origin + "/data/timeline.json", headers=server.headers).json()
+        assert (told["preset"], told["duration_s"]) == ("football", 1000.0)
+        assert told["server"] == {"audio": "host", "window": [0.0, 1000.0], "media": None}
         address = server.origin.replace("http", "ws") + "/control"
         with connect(address, additional_headers=server.headers, proxy=None) as page:
             for place in (0.2, 0.3, 0.4):
@@ -123,7 +118,7 @@ def test_beyond_this_machine_it_is_https_with_its_fingerprint_and_a_qr_code(tmp_
             cookie = answer.headers["set-cookie"]
             assert cookie.startswith("__Host-overview-")
             assert "Secure" in cookie
-            assert client.get(server.origin + "/data/session").status_code == 200
+            assert client.get(server.origin + "/data/timeline.json").status_code == 200
         with pytest.raises(httpx.HTTPError):  # not without TLS
             httpx.get(server.origin.replace("https", "http") + "/")
         _, err = server.end()
@@ -137,8 +132,8 @@ def test_beyond_this_machine_it_is_https_with_its_fingerprint_and_a_qr_code(tmp_
 def test_play_remote_opens_the_server_beside_the_session(tmp_path):
     arguments = ("play", MATCH, "--device", "none", "--remote", "--port", 0, "--headless")
     with running(*arguments, folder=tmp_path) as server:
-        told = httpx.get(server.origin + "/data/session", headers=server.headers).json()
-        assert told["audio"] == "host"
+        told = httpx.get(server.origin + "/data/timeline.json", headers=server.headers).json()
+        assert told["server"]["audio"] == "host"
         out, err = server.end()
         assert "Traceback" not in err
         assert "summary" in json.loads(out.splitlines()[-1])

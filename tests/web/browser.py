@@ -17,11 +17,7 @@ import pytest
 
 from tests.web.site import Site, opened_site
 
-CHROMIUM = [
-    "--no-sandbox",  # as root
-    "--autoplay-policy=no-user-gesture-required",
-    "--enable-precise-memory-info",
-]
+PROBED = ["--autoplay-policy=no-user-gesture-required", "--enable-precise-memory-info"]
 PATIENCE_S = 60.0
 
 
@@ -69,43 +65,58 @@ class Firefox(Browser):
 
     def call(self, function: str, *given: Any) -> Any:
         self.give(job=json.dumps({"name": function, "given": given}).encode())
+        answer = self.visit(self.site.url("unattended.html"), self.site.answers)
+        assert "error" not in answer, answer
+        return answer["value"]
+
+    def visit(self, url: str, answers: queue.Queue[bytes]) -> Any:
+        """What a page posts, which is open meanwhile."""
         command = [self._program, "--headless", "--no-remote", "--profile", str(self._profile)]
         process = subprocess.Popen(
-            [*command, self.site.url("unattended.html")],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
+            [*command, url], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
         try:
-            answer = json.loads(self.site.answers.get(timeout=PATIENCE_S))
+            return json.loads(answers.get(timeout=PATIENCE_S))
         except queue.Empty:
             pytest.fail(f"Firefox said nothing in {PATIENCE_S:g} s")
         finally:
             process.terminate()
             process.wait()
-        assert "error" not in answer, answer
-        return answer["value"]
 
 
 @contextlib.contextmanager
-def opened_chromium() -> Iterator[Chromium]:
-    """Skips where there is none."""
+def opened_driver() -> Iterator[Any]:
+    """What drives browsers, one for all tests: two can't run side by side. Skips without it."""
     api: Any = pytest.importorskip(
         "playwright.sync_api", reason="needs a driver for a browser: pip install playwright"
     )
-    with opened_site() as site, api.sync_playwright() as playwright:
-        try:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=CHROMIUM
-            )
-        except api.Error as error:
-            pytest.skip(
-                "needs Chromium: apt install chromium, or playwright install chromium "
-                f"({str(error).splitlines()[0]})"
-            )
+    with api.sync_playwright() as driver:
+        yield driver
+
+
+@contextlib.contextmanager
+def launched(driver: Any, *options: str) -> Iterator[Any]:
+    """A Chromium; skips where there is none."""
+    try:
+        browser = driver.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox", *options]
+        )
+    except Exception as error:
+        pytest.skip(
+            "needs Chromium: apt install chromium, or playwright install chromium "
+            f"({str(error).splitlines()[0]})"
+        )
+    yield browser
+    browser.close()
+
+
+@contextlib.contextmanager
+def opened_chromium(driver: Any) -> Iterator[Chromium]:
+    """A page that may sound at once."""
+    with opened_site() as site, launched(driver, *PROBED) as browser:
         page = browser.new_page()
         page.goto(site.url("page.html"))
         yield Chromium(site, page)
-        browser.close()
 
 
 @contextlib.contextmanager

@@ -68,7 +68,9 @@ class Served:
 
 
 @contextlib.contextmanager
-def served(timeline, *, plays: bool = True, record=None, **given) -> Iterator[Served]:
+def served(
+    timeline, *, plays: bool = True, record=None, preset="football", **given
+) -> Iterator[Served]:
     """A server of a timeline; `plays` with a live engine on no device."""
     notes: list[str] = []
     access = Access()
@@ -77,7 +79,7 @@ def served(timeline, *, plays: bool = True, record=None, **given) -> Iterator[Se
         if plays:
             player = Player(
                 timeline,
-                PresetWatch("football"),
+                PresetWatch(preset),
                 lambda engine, settings: SilentStream(engine, 256, settings),
                 OutputSettings(),
                 callback="python",
@@ -88,7 +90,7 @@ def served(timeline, *, plays: bool = True, record=None, **given) -> Iterator[Se
             stack.enter_context(_polled(player, session))
         socket = listen("127.0.0.1", 0)
         given = {"audio": "host" if plays else "here", **given}
-        routes = data_routes(timeline, "football", **given)
+        routes = data_routes(timeline, preset, **given)
         app = make_app(access, (), notes.append, session, routes)
         server = WebServer(app, [socket], None, notes.append)
         found = Served(player, socket.getsockname()[1], access, notes)

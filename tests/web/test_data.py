@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 import math
-import struct
 
 import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.surface import CELLS, build_surface
-from overview_dsp.web.encoding import encode_change, encode_engine
+from overview_dsp.surface import build_surface
+from overview_dsp.web.encoding import encode_change
 from overview_dsp.web.media import open_media
-from overview_dsp.web.surface_data import EVENT
+from overview_dsp.web.site_data import window_json
+from overview_dsp.web.static_site import write_site
 from tests.web.serving import served
 
 FILM = bytes(range(256)) * 400
@@ -46,50 +46,70 @@ def refused(answer, *words):
         assert word in answer.text
 
 
-def test_a_page_is_told_the_timeline_as_the_surface_has_it(page, match):
-    whole = page.get("/data/timeline?columns=513").json()
-    assert whole["window"] == [0.0, match.duration_s]
-    assert np.allclose(whole["curve"]["level"], match.normalised_levels(512), atol=1e-5)
-    assert [event["time_s"] for event in whole["events"]] == [one.time_s for one in match.events]
-    goal = match.event("goal", 2)
-    start, end = goal.time_s - 60.0, goal.time_s + 60.0
-    near = page.get("/data/timeline", params={"start": start, "end": end}).json()
-    part = match.window(start, end)
-    assert len(near["events"]) == len(part.events) > 2  # details too
-    assert any(abs(event["time_s"] - goal.time_s) < 1e-9 for event in near["events"])
-    assert near["kinds"] == part.kinds()
-    assert len(near["curve"]["level"]) == len(near["curve"]["value"]) == 1024
+def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_path):
+    write_site(match, football, tmp_path / "site", levels=1)
+    files = [path for path in (tmp_path / "site").rglob("*") if path.is_file()]
+    told = page.get("/data/timeline.json").json()
+    names = {path.relative_to(tmp_path / "site").as_posix() for path in files}
+    assert {"data/window-5.json", "sound/0.bin", "sound/back.bin", "sound/5-44100.patch"} <= names
+    for path in files:
+        name = path.relative_to(tmp_path / "site").as_posix()
+        if name in ("files.js", "worker.js"):  # what keeps a folder for use without a network
+            assert page.get(f"/{name}").status_code == 404
+            continue
+        answer = page.get("/" if name == "index.html" else f"/{name}")
+        assert answer.status_code == 200, name
+        if name == "data/timeline.json":
+            kept = json.loads(path.read_text())
+            assert kept["server"] is None
+            assert told["windows"][:6] == kept["windows"]
+            same = {key: value for key, value in told.items() if key not in ("server", "windows")}
+            assert same.items() <= kept.items()
+        else:
+            assert answer.content == path.read_bytes(), name
+
+
+def test_a_page_is_told_what_sounds_and_what_it_shows_first(page, match):
+    server = page.get("/data/timeline.json").json()["server"]
+    assert server == {
+        "audio": "here",
+        "window": [0.0, match.duration_s],
+        "media": {"url": "/media", "type": "video/mp4", "offset_s": -3.5},
+    }
+
+
+def test_any_window_is_drawn_as_the_surface_has_it(page, match, football):
+    answer = page.post("/data/window", json={"window": [100.0, 2000.0]})
+    part = match.window(100.0, 2000.0)
+    drawn = answer.json()
+    assert drawn == json.loads(json.dumps(window_json(part, build_surface(part, football), 100.0)))
+    assert len(drawn["events"]) == len(part.events)
+    changed = page.get("/data/preset").json()["preset"]
+    changed["values"]["surface.friction"] *= 2
+    rough = page.post("/data/window", json={"window": [100.0, 2000.0], "preset": changed}).json()
+    assert max(rough["resistance"]) > 1.5 * max(drawn["resistance"])
 
 
 @pytest.mark.parametrize(
-    ("query", "word"),
-    [("start=5&end=1", "window"), ("start=-1", "window"), ("end=1e9", "window"), ("end=nan", "end"),
-     ("start=x", "start"), ("columns=1", "columns"), ("columns=1e9", "columns"),
-     ("columns=2.5", "columns"), ("columns=inf", "columns")],
+    ("asked", "word"),
+    [({"window": [5, 1]}, "window"), ({"window": [-1, 5]}, "window"), ({}, "window"),
+     ({"window": [0, 1e9]}, "window"), ({"window": "x"}, "window"),
+     ({"window": [0, 60], "preset": 5}, "preset"), ({"window": [0, 60], "x": 1}, "keys")],
 )  # fmt: skip
-def test_a_window_that_is_none_is_one_clear_line(page, query, word):
-    refused(page.get(f"/data/timeline?{query}"), word)
+def test_a_window_that_is_none_is_one_clear_line(page, asked, word):
+    refused(page.post("/data/window", json=asked), word)
 
 
-def test_the_surface_is_its_table_and_its_events(page, match, football):
-    answer = page.get("/data/surface?start=100&end=2000&points=1025")
-    data = answer.content
-    points, count, zero = struct.unpack_from("<III", data, 4)
-    assert (data[:4], points, zero) == (b"ovs1", 1025, 0)
-    assert struct.unpack_from("<2d", data, 16) == (100.0, 2000.0)
-    table = np.frombuffer(data, "<f4", points, 32)
-    events = np.frombuffer(data, EVENT, count, 32 + 4 * points)
-    assert len(data) == 32 + 4 * points + EVENT.itemsize * count
-    surface = build_surface(match.window(100.0, 2000.0), football)
-    assert table.max() == np.float32(surface.resistance.max())
-    step = CELLS // 1024
-    for i in (1, 500, 1023):
-        half = step // 2  # the point in the middle of two may be either's
-        near = surface.resistance[i * step - half + 1 : i * step + half].max()
-        wide = surface.resistance[i * step - half : i * step + half + 1].max()
-        assert np.float32(near) <= table[i] <= np.float32(wide)
-    assert np.array_equal(events["place"], surface.place.astype("<f4"))
-    assert np.array_equal(events["event"], surface.event)
+def test_a_preset_file_is_read_again_with_the_page(match, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('schema = 2\nextends = "football"\n')
+    with served(match, plays=False, preset=str(path)) as server, server.client() as page:
+        before = page.get("/sound/0.bin").content
+        path.write_text('schema = 2\nextends = "football"\n[tactor]\ngain_db = -9\n')
+        assert page.get("/sound/0.bin").content == before  # the page that is open keeps its own
+        page.get("/data/timeline.json")
+        assert page.get("/sound/0.bin").content != before
+        assert page.get("/data/preset").json()["preset"]["values"]["tactor.gain_db"] == -9.0
 
 
 def test_presets_come_by_name_with_the_parameter_table(page):
@@ -98,23 +118,19 @@ def test_presets_come_by_name_with_the_parameter_table(page):
     found = page.get("/data/preset?name=crowd").json()
     assert found["preset"]["name"] == "crowd"
     table = {row["id"]: row for row in found["parameters"]}
-    assert table["tactor.gain_db"]["unit"]
+    gain = table["tactor.gain_db"]
+    assert (gain["unit"], gain["choices"], gain["surface"]) == ("dB", [], False)
+    assert gain["low"] < gain["default"] < gain["high"]
+    assert table["disk.release"]["choices"] == ["recoil", "return"]
+    assert table["surface.friction"]["surface"]
     assert page.get("/data/preset").json()["preset"]["name"] == "football"
 
 
 @pytest.mark.parametrize("name", ["../football", "/etc/passwd", "football.toml", "x" * 300, ""])
 def test_a_preset_is_never_a_path(page, name):
-    for path in ("/data/preset", "/data/surface"):
-        refused(page.get(path, params={"name": name, "preset": name}), "no preset is called")
-    refused(page.post("/sound/whole", json={"sample_rate": 48000, "preset": name}), "no preset")
-
-
-def test_a_page_gets_the_native_engines_memory(page, match, football):
-    asked = {"sample_rate": 44100, "preset": "football", "window": [0, 900.0], "seed": 7}
-    answer = page.post("/sound/whole", json=asked)
-    engine = ov.Engine(football, match.window(0.0, 900.0), seed=7)
-    engine.prepare(44100, 128)
-    assert answer.content == encode_engine(engine)
+    refused(page.get("/data/preset", params={"name": name}), "no preset is called")
+    refused(page.post("/data/window", json={"window": [0, 60], "preset": name}), "no preset")
+    refused(page.post("/sound/change", json={"sample_rate": 48000, "after": name}), "no preset")
 
 
 def test_a_page_gets_the_native_engines_changes(page, match, football):
@@ -127,24 +143,24 @@ def test_a_page_gets_the_native_engines_changes(page, match, football):
     assert answer.content == encode_change(football, after, 48000.0, surface)
 
 
-WHOLE = {"sample_rate": 48000, "preset": "football"}
+CHANGE = {"sample_rate": 48000, "after": "football"}
 
 
 @pytest.mark.parametrize(
     "asked",
-    [{}, {"preset": "football"}, {**WHOLE, "x": 1}, {**WHOLE, "sample_rate": 1e9},
-     {**WHOLE, "sample_rate": True}, {**WHOLE, "sample_rate": "x"}, {**WHOLE, "preset": 5},
-     {**WHOLE, "preset": {}}, {**WHOLE, "window": [5, 1]}, {**WHOLE, "window": [1]},
-     {**WHOLE, "window": "ab"}, {**WHOLE, "window": [None, 2]}, {**WHOLE, "seed": -1},
-     {**WHOLE, "seed": 1.5}, {**WHOLE, "sample_rate": 10**400}],
+    [{}, {"after": "football"}, {**CHANGE, "x": 1}, {**CHANGE, "sample_rate": 1e9},
+     {**CHANGE, "sample_rate": True}, {**CHANGE, "sample_rate": "x"}, {**CHANGE, "after": 5},
+     {**CHANGE, "before": {}}, {**CHANGE, "window": [5, 1]}, {**CHANGE, "window": [1]},
+     {**CHANGE, "window": "ab"}, {**CHANGE, "window": [None, 2]}, {**CHANGE, "window": None},
+     {**CHANGE, "sample_rate": 10**400}],
 )  # fmt: skip
 def test_what_no_engine_can_be_is_one_clear_line(page, asked):
-    refused(page.post("/sound/whole", content=json.dumps(asked)))
+    refused(page.post("/sound/change", content=json.dumps(asked)))
 
 
 @pytest.mark.parametrize("body", [b"", b"[]", b"\xff", b"[" * 100_000, b'{"sample_rate": NaN}'])
 def test_a_body_that_is_no_object_is_one_clear_line(page, body):
-    refused(page.post("/sound/whole", content=body))
+    refused(page.post("/sound/change", content=body))
 
 
 def test_a_preset_is_kept_whole_and_found_again(page, own_folder):
@@ -184,9 +200,6 @@ def test_names_that_are_paths_lead_nowhere(page, own_folder):
 
 
 def test_the_film_is_served_in_ranges(page):
-    told = page.get("/data/session").json()
-    assert told["media"] == {"url": "/media", "type": "video/mp4", "offset_s": -3.5}
-    assert told["audio"] == "here"
     whole = page.get("/media")
     assert (whole.status_code, whole.content) == (200, FILM)
     assert whole.headers["accept-ranges"] == "bytes"
@@ -217,7 +230,7 @@ def test_the_film_needs_the_token_and_only_a_film_is_one(server, tmp_path):
 
 def test_methods_that_arent_there_are_refused(page):
     assert page.delete("/preset/x").status_code == 405
-    assert page.post("/data/timeline").status_code == 405
+    assert page.post("/data/timeline.json").status_code == 405
     assert page.put("/").status_code == 405
 
 
@@ -230,8 +243,8 @@ def test_a_series_and_a_bare_timeline_are_told_too(tmp_path):
     ]
     for timeline in timelines:
         with served(timeline, plays=False) as server, server.client() as page:
-            told = page.get("/data/timeline?columns=16").json()
-            assert told["title"] == timeline.title
-            assert all(math.isfinite(level) for level in told["curve"]["level"])
-            assert told["gaps"] == [list(gap) for gap in timeline.gaps]
-            assert page.get("/data/surface").status_code == 200
+            assert page.get("/data/timeline.json").json()["title"] == timeline.title
+            drawn = page.get("/data/window-0.json").json()
+            assert all(math.isfinite(level) for level in drawn["level"])
+            assert drawn["gaps"] == [[start / 120.0, end / 120.0] for start, end in timeline.gaps]
+            assert page.get("/sound/0.bin").status_code == 200

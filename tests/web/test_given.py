@@ -41,7 +41,7 @@ PLACES = [path for path in paths(FOOTBALL) if path]
 
 @given(st.data())
 @settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
-def test_a_preset_that_was_tampered_with_is_a_preset_or_one_line(match, data):
+def test_a_preset_that_was_tampered_with_is_a_preset_or_one_line(match, football, data):
     given_preset = copy.deepcopy(FOOTBALL)
     for path in data.draw(st.lists(st.sampled_from(PLACES), min_size=1, max_size=3)):
         node = given_preset
@@ -62,15 +62,24 @@ def test_a_preset_that_was_tampered_with_is_a_preset_or_one_line(match, data):
     found = None
     with contextlib.suppress(ov.InputError), warnings.catch_warnings():
         warnings.simplefilter("ignore", ov.OverviewWarning)
-        found = sound_data.change(match, body)
+        found = sound_data.change(match, football, body)
     assert found is None or len(found) > 1000
 
 
-@given(st.dictionaries(st.sampled_from(["sample_rate", "preset", "window", "seed"]), values))
+@given(st.dictionaries(st.sampled_from(["sample_rate", "before", "after", "window"]), values))
 @settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
-def test_any_question_for_a_whole_is_refused_in_one_line(match, asked):
+def test_any_question_for_a_change_is_refused_in_one_line(match, football, asked):
     with pytest.raises(ov.InputError):
-        sound_data.whole(match, {**asked, "sample_rate": asked.get("sample_rate", "none")})
+        sound_data.change(
+            match, football, {**asked, "sample_rate": asked.get("sample_rate", "none")}
+        )
+
+
+@given(st.dictionaries(st.sampled_from(["preset", "window"]), values))
+@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+def test_any_question_for_a_window_is_refused_in_one_line(match, football, asked):
+    with pytest.raises(ov.InputError):
+        sound_data.window(match, football, asked)
 
 
 @given(st.text(max_size=300), st.text(max_size=80))

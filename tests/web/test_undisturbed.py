@@ -78,9 +78,9 @@ def attack(origin: str, token: str, over: threading.Event) -> None:
             for line in lines:
                 line.close()
             lines.clear()
-            httpx.get(f"{origin}/data/timeline", headers={"Authorization": "Bearer wrong"})
-            whole = {"sample_rate": 48000, "preset": "gravel"}
-            httpx.post(f"{origin}/sound/whole", headers=headers, json=whole)
+            httpx.get(f"{origin}/data/timeline.json", headers={"Authorization": "Bearer wrong"})
+            change = {"sample_rate": 48000, "after": "crowd", "window": [0, 900]}
+            httpx.post(f"{origin}/sound/change", headers=headers, json=change)
             httpx.put(f"{origin}/preset/x", headers=headers, content=b"x" * 2_000_000)
             for message in ("x", "[" * 8000, '{"events": [[0, 9, 1]]}', "y" * 100_000):
                 with connect(f"ws://{address}/control", additional_headers=headers) as page:

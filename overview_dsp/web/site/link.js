@@ -9,15 +9,16 @@ const REFUSED_TIMES = 3;
 const REFUSED = "this browser can't connect; an iPhone needs a certificate it trusts (--cert)";
 const AT_MOST = 64; // events of a message
 
-export class Link extends EventTarget {
+export class Link {
   #socket = null;
   #waiting = [];
   #last = null; // [theta2, touching]
   #sentAt = 0;
   #refused = 0; // attempts since the start, while none has succeeded
 
-  constructor() {
-    super();
+  /** `onstate(connected, reason)`, `onstatus(status)` and `onreleased(why)` are called. */
+  constructor({ onstate, onstatus, onreleased }) {
+    this.told = { onstate, onstatus, onreleased };
     this.#open();
     setInterval(() => this.#repeat(), REPEAT_MS / 2);
   }
@@ -26,12 +27,12 @@ export class Link extends EventTarget {
     return this.#socket?.readyState === WebSocket.OPEN;
   }
 
-  // One event of the hand: `timeMs` of performance.now(), theta2 in rad.
+  /** One event of the hand: `timeMs` of performance.now(), theta2 in rad. */
   push(timeMs, theta2, touching) {
     this.#last = [theta2, touching];
     if (!this.connected) return; // a movement that comes late is none
     if (this.#waiting.length === 0) queueMicrotask(() => this.#flush());
-    this.#waiting.push([timeMs, theta2, touching ? 1 : 0]);
+    this.#waiting.push([Math.max(timeMs, 0), theta2, touching ? 1 : 0]);
   }
 
   show(startS, endS) {
@@ -63,27 +64,23 @@ export class Link extends EventTarget {
     this.#socket = socket;
     socket.onopen = () => {
       this.#refused = -Infinity;
-      this.#tell("connected", true);
+      this.told.onstate(true, "");
     };
     socket.onmessage = ({ data }) => {
       const message = JSON.parse(data);
       if ("ping" in message) {
         this.#send({ pong: message.ping, time_ms: performance.now() });
       } else if ("status" in message) {
-        this.#tell("status", message.status);
+        this.told.onstatus(message.status);
       } else if ("released" in message) {
-        this.#tell("released", message.released);
+        this.told.onreleased(message.released);
       }
     };
     socket.onclose = ({ reason }) => {
       this.#waiting = [];
       this.#refused += 1;
-      this.#tell("connected", false, this.#refused >= REFUSED_TIMES ? REFUSED : reason);
+      this.told.onstate(false, this.#refused >= REFUSED_TIMES ? REFUSED : reason);
       setTimeout(() => this.#open(), RETRY_MS);
     };
-  }
-
-  #tell(type, detail, reason = "") {
-    this.dispatchEvent(Object.assign(new CustomEvent(type, { detail }), { reason }));
   }
 }

@@ -1,0 +1,208 @@
+// The preset bench: a preset's parameters under sliders, felt at once, against another (A and B),
+// kept as a file. What they mean is computed by the server, by the code that a native engine runs.
+
+import { rowOf } from "./bench_rows.js";
+import { ask, post } from "./session.js";
+
+const by = (id) => document.getElementById(id);
+const json = async (path) => (await ask(path)).json();
+const HANDS = "twist."; // how a sensor's twist lets go: nothing of the page's
+const TAKEN = "there already";
+
+export class Bench {
+  /** `feel(before, after, surface)` makes the change sound; `surface`: whether that differs. */
+  constructor(feel) {
+    this.feel = feel;
+    this.sides = null; // the presets of A and B
+    this.side = 1;
+    this.sounding = null;
+    this.busy = false;
+    by("bench-close").addEventListener("click", () => this.toggle(false));
+    by("bench-a").addEventListener("click", () => this.choose(0));
+    by("bench-b").addEventListener("click", () => this.choose(1));
+    by("bench-preset").addEventListener("change", ({ target }) => this.load(target.value));
+    by("bench-name").addEventListener("input", () => this.offer(false));
+    by("bench-download").addEventListener("click", () => this.guarded(() => this.download()));
+    by("bench-save").addEventListener("click", () => this.guarded(() => this.save()));
+  }
+
+  get preset() {
+    return this.sides[this.side];
+  }
+
+  async toggle(open) {
+    if (open && this.sides === null && !(await this.guarded(() => this.begin()))) return;
+    by("bench").hidden = !open;
+    document.documentElement.classList.toggle("tuning", open);
+    (open ? by("bench-title") : by("slider")).focus();
+  }
+
+  async begin() {
+    const [{ preset, parameters }, { bundled, own }] = await Promise.all([
+      json("data/preset"), json("data/presets"),
+    ]);
+    this.table = new Map(parameters.map((one) => [one.id, one]));
+    this.sides = [preset, structuredClone(preset)];
+    this.sounding = structuredClone(preset);
+    const names = [...new Set([preset.name, ...own, ...bundled])];
+    by("bench-preset").append(...names.map((name) => new Option(name)));
+    by("bench-name").value = `my-${preset.name}`.slice(0, 64);
+    this.choose(1);
+  }
+
+  /** Feel A (0) or B (1). */
+  choose(side) {
+    this.side = side;
+    by("bench-a").setAttribute("aria-pressed", String(side === 0));
+    by("bench-b").setAttribute("aria-pressed", String(side === 1));
+    by("bench-preset").value = this.preset.name;
+    this.show();
+    this.changed();
+  }
+
+  /** Begin this side from another preset. */
+  load(name) {
+    return this.guarded(async () => {
+      const { preset } = await json(`data/preset?name=${encodeURIComponent(name)}`);
+      this.sides[this.side] = preset;
+      this.show();
+      this.changed();
+    });
+  }
+
+  // --- rows -------------------------------------------------------------------------------------
+
+  show() {
+    const opened = by("bench-rows").querySelectorAll("details[open]");
+    const open = new Set([...opened].map((one) => one.id));
+    const { values, kinds } = this.preset;
+    const sections = new Map();
+    for (const [id, known] of this.table) {
+      if (id.startsWith("kinds.") || id.startsWith(HANDS)) continue;
+      const name = id.split(".")[0];
+      sections.set(name, [...(sections.get(name) ?? []), [known, values, id]]);
+    }
+    for (const [name, kind] of Object.entries(kinds)) {
+      sections.set(`event: ${name.replaceAll("_", " ")}`, this.kindRows(kind));
+    }
+    by("bench-rows").replaceChildren(
+      ...[...sections].map(([name, rows]) => this.section(name, rows, open)),
+    );
+  }
+
+  kindRows(kind) {
+    const known = (id) => this.table.get(`kinds.NAME.${id}`);
+    const rows = Object.keys(kind)
+      .filter((key) => known(key) && kind[key] !== null)
+      .map((key) => [known(key), kind, key]);
+    kind.modes.forEach((mode, i) => {
+      for (const key of Object.keys(mode)) {
+        const row = known(`modes.${key}`);
+        rows.push([{ ...row, doc: `Mode ${i + 1}. ${row.doc}` }, mode, key]);
+      }
+    });
+    return rows;
+  }
+
+  /** A section, whose rows are made when it is opened. */
+  section(name, rows, open) {
+    const details = document.createElement("details");
+    details.id = `section ${name}`;
+    const summary = document.createElement("summary");
+    summary.textContent = name;
+    details.append(summary);
+    const fill = () => {
+      if (!details.open || details.children.length > 1) return;
+      details.append(
+        ...rows.map(([known, place, key]) =>
+          rowOf(known, place, key, () => this.changed()),
+        ),
+      );
+    };
+    details.addEventListener("toggle", fill);
+    details.open = open.has(details.id);
+    fill();
+    return details;
+  }
+
+  // --- felt at once -----------------------------------------------------------------------------
+
+  /** Send the latest; what came while one was under way follows it, the rest is left out. */
+  async changed() {
+    this.offer(false);
+    if (this.busy) {
+      this.again = true;
+      return;
+    }
+    this.busy = true;
+    do {
+      this.again = false;
+      const after = structuredClone(this.preset);
+      const surface = this.differs(this.sounding, after);
+      if (surface === null) continue;
+      if (await this.guarded(() => this.feel(this.sounding, after, surface))) this.sounding = after;
+    } while (this.again);
+    this.busy = false;
+  }
+
+  /** Whether the surface of two presets differs; null if nothing does. */
+  differs(before, after) {
+    const ids = Object.keys(after.values).filter((id) => before.values[id] !== after.values[id]);
+    const kinds = JSON.stringify(before.kinds) !== JSON.stringify(after.kinds);
+    if (kinds || ids.some((id) => this.table.get(id).surface)) return true;
+    return ids.length > 0 || before.name !== after.name ? false : null;
+  }
+
+  // --- files ------------------------------------------------------------------------------------
+
+  async toml() {
+    return (await post("preset/toml", this.preset)).text();
+  }
+
+  get name() {
+    return by("bench-name").value.trim();
+  }
+
+  async download() {
+    const file = new Blob([await this.toml()], { type: "application/toml" });
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(file);
+    link.download = `${this.name || this.preset.name}.toml`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+  }
+
+  async save() {
+    const path = `preset/${encodeURIComponent(this.name)}${this.replaces ? "?replace=1" : ""}`;
+    try {
+      await ask(path, { method: "PUT", body: await this.toml() });
+    } catch (error) {
+      this.offer(error.message.includes(TAKEN));
+      throw error;
+    }
+    this.offer(false);
+    this.say(`kept as ${this.name}`);
+  }
+
+  /** Offer to replace the file of that name, or not. */
+  offer(replaces) {
+    this.replaces = replaces;
+    by("bench-save").textContent = replaces ? "Replace it" : "Save";
+  }
+
+  say(text) {
+    by("bench-told").textContent = text;
+  }
+
+  /** Do it; whether it went well. A refusal is told. */
+  async guarded(act) {
+    this.say("");
+    try {
+      await act();
+      return true;
+    } catch (error) {
+      this.say(error.message);
+      return false;
+    }
+  }
+}

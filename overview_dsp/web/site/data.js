@@ -1,0 +1,80 @@
+// The timeline's files: what is drawn (JSON) and what sounds (bytes for the kernel). A folder has
+// them for some windows and one preset; a server makes them for any (`info.server`).
+
+import { ask, enter, post } from "./session.js";
+
+const json = async (path) => (await ask(path)).json();
+const bytes = async (path) => (await ask(path)).arrayBuffer();
+
+export class Data {
+  static async open() {
+    await enter();
+    const data = new Data();
+    data.info = await json("data/timeline.json");
+    /** What it is felt by, where that isn't the preset of the files. */
+    data.preset = null;
+    return data;
+  }
+
+  /** What is drawn of a part. */
+  async view(part) {
+    const drawn = this.hasFile(part)
+      ? await json(`data/window-${part.number}.json`)
+      : await (await post("data/window", { window: ends(part), ...this.by("preset") })).json();
+    return { ...drawn, ...part };
+  }
+
+  /** The kernel's memory at a sample rate, over the whole timeline. */
+  memory(rate) {
+    return this.sound("0", rate);
+  }
+
+  /** A change to a part. */
+  change(part, rate) {
+    if (!this.hasFile(part)) {
+      const presets = { ...this.by("before"), ...this.by("after") };
+      return changed({ sample_rate: rate, window: ends(part), ...presets });
+    }
+    return this.sound(part.number === 0 ? "back" : String(part.number), rate);
+  }
+
+  /** A change from one preset to another, with a part's surface or (null) without. */
+  feel(before, after, part, rate) {
+    const surface = part === null ? {} : { window: ends(part) };
+    return changed({ sample_rate: rate, before, after, ...surface });
+  }
+
+  hasFile({ number }) {
+    return number >= 0 && this.preset === null;
+  }
+
+  by(key) {
+    return this.preset === null ? {} : { [key]: this.preset };
+  }
+
+  async sound(name, rate) {
+    const [first] = this.info.rates;
+    const base = bytes(`sound/${name}.bin`);
+    if (rate === first) return base;
+    return patched(...(await Promise.all([base, bytes(`sound/${name}-${rate}.patch`)])));
+  }
+}
+
+const ends = ({ start_s, end_s }) => [start_s, end_s];
+
+const changed = async (asked) => (await post("sound/change", asked)).arrayBuffer();
+
+/** Bytes with some columns replaced (site_sound.py says how). */
+export function patched(base, patch) {
+  const words = new Uint32Array(patch);
+  if (words[0] === 1) return patch.slice(8);
+  const made = new Uint32Array(base.slice(0));
+  let at = 2;
+  for (let run = 0; run < words[1]; run += 1) {
+    const column = words[at];
+    const count = words[at + 1];
+    made.set(words.subarray(at + 2, at + 2 + 2 * count), 2 * column);
+    at += 2 + 2 * count;
+  }
+  return made.buffer;
+}

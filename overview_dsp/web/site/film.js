@@ -1,0 +1,27 @@
+// The film of a timeline: from a few seconds before a moment.
+
+const LEAD_S = 5;
+
+export class Film {
+  /** `media`: url, type, and `offset_s`, where in it the timeline begins. */
+  constructor(dialog, media) {
+    this.dialog = dialog;
+    this.media = media;
+    this.video = dialog.querySelector("video");
+    this.title = dialog.querySelector("h2");
+    dialog.addEventListener("close", () => this.video.pause());
+  }
+
+  /** Play what led to a moment (s of the timeline). */
+  play(moment, title) {
+    const { video } = this;
+    this.title.textContent = title;
+    // fetched only when it is asked for; a fragment would be forgotten by some players
+    if (!video.src) video.src = new URL(this.media.url, location.href).href;
+    const from = Math.max(0, moment + this.media.offset_s - LEAD_S);
+    if (video.readyState > 0) video.currentTime = from;
+    else video.addEventListener("loadedmetadata", () => (video.currentTime = from), { once: true });
+    this.dialog.showModal();
+    return video.play();
+  }
+}

@@ -1,0 +1,81 @@
+// One hand of several sources: touch, twist, keys. The last to hold has it, and gives it back.
+//
+// The kernel gets one source that never lets go in between, so a change of hands is neither a tap
+// nor a jump (soft takeover): the one that takes over goes on from where the other was, and what
+// lies between them is made up as it moves, always in the direction of its movement.
+
+const MADE_UP = 0.5; // of a gap, for each movement as long as the gap
+export const TAP_HOLD_MS = 1000;
+
+export class Hand {
+  /** `strokes`: what takes its movement; `onchange` is called after each. */
+  constructor(strokes) {
+    this.strokes = strokes;
+    this.held = []; // sources that hold, the last one first
+    this.raw = {}; // where each is, 0 to 1
+    this.gap = 0; // from where the holder is to where the hand is
+    this.place = 0;
+    this.letGo = 0; // timer of a tap
+    this.onchange = () => {};
+  }
+
+  get holder() {
+    return this.held[0] ?? null;
+  }
+
+  /** A source holds at `place` (0 to 1), or moves there. */
+  hold(source, place, time = performance.now()) {
+    const raw = Math.min(Math.max(place, 0), 1);
+    clearTimeout(this.letGo);
+    const before = this.raw[source];
+    this.raw[source] = raw;
+    if (this.holder === null) {
+      this.held = [source];
+      this.gap = 0;
+      this.place = raw;
+      this.strokes.touch(raw);
+    } else if (!this.held.includes(source)) {
+      this.held.unshift(source);
+      this.gap = this.place - raw;
+      return;
+    } else if (this.holder === source) {
+      const made = Math.min(Math.abs(this.gap), MADE_UP * Math.abs(raw - before));
+      this.gap -= Math.sign(this.gap) * made;
+      this.place = Math.min(Math.max(raw + this.gap, 0), 1);
+      this.strokes.move(this.place, time);
+    } else {
+      return;
+    }
+    this.onchange();
+  }
+
+  /** A source lets go: another that still holds goes on, or the disk recoils. */
+  release(source, time = performance.now()) {
+    if (!this.held.includes(source)) return;
+    const had = this.holder === source;
+    this.held = this.held.filter((one) => one !== source);
+    if (!had) return;
+    if (this.holder !== null) this.gap = this.place - this.raw[this.holder];
+    else this.strokes.release(time);
+    this.onchange();
+  }
+
+  /** A source lets go after a while: what was a tap. */
+  releaseLater(source) {
+    clearTimeout(this.letGo);
+    this.letGo = setTimeout(() => this.release(source), TAP_HOLD_MS);
+  }
+
+  /** A step to `place`, held for a second (unless another hand holds). */
+  tap(source, place) {
+    if (this.holder === source) this.release(source);
+    this.hold(source, place);
+    this.releaseLater(source);
+  }
+
+  /** Nothing sticks: the page is left, the sound is lost. */
+  releaseAll() {
+    clearTimeout(this.letGo);
+    for (const source of [...this.held].reverse()) this.release(source);
+  }
+}

@@ -1,0 +1,155 @@
+// What stands still: the curve, its axis, the events, the disk's scale. Drawn once into a layer of
+// its own, and again when the window, the size or the colours change.
+
+import { angleOf } from "./geometry.js";
+import { drawMark } from "./marks.js";
+import { momentText } from "./words.js";
+
+const FONT = '13px system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
+const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200,
+  86400, 604800, 2629800, 7889400, 31557600, 157788000, 315576000];
+const BETWEEN = 84; // px at least from one label to the next
+
+export function drawLayer(c, g, view, info, colours) {
+  c.clearRect(0, 0, g.width, g.height);
+  drawGaps(c, g, view, colours);
+  drawCurve(c, g, view, colours);
+  drawAxis(c, g, view, info, colours);
+  for (const event of view.events) drawEvent(c, g, view, event, info, colours);
+  drawLabels(c, g, view, info, colours);
+  if (g.disk) drawScale(c, g.disk, view, info, colours);
+  if (g.trace) {
+    c.strokeStyle = colours.line;
+    c.lineWidth = 1;
+    c.beginPath();
+    c.moveTo(g.trace.left, g.trace.y);
+    c.lineTo(g.trace.right, g.trace.y);
+    c.stroke();
+  }
+}
+
+/** The curve's level at a place, 0 to 1. */
+export function levelAt(view, place) {
+  return view.level[Math.round(place * (view.level.length - 1))];
+}
+
+/** What the disk is held with there, N m s/rad. */
+export function resistanceAt(view, place) {
+  return view.resistance[Math.round(place * (view.resistance.length - 1))];
+}
+
+function drawCurve(c, g, view, colours) {
+  const last = view.level.length - 1;
+  const course = new Path2D();
+  view.level.forEach((level, i) => course.lineTo(g.x(i / last), g.y(level)));
+  const area = new Path2D(course);
+  area.lineTo(g.right, g.bottom);
+  area.lineTo(g.left, g.bottom);
+  c.fillStyle = colours.fill;
+  c.fill(area);
+  c.strokeStyle = colours.curve;
+  c.lineWidth = 1.75;
+  c.lineJoin = "round";
+  c.stroke(course);
+}
+
+function drawGaps(c, g, view, colours) {
+  c.strokeStyle = colours.line;
+  c.lineWidth = 1;
+  for (const [from, to] of view.gaps) {
+    c.save();
+    c.beginPath();
+    c.rect(g.x(from), g.top, g.x(to) - g.x(from), g.bottom - g.top);
+    c.clip();
+    c.beginPath();
+    for (let x = g.x(from) - (g.bottom - g.top); x < g.x(to); x += 8) {
+      c.moveTo(x, g.bottom);
+      c.lineTo(x + g.bottom - g.top, g.top);
+    }
+    c.stroke();
+    c.restore();
+  }
+}
+
+function drawAxis(c, g, view, info, colours) {
+  const length = view.end_s - view.start_s;
+  const most = Math.max(2, (g.right - g.left) / BETWEEN);
+  const step = STEPS_S.find((one) => length / one <= most) ?? length;
+  c.strokeStyle = colours.line;
+  c.lineWidth = 1;
+  c.beginPath();
+  c.moveTo(g.left, g.bottom + 0.5);
+  c.lineTo(g.right, g.bottom + 0.5);
+  c.font = FONT;
+  c.fillStyle = colours.soft;
+  c.textBaseline = "top";
+  for (let at = Math.ceil(view.start_s / step) * step; at <= view.end_s; at += step) {
+    const x = g.x((at - view.start_s) / length);
+    c.moveTo(x, g.bottom + 0.5);
+    c.lineTo(x, g.bottom + 6);
+    const text = momentText(at, info);
+    const half = c.measureText(text).width / 2;
+    c.textAlign = "left";
+    c.fillText(text, Math.min(Math.max(x - half, g.left), g.right - 2 * half), g.bottom + 10);
+  }
+  c.stroke();
+}
+
+function drawEvent(c, g, view, event, info, colours) {
+  const { shape, colour, count } = info.kinds[event.kind];
+  const x = g.x(event.place);
+  if (count === 0) {
+    // a detail, of which there may be hundreds: a row of their own
+    drawMark(c, shape, x, g.bottom - 12, 4, colours[colour], colours.rim);
+    return;
+  }
+  const y = g.y(levelAt(view, event.place));
+  c.strokeStyle = colours.line;
+  c.lineWidth = 1;
+  c.beginPath();
+  c.moveTo(x, y);
+  c.lineTo(x, g.bottom);
+  c.stroke();
+  drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
+}
+
+/** The first word of a goal's label, its score, above it, where there is room. */
+function drawLabels(c, g, view, info, colours) {
+  c.font = `600 ${FONT}`;
+  c.fillStyle = colours.ink;
+  c.textAlign = "center";
+  c.textBaseline = "alphabetic";
+  let last = -Infinity;
+  for (const event of view.events) {
+    if (event.kind !== "goal" && event.kind !== "own_goal") continue;
+    const text = event.label.split(" ")[0];
+    const x = g.x(event.place);
+    const half = c.measureText(text).width / 2;
+    if (!text || x - half < last + 6) continue;
+    c.fillText(text, x, g.y(levelAt(view, event.place)) - 15);
+    last = x + half;
+  }
+}
+
+/** Half a turn about the disk, and where the events are on it. */
+function drawScale(c, disk, view, info, colours) {
+  const { x, y, radius } = disk;
+  c.strokeStyle = colours.line;
+  c.lineWidth = 2;
+  c.beginPath();
+  c.arc(x, y, radius, angleOf(0), angleOf(1));
+  c.stroke();
+  for (const event of view.events) {
+    const { colour, count } = info.kinds[event.kind];
+    if (count === 0) continue;
+    const angle = angleOf(event.place);
+    const light = colour === "grey";
+    const out = light ? 7 : 12;
+    c.strokeStyle = colours[colour];
+    c.lineWidth = light ? 1.5 : 3;
+    c.beginPath();
+    c.moveTo(x + (radius + 2) * Math.cos(angle), y + (radius + 2) * Math.sin(angle));
+    c.lineTo(x + (radius + out) * Math.cos(angle), y + (radius + out) * Math.sin(angle));
+    c.stroke();
+  }
+}

@@ -1,0 +1,58 @@
+// The shapes of event kinds: told apart without colour.
+
+const polygon = (corners, turn = -Math.PI / 2, inner = 1) => (path, x, y, r) => {
+  const count = inner === 1 ? corners : 2 * corners;
+  for (let i = 0; i < count; i += 1) {
+    const radius = i % 2 === 0 || inner === 1 ? r : r * inner;
+    const angle = turn + (2 * Math.PI * i) / count;
+    path.lineTo(x + radius * Math.cos(angle), y + radius * Math.sin(angle));
+  }
+  path.closePath();
+};
+
+const lines = (...ends) => (path, x, y, r) => {
+  for (const [x1, y1, x2, y2] of ends) {
+    path.moveTo(x + x1 * r, y + y1 * r);
+    path.lineTo(x + x2 * r, y + y2 * r);
+  }
+};
+
+const D = 0.75;
+const SHAPES = {
+  circle: (path, x, y, r) => path.arc(x, y, r, 0, 2 * Math.PI),
+  hexagon: polygon(6),
+  triangle: polygon(3),
+  square: polygon(4, Math.PI / 4),
+  diamond: polygon(4),
+  pentagon: polygon(5),
+  star: polygon(5, -Math.PI / 2, 0.45),
+  wedge: polygon(3, Math.PI),
+  cross: lines([-D, -D, D, D], [-D, D, D, -D]),
+  plus: lines([-D, 0, D, 0], [0, -D, 0, D]),
+  bar: lines([0, -1.4, 0, 1.4]),
+};
+const OPEN = new Set(["cross", "plus", "bar"]);
+const LARGE = new Set(["circle", "hexagon"]);
+
+/** Radius (px) of a shape where an ordinary one has `size`. */
+export function sizeOf(shape, size) {
+  if (LARGE.has(shape)) return 1.35 * size;
+  return OPEN.has(shape) ? 0.8 * size : size;
+}
+
+/** Draw one, filled with `colour` and rimmed with `rim`. */
+export function drawMark(path, shape, x, y, size, colour, rim) {
+  path.beginPath();
+  (SHAPES[shape] ?? SHAPES.circle)(path, x, y, sizeOf(shape, size));
+  if (OPEN.has(shape)) {
+    path.lineWidth = size / 3;
+    path.strokeStyle = colour;
+    path.stroke();
+    return;
+  }
+  path.fillStyle = colour;
+  path.fill();
+  path.lineWidth = 1.25;
+  path.strokeStyle = rim;
+  path.stroke();
+}

@@ -1,0 +1,20 @@
+// Let in by a server: the token of the address becomes a cookie, and leaves the address.
+
+export async function enter() {
+  const token = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (!token) return;
+  await ask("session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
+  history.replaceState(null, "", location.pathname);
+}
+
+/** An answer; an Error with the server's own line if it refuses. */
+export async function ask(path, options) {
+  const answer = await fetch(new URL(path, import.meta.url), options);
+  if (answer.ok) return answer;
+  const told = answer.headers.get("content-type")?.startsWith("text/plain");
+  const line = told ? (await answer.text()).trim() : "";
+  throw new Error(line || `${path}: ${answer.status} ${answer.statusText}`);
+}
+
+/** The answer to an object that is posted as JSON. */
+export const post = (path, given) => ask(path, { method: "POST", body: JSON.stringify(given) });

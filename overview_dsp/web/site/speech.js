@@ -1,0 +1,24 @@
+// What happened, said aloud: the latest only, since a sentence lasts longer than a sweep.
+
+const SETTLE_MS = 180;
+
+export class Speech {
+  constructor() {
+    this.on = false;
+    this.timer = 0;
+  }
+
+  say(text) {
+    if (!this.on || !("speechSynthesis" in window)) return;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => {
+      speechSynthesis.cancel();
+      speechSynthesis.speak(new SpeechSynthesisUtterance(text));
+    }, SETTLE_MS);
+  }
+
+  still() {
+    clearTimeout(this.timer);
+    window.speechSynthesis?.cancel();
+  }
+}

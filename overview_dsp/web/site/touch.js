@@ -1,0 +1,67 @@
+// Finger, pen and mouse: drag, tap, release; two fingers pinch.
+
+const TAP_MS = 250;
+const TAP_PX = 10;
+
+/**
+ * `placeOf(clientX)` is the place (0 to 1) under a pointer; `onpinch(factor, place)` is called when
+ * two fingers have spread or closed, `onfirst()` at every touch, in which sound may be started.
+ */
+export function listenToTouch(element, hand, { placeOf, onpinch, onfirst }) {
+  const fingers = new Map();
+  let down = null;
+  let spread = 0;
+
+  element.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    onfirst();
+    element.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, event);
+    if (fingers.size === 1) {
+      down = { x: event.clientX, y: event.clientY, time: event.timeStamp, tap: true };
+      hand.hold("touch", placeOf(event.clientX), event.timeStamp);
+    } else if (fingers.size === 2) {
+      down = null;
+      hand.release("touch", event.timeStamp);
+      spread = distance(fingers);
+    }
+  });
+
+  element.addEventListener("pointermove", (event) => {
+    if (!fingers.has(event.pointerId)) return;
+    fingers.set(event.pointerId, event);
+    if (fingers.size === 1 && down) {
+      if (Math.hypot(event.clientX - down.x, event.clientY - down.y) > TAP_PX) down.tap = false;
+      const seen = event.getCoalescedEvents?.() ?? [];
+      for (const one of seen.length > 0 ? seen : [event]) {
+        hand.hold("touch", placeOf(one.clientX), one.timeStamp);
+      }
+    } else if (fingers.size === 2) {
+      const now = distance(fingers);
+      const factor = now / Math.max(spread, 1);
+      if (factor > 1.5 || factor < 1 / 1.5) {
+        const [a, b] = [...fingers.values()];
+        onpinch(factor, placeOf((a.clientX + b.clientX) / 2));
+        spread = now;
+      }
+    }
+  });
+
+  const up = (event) => {
+    if (!fingers.delete(event.pointerId)) return;
+    if (!down) return;
+    if (down.tap && event.type === "pointerup" && event.timeStamp - down.time < TAP_MS) {
+      hand.releaseLater("touch");
+    } else hand.release("touch", event.timeStamp);
+    down = null;
+  };
+  element.addEventListener("pointerup", up);
+  element.addEventListener("pointercancel", up);
+  element.addEventListener("lostpointercapture", up);
+  element.addEventListener("contextmenu", (event) => event.preventDefault());
+}
+
+function distance(fingers) {
+  const [a, b] = [...fingers.values()];
+  return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+}

@@ -1,0 +1,50 @@
+// Which part comes next: the nearest of another level about a moment, or the one beside. A part is
+// a window of the list by its number, or any other (number -1) that a host shows.
+
+const SAME_S = 1e-6;
+
+/** Window `i` as a part. */
+export function partOf(windows, i) {
+  const { level, start_s, end_s } = windows[i];
+  return { number: i, zoom: level, start_s, end_s };
+}
+
+/** The part from `start` to `end` (s): one of the windows, or one of its own. */
+export function partBetween(windows, [start, end]) {
+  const same = ({ start_s, end_s }) =>
+    Math.abs(start_s - start) < SAME_S && Math.abs(end_s - end) < SAME_S;
+  const number = windows.findIndex(same);
+  if (number >= 0) return partOf(windows, number);
+  // of those as long or longer, the narrowest
+  const wider = windows.filter((one) => one.end_s - one.start_s >= end - start - SAME_S);
+  const zoom = Math.max(...wider.map(({ level }) => level));
+  return { number, zoom, start_s: start, end_s: end };
+}
+
+/** The part of `level` whose middle is nearest to a moment (s), of those that will do, or null. */
+export function partAbout(windows, level, moment, willDo = () => true) {
+  let best = -1;
+  let least = Infinity;
+  windows.forEach((window, i) => {
+    const away = Math.abs((window.start_s + window.end_s) / 2 - moment);
+    if (window.level === level && away < least && willDo(window)) [best, least] = [i, away];
+  });
+  return best < 0 ? null : partOf(windows, best);
+}
+
+/** The part beside another, earlier (-1) or later (1), half of it new; null at the ends. */
+export function partBeside(windows, part, direction) {
+  if (part.number < 0) {
+    const middle = (part.start_s + part.end_s) / 2;
+    const wanted = middle + (direction * (part.end_s - part.start_s)) / 2;
+    return partAbout(windows, part.zoom, wanted, ({ start_s, end_s }) =>
+      direction > 0 ? end_s > part.end_s : start_s < part.start_s,
+    );
+  }
+  const beside = part.number + direction;
+  return windows[beside]?.level === part.zoom ? partOf(windows, beside) : null;
+}
+
+export function levels(windows) {
+  return windows.at(-1).level;
+}

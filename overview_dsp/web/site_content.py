@@ -1,0 +1,112 @@
+"""The files of a timeline's page, each made when it is asked for: `site_data` and `site_sound`.
+
+A static folder holds them all; a server makes what a page asks for.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import lru_cache, partial
+from typing import Any
+
+from overview_dsp.actuators import Actuator
+from overview_dsp.presets.model import Preset
+from overview_dsp.surface import Surface, build_surface
+from overview_dsp.timeline import Timeline
+from overview_dsp.web.site_data import timeline_json, window_json
+from overview_dsp.web.site_sound import patch_of, whole_bytes, window_bytes
+from overview_dsp.web.site_windows import site_windows
+
+RATES = (48_000, 44_100)
+"""What browsers play at, Hz; others resample."""
+
+
+class SiteContent:
+    """A timeline with its windows, felt by one preset.
+
+    Parameters
+    ----------
+    levels
+        How many times the page can zoom.
+    actuator
+        What the tactor's signal drives.
+    server
+        What a page that is served may ask of its server (`data`); None in a folder.
+    """
+
+    def __init__(
+        self,
+        timeline: Timeline,
+        preset: Preset,
+        *,
+        levels: int,
+        seed: int = 0,
+        actuator: Actuator | None = None,
+        server: dict[str, Any] | None = None,
+    ) -> None:
+        self.preset = preset
+        self.parts = site_windows(timeline, levels)
+        self._timeline = timeline
+        self._seed = seed
+        self._actuator = actuator
+        self._server = server
+        self._files: dict[str, Callable[[], bytes]] = {"data/timeline.json": self._told}
+        # what belongs to one window is asked for together
+        self._surface = lru_cache(maxsize=1)(self._build)
+        self._sound = lru_cache(maxsize=1)(self._encode)
+        for i in range(len(self.parts)):
+            self._files[f"data/window-{i}.json"] = partial(self._window, i)
+            if i == 0:
+                self._add_sound("0", -1)
+            if len(self.parts) > 1:
+                self._add_sound("back" if i == 0 else str(i), i)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The paths of all files, window by window."""
+        return tuple(self._files)
+
+    def is_needed_first(self, name: str) -> bool:
+        """Whether a page needs a file before it can show and sound the whole."""
+        return name in ("data/timeline.json", "data/window-0.json") or name.startswith(
+            ("sound/0.", "sound/0-")
+        )
+
+    def make(self, name: str) -> bytes:
+        """A file's bytes; KeyError for a name that isn't one of `names`."""
+        return self._files[name]()
+
+    def _add_sound(self, name: str, i: int) -> None:
+        self._files[f"sound/{name}.bin"] = partial(self._sound, i)
+        for rate in RATES[1:]:
+            self._files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
+
+    def _told(self) -> bytes:
+        told = timeline_json(self._timeline, self.preset, self.parts, RATES)
+        return _json({**told, "server": self._server})
+
+    def _window(self, i: int) -> bytes:
+        shown, surface = self._surface(i)
+        return _json(window_json(shown, surface, self.parts[i].start_s))
+
+    def _build(self, i: int) -> tuple[Timeline, Surface]:
+        part = self.parts[i]
+        shown = self._timeline if i == 0 else self._timeline.window(part.start_s, part.end_s)
+        return shown, build_surface(shown, self.preset)
+
+    def _encode(self, i: int) -> bytes:
+        return self._at_rate(i, RATES[0])
+
+    def _at_rate(self, i: int, rate: int) -> bytes:
+        if i < 0:
+            return whole_bytes(self._timeline, self.preset, rate, self._seed, self._actuator)
+        return window_bytes(self._surface(i)[1], self.preset, rate)
+
+    def _patch(self, i: int, rate: int) -> bytes:
+        return patch_of(self._sound(i), self._at_rate(i, rate))
+
+
+def _json(document: dict[str, Any]) -> bytes:
+    text = json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.encode()

@@ -1,0 +1,116 @@
+"""What a page draws and speaks: JSON of the timeline and of each of its windows.
+
+``data/timeline.json``::
+
+    {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null, "unit",
+     "full_torque": N m, "bare_friction": N m s/rad, "rates": [44100, 48000],
+     "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6}, ...},
+     "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...],
+     "server": null in a folder, else what `data` says}
+
+``data/window-N.json``, places being 0 to 1 in that window::
+
+    {"level": [COLUMNS numbers 0 to 1], "resistance": [COLUMNS numbers, N m s/rad],
+     "gaps": [[from, to], ...],
+     "events": [{"place", "time_s", "kind", "label"}, ...],
+     "struck": [of each number that a strike may name, its index in "events", or -1]}
+
+Columns lie evenly, both ends included; each has what is felt nearest to it, and the largest
+resistance. A window's sound is beside it (`site_sound`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from overview_dsp.plots import KIND_STYLE
+from overview_dsp.presets.model import Preset
+from overview_dsp.surface import CELLS, Surface
+from overview_dsp.timeline import Timeline
+from overview_dsp.web.encoding import event_numbers
+from overview_dsp.web.site_windows import Part
+
+COLUMNS = 1025
+
+# of each kind that has a style in the pictures: the page's shape and colour
+_LOOKS = {
+    "goal": ("circle", "blue"),
+    "own_goal": ("hexagon", "sky"),
+    "near_miss": ("triangle", "green"),
+    "yellow_card": ("square", "yellow"),
+    "red_card": ("diamond", "vermilion"),
+    "foul": ("cross", "grey"),
+    "period": ("bar", "ink"),
+    "shot": ("wedge", "green"),
+    "touch": ("plus", "grey"),
+}
+_OTHER_SHAPES = ("pentagon", "star", "triangle", "square", "diamond", "circle", "wedge", "hexagon")
+_OTHER_COLOURS = ("vermilion", "blue", "yellow", "sky", "green", "orange", "purple")
+
+
+def kind_looks(timeline: Timeline) -> dict[str, dict[str, Any]]:
+    """Shape, colour, words and count of each kind of event, details too; known ones as pictured."""
+    counts = timeline.kinds()
+    for detail in timeline.details:
+        counts.setdefault(detail.kind, 0)
+    others = sorted(set(counts) - set(_LOOKS))
+    looks = {}
+    for kind in (*(name for name in _LOOKS if name in counts), *others):
+        if kind in _LOOKS:
+            shape, colour = _LOOKS[kind]
+            words = KIND_STYLE[kind][2]
+        else:
+            i = others.index(kind)
+            shape = _OTHER_SHAPES[i % len(_OTHER_SHAPES)]
+            colour = _OTHER_COLOURS[i % len(_OTHER_COLOURS)]
+            words = kind.replace("_", " ")
+        looks[kind] = {"words": words, "shape": shape, "colour": colour, "count": counts[kind]}
+    return looks
+
+
+def timeline_json(
+    timeline: Timeline, preset: Preset, parts: list[Part], rates: tuple[int, ...]
+) -> dict[str, Any]:
+    """What holds for all windows."""
+    unit = "" if timeline.intensity is None else timeline.intensity.unit
+    return {
+        "title": timeline.title,
+        "preset": preset.name,
+        "duration_s": timeline.duration_s,
+        "start": None if timeline.start is None else timeline.start.isoformat(),
+        "unit": unit,
+        "full_torque": preset.number("tactor.full_torque_mnm") * 1e-3,
+        "bare_friction": preset.number("surface.friction"),
+        "rates": list(rates),
+        "kinds": kind_looks(timeline),
+        "provenance": timeline.provenance,
+        "notes": list(timeline.notes),
+        "windows": [
+            {"level": part.level, "start_s": part.start_s, "end_s": part.end_s} for part in parts
+        ],
+    }
+
+
+def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, Any]:
+    """What is drawn of one window: the part `shown`, which begins at `start_s`, felt so."""
+    nearest = np.rint(np.arange(CELLS + 1) * ((COLUMNS - 1) / CELLS)).astype(np.int64)
+    first = np.searchsorted(nearest, np.arange(COLUMNS))
+    resistance = np.maximum.reduceat(surface.resistance, first)
+    length = shown.duration_s
+    return {
+        "level": [round(one, 4) for one in shown.normalised_levels(COLUMNS - 1).tolist()],
+        "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
+        "gaps": [[start / length, end / length] for start, end in shown.gaps],
+        "events": [
+            {
+                "place": event.time_s / length,
+                "time_s": start_s + event.time_s,
+                "kind": event.kind,
+                "label": event.label,
+            }
+            for event in shown.events
+        ],
+        "struck": event_numbers(surface),
+    }

@@ -1,0 +1,74 @@
+"""A folder that any web host can serve: the page, its kernel, and a timeline with its windows.
+
+It needs no server of ours and, once loaded, no network. `files.js` lists every file with a digest
+of all of them, from which the page's service worker knows what to keep and when to renew it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable
+
+from overview_dsp.actuators import Actuator
+from overview_dsp.files import whole_folder
+from overview_dsp.presets.model import Preset
+from overview_dsp.timeline import Timeline
+from overview_dsp.web.assets import page_files
+from overview_dsp.web.site_content import SiteContent
+
+MARK = "files.js"
+"""The file by which a folder is known as one of ours."""
+
+
+def write_site(
+    timeline: Timeline,
+    preset: Preset,
+    path: str | os.PathLike[str],
+    *,
+    levels: int = 2,
+    seed: int = 0,
+    actuator: Actuator | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> int:
+    """Write the folder, whole or not at all; its size in bytes.
+
+    Parameters
+    ----------
+    path
+        A new or empty folder, or one that this wrote before.
+    levels
+        How many times the page can zoom, 0 to 3.
+    actuator
+        What the tactor's signal drives.
+
+    Raises
+    ------
+    InputError
+        The folder can't be written or holds other files; a surface that can't be made.
+    """
+    content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator)
+    with whole_folder(path, MARK) as folder:
+        listed: dict[str, list[str]] = {"page": [], "more": []}
+        digest = hashlib.sha256()
+        size = 0
+
+        def put(name: str, file: bytes, group: str) -> None:
+            nonlocal size
+            place = folder / name
+            place.parent.mkdir(exist_ok=True)
+            place.write_bytes(file)
+            listed[group].append(name)
+            digest.update(name.encode() + file)
+            size += len(file)
+
+        for name, file in page_files().items():
+            put(name, file, "page")
+        for i, name in enumerate(content.names):
+            put(name, content.make(name), "page" if content.is_needed_first(name) else "more")
+            if progress is not None:
+                progress((i + 1) / len(content.names))
+        told = {"version": digest.hexdigest()[:16], **listed}
+        (folder / MARK).write_text(f"self.FILES = {json.dumps(told)};\n", encoding="utf-8")
+    return size

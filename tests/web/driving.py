@@ -1,0 +1,38 @@
+"""How tests drive the page: sizes, waiting, where a place is.
+
+A page's policy forbids what playwright's own `wait_for_function` needs, so conditions are polled.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+PHONE = {"width": 390, "height": 844}
+DESKTOP = {"width": 1280, "height": 800}
+PATIENCE_S = 40.0
+
+
+def until(page: Any, condition: str) -> None:
+    """Wait for a JavaScript expression; `p` is the page's object."""
+    end = time.monotonic() + PATIENCE_S
+    # a function, since only what is sent as one may be evaluated under the policy
+    asked = f"async () => {{ const p = window.overview; return Boolean(p && ({condition})); }}"
+    while not page.evaluate(asked):
+        if time.monotonic() > end:
+            fault = page.text_content("#fault")
+            raise AssertionError(f"waited in vain for {condition}; the page says {fault!r}")
+        page.wait_for_timeout(20)
+
+
+def at(page: Any, place: float) -> tuple[float, float]:
+    """Where a place of the timeline is on the screen."""
+    box = page.locator("#canvas").bounding_box()
+    left, right = page.evaluate("[overview.picture.geometry.left, overview.picture.geometry.right]")
+    return box["x"] + left + (right - left) * place, box["y"] + 120
+
+
+def violations(page: Any, axe: str) -> list[tuple[str, str]]:
+    """What axe-core finds: rules, and the first element of each."""
+    found = page.evaluate(axe + "\n;axe.run().then(({violations}) => violations)")
+    return [(one["id"], one["nodes"][0]["html"]) for one in found]

@@ -1,0 +1,69 @@
+"""A page as it was exported, on a web host that sends a strict policy and nothing else."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import threading
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+POLICY = "; ".join(
+    [
+        "default-src 'none'",
+        "script-src 'self' 'wasm-unsafe-eval'",
+        *(f"{what}-src 'self'" for what in ("style", "img", "connect", "worker", "manifest")),
+    ]
+)
+
+
+class Handler(SimpleHTTPRequestHandler):
+    def end_headers(self) -> None:
+        self.send_header("Content-Security-Policy", POLICY)
+        super().end_headers()
+
+    def do_POST(self) -> None:
+        self.server.told.put(self.rfile.read(int(self.headers["Content-Length"])))
+        self.send_response(204)
+        self.end_headers()
+
+    def log_message(self, *unused: Any) -> None:
+        pass
+
+
+class Server(ThreadingHTTPServer):
+    """`told` is what pages posted."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.told: queue.Queue[bytes] = queue.Queue()
+
+    def handle_error(self, *unused: Any) -> None:
+        """A page that is closed while it loads is no fault."""
+
+
+class Host:
+    """`url` serves `folder` until `close`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.server = Server(("127.0.0.1", 0), partial(Handler, directory=folder))
+        self.thread = threading.Thread(target=self.server.serve_forever, daemon=True)
+        self.thread.start()
+        self.url = f"http://127.0.0.1:{self.server.server_port}/"
+
+    def close(self) -> None:
+        self.server.shutdown()
+        self.server.server_close()
+        self.thread.join()
+
+
+@contextlib.contextmanager
+def opened_host(folder: Path) -> Iterator[Host]:
+    host = Host(folder)
+    try:
+        yield host
+    finally:
+        host.close()

@@ -1,0 +1,32 @@
+// The page's own test in a browser that nothing drives: keys, and what came of them.
+
+const until = async (what) => {
+  for (let tries = 0; tries < 600; tries += 1) {
+    if (what()) return;
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+  throw new Error(`waited in vain for ${what}: ${document.getElementById("fault").textContent}`);
+};
+
+async function told() {
+  const slider = document.getElementById("slider");
+  const press = (key) => slider.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+  const says = () => slider.getAttribute("aria-valuetext") ?? "";
+  await until(() => window.overview?.view);
+  for (let i = 0; i < 3; i += 1) press("]");
+  await until(() => says().includes("near miss"));
+  const event = says();
+  press("End");
+  await until(() => says().includes("full time"));
+  press("+");
+  await until(() => window.overview.view.zoom === 1);
+  const painted = window.overview.picture.layer.getContext("2d").getImageData(100, 100, 200, 100);
+  return {
+    event,
+    pixels: painted.data.filter((one, i) => i % 4 === 3 && one > 0).length,
+    fault: document.getElementById("fault").textContent,
+  };
+}
+
+const answer = await told().catch((error) => ({ error: String(error) }));
+await fetch("told", { method: "POST", body: JSON.stringify(answer) });

@@ -1,0 +1,190 @@
+"""The preset bench of a served page: felt at once, compared, kept as a file."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+
+import overview_dsp as ov
+from tests.web.driving import DESKTOP, PHONE, at, until, violations
+from tests.web.serving import served
+from tests.web.test_served_page import page_of, says, wait_for
+
+
+@pytest.fixture
+def own_folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("OVERVIEW_PRESETS", str(tmp_path / "own"))
+    return tmp_path / "own"
+
+
+def opened(tab):
+    until(tab, "p.view")
+    tab.click("#settings")
+    tab.click("#tune")
+    until(tab, "p.bench.sides && !document.getElementById('bench').hidden")
+    assert not tab.is_visible("#dialog")
+
+
+def slide(tab, section, name, part):
+    """Put a parameter's slider at a part of its range."""
+    details = tab.locator("#bench-rows details", has=tab.locator(f"summary:text-is('{section}')"))
+    if details.get_attribute("open") is None:
+        details.locator("summary").click()
+    details.locator(f"input[name='{name}']").evaluate(
+        """(range, part) => {
+            range.value = part * range.max;
+            range.dispatchEvent(new Event("input"));
+        }""",
+        part,
+    )
+    until(tab, "!p.bench.busy")
+
+
+def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, chromium):
+    """More friction holds the disk back: where it comes to with a hand that moves on."""
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
+        opened(tab)
+        tab.mouse.click(*at(tab, 0.01))  # it sounds
+        until(tab, "p.meters")
+        before = tab.evaluate("Math.max(...overview.view.resistance)")
+
+        def lag():
+            tab.mouse.move(*at(tab, 0.05))
+            tab.mouse.down()
+            tab.mouse.move(*at(tab, 0.9), steps=30)
+            behind = tab.evaluate("0.9 - overview.cursor")
+            tab.mouse.up()
+            until(tab, "p.cursor < 0.01")
+            return behind
+
+        light = lag()
+        slide(tab, "surface", "surface.friction", 0.75)
+        until(tab, f"Math.max(...p.view.resistance) > 3 * {before}")  # drawn, too
+        heavy = lag()
+        tab.click("#bench-a")
+        until(tab, "!p.bench.busy && p.meters.changesWaiting === 0")
+        tab.wait_for_timeout(200)
+        again = lag()
+        print(f"\nbehind by {light:.3f}, with more friction {heavy:.3f}, with A {again:.3f}")
+        assert heavy > 2 * light
+        assert again < heavy / 2
+        tab.click("#bench-b")
+        until(tab, "p.bench.sounding.values['surface.friction'] > 1e-3")
+        # what is zoomed to is felt by it as well
+        tab.focus("#slider")
+        tab.keyboard.press("+")
+        until(tab, f"p.view.zoom === 1 && Math.max(...p.view.resistance) > 2 * {before}")
+        assert wrong == []
+
+
+def test_an_events_height_and_a_choice_can_be_set_by_keys_alone(match, chromium):
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
+        opened(tab)
+        assert tab.evaluate("document.activeElement.id") == "bench-title"
+        section = tab.locator("summary:text-is('event: goal')")
+        section.focus()
+        tab.keyboard.press("Enter")
+        until(tab, "document.querySelector('details[open] input')")
+        tab.keyboard.press("Tab")
+        assert tab.evaluate("document.activeElement.name") == "kinds.NAME.height"
+        tab.keyboard.press("Home")
+        until(
+            tab, "p.bench.preset.kinds.goal.height === p.bench.table.get('kinds.NAME.height').low"
+        )
+        assert tab.evaluate("document.activeElement.getAttribute('aria-valuetext')")
+        until(tab, "!p.bench.busy && p.bench.sounding.kinds.goal.height < 1")
+        assert wrong == []
+
+
+def test_a_preset_that_cant_sound_is_refused_in_a_line_and_the_last_one_stays(match, chromium):
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
+        opened(tab)
+        tab.evaluate("overview.bench.preset.values['disk.k1'] = 1e9; overview.bench.changed()")
+        says(tab, "bench-told", "disk.k1")
+        assert tab.evaluate("overview.bench.sounding.values['disk.k1']") < 1
+        assert [line for line in wrong if "400" not in line] == []
+
+
+def test_a_preset_is_kept_in_the_own_folder_and_never_over_a_bundled_one(
+    match, chromium, own_folder
+):
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
+        opened(tab)
+        slide(tab, "tactor", "tactor.gain_db", 0.25)
+        gain = tab.evaluate("overview.bench.preset.values['tactor.gain_db']")
+        tab.fill("#bench-name", "football")
+        tab.click("#bench-save")
+        says(tab, "bench-told", "bundled")
+        tab.fill("#bench-name", "bus")
+        tab.click("#bench-save")
+        says(tab, "bench-told", "kept as bus")
+        assert ov.load_preset("bus").values["tactor.gain_db"] == gain
+        assert [path.name for path in own_folder.iterdir()] == ["bus.toml"]
+        slide(tab, "tactor", "tactor.gain_db", 0.5)
+        tab.click("#bench-save")
+        says(tab, "bench-told", "there already")
+        assert ov.load_preset("bus").values["tactor.gain_db"] == gain
+        assert tab.text_content("#bench-save") == "Replace it"
+        tab.click("#bench-save")
+        says(tab, "bench-told", "kept as bus")
+        assert ov.load_preset("bus").values["tactor.gain_db"] != gain
+
+
+def test_a_preset_is_downloaded_as_a_file_that_loads(match, football, chromium, tmp_path):
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
+        opened(tab)
+        slide(tab, "click", "click.gain_db", 0.5)
+        tab.fill("#bench-name", "bus")
+        with tab.expect_download() as waiting:
+            tab.click("#bench-download")
+        assert waiting.value.suggested_filename == "bus.toml"
+        path = tmp_path / "bus.toml"
+        waiting.value.save_as(path)
+        assert tomllib.loads(path.read_text())["click"]["gain_db"]
+        kept = ov.load_preset(path)
+        assert kept.values["click.gain_db"] != football.values["click.gain_db"]
+        assert kept.kinds == football.kinds
+        assert wrong == []
+
+
+def test_at_the_host_the_bench_changes_what_the_host_plays(match, chromium):
+    with served(match) as server, page_of(server, chromium) as (tab, wrong):
+        opened(tab)
+        slide(tab, "tactor", "tactor.gain_db", 0.25)
+        gain = tab.evaluate("overview.bench.preset.values['tactor.gain_db']")
+        wait_for(lambda: server.player.engine.preset.values["tactor.gain_db"] == gain)
+        tab.select_option("#bench-preset", "crowd")
+        wait_for(lambda: server.player.engine.preset.name == "crowd")
+        tab.click("#bench-a")
+        wait_for(lambda: server.player.engine.preset.name == "football")
+        assert wrong == []
+
+
+def test_a_folder_offers_no_bench(match, football, chromium, tmp_path):
+    from overview_dsp.web.static_site import write_site
+    from tests.web.exported import opened_host
+
+    write_site(match, football, tmp_path / "site", levels=0)
+    with opened_host(tmp_path / "site") as host:
+        context = chromium.new_context()
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.view")
+        page.click("#settings")
+        assert not page.is_visible("#tune")
+        context.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
+def test_axe_finds_nothing_on_the_bench_and_at_the_host(match, chromium, axe, scheme, size):
+    with (
+        served(match) as server,
+        page_of(server, chromium, color_scheme=scheme) as (tab, _),
+    ):
+        tab.set_viewport_size(size)
+        opened(tab)
+        for section in ("disk", "tactor", "event: goal"):
+            tab.locator(f"summary:text-is('{section}')").click()
+        assert violations(tab, axe) == []

@@ -1,0 +1,473 @@
+"""The exported page in a real Chromium: a finger, a wrist, keys, a screen reader, no network."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.surface import build_surface
+from overview_dsp.units import HALF_TURN
+from overview_dsp.web.site_sound import patch_of, window_bytes
+from tests.web.driving import DESKTOP, PHONE, at, until, violations
+from tests.web.exported import opened_host
+
+RATE = 48_000
+BLOCK = 128
+GOAL = 0.7176  # 4-1
+
+
+@pytest.fixture
+def opened(chromium, site):
+    """A page on a phone, ready, and its faults, of which there may be none."""
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport=PHONE, has_touch=True)
+        page = context.new_page()
+        faults: list[str] = []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: said.type == "error" and faults.append(said.text))
+        page.goto(host.url)
+        until(page, "p.view")
+        yield page
+        told = page.text_content("#fault")
+        context.close()
+    assert faults == []
+    assert told == ""
+
+
+def test_a_drag_sounds_a_release_recoils_and_a_tap_steps(opened):
+    page = opened
+    page.evaluate("""() => {
+        window.loudest = [0, 0];
+        const take = overview.take.bind(overview);
+        overview.take = (told) => {
+            loudest[0] = Math.max(loudest[0], told.peakClick);
+            loudest[1] = Math.max(loudest[1], told.peakTactor);
+            take(told);
+        };
+    }""")
+    page.mouse.move(*at(page, 0.02))
+    page.mouse.down()
+    page.mouse.move(*at(page, 0.9), steps=60)
+    until(page, "Math.abs(p.cursor - 0.9) < 0.01")
+    assert page.evaluate("loudest[0] > 0.01 && loudest[1] > 0.01")
+    strikes = page.evaluate("overview.meters.strikes")
+    assert strikes > 15
+    page.mouse.up()
+    until(page, "p.cursor < 0.001 && p.meters.touching === 0")
+    assert page.evaluate("overview.meters.strikes") > strikes
+    page.mouse.click(*at(page, 0.5))  # a tap: held for a second, long enough to be felt
+    until(page, "Math.abs(p.cursor - 0.5) < 0.005")
+    until(page, "p.cursor < 0.001")
+
+
+def test_sound_comes_with_the_first_touch_alone(chromium, site):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport=PHONE)
+        page = context.new_page()
+        page.add_init_script("""addEventListener("pointerdown", () => {
+            window.began = performance.now();
+            window.before = [overview.sound.context.state, overview.meters];
+        }, { capture: true, once: true });""")
+        page.goto(host.url)
+        # to be asked anything counts as a touch, so it is left alone until one comes
+        page.wait_for_load_state("networkidle")
+        page.wait_for_timeout(1500)
+        page.mouse.move(200, 300)
+        page.mouse.down()
+        until(page, "p.meters?.clock > 0 && p.meters.touching === 1")
+        assert page.evaluate("before") == ["suspended", None]
+        took = page.evaluate("performance.now() - began")
+        print(f"\nfirst sound {took:.0f} ms after the first touch")
+        page.mouse.up()
+        context.close()
+
+
+def test_keys_alone_reach_everything(opened):
+    page = opened
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.id") == "slider"
+
+    def says():
+        return page.get_attribute("#slider", "aria-valuetext")
+
+    for _ in range(3):
+        page.keyboard.press("]")
+    until(page, "document.getElementById('slider').ariaValueText.includes('near miss')")
+    page.keyboard.press("End")
+    until(page, "document.getElementById('slider').ariaValueText.includes('full time')")
+    until(page, "p.cursor > 0.99")
+    assert float(page.get_attribute("#slider", "aria-valuenow")) == 100
+    for _ in range(8):
+        page.keyboard.press("[")
+    until(page, "document.getElementById('slider').ariaValueText.includes('4-1 Mbapp')")
+    assert says().startswith("67:30, goal")
+    page.keyboard.press("ArrowLeft")
+    until(page, "Math.abs(p.place - 0.679) < 0.002")
+    page.keyboard.press("PageDown")
+    until(page, "Math.abs(p.place - 0.579) < 0.002")
+    page.keyboard.press("Escape")
+    until(page, "p.meters.touching === 0 && p.cursor < 0.001")
+    page.keyboard.press(" ")
+    until(page, "Math.abs(p.cursor - 0.579) < 0.005")
+    until(page, "p.cursor < 0.001")
+    page.keyboard.press("+")
+    until(page, "p.view.zoom === 1")
+    reached = set()
+    for _ in range(6):
+        page.keyboard.press("Tab")
+        reached.add(page.evaluate("document.activeElement.id"))
+    assert {"twist", "out", "settings"} <= reached
+    page.focus("#settings")
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.getElementById('dialog').open")
+    page.keyboard.press("Escape")
+    assert not page.evaluate("document.getElementById('dialog').open")
+
+
+def test_a_wrist_sweeps_the_whole_timeline_face_up_to_face_down(opened):
+    page = opened
+    client = page.context.new_cdp_session(page)
+
+    def turn(degrees):
+        # beyond upright the platform tells the roll from the back: beta turns over
+        beta, gamma = (0, degrees) if degrees < 90 else (-180, degrees - 180)
+        client.send(
+            "DeviceOrientation.setDeviceOrientationOverride",
+            {"alpha": 0, "beta": beta, "gamma": gamma},
+        )
+
+    turn(0)
+    page.click("#twist")
+    until(page, "p.hand.holder === 'twist'")
+    seen = []
+    for degrees in range(0, 181, 6):
+        turn(degrees)
+        page.wait_for_timeout(25)
+        seen.append(page.evaluate("overview.place"))
+    until(page, "p.cursor > 0.995")
+    assert seen[0] < 0.01
+    assert np.all(np.diff(seen) >= -1e-9)
+    assert np.max(np.diff(seen)) < 0.1
+    page.click("#twist")
+    until(page, "p.hand.holder === null && p.cursor < 0.001")
+
+
+def roll(page, beta, gamma):
+    return page.evaluate(
+        "async ([b, g]) => (await import('./twist.js')).rollOf(b, g)", [beta, gamma]
+    )
+
+
+@pytest.mark.parametrize("pitch", [-60, 0, 40])
+def test_the_roll_is_the_turn_about_the_long_axis(opened, pitch):
+    """Against the rotation matrices of the W3C's definition, at any pitch."""
+
+    def axes(beta, gamma):
+        b, g = math.radians(beta), math.radians(gamma)
+        x = np.array([[1, 0, 0], [0, math.cos(b), -math.sin(b)], [0, math.sin(b), math.cos(b)]])
+        y = np.array([[math.cos(g), 0, math.sin(g)], [0, 1, 0], [-math.sin(g), 0, math.cos(g)]])
+        return x @ y
+
+    for gamma in (-80, -20, 0, 35, 89):
+        up = axes(pitch, gamma)[2]  # the world's up along the phone's axes
+        assert roll(opened, pitch, gamma) == pytest.approx(math.atan2(-up[0], up[2]), abs=1e-9)
+    assert abs(roll(opened, 180, 0)) == pytest.approx(math.pi)
+    assert math.isnan(roll(opened, 90, 0))
+
+
+def test_the_start_can_be_calibrated_and_either_side_will_do(opened):
+    place = "async ([r, s]) => (await import('./twist.js')).placeOfRoll(r, s)"
+    for start in (0.0, 0.5, -3.0):
+        for turn in (0.0, 1.0, 3.0):
+            for side in (1, -1):
+                away = opened.evaluate(place, [start + side * turn, start])
+                assert away == pytest.approx(turn / math.pi)
+
+
+HANDS = """async (scene) => {
+    const { Hand } = await import("./hand.js");
+    const { Strokes } = await import("./strokes.js");
+    const events = [];
+    const now = performance.now.bind(performance);
+    let time = 0;
+    performance.now = () => time;
+    const clock = {
+        rate: 48000,
+        sampleAt: (at) => Math.round(at * 48 + 1440),
+        rendering: (at) => Math.round(at * 48),
+    };
+    const send = (place, touching, sample) =>
+        events.push([sample < 0 ? Math.round(time * 48) : sample, place, touching]);
+    const hand = new Hand(new Strokes(clock, send));
+    for (const [at, method, ...given] of scene) {
+        time = at;
+        hand[method](...given, at);
+    }
+    performance.now = now;
+    return events;
+}"""
+
+
+def heard(events, timeline, preset, frames=2 * RATE):
+    """What the native engine makes of a hand's events."""
+    engine = ov.Engine(preset, timeline, seed=1)
+    engine.prepare(RATE, BLOCK)
+    connect(engine, None)
+    for sample, place, touching in events:
+        engine.control(place * HALF_TURN, touching, sample)
+    out = np.zeros((frames // BLOCK * BLOCK, 2), np.float32)
+    for start in range(0, len(out), BLOCK):
+        run_block(engine, out[start : start + BLOCK])
+    return out
+
+
+def beyond(out, low_hz):
+    """The loudest of what lies above a frequency, dB of full scale."""
+    spectrum = np.fft.rfft(out, axis=0)
+    spectrum[np.fft.rfftfreq(len(out), 1 / RATE) < low_hz] = 0
+    return 20 * np.log10(max(np.abs(np.fft.irfft(spectrum, axis=0)).max(), 1e-9))
+
+
+@pytest.fixture(scope="module")
+def bare():
+    """Nothing to strike: whatever clicks is a fault."""
+    curve = ov.Intensity(np.array([0.0, 60.0]), np.array([0.3, 0.3]))
+    return ov.Timeline("bare", 60.0, intensity=curve)
+
+
+def test_a_finger_that_comes_down_while_a_wrist_holds_still_is_not_heard(opened, bare, football):
+    twist = [[10 + 16 * i, "hold", "twist", 0.3 + 1e-7 * (i % 2)] for i in range(110)]
+    touch = [[700, "hold", "touch", 0.8], [1100, "release", "touch"]]
+    alone = heard(opened.evaluate(HANDS, twist), bare, football)
+    both = heard(opened.evaluate(HANDS, sorted(twist + touch, key=lambda e: e[0])), bare, football)
+    difference = np.abs(both - alone).max()
+    print(f"\ntouch down and up in a still twist: {20 * np.log10(max(difference, 1e-9)):.0f} dB")
+    assert difference < 1e-3  # -60 dB
+    step = heard([*opened.evaluate(HANDS, twist[:40]), (33_600, 0.8, True)], bare, football)
+    assert np.abs(step - alone).max() > 0.03  # what a jump would be
+
+
+def test_hands_change_without_a_click_in_the_middle_of_a_movement(opened, bare, football):
+    silent = football.with_changes({"texture.gain_db": -60.0})
+    moving = [[10 + 16 * i, "hold", "twist", 0.1 + 0.004 * i] for i in range(120)]
+    fingers = [[700 + 16 * i, "hold", "touch", 0.85 + 0.002 * i] for i in range(30)]
+    scene = sorted([*moving, *fingers, [1200, "release", "touch"]], key=lambda e: e[0])
+    events = opened.evaluate(HANDS, scene)
+    places = np.array([place for _, place, _ in events])
+    assert np.all(np.diff([sample for sample, *_ in events]) >= 0)
+    assert np.abs(np.diff(places)).max() < 0.002  # in steps of 2 ms
+    assert np.all(np.diff(places) >= -1e-12)
+    out = heard(events, bare, silent)[RATE // 2 :]
+    alone = heard(opened.evaluate(HANDS, moving), bare, silent)[RATE // 2 :]
+    print(f"\nabove 2 kHz: {beyond(out, 2000):.0f} dB, without a change {beyond(alone, 2000):.0f}")
+    assert beyond(out, 2000) < -60
+
+
+def test_the_wrist_takes_up_where_the_finger_was(opened):
+    scene = [
+        [0, "hold", "twist", 0.2],
+        [100, "hold", "touch", 0.6],
+        *[[100 + 10 * i, "hold", "touch", 0.6 + 0.005 * i] for i in range(1, 61)],
+        [800, "release", "touch"],
+        *[[800 + 10 * i, "hold", "twist", 0.2 + 0.01 * i] for i in range(1, 71)],
+        *[[1500 + 10 * i, "hold", "twist", 0.9 - 0.01 * i] for i in range(1, 41)],
+        [2000, "release", "twist"],
+    ]
+    events = opened.evaluate(HANDS, scene)
+    assert [touching for *_, touching in events].count(False) == 1
+    assert events[0][1] == 0.2
+    touched = [place for sample, place, _ in events if sample < 40_000]
+    assert max(touched) == pytest.approx(0.65, abs=0.01)  # 0.2 + 0.3 + half as much made up
+    assert events[-2][1] == pytest.approx(0.5, abs=1e-9)  # caught up
+
+
+def test_nothing_sticks_when_the_page_is_left(opened):
+    page = opened
+    page.mouse.move(*at(page, 0.4))
+    page.mouse.down()
+    until(page, "p.meters?.touching === 1")
+    page.evaluate("window.dispatchEvent(new Event('pagehide'))")
+    until(page, "p.meters.touching === 0 && p.cursor < 0.001")
+    page.mouse.up()
+
+
+def hide(page):
+    """As a phone does that goes dark or to another page."""
+    page.evaluate("""() => {
+        Object.defineProperty(document, "hidden", { value: true, configurable: true });
+        document.dispatchEvent(new Event("visibilitychange"));
+    }""")
+
+
+def test_hiding_the_page_lets_the_disk_go(opened):
+    page = opened
+    page.mouse.move(*at(page, 0.4))
+    page.mouse.down()
+    until(page, "p.meters?.touching === 1")
+    hide(page)
+    until(page, "(await p.sound.look()).touching === 0")
+    page.mouse.up()
+
+
+def test_a_twist_holds_on_where_nobody_looks_and_keeps_the_screen_from_locking(opened):
+    page = opened
+    page.evaluate("""() => {
+        window.locks = 0;
+        const request = async () => {
+            window.locks += 1;
+            return { release: () => { window.locks -= 1; } };
+        };
+        Object.defineProperty(navigator, "wakeLock", { value: { request } });
+    }""")
+    page.click("#twist")
+    page.evaluate("""() => dispatchEvent(
+        new DeviceOrientationEvent("deviceorientation", { alpha: 0, beta: 0, gamma: 60 })
+    )""")
+    until(page, "p.hand.holder === 'twist' && Math.abs(p.cursor - 1 / 3) < 0.02")
+    until(page, "window.locks === 1")
+    hide(page)
+    page.wait_for_timeout(200)
+    assert page.evaluate("overview.sound.look().then(({touching}) => touching)") == 1
+    page.evaluate("overview.toggleTwist()")
+    until(page, "(await p.sound.look()).touching === 0 && window.locks === 0")
+
+
+def test_zooming_shows_the_windows_and_comes_back_to_the_whole(opened):
+    page = opened
+    page.focus("#slider")
+    for _ in range(20):
+        page.keyboard.press("]")
+    here = page.evaluate("overview.moment")
+    page.keyboard.press("+")
+    until(page, "p.view.zoom === 1")
+    assert page.evaluate("overview.moment") == pytest.approx(here, abs=1)
+    start, end = page.evaluate("[overview.view.start_s, overview.view.end_s]")
+    assert start < here < end
+    until(page, "p.meters.changesWaiting === 0 && Math.abs(p.cursor - p.place) < 0.003")
+    page.keyboard.press("Home")
+    page.keyboard.press("ArrowLeft")  # beyond the window
+    until(page, f"p.view.start_s < {start - 100}")
+    page.click("#out")
+    until(page, "p.view.number === 0")
+    until(page, "p.meters.changesWaiting === 0")
+
+
+def test_settings_are_remembered_and_speech_and_clicks_are_apart(opened):
+    page = opened
+    page.evaluate("""() => {
+        window.said = [];
+        speechSynthesis.speak = (one) => said.push(one.text);
+    }""")
+    page.click("#settings")
+    page.get_by_role("checkbox", name="Speech").check()
+    page.get_by_role("checkbox", name="Clicks").uncheck()
+    page.get_by_text("Done").click()
+    page.focus("#slider")
+    for _ in range(6):
+        page.keyboard.press("]")
+    until(page, "said.some((text) => text.includes('own goal, Mand'))")
+    page.reload()
+    until(page, "p.view")
+    kept = page.evaluate("overview.settings")
+    assert (kept["speech"], kept["clicks"], kept["vibration"]) == (True, False, True)
+
+
+@pytest.mark.parametrize(("level", "part"), [(0.0, 0.0), (0.1, 0.0), (0.5, 0.5), (1.0, 1.0)])
+def test_a_motor_is_on_for_as_much_of_the_time_as_the_torque_is_strong(opened, level, part):
+    pattern = opened.evaluate(
+        "async (level) => (await import('./vibration.js')).patternOf(level)", level
+    )
+    total = sum(pattern)
+    assert (sum(pattern[::2]) / total if total else 0.0) == pytest.approx(part)
+    assert all(1 <= one <= 100 and one == int(one) for one in pattern)
+
+
+def test_it_works_without_a_network_once_loaded(chromium, site):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport=PHONE)
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.view")
+        page.evaluate("navigator.serviceWorker.ready.then(() => null)")
+        page.evaluate("overview.sound.context.resume()")  # as it is where a page may sound at once
+        page.mouse.click(*at(page, 0.5))
+        listed = json.loads((site / "files.js").read_text()[13:-2])
+        count = 2 + len(listed["page"]) + len(listed["more"])
+        kept = "(await (await caches.open((await caches.keys())[0])).keys()).length"
+        until(page, f"{kept} >= {count}")
+    # the host is gone
+    page.reload()
+    until(page, "p.view")
+    page.mouse.move(*at(page, 0.1))
+    page.mouse.down()
+    page.mouse.move(*at(page, 0.6), steps=30)
+    until(page, "Math.abs(p.cursor - 0.6) < 0.01 && p.meters.strikes > 5")
+    page.mouse.up()
+    page.click("#in")
+    until(page, "p.view.zoom === 1")
+    context.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
+def test_axe_finds_nothing(chromium, site, axe, scheme, size):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport=size, color_scheme=scheme)
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.view")
+        page.mouse.click(*at(page, GOAL))
+        until(page, "document.getElementById('event').textContent !== ''")
+        for contrast in (False, True):
+            page.evaluate(
+                f"document.documentElement.classList.toggle('contrast', {str(contrast).lower()})"
+            )
+            for dialog in (False, True):
+                if dialog:
+                    page.click("#settings")
+                assert violations(page, axe) == []
+            page.keyboard.press("Escape")
+        context.close()
+
+
+def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
+    surface = build_surface(match, football)
+    base, wanted = (window_bytes(surface, football, rate) for rate in (48_000, 44_100))
+    patch = patch_of(base, wanted)
+    assert len(patch) < len(wanted) / 20
+    for given, expected in (
+        (patch, wanted),
+        (patch_of(base, base), base),
+        (patch_of(b"", base), base),
+    ):
+        made = opened.evaluate(
+            """async ([base, patch]) => {
+                const { patched } = await import("./data.js");
+                const made = patched(Uint8Array.from(base).buffer, Uint8Array.from(patch).buffer);
+                return Array.from(new Uint8Array(made));
+            }""",
+            [list(base), list(given)],
+        )
+        assert bytes(made) == expected
+
+
+def test_firefox_shows_it_to_keys_and_zooms_it_too(firefox, site, tmp_path):
+    folder = shutil.copytree(site, tmp_path / "site")
+    shutil.copy(Path(__file__).parent / "page" / "alone.js", folder)
+    start = folder / "index.html"
+    own = '<script type="module" src="main.js"></script>'
+    assert own in start.read_text()
+    start.write_text(start.read_text().replace(own, own + own.replace("main", "alone")))
+    with opened_host(folder) as host:
+        told = firefox.visit(host.url, host.server.told)
+    assert "error" not in told, told
+    assert told["event"] == "9:50, near miss (synthetic)"
+    assert told["pixels"] > 500
+    assert told["fault"] == ""

@@ -1,0 +1,227 @@
+"""The page from its server, in a real Chromium: it sounds itself, or holds the host's disk."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+import wave
+
+import pytest
+
+from overview_dsp.web.media import open_media
+from tests.web.driving import PHONE, at, until
+from tests.web.serving import served
+
+GOAL = 4050.0 / 5880.0  # 4-1
+
+
+@contextlib.contextmanager
+def page_of(server, chromium, token=None, **given):
+    """A tab with the page and what went wrong in it; nothing may leave the server."""
+    context = chromium.new_context(viewport=PHONE, **given)
+    tab = context.new_page()
+    wrong = []
+    tab.on("console", lambda message: message.type == "error" and wrong.append(message.text))
+    tab.on("pageerror", lambda error: wrong.append(str(error)))
+    tab.on(
+        "request",
+        lambda request: (
+            request.url.startswith((server.origin, "blob:")) or wrong.append(request.url)
+        ),
+    )
+    tab.goto(f"{server.origin}/#token={token or server.access.token}")
+    try:
+        yield tab, wrong
+    finally:
+        context.close()
+
+
+def says(tab, id, words, seconds=20.0):
+    end = time.monotonic() + seconds
+    while words not in (text := tab.text_content(f"#{id}")):
+        assert time.monotonic() < end, text
+        tab.wait_for_timeout(20)
+
+
+def connected(tab):
+    until(tab, "p.view")
+    says(tab, "link", "at the host")
+
+
+def test_a_drag_on_the_page_moves_the_disk_and_letting_go_frees_it(match, chromium):
+    with served(match) as server, page_of(server, chromium) as (tab, wrong):
+        connected(tab)
+        assert tab.url == f"{server.origin}/"  # the token has left the address
+        assert tab.evaluate("crossOriginIsolated")
+        assert match.title in tab.title()
+        tab.mouse.move(*at(tab, 0.1))
+        tab.mouse.down()
+        server.until(lambda meters: meters.touching)
+        tab.mouse.move(*at(tab, 0.75), steps=20)
+        server.until(lambda meters: abs(meters.cursor - 0.75) < 0.02)
+        until(tab, "Math.abs(p.cursor - 0.75) < 0.02")
+        time.sleep(0.8)  # held still, it is held
+        assert server.player.engine.meters.touching
+        says(tab, "latency", "ms to sound")
+        tab.mouse.up()
+        server.until(lambda meters: not meters.touching)
+        assert wrong == []
+
+
+def test_a_movement_reaches_the_host_in_small_steps(match, chromium):
+    with served(match) as server, page_of(server, chromium) as (tab, wrong):
+        connected(tab)
+        tab.mouse.move(*at(tab, 0.1))
+        tab.mouse.down()
+        server.until(lambda meters: meters.touching)
+        first = len(server.player.engine.take_applied(0)[0])
+        tab.mouse.move(*at(tab, 0.4), steps=30)
+        server.until(lambda meters: abs(meters.cursor - 0.4) < 0.02)
+        applied = server.player.engine.take_applied(0)[0][first:]
+        assert len(applied) > 90  # a pointer tells 30
+        assert (applied["touching"] == 1).all()
+        tab.mouse.up()
+        assert wrong == []
+
+
+def test_a_touching_page_that_is_closed_frees_the_disk(match, chromium):
+    with served(match) as server:
+        with page_of(server, chromium) as (tab, _):
+            connected(tab)
+            tab.mouse.move(*at(tab, 0.5))
+            tab.mouse.down()
+            server.until(lambda meters: meters.touching)
+        server.until(lambda meters: not meters.touching)
+
+
+def test_a_finger_taps_on_a_phone(match, chromium):
+    with served(match) as server, page_of(server, chromium, has_touch=True) as (tab, wrong):
+        connected(tab)
+        before = len(server.player.engine.take_applied(0)[0])
+        tab.touchscreen.tap(*at(tab, 0.8))
+        server.until(lambda meters: meters.touching)
+        server.until(lambda meters: abs(meters.cursor - 0.8) < 0.02)
+        server.until(lambda meters: not meters.touching)
+        applied = server.player.engine.take_applied(0)[0][before:]
+        assert applied["theta2"][0] == pytest.approx(0.8 * 3.14159265, abs=0.02)
+        assert list(applied["touching"]).count(0) == 1
+        assert wrong == []
+
+
+def test_zooms_of_the_page_and_of_the_host_meet(match, chromium):
+    with served(match) as server, page_of(server, chromium) as (tab, wrong):
+        connected(tab)
+        tab.click("#in")
+        until(tab, "p.view.zoom === 1")
+        start, end = tab.evaluate("[p.start_s, p.end_s]".replace("p.", "overview.view."))
+        wait_for(lambda: server.player.window == pytest.approx((start, end)))
+        server.session.show(1000.0, 1300.0)  # as another page would: a window of its own
+        until(tab, "p.view.start_s === 1000 && p.view.end_s === 1300")
+        tab.click("#later")
+        until(tab, "p.view.end_s > 1300")
+        tab.click("#out")
+        until(tab, "p.view.zoom < 2")
+        assert wrong == []
+
+
+def wait_for(condition, seconds=10.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_a_page_with_a_wrong_token_says_what_to_do(match, chromium):
+    with served(match) as server, page_of(server, chromium, "wrong") as (tab, _):
+        says(tab, "fault", "open the address printed last")
+
+
+def test_the_page_finds_its_host_again(match, chromium):
+    with served(match) as server, page_of(server, chromium) as (tab, _):
+        connected(tab)
+        tab.mouse.move(*at(tab, 0.5))
+        tab.mouse.down()
+        server.until(lambda meters: meters.touching)
+        server.cut()
+        server.until(lambda meters: not meters.touching)
+        connected(tab)
+        server.until(lambda meters: meters.touching)  # the finger is still there
+
+
+def test_a_browser_that_cant_open_the_socket_is_told_what_it_needs(match, chromium):
+    nothing_plays = served(match, plays=False, audio="host")
+    with nothing_plays as server, page_of(server, chromium) as (tab, _):
+        says(tab, "link", "--cert")
+
+
+# --- the page sounds by itself -------------------------------------------------------------------
+
+
+def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, chromium):
+    first = (3000.0, 4500.0)
+    with (
+        served(match, plays=False, first=first) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.view")
+        assert tab.evaluate("[overview.view.start_s, overview.view.end_s]") == list(first)
+        tab.evaluate("""() => {
+            window.struck = [];
+            const take = overview.take.bind(overview);
+            overview.take = (told) => {
+                struck.push(...told.struck.map(({ event }) => event));
+                take(told);
+            };
+        }""")
+        tab.mouse.move(*at(tab, 0.1))
+        tab.mouse.down()
+        tab.mouse.move(*at(tab, 0.7), steps=40)
+        until(tab, "p.meters.strikes > 5 && Math.abs(p.cursor - 0.7) < 0.01")
+        # the surface of that part, with details: the whole has fewer events
+        assert tab.evaluate("Math.max(...struck)") > len(match.events)
+        assert tab.text_content("#clock").startswith("67:")
+        tab.mouse.up()
+        until(tab, "p.cursor < 0.001")
+        tab.click("#out")
+        until(tab, "p.view.zoom === 0 && p.meters.changesWaiting === 0")
+        assert tab.evaluate("navigator.serviceWorker.controller") is None
+        assert wrong == []
+
+
+def test_a_goal_can_be_watched_from_a_little_before(match, chromium, tmp_path):
+    film = tmp_path / "match.wav"
+    with wave.open(str(film), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(8_000)
+        file.writeframes(bytes(2 * 8_000 * 20))
+    # so short a film holds the seconds about the goal alone, which is at 12 s
+    media = open_media(str(film), 12.0 - 4050.0)
+    with (
+        served(match, plays=False, media=media) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.view")
+        tab.mouse.move(*at(tab, 0.6))
+        tab.mouse.down()
+        tab.mouse.move(*at(tab, GOAL), steps=20)
+        until(tab, "document.getElementById('event').textContent.includes('4-1')")
+        tab.focus("#slider")
+        tab.keyboard.press("v")
+        until(tab, "document.getElementById('film').open")
+        assert tab.text_content("#film h2") == "goal, 4-1 Mbappé"
+        until(tab, "p.film.video.currentTime > 6.9")
+        assert tab.evaluate("overview.film.video.currentTime") < 10.0
+        tab.mouse.up()
+        tab.click("#film .done")
+        until(tab, "p.film.video.paused")
+        assert wrong == []
+
+
+def test_a_page_without_a_film_offers_none(match, chromium):
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
+        until(tab, "p.view")
+        assert not tab.is_visible("#play")
+        tab.focus("#slider")
+        tab.keyboard.press("v")
+        assert not tab.is_visible("#film")

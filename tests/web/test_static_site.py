@@ -1,0 +1,94 @@
+"""The exported folder: whole, light, and nobody else's files touched."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.files import whole_folder
+from overview_dsp.surface import build_surface
+from overview_dsp.web.assets import page_files
+from overview_dsp.web.encoding import encode_change, encode_engine
+from overview_dsp.web.site_windows import site_windows
+from overview_dsp.web.static_site import write_site
+
+
+def test_the_page_is_light_and_fetches_nothing_from_elsewhere():
+    own = page_files()
+    assert sum(len(content) for content in own.values()) < 200_000
+    for name, content in own.items():
+        if name.endswith((".js", ".css", ".html", ".webmanifest")):
+            text = content.decode()
+            assert "://" not in text, name
+            assert "style=" not in text, name
+
+
+def test_a_folder_is_whole_or_as_it_was(tmp_path, match, football):
+    place = tmp_path / "site"
+    write_site(match, football, place, levels=0)
+    before = (place / "files.js").read_text()
+    with contextlib.suppress(RuntimeError), whole_folder(place, "files.js") as folder:
+        (folder / "half").write_text("")
+        raise RuntimeError
+    assert (place / "files.js").read_text() == before
+    assert [one.name for one in tmp_path.iterdir()] == ["site"]
+    write_site(match, ov.load_preset("crowd"), place, levels=0)
+    assert (place / "files.js").read_text() != before
+    assert [one.name for one in tmp_path.iterdir()] == ["site"]
+
+
+def patched(base: bytes, patch: bytes) -> bytes:
+    """Bytes with the runs of a patch, as `site_sound` says."""
+    replaces, runs = np.frombuffer(patch, "<u4", 2)
+    assert not replaces
+    made, at = bytearray(base), 8
+    for _ in range(runs):
+        column, count = np.frombuffer(patch, "<u4", 2, at).tolist()
+        made[8 * column : 8 * (column + count)] = patch[at + 8 : at + 8 + 8 * count]
+        at += 8 + 8 * count
+    assert at == len(patch)
+    return bytes(made)
+
+
+def test_a_folder_sounds_as_the_native_engine_at_every_rate(match, football, tmp_path):
+    write_site(match, football, tmp_path / "site", levels=1, seed=3)
+    told = json.loads((tmp_path / "site/data/timeline.json").read_text())
+    for rate in told["rates"]:
+
+        def bytes_of(name, rate=rate):
+            base = (tmp_path / "site/sound" / f"{name}.bin").read_bytes()
+            patch = tmp_path / "site/sound" / f"{name}-{rate}.patch"
+            return base if rate == told["rates"][0] else patched(base, patch.read_bytes())
+
+        engine = ov.Engine(football, match, seed=3)
+        engine.prepare(rate, 128)
+        assert bytes_of("0") == encode_engine(engine)
+        for i, window in enumerate(told["windows"]):
+            part = match.window(window["start_s"], window["end_s"]) if i else match
+            surface = build_surface(part, football)
+            expected = encode_change(football, football, rate, surface)
+            assert bytes_of(str(i) if i else "back") == expected
+
+
+def test_other_peoples_files_are_never_replaced(tmp_path, match, football):
+    (tmp_path / "thesis.txt").write_text("years")
+    with pytest.raises(ov.InputError, match="other files"):
+        write_site(match, football, tmp_path)
+    with pytest.raises(ov.InputError, match="is a file"):
+        write_site(match, football, tmp_path / "thesis.txt")
+    assert [one.name for one in tmp_path.iterdir()] == ["thesis.txt"]
+
+
+def test_the_windows_cover_the_whole_and_overlap(match):
+    parts = site_windows(match, 2)
+    assert [part.level for part in parts] == [0] + [1] * 5 + [2] * 17
+    for level in (1, 2):
+        one = [part for part in parts if part.level == level]
+        assert (one[0].start_s, one[-1].end_s) == (0.0, match.duration_s)
+        for before, after in itertools.pairwise(one):
+            assert after.start_s == pytest.approx((before.start_s + before.end_s) / 2)
