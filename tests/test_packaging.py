@@ -15,7 +15,8 @@ import overview_dsp as ov
 ROOT = Path(__file__).resolve().parents[1]
 LATE = (
     "numba", "llvmlite", "sounddevice", "serial", "matplotlib", "soundfile", "scipy", "vqf",
-    "rtmidi", "pythonosc", "numpy", "pydantic", "pyarrow", "fsspec", "distributed", "dask", "asyncio",
+    "rtmidi", "pythonosc", "numpy", "pydantic", "pyarrow", "fsspec", "distributed", "dask",
+    "asyncio",
 )  # fmt: skip
 
 

@@ -43,7 +43,8 @@ def stimuli(count: int, workers: int) -> None:
         assert not outcome.failed
         each = 1e3 * used / outcome.rendered
         print(
-            f"{outcome.rendered} stimuli of 0.5 s with manifest, {workers} processes: {taken:.1f} s; "
+            f"{outcome.rendered} stimuli of 0.5 s with manifest, {workers} processes: "
+            f"{taken:.1f} s; "
             f"{used:.1f} s of processor time, {each:.2f} ms each; load {os.getloadavg()[0]:.1f}"
         )
 
