@@ -25,8 +25,9 @@ from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
 from overview_dsp.mailbox import Mailbox, stamp_of
 from overview_dsp.meters import Meters, Setting, Strikes
+from overview_dsp.parameter import Parameter, Value
 from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameters import PARAMETERS, Parameter, Value
+from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.saved_state import decode_state, encode_state, preset_to_dict
 from overview_dsp.surface import Surface, build_surface
 from overview_dsp.surface_slot import struck_event, write_surface

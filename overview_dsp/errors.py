@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import reprlib
+from collections.abc import Iterable
+
 
 class OverviewError(Exception):
     """Base of every error this package raises on purpose; `str()` is one line.
@@ -33,3 +36,26 @@ class NotPreparedError(OverviewError, RuntimeError):
 
 class OverviewWarning(UserWarning):
     """Something a person should know: an unknown event kind, a clamped value."""
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 60
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A hint with the nearest known name, or all of them when they are few."""
+    import difflib
+
+    names = list(known)
+    near = difflib.get_close_matches(name, names, 1, 0.6)
+    if near:
+        return f"; did you mean {near[0]!r}?"
+    return f"; known: {', '.join(names)}" if len(names) <= 16 else ""
+
+
+def shown(value: object) -> str:
+    """A value as an error line shows it: short, on one line, whatever it is."""
+    try:
+        return _SHORT.repr(value)
+    except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
+        return f"a {type(value).__name__} too large to show"

@@ -7,9 +7,8 @@ from pathlib import Path
 
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.validation import parse_actuator
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.library import SUFFIX, preset_text
-from overview_dsp.presets.parameters import did_you_mean
 
 FOLDER_VARIABLE = "OVERVIEW_ACTUATORS"
 """Environment variable that names the folder of own profiles."""

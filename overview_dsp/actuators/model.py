@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from overview_dsp.errors import InputError
-from overview_dsp.presets.parameters import Parameter, Value, did_you_mean
+from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.parameter import Parameter, Value
 
 LOWEST_Q, HIGHEST_Q = 0.6, 100.0
 MAX_CALIBRATION_DB = 30.0

@@ -6,8 +6,8 @@ import tomllib
 from typing import Any
 
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, Actuator
-from overview_dsp.errors import InputError
-from overview_dsp.presets.parameters import Value, did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.parameter import Value
 from overview_dsp.presets.validation import line_of
 
 SCHEMA = 1

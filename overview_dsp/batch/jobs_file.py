@@ -35,11 +35,11 @@ from typing import Any, TypeVar
 from overview_dsp.batch.extra import library
 from overview_dsp.batch.storage import is_address, local_copy, read_text
 from overview_dsp.batch.study import Settings, Study
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.gestures import Gesture, load_gesture, parse_gesture
+from overview_dsp.parameter import Value
 from overview_dsp.presets.library import SUFFIX, fitting, load_preset
 from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameters import Value, did_you_mean, shown
 from overview_dsp.presets.validation import line_of
 from overview_dsp.rendering import Tail, checked_tail, tail_of
 from overview_dsp.sound_file import check_sound

@@ -17,8 +17,8 @@ from overview_dsp.batch.storage import Place
 from overview_dsp.batch.study import Case, Study
 from overview_dsp.errors import OutputError, OverviewError
 from overview_dsp.many import Voice, VoiceRenderer
+from overview_dsp.parameter import Value
 from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameters import Value
 from overview_dsp.sound_file import sound_bytes
 from overview_dsp.surface_cache import SurfaceCache
 

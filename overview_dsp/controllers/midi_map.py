@@ -19,9 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.presets.library import preset_text
-from overview_dsp.presets.parameters import did_you_mean, shown
 
 SCHEMA = 1
 THETA2, TOUCH, TAPS = "theta2", "touch", "taps"

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from overview_dsp.parameter import Value, is_close_default
 from overview_dsp.presets.model import Kind, Preset
-from overview_dsp.presets.parameters import PARAMETERS, Value, is_close_default
+from overview_dsp.presets.parameters import PARAMETERS
 
 
 def _text(value: Value) -> str:

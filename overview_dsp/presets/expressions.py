@@ -13,8 +13,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from overview_dsp.errors import InputError
-from overview_dsp.presets.parameters import did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, shown
 
 MAX_LENGTH = 200
 _NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")

@@ -12,9 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.presets.migrations import migrated
-from overview_dsp.presets.parameters import shown
 
 MAX_LAYERS = 8
 

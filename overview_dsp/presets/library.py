@@ -6,9 +6,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameters import did_you_mean
 from overview_dsp.presets.validation import parse_preset
 
 SUFFIX = ".toml"

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from overview_dsp.errors import InputError
+from overview_dsp.parameter import Value
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MAX_ALSO,
@@ -16,7 +17,6 @@ from overview_dsp.presets.parameters import (
     MAX_POINTS,
     MODE_PARAMETERS,
     PARAMETERS,
-    Value,
     parameter,
 )
 

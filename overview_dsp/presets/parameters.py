@@ -5,16 +5,11 @@ Files, command line, page, engine and tests all read this table, so none of them
 
 from __future__ import annotations
 
-import math
-import reprlib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal
 
-from overview_dsp.errors import InputError
-
-Value = float | bool | str
+from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.parameter import Parameter, flag, number
 
 MAX_KINDS = 32
 MAX_MODES = 6
@@ -23,88 +18,6 @@ MAX_MODES = 6
 MAX_POINTS = 256
 MAX_ALSO = 64
 """Points of a kind's own course."""
-
-_SHORT = reprlib.Repr()
-_SHORT.maxstring = _SHORT.maxother = 60
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One thing a person sets.
-
-    `choices` is empty for numbers; a flag's choices are False and True. `surface` marks what is
-    part of the friction table: changing it makes a new surface.
-    """
-
-    id: str
-    default: Value | None
-    low: float = 0.0
-    high: float = 0.0
-    unit: str = ""
-    doc: str = ""
-    choices: tuple[Value, ...] = ()
-    scale: Literal["linear", "log"] = "linear"
-    surface: bool = False
-
-    @property
-    def key(self) -> str:
-        """The last part of the id: the key in a preset file's section."""
-        return self.id.rpartition(".")[2]
-
-    @property
-    def allowed(self) -> str:
-        """What a value may be, in words."""
-        if self.choices:
-            return " or ".join(
-                str(choice).lower() if isinstance(choice, bool) else f'"{choice}"'
-                for choice in self.choices
-            )
-        unit = f" {self.unit}" if self.unit else ""
-        return f"{self.low:g} to {self.high:g}{unit}"
-
-    def check(self, value: object) -> Value:
-        """The value in the parameter's own type.
-
-        Raises
-        ------
-        InputError
-            Wrong type, not a number, or outside the range; nothing is clamped.
-        """
-        if self.choices:
-            if not isinstance(value, bool | str) or (
-                isinstance(self.choices[0], bool) != isinstance(value, bool)
-                or value not in self.choices
-            ):
-                raise InputError(f"{self.id} = {shown(value)} is not allowed; it is {self.allowed}")
-            return value
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{self.id} = {shown(value)} is not a number; it is {self.allowed}")
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf if value > 0 else -math.inf
-        # written so that NaN fails
-        if not self.low <= number <= self.high:
-            raise InputError(f"{self.id} = {number:g} is out of range; it is {self.allowed}")
-        return number
-
-
-def _number(
-    id: str,
-    default: float | None,
-    low: float,
-    high: float,
-    unit: str,
-    doc: str,
-    scale: Literal["linear", "log"] = "linear",
-    surface: bool = False,
-) -> Parameter:
-    return Parameter(id, default, low, high, unit, doc, (), scale, surface)
-
-
-def _flag(id: str, doc: str) -> Parameter:
-    return Parameter(id, False, 0.0, 1.0, "", doc, (False, True))
-
 
 PATTERNS = ("none", "waves", "ridges", "teeth", "grains")
 SURFACE_MODELS = ("viscous", "bristle", "detent")
@@ -116,7 +29,7 @@ def _material(section: str, doc: str) -> tuple[Parameter, ...]:
     """What is struck: of the bare surface, or of an event kind."""
     return (
         Parameter(section + "material", "none", doc=doc, choices=MATERIALS, surface=True),
-        _number(
+        number(
             section + "pitch_hz",
             800.0,
             40.0,
@@ -126,7 +39,7 @@ def _material(section: str, doc: str) -> tuple[Parameter, ...]:
             "log",
             surface=True,
         ),
-        _number(
+        number(
             section + "ring",
             1.0,
             0.01,
@@ -142,7 +55,7 @@ def _material(section: str, doc: str) -> tuple[Parameter, ...]:
 def _bristles(section: str, damping: str) -> tuple[Parameter, ...]:
     """What bristles are like: of the bare surface, or of an event kind."""
     return (
-        _number(
+        number(
             section + "stiffness",
             100.0,
             0.1,
@@ -152,7 +65,7 @@ def _bristles(section: str, damping: str) -> tuple[Parameter, ...]:
             "log",
             surface=True,
         ),
-        _number(
+        number(
             section + "damping",
             1e-3,
             0.0,
@@ -161,7 +74,7 @@ def _bristles(section: str, damping: str) -> tuple[Parameter, ...]:
             damping,
             surface=True,
         ),
-        _number(
+        number(
             section + "static_ratio",
             2.0,
             1.0,
@@ -171,7 +84,7 @@ def _bristles(section: str, damping: str) -> tuple[Parameter, ...]:
             " more, 1 slides.",
             surface=True,
         ),
-        _number(
+        number(
             section + "stribeck_speed",
             0.3,
             0.01,
@@ -182,7 +95,7 @@ def _bristles(section: str, damping: str) -> tuple[Parameter, ...]:
             "log",
             surface=True,
         ),
-        _number(
+        number(
             section + "break_away",
             0.7,
             0.05,
@@ -199,7 +112,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         parameter.id: parameter
         for parameter in (
             # --- the disk ---------------------------------------------------------------------
-            _number(
+            number(
                 "disk.inertia",
                 2e-5,
                 1e-6,
@@ -208,7 +121,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Moment of inertia of disk 1: more makes it slower, and freer between events.",
                 "log",
             ),
-            _number(
+            number(
                 "disk.k1",
                 1.5e-3,
                 1e-5,
@@ -217,7 +130,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Stiffness of shaft 1, to the ground: more makes it recoil faster.",
                 "log",
             ),
-            _number(
+            number(
                 "disk.k2",
                 4.3e-3,
                 1e-5,
@@ -233,7 +146,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "the finger's angle returns to 0.",
                 choices=("recoil", "return"),
             ),
-            _number(
+            number(
                 "input.smoothing_ms",
                 4.0,
                 0.5,
@@ -249,7 +162,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "rest, a tap-tap on it, or either.",
                 choices=("rest", "tap", "either"),
             ),
-            _number(
+            number(
                 "twist.rest_deg",
                 4.0,
                 0.5,
@@ -257,7 +170,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "deg",
                 "Within this of face up the device is at rest.",
             ),
-            _number(
+            number(
                 "twist.turn_deg",
                 6.0,
                 0.5,
@@ -265,7 +178,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "deg",
                 "Turned so far beyond that it takes hold.",
             ),
-            _number(
+            number(
                 "twist.rest_ms",
                 200.0,
                 0.0,
@@ -273,7 +186,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "ms",
                 "How long it must be at rest to let go.",
             ),
-            _number(
+            number(
                 "twist.join_ms",
                 150.0,
                 0.0,
@@ -282,7 +195,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "How long theta2 takes from where the disk is to the device's own angle.",
             ),
             # --- the surface ------------------------------------------------------------------
-            _number(
+            number(
                 "surface.friction",
                 3.1e-4,
                 1e-6,
@@ -292,7 +205,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "log",
                 surface=True,
             ),
-            _number(
+            number(
                 "surface.ambience",
                 0.6,
                 0.0,
@@ -308,7 +221,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 choices=PATTERNS,
                 surface=True,
             ),
-            _number(
+            number(
                 "surface.pattern_height",
                 1.0,
                 0.0,
@@ -317,7 +230,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Friction that the pattern adds at its top, in bare surfaces.",
                 surface=True,
             ),
-            _number(
+            number(
                 "surface.pattern_period_percent",
                 2.0,
                 0.05,
@@ -336,7 +249,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 choices=SURFACE_MODELS,
                 surface=True,
             ),
-            _number(
+            number(
                 "surface.grip",
                 3.0,
                 0.0,
@@ -354,7 +267,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "What the bare surface sounds like, struck at crests, in troughs, by slips and "
                 "at the ends; none is silent.",
             ),
-            _number(
+            number(
                 "surface.end_stiffness",
                 0.0,
                 0.0,
@@ -363,7 +276,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Of the stops at both ends, which an overshooting disk meets; 0 is no stop.",
                 surface=True,
             ),
-            _number(
+            number(
                 "surface.end_damping",
                 0.01,
                 0.0,
@@ -372,7 +285,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Of the stops at both ends: more makes the disk bounce less.",
                 surface=True,
             ),
-            _number(
+            number(
                 "surface.gain_db",
                 0.0,
                 -60.0,
@@ -381,7 +294,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Level of the bare surface's own clicks.",
                 surface=True,
             ),
-            _number(
+            number(
                 "surface.gap_height",
                 1.8,
                 0.3,
@@ -391,7 +304,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "a tenth of one.",
                 surface=True,
             ),
-            _number(
+            number(
                 "surface.gap_period_percent",
                 2.0,
                 0.2,
@@ -401,7 +314,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 surface=True,
             ),
             # --- the tactor -------------------------------------------------------------------
-            _number(
+            number(
                 "tactor.frequency_hz",
                 250.0,
                 40.0,
@@ -410,9 +323,9 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Carrier frequency of the vibration; a C2 tactor's resonance is at 250 Hz.",
                 "log",
             ),
-            _number("tactor.gain_db", 0.0, -60.0, 12.0, "dB", "Level of the vibration."),
-            _flag("tactor.mute", "Silences the vibration."),
-            _number(
+            number("tactor.gain_db", 0.0, -60.0, 12.0, "dB", "Level of the vibration."),
+            flag("tactor.mute", "Silences the vibration."),
+            number(
                 "tactor.full_torque_mnm",
                 90.0,
                 0.1,
@@ -421,7 +334,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Torque that is felt as full vibration.",
                 "log",
             ),
-            _number(
+            number(
                 "tactor.compression",
                 0.72,
                 0.3,
@@ -429,7 +342,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "",
                 "Exponent from torque to amplitude: 1 is faithful, less brings weak torque nearer.",
             ),
-            _number(
+            number(
                 "tactor.threshold_db",
                 -80.0,
                 -140.0,
@@ -437,7 +350,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "dB",
                 "Torque below which nothing vibrates, against the full torque.",
             ),
-            _number(
+            number(
                 "tactor.rise_ms",
                 1.8,
                 0.2,
@@ -446,7 +359,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Time constant of each of the two poles that round the vibration's edges.",
                 "log",
             ),
-            _number(
+            number(
                 "tactor.decay_ms",
                 9.0,
                 1.0,
@@ -456,9 +369,9 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "log",
             ),
             # --- the clicks -------------------------------------------------------------------
-            _number("click.gain_db", -4.0, -60.0, 12.0, "dB", "Level of the clicks and texture."),
-            _flag("click.mute", "Silences the clicks and texture."),
-            _number(
+            number("click.gain_db", -4.0, -60.0, 12.0, "dB", "Level of the clicks and texture."),
+            flag("click.mute", "Silences the clicks and texture."),
+            number(
                 "click.full_torque_mnm",
                 90.0,
                 0.1,
@@ -467,7 +380,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Torque released by an event that is heard as a full strike (6 dB below the top).",
                 "log",
             ),
-            _number(
+            number(
                 "click.compression",
                 0.5,
                 0.3,
@@ -475,7 +388,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "",
                 "Exponent from released torque to the strike's amplitude.",
             ),
-            _number(
+            number(
                 "texture.gain_db",
                 -50.0,
                 -90.0,
@@ -483,7 +396,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "dB",
                 "Level of the surface's grain at a friction power of 1 mW.",
             ),
-            _number(
+            number(
                 "texture.brightness_hz",
                 1500.0,
                 50.0,
@@ -493,7 +406,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "log",
             ),
             # --- the output -------------------------------------------------------------------
-            _number(
+            number(
                 "output.ceiling_db",
                 -1.0,
                 -40.0,
@@ -512,7 +425,7 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     {
         parameter.id: parameter
         for parameter in (
-            _number(
+            number(
                 "height",
                 4.0,
                 0.0,
@@ -521,7 +434,7 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Friction at the event's top, in bare surfaces.",
                 surface=True,
             ),
-            _number(
+            number(
                 "width_percent",
                 None,
                 0.03,
@@ -531,7 +444,7 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "log",
                 surface=True,
             ),
-            _number(
+            number(
                 "width_ms",
                 None,
                 1.0,
@@ -548,7 +461,7 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 choices=SHAPES,
                 surface=True,
             ),
-            _number(
+            number(
                 "spacing_percent",
                 0.0,
                 0.0,
@@ -558,7 +471,7 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "spreads them.",
                 surface=True,
             ),
-            _number("gain_db", 0.0, -60.0, 12.0, "dB", "Level of the kind's click.", surface=True),
+            number("gain_db", 0.0, -60.0, 12.0, "dB", "Level of the kind's click.", surface=True),
             Parameter(
                 "model",
                 "viscous",
@@ -587,11 +500,11 @@ MODE_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     {
         parameter.id: parameter
         for parameter in (
-            _number(
+            number(
                 "frequency_hz", None, 20.0, 20_000.0, "Hz", "Frequency of the mode.", "log", True
             ),
-            _number("decay_ms", None, 1.0, 5000.0, "ms", "Time to fall by 60 dB.", "log", True),
-            _number("gain_db", 0.0, -60.0, 0.0, "dB", "Level of the mode.", surface=True),
+            number("decay_ms", None, 1.0, 5000.0, "ms", "Time to fall by 60 dB.", "log", True),
+            number("gain_db", 0.0, -60.0, 0.0, "dB", "Level of the mode.", surface=True),
         )
     }
 )
@@ -604,29 +517,3 @@ def parameter(id: str) -> Parameter:
     if found is None:
         raise InputError(f"no parameter is called {id!r}{did_you_mean(id, PARAMETERS)}")
     return found
-
-
-def did_you_mean(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
-    """A hint with the nearest known name, or all of them when they are few."""
-    import difflib
-
-    near = difflib.get_close_matches(name, list(known), 1, 0.6)
-    if near:
-        return f"; did you mean {near[0]!r}?"
-    names = list(known)
-    return f"; known: {', '.join(names)}" if len(names) <= 16 else ""
-
-
-def shown(value: object) -> str:
-    """A value as an error line shows it: short, on one line, whatever it is."""
-    try:
-        return _SHORT.repr(value)
-    except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
-        return f"a {type(value).__name__} too large to show"
-
-
-def is_close_default(parameter: Parameter, value: Value) -> bool:
-    """Whether a value is the parameter's default, to rounding."""
-    if isinstance(parameter.default, float) and isinstance(value, float):
-        return math.isclose(parameter.default, value, rel_tol=1e-12, abs_tol=0.0)
-    return parameter.default == value

@@ -12,7 +12,8 @@ from typing import Any, Literal
 
 import pydantic
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.parameter import Parameter
 from overview_dsp.presets.expressions import FaultyValueError, work_out
 from overview_dsp.presets.layers import Find, Layer, layer_of, merged, read_layers
 from overview_dsp.presets.migrations import SCHEMA
@@ -25,9 +26,6 @@ from overview_dsp.presets.parameters import (
     MAX_POINTS,
     MODE_PARAMETERS,
     PARAMETERS,
-    Parameter,
-    did_you_mean,
-    shown,
 )
 
 HEADER_KEYS = ("schema", "extends", "title", "description", "authors", "tags", "variables")

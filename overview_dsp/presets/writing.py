@@ -10,11 +10,7 @@ from typing import Any
 from overview_dsp.files import whole_file
 from overview_dsp.presets.migrations import SCHEMA
 from overview_dsp.presets.model import TAG_SCALES, Kind, Preset
-from overview_dsp.presets.parameters import (
-    KIND_PARAMETERS,
-    MODE_PARAMETERS,
-    PARAMETERS,
-)
+from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 
 
 def preset_toml(preset: Preset) -> str:

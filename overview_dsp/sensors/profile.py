@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from overview_dsp.errors import InputError
-from overview_dsp.presets.parameters import Parameter, Value, did_you_mean
+from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.parameter import Parameter, Value
 from overview_dsp.sensors.reading import COLUMNS
 
 TOLD = "told"

@@ -7,9 +7,9 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.parameter import Value
 from overview_dsp.presets.library import SUFFIX, preset_text
-from overview_dsp.presets.parameters import Value, did_you_mean, shown
 from overview_dsp.presets.validation import line_of
 from overview_dsp.sensors.profile import SENSOR_PARAMETERS, Sensor
 

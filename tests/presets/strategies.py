@@ -9,13 +9,13 @@ from typing import Any
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.parameter import Parameter
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MAX_KINDS,
     MAX_MODES,
     MODE_PARAMETERS,
     PARAMETERS,
-    Parameter,
 )
 
 TEXT = st.text(st.characters(exclude_categories=("Cs", "Cc")), max_size=20)

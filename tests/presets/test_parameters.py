@@ -7,12 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.presets.parameters import (
-    KIND_PARAMETERS,
-    MODE_PARAMETERS,
-    PARAMETERS,
-    parameter,
-)
+from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS, parameter
 
 from .strategies import presets, values
 

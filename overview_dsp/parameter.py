@@ -1,0 +1,98 @@
+"""One thing a person sets: its id, unit, range, default and a sentence. What tables are made of."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from overview_dsp.errors import InputError, shown
+
+Value = float | bool | str
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One thing a person sets.
+
+    `choices` is empty for numbers; a flag's choices are False and True. `surface` marks what is
+    part of the friction table: changing it makes a new surface.
+    """
+
+    id: str
+    default: Value | None
+    low: float = 0.0
+    high: float = 0.0
+    unit: str = ""
+    doc: str = ""
+    choices: tuple[Value, ...] = ()
+    scale: Literal["linear", "log"] = "linear"
+    surface: bool = False
+
+    @property
+    def key(self) -> str:
+        """The last part of the id: the key in a preset file's section."""
+        return self.id.rpartition(".")[2]
+
+    @property
+    def allowed(self) -> str:
+        """What a value may be, in words."""
+        if self.choices:
+            return " or ".join(
+                str(choice).lower() if isinstance(choice, bool) else f'"{choice}"'
+                for choice in self.choices
+            )
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{self.low:g} to {self.high:g}{unit}"
+
+    def check(self, value: object) -> Value:
+        """The value in the parameter's own type.
+
+        Raises
+        ------
+        InputError
+            Wrong type, not a number, or outside the range; nothing is clamped.
+        """
+        if self.choices:
+            if not isinstance(value, bool | str) or (
+                isinstance(self.choices[0], bool) != isinstance(value, bool)
+                or value not in self.choices
+            ):
+                raise InputError(f"{self.id} = {shown(value)} is not allowed; it is {self.allowed}")
+            return value
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"{self.id} = {shown(value)} is not a number; it is {self.allowed}")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf if value > 0 else -math.inf
+        # written so that NaN fails
+        if not self.low <= number <= self.high:
+            raise InputError(f"{self.id} = {number:g} is out of range; it is {self.allowed}")
+        return number
+
+
+def number(
+    id: str,
+    default: float | None,
+    low: float,
+    high: float,
+    unit: str,
+    doc: str,
+    scale: Literal["linear", "log"] = "linear",
+    surface: bool = False,
+) -> Parameter:
+    """A number in a range."""
+    return Parameter(id, default, low, high, unit, doc, (), scale, surface)
+
+
+def flag(id: str, doc: str) -> Parameter:
+    """A thing that is on or off."""
+    return Parameter(id, False, 0.0, 1.0, "", doc, (False, True))
+
+
+def is_close_default(parameter: Parameter, value: Value) -> bool:
+    """Whether a value is the parameter's default, to rounding."""
+    if isinstance(parameter.default, float) and isinstance(value, float):
+        return math.isclose(parameter.default, value, rel_tol=1e-12, abs_tol=0.0)
+    return parameter.default == value
