@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, LOWEST_Q, Actuator
-from overview_dsp.presets.library import preset_text
+from overview_dsp.toml_files import read_text
 from overview_dsp.units import gain_to_db
 
 _IN_DRIVE_UNITS = ("drive.rated_rms", "drive.peak", "drive.full_scale")
@@ -64,7 +64,7 @@ def describe(actuator: Actuator) -> str:
 def remarks(actuator: Actuator) -> list[str]:
     """The comment its file begins with: where the facts are from, what is assumed."""
     found = []
-    for line in preset_text(Path(actuator.source)).splitlines():
+    for line in read_text(Path(actuator.source)).splitlines():
         if not line.startswith("#"):
             break
         found.append(line.lstrip("#").strip())

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from overview_dsp import toml_files
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.validation import parse_actuator
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.presets.library import SUFFIX, preset_text
+from overview_dsp.toml_files import SUFFIX, names_in, read_text
 
 FOLDER_VARIABLE = "OVERVIEW_ACTUATORS"
 """Environment variable that names the folder of own profiles."""
@@ -23,29 +24,20 @@ def bundled_folder() -> Path:
 
 def own_folder() -> Path:
     """The folder of a person's own profiles, which may not be there yet."""
-    given = os.environ.get(FOLDER_VARIABLE)
-    if given:
-        return Path(given)
-    import platformdirs
-
-    return platformdirs.user_config_path("overview-dsp", appauthor=False) / "actuators"
+    return toml_files.own_folder("actuators", FOLDER_VARIABLE)
 
 
 def actuator_names() -> tuple[str, ...]:
     """Names of the bundled profiles, then of a person's own; a bundled name stays the bundled's."""
-    bundled = _names_in(bundled_folder())
-    return (*bundled, *(name for name in _names_in(own_folder()) if name not in bundled))
-
-
-def _names_in(folder: Path) -> tuple[str, ...]:
-    return tuple(sorted(path.stem for path in folder.glob("*" + SUFFIX))) if folder.is_dir() else ()
+    bundled = names_in(bundled_folder())
+    return (*bundled, *(name for name in names_in(own_folder()) if name not in bundled))
 
 
 def actuator_path(name: str | Path) -> Path:
     """The file of a profile given by name or path; InputError if there is none."""
     text = str(name)
     for folder in (bundled_folder(), own_folder()):
-        if text in _names_in(folder):
+        if text in names_in(folder):
             return folder / (text + SUFFIX)
     path = Path(text)
     if path.suffix == SUFFIX or path.parent != Path("."):
@@ -80,4 +72,4 @@ def load_actuator(name: str | Path) -> Actuator:
         No such profile, or one that is not valid: names file, line, key and range.
     """
     path = actuator_path(name)
-    return parse_actuator(preset_text(path), path.stem, str(path))
+    return parse_actuator(read_text(path), path.stem, str(path))

@@ -38,15 +38,15 @@ from overview_dsp.batch.study import Settings, Study
 from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.gestures import Gesture, load_gesture, parse_gesture
 from overview_dsp.parameter import Value
-from overview_dsp.presets.library import SUFFIX, fitting, load_preset
+from overview_dsp.presets.library import fitting, load_preset
 from overview_dsp.presets.model import Preset
-from overview_dsp.presets.validation import line_of
 from overview_dsp.rendering import Tail, checked_tail, tail_of
 from overview_dsp.sound_file import check_sound
 from overview_dsp.timeline import Timeline, load_timeline
 from overview_dsp.timeline.loading import BUNDLED
 from overview_dsp.timeline.moments import window_of, zoom_window
 from overview_dsp.timeline.source import LoadOptions
+from overview_dsp.toml_files import SUFFIX, line_of
 
 KEYS = (
     "out", "timelines", "presets", "gestures", "seeds",

@@ -14,13 +14,12 @@ from __future__ import annotations
 
 import os
 import re
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from overview_dsp.errors import InputError, did_you_mean, shown
-from overview_dsp.presets.library import preset_text
+from overview_dsp.toml_files import parse_toml, read_text
 
 SCHEMA = 1
 THETA2, TOUCH, TAPS = "theta2", "touch", "taps"
@@ -88,7 +87,7 @@ def load_map(path: str | os.PathLike[str]) -> tuple[Control, ...]:
     """The controls of a file; InputError as `parse_map`, or if it can't be read."""
     if not os.path.isfile(path):
         raise InputError(f"{os.fspath(path)}: no such file; `overview midi learn` writes one")
-    return parse_map(preset_text(Path(path)), os.fspath(path))
+    return parse_map(read_text(Path(path)), os.fspath(path))
 
 
 def parse_map(text: str, source: str) -> tuple[Control, ...]:
@@ -99,10 +98,7 @@ def parse_map(text: str, source: str) -> tuple[Control, ...]:
     InputError
         It isn't one: names file, entry, key and what is allowed.
     """
-    try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: not TOML: {error}") from None
+    data = parse_toml(text, source)
     try:
         return _controls(data)
     except InputError as error:

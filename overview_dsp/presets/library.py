@@ -6,12 +6,12 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from overview_dsp import toml_files
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.validation import parse_preset
+from overview_dsp.toml_files import MAX_BYTES, SUFFIX, names_in, read_text
 
-SUFFIX = ".toml"
-MAX_BYTES = 1_000_000
 FOR_DATA = ("football", "series", "heart", "crowd")
 """The bundled presets made for a sort of data; the first one is for what none of them names."""
 
@@ -28,24 +28,17 @@ def bundled_folder() -> Path:
 
 def bundled_names() -> tuple[str, ...]:
     """Names of the bundled presets, sorted."""
-    return tuple(sorted(path.stem for path in bundled_folder().glob("*" + SUFFIX)))
+    return names_in(bundled_folder())
 
 
 def own_folder() -> Path:
     """The folder of a person's own presets, which may not be there yet."""
-    given = os.environ.get(FOLDER_VARIABLE)
-    if given:
-        return Path(given)
-    import platformdirs
-
-    return platformdirs.user_config_path("overview-dsp", appauthor=False) / "presets"
+    return toml_files.own_folder("presets", FOLDER_VARIABLE)
 
 
 def own_names() -> tuple[str, ...]:
     """Names of a person's own presets, sorted; a bundled name stays the bundled preset's."""
-    folder = own_folder()
-    found = (path.stem for path in folder.glob("*" + SUFFIX)) if folder.is_dir() else ()
-    return tuple(sorted(set(found) - set(bundled_names())))
+    return tuple(sorted(set(names_in(own_folder())) - set(bundled_names())))
 
 
 def preset_path(name: str | Path) -> Path:
@@ -84,7 +77,7 @@ def load_preset(name: str | Path) -> Preset:
         No such preset, or one that is not valid: names file, line, key and range.
     """
     path = preset_path(name)
-    return parse_preset(preset_text(path), path.stem, str(path), _base)
+    return parse_preset(read_text(path), path.stem, str(path), _base)
 
 
 def parse_own(text: str, path: Path) -> Preset:
@@ -111,25 +104,9 @@ def fitting(kinds: Mapping[str, int]) -> str:
     )
 
 
-def preset_text(path: Path) -> str:
-    """The text of a preset file; InputError if it can't be read, is too large or no text."""
-    try:
-        data = path.read_bytes() if path.stat().st_size <= MAX_BYTES else None
-    except OSError as error:
-        raise InputError(f"{path}: can't be read ({error.strerror})") from None
-    if data is None:
-        raise InputError(f"{path}: larger than {MAX_BYTES:,} bytes; it is a short TOML file")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: not UTF-8 text (byte {error.start}); it is a TOML file"
-        ) from None
-
-
 def _base(name: str, source: str) -> tuple[str, str]:
     """What a file extends: a name, or a path from where the file is."""
     beside = Path(source).parent / name
     is_file = beside.suffix == SUFFIX and os.path.isfile(beside)
     path = beside if is_file else preset_path(name)
-    return str(path), preset_text(path)
+    return str(path), read_text(path)

@@ -5,8 +5,7 @@ Errors name file and line, also where the value stands in a file that the preset
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any, Literal
 
@@ -27,6 +26,7 @@ from overview_dsp.presets.parameters import (
     MODE_PARAMETERS,
     PARAMETERS,
 )
+from overview_dsp.toml_files import line_of
 
 HEADER_KEYS = ("schema", "extends", "title", "description", "authors", "tags", "variables")
 _STRICT = pydantic.ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
@@ -104,35 +104,6 @@ def _tags_model() -> Any:
     fields: dict[str, Any] = dict.fromkeys(TAG_SCALES, scale)
     fields["usage"] = (list[str], pydantic.Field(default_factory=list))
     return pydantic.create_model("Tags", __config__=_STRICT, **fields)
-
-
-def line_of(text: str, path: Iterable[str | int]) -> int | None:
-    """The line (from 1) that sets a key of a TOML text, or its nearest enclosing table."""
-    parts = list(path)
-    best: tuple[int, int] | None = None
-    table: list[str | int] = []
-    counts: dict[tuple[str | int, ...], int] = {}
-    for number, line in enumerate(text.split("\n"), 1):
-        bare = line.strip()
-        header = re.match(r"(\[\[?)\s*([^\]]+?)\s*\]", bare)
-        assigned = re.match(r"([A-Za-z0-9_\-.\"']+)\s*=", bare)
-        if header:
-            table = [part.strip().strip("\"'") for part in header[2].split(".")]
-            if header[1] == "[[":
-                index = counts.get(tuple(table), -1) + 1
-                counts[tuple(table)] = index
-                table = [*table, index]
-            here = table
-        elif assigned:
-            here = [*table, *(part.strip("\"'") for part in assigned[1].split("."))]
-        else:
-            continue
-        same = 0
-        while same < min(len(here), len(parts)) and here[same] == parts[same]:
-            same += 1
-        if same == len(here) and same and (best is None or same > best[0]):
-            best = (same, number)
-    return best[1] if best else None
 
 
 def _known_keys(path: tuple[str | int, ...]) -> tuple[str, ...]:

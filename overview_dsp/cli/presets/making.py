@@ -21,8 +21,9 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 def new(name: str, base: str, out: str | None, as_json: bool) -> None:
     """A new preset that extends another, with every parameter in it to be changed."""
     from overview_dsp.files import make_folder, whole_file
-    from overview_dsp.presets.library import SUFFIX, bundled_names, load_preset, own_folder
+    from overview_dsp.presets.library import bundled_names, load_preset, own_folder
     from overview_dsp.presets.writing import started_from
+    from overview_dsp.toml_files import SUFFIX
 
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
@@ -78,8 +79,8 @@ def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
     from overview_dsp.files import make_folder
     from overview_dsp.presets import load_preset
     from overview_dsp.presets.blending import morph as blend
-    from overview_dsp.presets.library import SUFFIX
     from overview_dsp.presets.writing import save_preset
+    from overview_dsp.toml_files import SUFFIX
 
     found = blend(load_preset(first), load_preset(second), steps)
     folder = make_folder(out)
@@ -97,8 +98,8 @@ def randomize(preset: str, seed: int, amount: float, out: str | None, as_json: b
     """A preset near PRESET, by chance."""
     from overview_dsp.presets import load_preset
     from overview_dsp.presets.blending import randomized
-    from overview_dsp.presets.library import SUFFIX
     from overview_dsp.presets.writing import save_preset
+    from overview_dsp.toml_files import SUFFIX
 
     if seed < 0:
         raise InputError(f"seed {seed} is out of range; it is 0 or more")

@@ -122,8 +122,8 @@ def tune(
     next.
     """
     from overview_dsp.presets import load_preset
-    from overview_dsp.presets.library import SUFFIX
     from overview_dsp.presets.writing import save_preset
+    from overview_dsp.toml_files import SUFFIX
     from overview_dsp.tuning import separated, tuned
 
     if target is None and not apart:

@@ -34,8 +34,8 @@ def import_(clip: str, kind: str, into: str, layer: str, out: str | None, as_jso
     from overview_dsp.export.layers import with_layer
     from overview_dsp.export.reading import read_clip
     from overview_dsp.presets import load_preset
-    from overview_dsp.presets.library import SUFFIX
     from overview_dsp.presets.writing import save_preset
+    from overview_dsp.toml_files import SUFFIX
 
     base = load_preset(into)
     made = with_layer(base, kind, read_clip(clip), cast("Layer", layer))
