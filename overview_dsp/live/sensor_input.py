@@ -24,8 +24,9 @@ from overview_dsp.units import HALF_TURN
 MOST = 16_384
 """Bytes read at a time; of more, the latest."""
 
-BEHIND_S = 0.1
-"""Who finds more waiting after each read for so long doesn't keep up: what waits is given up."""
+BEHIND_S, BEHIND_READS = 0.1, 5
+"""Who finds more waiting after each read, for so long and so often, doesn't keep up: what waits is
+given up. Once may be a machine that had other things to do."""
 
 SILENT_S = 0.3
 """A sensor of which nothing is understood for so long lets go."""
@@ -83,7 +84,7 @@ class SensorInput(Input):
         self._writer = HandWriter(engine, self.SOURCE)
         self._messages: deque[str] = deque()
         self._heard_at = self._understood_at = time.monotonic()
-        self._kept_up_at = self._heard_at
+        self._kept_up_at, self._behind = self._heard_at, 0
         self._silent = False
         self._missing = ""
         self._lost = 0
@@ -198,10 +199,11 @@ class SensorInput(Input):
 
     def _keep_up(self, port: Port) -> None:
         now = time.monotonic()
+        self._behind += 1
         if not port.waiting:
-            self._kept_up_at = now
-        elif now - self._kept_up_at > BEHIND_S:
-            self._kept_up_at = now
+            self._kept_up_at, self._behind = now, 0
+        elif now - self._kept_up_at > BEHIND_S and self._behind >= BEHIND_READS:
+            self._kept_up_at, self._behind = now, 0
             while port.waiting and time.monotonic() - now < BEHIND_S:
                 self._hand.counters.overrun_bytes += len(port.read())
 
@@ -236,4 +238,5 @@ class SensorInput(Input):
         self._writer.restart()
         self._device, self._port = device, port
         self._heard_at = self._understood_at = self._kept_up_at = time.monotonic()
+        self._behind = 0
         self._messages.append("is back")

@@ -36,8 +36,6 @@ from overview_dsp.live.sensor_input import SensorInput
 from overview_dsp.sensors.profile import Sensor
 from overview_dsp.web.clocks import SampleClock
 
-with contextlib.suppress(OSError):
-    os.nice(-15)  # the latency of this program, not of what else runs here
 device, link, seconds, block = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])
 events = []
 
@@ -54,6 +52,9 @@ engine.prepare(48_000, 8192)
 running = subprocess.Popen([sys.executable, device, link, seconds], stdout=subprocess.PIPE,
                            stdin=subprocess.PIPE, text=True)
 assert running.stdout.readline() == "ready\\n"
+with contextlib.suppress(OSError, AttributeError):
+    # as the server, where that is allowed: this program's latency, not that of what else runs here
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
 told = []
 listening = threading.Thread(target=lambda: told.append(running.stdout.readline()))
 listening.start()

@@ -309,6 +309,33 @@ def test_who_does_not_keep_up_gives_up_what_waits(bench):
     bench.until(lambda: any("more comes" in line for line in bench.input.take_messages()))
 
 
+def test_one_long_wait_of_the_machine_gives_nothing_up(bench):
+    bench.turn(0.0, 2)
+
+    class Held:
+        """Not read for a while; then everything is read, and more has come meanwhile."""
+
+        def __init__(self):
+            self.reads = 0
+
+        @property
+        def waiting(self):
+            return 7 if self.reads < 4 else 0
+
+        def read(self):
+            self.reads += 1
+            time.sleep(0.2 if self.reads == 1 else 0.001)
+            bench.now_ms += 1
+            return f"{bench.now_ms},512\n".encode()
+
+        def close(self):
+            pass
+
+    port = bench.input._port = Held()
+    bench.until(lambda: port.reads > 20)
+    assert bench.input.report()["overrun_bytes"] == 0
+
+
 def test_what_had_piled_up_delays_nothing_once_it_is_worked_off():
     clock = EventClock(48_000.0)
     for n in range(600):
