@@ -96,9 +96,8 @@ def command(
             from overview_dsp.web.session import HostSession
 
             hand = session = HostSession(player, hand)
-            stack.enter_context(
-                open_server(server, session, data_routes(data, name, audio="host", first=part))
-            )
+            routes = data_routes(data, name, audio="host", first=part)
+            invitation = stack.enter_context(open_server(server, session, routes)).text
         if headless or hands.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
             print_lines(player, hand, received, seconds)
         else:

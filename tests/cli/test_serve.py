@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+import select
 import signal
 import ssl
 import subprocess
@@ -137,6 +138,30 @@ def test_play_remote_opens_the_server_beside_the_session(tmp_path):
         out, err = server.end()
         assert "Traceback" not in err
         assert "summary" in json.loads(out.splitlines()[-1])
+
+
+def test_play_remote_shows_the_address_in_the_terminal(tmp_path):
+    pty = pytest.importorskip("pty", reason="needs a terminal as on POSIX")
+    pid, terminal = pty.fork()
+    if pid == 0:  # the child
+        os.environ.update(COLUMNS="140", LINES="40", TERM="xterm-256color")
+        arguments = ["play", MATCH, "--device", "none", "--remote", "--port", "0"]
+        os.execv(sys.executable, [sys.executable, "-m", "overview_dsp", *arguments])
+    shown = b""
+    try:
+        end = time.monotonic() + 30.0
+        # once before the screen is taken over, and once on it
+        while b"#token=" not in shown.partition(b"\x1b[?1049h")[2]:
+            assert time.monotonic() < end, shown[-500:]
+            if select.select([terminal], [], [], 0.5)[0]:
+                shown += os.read(terminal, 65536)
+    finally:
+        os.kill(pid, signal.SIGTERM)
+        with contextlib.suppress(OSError):  # what it says at its end must not block it
+            while os.read(terminal, 65536):
+                pass
+        os.waitpid(pid, 0)
+        os.close(terminal)
 
 
 def test_play_without_remote_listens_to_nobody(tmp_path):

@@ -8,7 +8,7 @@ import { momentText } from "./words.js";
 const FONT = '13px system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
 const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200,
   86400, 604800, 2629800, 7889400, 31557600, 157788000, 315576000];
-const BETWEEN = 84; // px at least from one label to the next
+const BETWEEN = 30; // px at least from one label to the next
 
 export function drawLayer(c, g, view, info, colours) {
   c.clearRect(0, 0, g.width, g.height);
@@ -73,14 +73,15 @@ function drawGaps(c, g, view, colours) {
 
 function drawAxis(c, g, view, info, colours) {
   const length = view.end_s - view.start_s;
-  const most = Math.max(2, (g.right - g.left) / BETWEEN);
+  c.font = FONT;
+  const { width } = c.measureText(momentText(view.end_s, info));
+  const most = Math.max(2, (g.right - g.left) / (width + BETWEEN));
   const step = STEPS_S.find((one) => length / one <= most) ?? length;
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
   c.beginPath();
   c.moveTo(g.left, g.bottom + 0.5);
   c.lineTo(g.right, g.bottom + 0.5);
-  c.font = FONT;
   c.fillStyle = colours.soft;
   c.textBaseline = "top";
   for (let at = Math.ceil(view.start_s / step) * step; at <= view.end_s; at += step) {
