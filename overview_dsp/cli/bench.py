@@ -42,7 +42,7 @@ def command(
 
 
 def _speed(rounds: int, as_json: bool) -> None:
-    from overview_dsp.bench import measure
+    from overview_dsp.bench.speed import measure
 
     announce_compile()
     with progress_bar("measuring") as tell:

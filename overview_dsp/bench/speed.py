@@ -128,7 +128,7 @@ _INTERPRETED = """
 import time, warnings
 import numpy as np
 warnings.simplefilter("ignore", RuntimeWarning)
-from overview_dsp.bench import PLAIN_SECONDS, RATE, _feed, _loaded
+from overview_dsp.bench.speed import PLAIN_SECONDS, RATE, _feed, _loaded
 engine = _loaded()
 _feed(engine)
 out = np.zeros((round(PLAIN_SECONDS * RATE), 2), dtype=np.float32)
