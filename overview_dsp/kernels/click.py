@@ -32,6 +32,8 @@ from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.elementary import cos_turns, exp, power, sin_turns
 
 BLOW_SPACING = 0.5  # samples
+NEVER = 0x7FFFFFFFFFFFFFFF
+LAST_SAMPLE = 9007199254740992.0  # 2**53: up to it a time has every sample
 
 
 @point
@@ -115,29 +117,18 @@ def sound_strikes(m, w, sample):
 
 
 @point
-def ring(m, w):
-    """One sample of everything that rings; the state then stands one sample later."""
-    total = 0.0
-    i = 0
-    while i < w[layout.RINGING]:
-        kind = w[layout.RINGING_KIND + i]
-        first = kind * layout.MAX_MODES
-        last = first + w[layout.BANK_MODES + kind]
-        for j in range(first, last):
-            re = m[layout.BANK_RE + j]
-            im = m[layout.BANK_IM + j]
-            total += im
-            c = m[layout.BANK_COS + j]
-            s = m[layout.BANK_SIN + j]
-            m[layout.BANK_RE + j] = c * re - s * im
-            m[layout.BANK_IM + j] = s * re + c * im
-        w[layout.BANK_LEFT + kind] -= 1
-        if w[layout.BANK_LEFT + kind] == 0:
-            for j in range(first, first + layout.MAX_MODES):
-                m[layout.BANK_RE + j] = 0.0
-                m[layout.BANK_IM + j] = 0.0
-            w[layout.RINGING] -= 1
-            w[layout.RINGING_KIND + i] = w[layout.RINGING_KIND + w[layout.RINGING]]
-        else:
-            i += 1
-    return total
+def next_blow(m, w):
+    """The sample in which the next blow falls, of strikes that are not sounded in full; or NEVER."""
+    due = NEVER
+    for number in range(layout.CONTACT):
+        if w[layout.STRIKES_SOUNDED + number] < w[layout.M_STRIKES]:
+            at = w[layout.STRIKES_SOUNDED + number] % layout.STRIKE_LOG
+            time = m[layout.LOG_TIME + at] + float(number) * BLOW_SPACING
+            sample = 0
+            # not for a NaN, which is due
+            if time < LAST_SAMPLE:
+                sample = int(time)
+                if float(sample) == time:
+                    sample -= 1
+            due = min(due, sample)
+    return due

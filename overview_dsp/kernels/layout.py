@@ -169,7 +169,8 @@ D_AMPLITUDE = D_PHASE + CHUNK  # from the shaping
 D_SINE = D_AMPLITUDE + CHUNK
 D_GRAIN = D_SINE + CHUNK
 D_COLOUR = D_GRAIN + CHUNK
-D_CLICK = D_COLOUR + CHUNK  # from the voice
+D_RING = D_COLOUR + CHUNK  # from the modes
+D_CLICK = D_RING + CHUNK  # from the voice
 D_TACTOR = D_CLICK + CHUNK
 LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
 (
