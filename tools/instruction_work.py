@@ -1,6 +1,8 @@
 """The fixed work of tools/count_instructions.py, which runs it under callgrind.
 
-python tools/instruction_work.py [MARKS.so]      without MARKS, only fills the cache of compiled kernels
+python tools/instruction_work.py [MARKS.so]
+
+Without MARKS it only fills the cache of compiled kernels.
 """
 
 from __future__ import annotations

@@ -118,7 +118,7 @@ def sound_strikes(m, w, sample):
 
 @point
 def next_blow(m, w):
-    """The sample in which the next blow falls, of strikes that are not sounded in full; or NEVER."""
+    """The sample in which the next blow falls, of strikes not sounded in full; or NEVER."""
     due = NEVER
     for number in range(layout.CONTACT):
         if w[layout.STRIKES_SOUNDED + number] < w[layout.M_STRIKES]:
