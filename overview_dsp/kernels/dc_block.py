@@ -18,4 +18,4 @@ def block_dc(x, x_before, y_before, pole):
     """One sample; exactly zero once input and output have died away."""
     y = x - x_before + pole * y_before
     silence = SILENCE if x == 0.0 else 0.0
-    return 0.0 if abs(y) < silence else y
+    return 0.0 if max(y, -y) < silence else y

@@ -46,4 +46,4 @@ def colour(x, y, a):
     """One sample of the low-pass; exactly zero once it has died away."""
     y = y + (x - y) * a
     quiet = QUIET if x == 0.0 else 0.0
-    return 0.0 if abs(y) < quiet else y
+    return 0.0 if max(y, -y) < quiet else y
