@@ -79,6 +79,34 @@ def ring_two_modes(m, j, start, stop):
 
 
 @point
+def ring_three_modes(m, j, start, stop):
+    """Add modes j, j + 1 and j + 2, as `ring_two_modes`."""
+    re = m[layout.BANK_RE + j]
+    im = m[layout.BANK_IM + j]
+    c = m[layout.BANK_COS + j]
+    s = m[layout.BANK_SIN + j]
+    re2 = m[layout.BANK_RE + j + 1]
+    im2 = m[layout.BANK_IM + j + 1]
+    c2 = m[layout.BANK_COS + j + 1]
+    s2 = m[layout.BANK_SIN + j + 1]
+    re3 = m[layout.BANK_RE + j + 2]
+    im3 = m[layout.BANK_IM + j + 2]
+    c3 = m[layout.BANK_COS + j + 2]
+    s3 = m[layout.BANK_SIN + j + 2]
+    for n in range(start, stop):
+        m[layout.D_RING + n] = ((m[layout.D_RING + n] + im) + im2) + im3
+        re, im = c * re - s * im, s * re + c * im
+        re2, im2 = c2 * re2 - s2 * im2, s2 * re2 + c2 * im2
+        re3, im3 = c3 * re3 - s3 * im3, s3 * re3 + c3 * im3
+    m[layout.BANK_RE + j] = re
+    m[layout.BANK_IM + j] = im
+    m[layout.BANK_RE + j + 1] = re2
+    m[layout.BANK_IM + j + 1] = im2
+    m[layout.BANK_RE + j + 2] = re3
+    m[layout.BANK_IM + j + 2] = im3
+
+
+@point
 def ring_on(m, w, start, stop):
     """Samples `start` to `stop` of the D_RING column, in which nothing falls silent."""
     for n in range(start, stop):
@@ -88,10 +116,12 @@ def ring_on(m, w, start, stop):
         w[layout.BANK_LEFT + kind] -= stop - start
         j = kind * layout.MAX_MODES
         last = j + w[layout.BANK_MODES + kind]
-        while j + 1 < last:
+        while j + 2 < last:
+            ring_three_modes(m, j, start, stop)
+            j += 3
+        if j + 1 < last:
             ring_two_modes(m, j, start, stop)
-            j += 2
-        if j < last:
+        elif j < last:
             ring_mode(m, j, start, stop)
 
 

@@ -175,7 +175,20 @@ static void sound_strikes(Voice *voice, const Surface *surface, int64_t sample) 
     }
 }
 
-static double ring(Voice *voice) {
+static int64_t next_blow(const Voice *voice) {
+    int64_t due = INT64_MAX;
+    for (int number = 0; number < CONTACT; number++) {
+        if (voice->sounded[number] >= voice->strikes) continue;
+        const Strike *entry = &voice->queue[voice->sounded[number] % QUEUE];
+        double time = entry->time + (double)number * 0.5;
+        int64_t sample = (int64_t)time;
+        if ((double)sample == time) sample -= 1;
+        if (sample < due) due = sample;
+    }
+    return due;
+}
+
+static double ring_once(Voice *voice) {
     double total = 0.0;
     int64_t i = 0;
     while (i < voice->ringing) {
@@ -199,17 +212,80 @@ static double ring(Voice *voice) {
     return total;
 }
 
+/* `count` modes from j on through a run of samples; count is a constant where this is called */
+static inline void ring_modes(Bank *bank, int64_t j, const int count, double *rung, int64_t frames) {
+    double re[3], im[3], c[3], s[3];
+    for (int k = 0; k < count; k++) {
+        re[k] = bank->re[j + k];
+        im[k] = bank->im[j + k];
+        c[k] = bank->c[j + k];
+        s[k] = bank->s[j + k];
+    }
+    for (int64_t n = 0; n < frames; n++) {
+        double total = rung[n];
+        for (int k = 0; k < count; k++) {
+            double turned = c[k] * re[k] - s[k] * im[k];
+            total += im[k];
+            im[k] = s[k] * re[k] + c[k] * im[k];
+            re[k] = turned;
+        }
+        rung[n] = total;
+    }
+    for (int k = 0; k < count; k++) {
+        bank->re[j + k] = re[k];
+        bank->im[j + k] = im[k];
+    }
+}
+
+static void ring_on(Voice *voice, double *rung, int64_t frames) {
+    memset(rung, 0, frames * sizeof *rung);
+    for (int64_t i = 0; i < voice->ringing; i++) {
+        Bank *bank = &voice->bank[voice->ringing_kind[i]];
+        bank->left -= frames;
+        int64_t j = 0;
+        for (; j + 2 < bank->modes; j += 3) ring_modes(bank, j, 3, rung, frames);
+        if (j + 1 < bank->modes)
+            ring_modes(bank, j, 2, rung, frames);
+        else if (j < bank->modes)
+            ring_modes(bank, j, 1, rung, frames);
+    }
+}
+
+/* What rings in one chunk: in runs, between blows and kinds that fall silent. */
+static void ring(Voice *voice, const Surface *surface, double *rung, int64_t frames) {
+    int64_t n = 0;
+    while (n < frames) {
+        int64_t stop = frames;
+        if (voice->sounded[CONTACT - 1] < voice->strikes) {
+            sound_strikes(voice, surface, voice->clock + n);
+            int64_t due = next_blow(voice);
+            if (due - voice->clock < stop) stop = due - voice->clock;
+        }
+        for (int64_t i = 0; i < voice->ringing; i++) {
+            int64_t last = n + voice->bank[voice->ringing_kind[i]].left - 1;
+            if (last < stop) stop = last;
+        }
+        if (stop > n) {
+            ring_on(voice, rung + n, stop - n);
+            n = stop;
+        } else {
+            rung[n] = ring_once(voice);
+            n += 1;
+        }
+    }
+}
+
 /* --- the stages of a chunk: kernels/motion.py, shaping.py, voice.py, output.py ------------- */
 
 typedef struct {
     double torque[CHUNK], omega[CHUNK], phase[CHUNK];
-    double amplitude[CHUNK], sine[CHUNK], grain[CHUNK], colour[CHUNK];
+    double amplitude[CHUNK], sine[CHUNK], grain[CHUNK], colour[CHUNK], rung[CHUNK];
     double click[CHUNK], tactor[CHUNK];
 } Chunk;
 
 static void move(Voice *voice, const Coefficients *c, const Surface *surface, Chunk *chunk,
                  int64_t frames) {
-    double x = voice->x, v = voice->v, y1 = voice->smooth_1, y2 = voice->smooth_2;
+    double x = voice->x, half = 0.5 * voice->v, y1 = voice->smooth_1, y2 = voice->smooth_2;
     double phase = voice->phase, approach = voice->approach;
     double target = voice->input;
     double spring = voice->touching ? c->spring_held : c->spring_free;
@@ -224,7 +300,7 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
         y2 = y2 + c->smooth * (y1 - y2);
         y1 = y1 > STILL ? y1 : 0.0;
         y2 = y2 > STILL ? y2 : 0.0;
-        double ahead = x + 0.5 * v;
+        double ahead = x + half;
         ahead = ahead > 0.0 ? ahead : 0.0;
         ahead = ahead > CELLS ? CELLS : ahead;
         int64_t i = (int64_t)ahead;
@@ -232,10 +308,10 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
         double rest = voice->touching ? y2 : 0.0;
         double was = x;
         double middle =
-            c->inertia * (2.0 * v + spring * (rest - x)) / (denominator + friction);
+            c->inertia * (4.0 * half + spring * (rest - x)) / (denominator + friction);
         x = x + middle;
-        v = 2.0 * middle - v;
-        v = fabs(v) < STANDSTILL ? 0.0 : v;
+        half = middle - half;
+        half = fabs(half) < 0.5 * STANDSTILL ? 0.0 : half;
         x = fabs(x) < STANDSTILL ? 0.0 : x;
         double omega = middle * c->omega;
         approach = approach * c->forget;
@@ -263,7 +339,7 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
         }
     }
     voice->x = x;
-    voice->v = v;
+    voice->v = 2.0 * half;
     voice->smooth_1 = y1;
     voice->smooth_2 = y2;
     voice->phase = phase;
@@ -292,8 +368,7 @@ static inline double block_dc(double x, double x_before, double y_before, double
     return x == 0.0 && fabs(y) < 1e-9 ? 0.0 : y;
 }
 
-static void sound(Voice *voice, const Coefficients *c, const Surface *surface, Chunk *chunk,
-                  int64_t frames) {
+static void sound(Voice *voice, const Coefficients *c, Chunk *chunk, int64_t frames) {
     double follower = voice->follower, e1 = voice->envelope_1, e2 = voice->envelope_2;
     double tactor_in = voice->tactor_in, tactor_out = voice->tactor_out;
     double click_in = voice->click_in, click_out = voice->click_out;
@@ -325,11 +400,7 @@ static void sound(Voice *voice, const Coefficients *c, const Surface *surface, C
         }
         grain = grain + (rough - grain) * chunk->colour[n];
         if (rough == 0.0 && fabs(grain) < 1e-5) grain = 0.0;
-        if (voice->sounded[CONTACT - 1] < voice->strikes)
-            sound_strikes(voice, surface, voice->clock + n);
-        double clicks = grain;
-        if (voice->ringing > 0) clicks = clicks + ring(voice);
-        clicks = clicks * c->click_gain;
+        double clicks = (grain + chunk->rung[n]) * c->click_gain;
         click_out = block_dc(clicks, click_in, click_out, c->dc_pole);
         click_in = clicks;
         chunk->click[n] = click_out;
@@ -390,7 +461,8 @@ void voice_render(Voice *voice, const Coefficients *c, const Surface *surface,
             int64_t length = stop - voice->clock < CHUNK ? stop - voice->clock : CHUNK;
             move(voice, c, surface, &chunk, length);
             shape(c, &chunk, length);
-            sound(voice, c, surface, &chunk, length);
+            ring(voice, surface, chunk.rung, length);
+            sound(voice, c, &chunk, length);
             emit(chunk.click, length, c->ceiling, out);
             emit(chunk.tactor, length, c->ceiling, out + 1);
             voice->clock += length;
