@@ -61,10 +61,11 @@ def native_calls(count: Marks) -> None:
     memory.view(np.int64)[layout.L_CHANNELS] = 2
     out = np.zeros((64, 2), dtype=np.float32)
     call = native_callback().ctypes
+    arguments = (None, out.ctypes.data, 64, None, 0, memory.ctypes.data)
 
     def run() -> None:
         for _ in range(FRAMES // 64):
-            call(None, out.ctypes.data, 64, None, 0, memory.ctypes.data)
+            call(*arguments)
 
     count("viscous, 64-frame native calls", run)
 

@@ -77,13 +77,14 @@ def step(m, w, n, old_slot, modelled):
     approach = max(abs(omega), m[layout.APPROACH] * m[layout.C_FORGET])
     m[layout.APPROACH] = snapped(approach, STANDSTILL)
     m[layout.PHASE] = advance(m[layout.PHASE], m[layout.C_CARRIER])
-    m[layout.D_TORQUE + n] = torque
-    m[layout.D_OMEGA + n] = omega
-    m[layout.D_PHASE + n] = m[layout.PHASE]
-    m[layout.D_PLACE + n] = m[layout.X]
-    m[layout.D_SPEED + n] = m[layout.V]
-    m[layout.D_THETA2 + n] = y2
-    m[layout.D_FRICTION + n] = friction
+    i = n % layout.CHUNK  # which tells the compiler that it isn't negative
+    m[layout.D_TORQUE + i] = torque
+    m[layout.D_OMEGA + i] = omega
+    m[layout.D_PHASE + i] = m[layout.PHASE]
+    m[layout.D_PLACE + i] = m[layout.X]
+    m[layout.D_SPEED + i] = m[layout.V]
+    m[layout.D_THETA2 + i] = y2
+    m[layout.D_FRICTION + i] = friction
 
 
 @point

@@ -35,7 +35,7 @@ def event_below(m, w):
 
 @routine
 def pass_events(m, w, n, was):
-    """Strike every event between the disk and its place `was` (cells) before sample n of a chunk."""
+    """Strike every event from the place `was` (cells) before sample n of a chunk to the disk's."""
     slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     x = m[layout.X]
     approach = m[layout.APPROACH]
