@@ -16,6 +16,7 @@ import numpy as np
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.callback import native_callback
+from overview_dsp.live.output_settings import OutputSettings
 
 RATE = 48_000
 FRAMES = RATE
@@ -59,6 +60,7 @@ def native_calls(count: Marks) -> None:
     engine = fed()
     memory = engine.memory
     memory.view(np.int64)[layout.L_CHANNELS] = 2
+    OutputSettings().write(memory, RATE, at_once=True)
     out = np.zeros((64, 2), dtype=np.float32)
     call = native_callback().ctypes
     arguments = (None, out.ctypes.data, 64, None, 0, memory.ctypes.data)

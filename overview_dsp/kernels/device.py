@@ -81,15 +81,27 @@ def is_untouched(m, w, signal):
 
 
 @point
+def keep(m, line, out, frames, channels, at):
+    """Copy one signal, from out[at] on, into a stretch of its delay line; its highest magnitude."""
+    peak = 0.0
+    for n in range(frames):
+        y = float(out[at & NOT_NEGATIVE])
+        at += channels
+        m[(line + n) & NOT_NEGATIVE] = y
+        peak = max(peak, abs(y))
+    return peak
+
+
+@point
 def pass_through(m, w, out, frames, channels, signal, channel):
     """A signal to which nothing is done: into the delay line; its peak is booked."""
     line = layout.L_LINES + signal * layout.DELAY_LINE
-    written = w[layout.L_LINE]
-    peak = 0.0
-    for n in range(frames):
-        y = float(out[(channel + n * channels) & NOT_NEGATIVE])
-        m[line + ((written + n) & (layout.DELAY_LINE - 1))] = y
-        peak = max(peak, abs(y))
+    written = w[layout.L_LINE] & (layout.DELAY_LINE - 1)
+    first = min(frames, layout.DELAY_LINE - written)
+    peak = keep(m, line + written, out, first, channels, channel)
+    if first < frames:
+        # as a delay line in a circle has it: the rest from its start on
+        peak = max(peak, keep(m, line, out, frames - first, channels, channel + first * channels))
     if peak > FULL_SCALE:
         for i in range(channel, channel + frames * channels, channels):
             out[i] = min(max(out[i], -FULL_SCALE), FULL_SCALE)

@@ -116,7 +116,12 @@ BANK_RE = BANK_MODES + BANKS  # modal state, kind by kind
 BANK_IM = BANK_RE + BANKS * MAX_MODES
 BANK_COS = BANK_IM + BANKS * MAX_MODES  # rotation loaded at the strike
 BANK_SIN = BANK_COS + BANKS * MAX_MODES
-METERS = BANK_SIN + BANKS * MAX_MODES
+BLOW_KEY = BANK_SIN + BANKS * MAX_MODES  # w: whose factors are below, of even and odd blows
+BLOW_REST = BLOW_KEY + 2  # samples
+BLOW_DECAY = BLOW_REST + 2  # factors of each mode
+BLOW_COS = BLOW_DECAY + 2 * MAX_MODES
+BLOW_SIN = BLOW_COS + 2 * MAX_MODES
+METERS = BLOW_SIN + 2 * MAX_MODES
 
 # --- meters (cleared by reset) ----------------------------------------------------------------
 (
