@@ -104,3 +104,8 @@ def plain_scene(engine: Engine) -> Scene:
     scene = Scene(addresses[0], len(surface.place), *addresses[1:])
     scene.kept = arrays
     return scene
+
+
+def settings_names() -> list[str]:
+    """The fields of `Settings`."""
+    return list(_DOUBLES)

@@ -76,7 +76,8 @@ def solved(disk: Disk, method: str, tolerance: float) -> NDArray[np.float64]:
         motion, (0.0, SOLVED_S), [0.0, 0.0], method=method, t_eval=middle,
         rtol=tolerance, atol=tolerance * 1e-2,
     )  # fmt: skip
-    return np.array([friction(theta) for theta in found.y[0]]) * found.y[1]
+    torque: NDArray[np.float64] = np.array([friction(at) for at in found.y[0]]) * found.y[1]
+    return torque
 
 
 def error(torque: NDArray[np.float64], reference: NDArray[np.float64]) -> float:

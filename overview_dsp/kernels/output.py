@@ -21,7 +21,7 @@ def limit_column(m, w, column, frames, ceiling):
     highest = 0
     for n in range(frames):
         highest = max(highest, w[(column + n) & NOT_NEGATIVE] & MAGNITUDE)
-    peak = np.int64(highest).view(np.float64)
+    peak = float(np.int64(highest).view(np.float64))
     knee = KNEE * ceiling
     limited = 0
     if peak > knee:
