@@ -41,7 +41,6 @@ def measure(
         except MissingError as missing:
             left_out.append(str(missing))
     rows = interleaved(contenders, rounds, lambda part: tell(SPEEDS_PART * part))
-    # before the crowded surfaces, which take memory of their own
     memory = scaling.memory(longest_s)
     costs = scaling.measure(
         rounds, longest_s, lambda part: tell(SPEEDS_PART + (1.0 - SPEEDS_PART) * part)

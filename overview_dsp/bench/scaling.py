@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import resource
 import statistics
+import subprocess
 import sys
 import time
 import warnings
@@ -147,16 +148,27 @@ class Memory:
 
 
 def memory(seconds: float) -> Memory:
-    """Stream sweeps in blocks."""
+    """Stream sweeps in blocks, in a process of its own: nothing else has been in its memory."""
+    command = [sys.executable, "-m", "overview_dsp.bench.scaling", str(seconds)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    ready, streamed = map(float, done.stdout.split())
+    return Memory(ready, seconds, streamed)
+
+
+def stream(seconds: float) -> tuple[float, float]:
+    """Highest resident memory (MB) before and after a stream."""
     engine = prepared(frames=BLOCK)
     cost(engine, SWEEP_S - ARRIVAL_S)
     ready = peak_mb()
-    repeats = max(1, round(seconds / SWEEP_S))
-    cost(engine, SWEEP_S - ARRIVAL_S, repeats)
-    return Memory(ready, repeats * SWEEP_S, peak_mb())
+    cost(engine, SWEEP_S - ARRIVAL_S, max(1, round(seconds / SWEEP_S)))
+    return ready, peak_mb()
 
 
 def peak_mb() -> float:
     """The process's highest resident memory so far."""
     unit = 1 << 20 if sys.platform == "darwin" else 1 << 10
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
+
+
+if __name__ == "__main__":
+    print(*stream(float(sys.argv[1])))

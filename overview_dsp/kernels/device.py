@@ -103,7 +103,8 @@ def pass_through(m, w, out, frames, channels, signal, channel):
         # as a delay line in a circle has it: the rest from its start on
         peak = max(peak, keep(m, line, out, frames - first, channels, channel + first * channels))
     if peak > FULL_SCALE:
-        for i in range(channel, channel + frames * channels, channels):
+        for n in range(frames):
+            i = channel + n * channels
             out[i] = min(max(out[i], -FULL_SCALE), FULL_SCALE)
     m[layout.L_PEAK + signal] = max(m[layout.L_PEAK + signal], min(peak, FULL_SCALE))
 
