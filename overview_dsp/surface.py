@@ -30,6 +30,7 @@ from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.impacts import NONE as NO_IMPACTS
 from overview_dsp.impacts import Impacts
 from overview_dsp.materials import louder, modes_of
+from overview_dsp.merging import strongest_of_each
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
 from overview_dsp.profiles import bumps, profile, span
 from overview_dsp.well_field import (
@@ -155,13 +156,14 @@ def _width_cells(kind: Kind, name: str, duration_s: float) -> float:
 def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     """The surface of a timeline under a preset.
 
-    Warns (OverviewWarning) of event kinds the preset doesn't name, which take its `default`, and
-    of gaps too narrow to be felt.
+    Warns (OverviewWarning) of event kinds the preset doesn't name, which take its `default`, of
+    gaps too narrow to be felt, and of more events than a surface tells apart (16384): then the
+    strongest in each cell, or in each two, four, ... cells, strikes for all there.
 
     Raises
     ------
     InputError
-        More events than the surface has cells.
+        The bare surface's pattern has more crests than a surface holds strikes.
     """
     by_kind = _by_felt_kind(timeline.events, preset)
     left_out = {
@@ -171,11 +173,11 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     }
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     under = bare_surface(timeline, preset, CELLS)
-    if len(felt) + len(under.impacts.place) > MAX_EVENTS:
-        own = f" and {len(under.impacts.place)} crests" if len(under.impacts.place) else ""
+    room = MAX_EVENTS - len(under.impacts.place)
+    if room < min(len(felt), 1):
         raise InputError(
-            f"{timeline.title or 'the timeline'}: {len(felt)} events{own}; "
-            f"a surface holds up to {MAX_EVENTS}, use a shorter window"
+            f"{len(under.impacts.place)} crests of the bare surface; with events it holds up to "
+            f"{MAX_EVENTS}: make surface.pattern_period_percent longer"
         )
 
     unknown = sorted(kind for kind in timeline.kinds() if preset.kind_for(kind) is None)
@@ -234,7 +236,18 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         spans[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
         kind_index[members] = names.index(name)
 
-    order = np.argsort(place, kind="stable")
+    if count > room:
+        order, stands_for = strongest_of_each(place, release, room)
+        warnings.warn(
+            f"{timeline.title or 'the timeline'}: {count} events, of which the surface tells "
+            f"{len(order)} apart; where several fall together the strongest strikes, and friction "
+            "is that of all; use a shorter window",
+            OverviewWarning,
+            stacklevel=2,
+        )
+    else:
+        order = np.argsort(place, kind="stable")
+        stands_for = np.argsort(order)
     return Surface(
         friction=under.friction + raised,
         place=place[order] / CELLS,
@@ -250,7 +263,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         kind_models=tuple(kind.model for kind in preset.kinds.values()),
         own_model=str(preset.values["surface.model"]),
         wells=wells.field() if wells is not None else None,
-        bristles=bristles.field(np.argsort(order)) if bristles is not None else None,
+        bristles=bristles.field(stands_for) if bristles is not None else None,
     )
 
 

@@ -11,7 +11,8 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.click import BLOW_SPACING, ring, sound_strikes
+from overview_dsp.kernels.click import BLOW_SPACING
+from overview_dsp.kernels.ringing import ring
 from overview_dsp.measure.onsets import find_onsets
 from tests.examples import preset_with, timeline_of
 from tests.test_feel import MATCHES, SWEEPS, busy_match, timeline_named  # noqa: F401
@@ -20,12 +21,13 @@ from tests.test_feel import MATCHES, SWEEPS, busy_match, timeline_named  # noqa:
 @numba.njit
 def rung(m, w, samples, frames):
     out = np.zeros(frames)
-    for n in range(frames):
-        while w[layout.M_STRIKES] < samples.size and samples[w[layout.M_STRIKES]] <= n:
+    for start in range(0, frames, layout.CHUNK):
+        length = min(layout.CHUNK, frames - start)
+        while w[layout.M_STRIKES] < samples.size and samples[w[layout.M_STRIKES]] < start + length:
             w[layout.M_STRIKES] += 1
-        sound_strikes(m, w, n)
-        if w[layout.RINGING] > 0:
-            out[n] = ring(m, w)
+        w[layout.CLOCK] = start
+        ring(m, w, length)
+        out[start : start + length] = m[layout.D_RING : layout.D_RING + length]
     return out
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.presets.parameters import SHAPES
 from overview_dsp.profiles import profile
-from overview_dsp.surface import CELLS, MAX_EVENTS, MIN_WIDTH_CELLS
+from overview_dsp.surface import CELLS, MIN_WIDTH_CELLS
 
 from .examples import plain_preset, preset_with, timeline_of
 from .presets.strategies import presets
@@ -227,15 +227,6 @@ def test_a_kinds_level_is_added_to_its_modes():
     preset = replace(plain_preset(), kinds={"default": kind})
     (modes,) = ov.build_surface(timeline_of(50.0), preset).kind_modes
     assert [mode.gain_db for mode in modes] == [-9.0, -6.0]
-
-
-def test_more_events_than_the_surface_holds_are_one_line():
-    times = np.linspace(0.0, 100.0, MAX_EVENTS + 1)
-    with pytest.raises(
-        ov.InputError, match=f"{MAX_EVENTS + 1} events.*{MAX_EVENTS}.*shorter"
-    ) as error:
-        ov.build_surface(timeline_of(*times), preset_with())
-    assert "\n" not in str(error.value)
 
 
 @settings(deadline=None)

@@ -9,53 +9,71 @@ from overview_dsp.cli.common import announce_compile, print_json, progress_bar
 SPEED_ROUNDS = 7
 LIVE_ROUNDS = 5
 LIVE_SECONDS = 60.0
+LONGEST_S = 600.0
 
 
-@click.command(name="bench", epilog="Example: overview bench --live --seconds 10 --rounds 3")
+@click.command(name="bench", epilog="Example: overview bench --rounds 5 --plot speeds.png")
 @click.option(
     "--rounds",
     type=click.IntRange(1, 1000),
     help=f"Of each row.  [default: {SPEED_ROUNDS}; with --live {LIVE_ROUNDS}]",
 )
 @click.option("--live", is_flag=True, help="Play: callback times, frames lost, control latency.")
+@click.option("--plot", metavar="FILE", help="Draw the speeds: PNG, SVG or PDF.")
 @click.option("--device", help="Output for --live, by name or number.  [default: the system's]")
 @click.option(
     "--seconds",
     type=click.FloatRange(1.0, 3600.0),
-    help=f"Of each run of --live.  [default: {LIVE_SECONDS:g}]",
+    help=f"The longest stream; with --live, of each run.  "
+    f"[default: {LONGEST_S:g}; with --live {LIVE_SECONDS:g}]",
 )
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
-    rounds: int | None, live: bool, device: str | None, seconds: float | None, as_json: bool
+    rounds: int | None,
+    live: bool,
+    plot: str | None,
+    device: str | None,
+    seconds: float | None,
+    as_json: bool,
 ) -> None:
     """Seconds of sound made in one second, on one core, beside other ways to do the same work.
+
+    Versions in C, Faust and Csound are measured in a clone of the project where their compilers
+    are installed. Then what a second costs as the work grows, and memory. About five minutes;
+    with --seconds 3600, streams of an hour too.
 
     With --live: how the native and the Python callback hold, idle and under load, and how soon a
     tap is answered. That takes four runs a round and one more, 21 minutes by default, and sounds.
     """
     if live:
+        if plot is not None:
+            raise click.UsageError("--plot draws speeds; leave out --live")
         _live(rounds or LIVE_ROUNDS, device, seconds or LIVE_SECONDS, as_json)
         return
-    if device is not None or seconds is not None:
-        raise click.UsageError("--device and --seconds belong to --live; add --live")
-    _speed(rounds or SPEED_ROUNDS, as_json)
+    if device is not None:
+        raise click.UsageError("--device belongs to --live; add --live")
+    _speed(rounds or SPEED_ROUNDS, seconds or LONGEST_S, plot, as_json)
 
 
-def _speed(rounds: int, as_json: bool) -> None:
-    from overview_dsp.bench import measure
+def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> None:
+    from dataclasses import asdict
 
-    announce_compile()
+    from overview_dsp.bench.picture import draw
+    from overview_dsp.bench.report import lines, measure
+    from overview_dsp.files import require_writable
+
+    if plot is not None:
+        require_writable(plot)
+    announce_compile("disk_alone")
     with progress_bar("measuring") as tell:
-        rows = measure(rounds, tell)
+        report = measure(rounds, longest_s, tell)
+    if plot is not None:
+        draw(report, plot)
     if as_json:
-        print_json([vars(row) for row in rows])
+        print_json(asdict(report))
         return
-    width = max(len(row.name) for row in rows)
-    base = rows[0].median
-    click.echo(f"{'':<{width}}  x realtime (lowest to highest)      of the first row")
-    for row in rows:
-        spread = f"({row.low:.3g} to {row.high:.3g})"
-        click.echo(f"{row.name:<{width}}  {row.median:10.4g}  {spread:<22} {row.median / base:.3g}")
+    for line in lines(report):
+        click.echo(line)
 
 
 def _live(rounds: int, device: str | None, seconds: float, as_json: bool) -> None:

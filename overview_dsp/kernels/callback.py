@@ -79,3 +79,19 @@ def _callback(unused, output, frame_count, time_info, flags, user):
 def native_callback():
     """The compiled callback; its `.address` is a `PaStreamCallback *`. Compiles on first use."""
     return native(SIGNATURE, _callback)
+
+
+@cache
+def repeated_callback():
+    """A compiled loop over the native callback, as a sound server's is: for measuring it.
+
+    `run(m, out, frames, blocks)`: m float64 [layout.TOTAL], out float32 [frames * channels].
+    """
+    call = native_callback().ctypes
+
+    @numba.njit
+    def run(m, out, frames, blocks):
+        for _ in range(blocks):
+            call(out.ctypes, out.ctypes, frames, out.ctypes, 0, m.ctypes)
+
+    return run

@@ -26,12 +26,16 @@ Thread: audio.
 
 from __future__ import annotations
 
+import numpy as np
+
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import moving
 from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.elementary import cos_turns, exp, power, sin_turns
+from overview_dsp.kernels.elementary import cos_turns, exp, plain, power, sin_turns
 
 BLOW_SPACING = 0.5  # samples
+NEVER = 0x7FFFFFFFFFFFFFFF
+LAST_SAMPLE = 9007199254740992.0  # 2**53: up to it a time has every sample
 
 
 @point
@@ -68,10 +72,29 @@ def log_strike(m, w, event, torque, sample, fraction):
     w[layout.M_STRIKES] += 1
 
 
+_sin_turns = plain(sin_turns)
+# part of a strike that is in each blow: sin(pi (number + 1/2)/8)**2 / 4; they add up to 1
+BLOW_WEIGHT = np.array(
+    [
+        0.125 - 0.125 * _sin_turns((number + 0.5) * (1.0 / layout.CONTACT) + 0.25)
+        for number in range(layout.CONTACT)
+    ]
+)
+
+
 @point
-def blow_weight(number):
-    """Part of a strike that is in one blow: sin(pi (number + 1/2)/8)**2 / 4; they add up to 1."""
-    return 0.125 - 0.125 * cos_turns((float(number) + 0.5) * (1.0 / layout.CONTACT))
+def blow_factors(m, w, slot, first, modes, key, half, rest):
+    """The decay and rotation of modes in the `rest` of a sample; blows two apart share them."""
+    if w[layout.BLOW_KEY + half] == key and m[layout.BLOW_REST + half] == rest:
+        return
+    w[layout.BLOW_KEY + half] = key
+    m[layout.BLOW_REST + half] = rest
+    at = half * layout.MAX_MODES
+    for j in range(modes):
+        turns = m[slot + layout.MODE_TURNS + first + j] * rest
+        m[layout.BLOW_DECAY + at + j] = exp(m[slot + layout.MODE_DECAY + first + j] * rest)
+        m[layout.BLOW_COS + at + j] = cos_turns(turns)
+        m[layout.BLOW_SIN + at + j] = sin_turns(turns)
 
 
 @point
@@ -88,17 +111,20 @@ def blow(m, w, at, number, rest):
         w[layout.RINGING] += 1
     w[layout.BANK_LEFT + kind] = w[slot + layout.KIND_RING + kind]
     w[layout.BANK_MODES + kind] = modes
-    level = m[layout.LOG_LEVEL + at] * blow_weight(number)
+    level = m[layout.LOG_LEVEL + at] * BLOW_WEIGHT[number]
     first = kind * layout.MAX_MODES
+    half = number % 2
+    # of this strike on this surface; never 0, as columns are after a reset
+    key = (w[layout.STRIKES_SOUNDED + number] + 1) * layout.SLOTS + w[layout.ACTIVE_SLOT]
+    blow_factors(m, w, slot, first, modes, key, half, rest)
+    factor = half * layout.MAX_MODES
     for j in range(first, first + modes):
-        turns = m[slot + layout.MODE_TURNS + j] * rest
-        amplitude = (
-            level * m[slot + layout.MODE_GAIN + j] * exp(m[slot + layout.MODE_DECAY + j] * rest)
-        )
-        m[layout.BANK_RE + j] += amplitude * cos_turns(turns)
-        m[layout.BANK_IM + j] += amplitude * sin_turns(turns)
+        amplitude = level * m[slot + layout.MODE_GAIN + j] * m[layout.BLOW_DECAY + factor]
+        m[layout.BANK_RE + j] += amplitude * m[layout.BLOW_COS + factor]
+        m[layout.BANK_IM + j] += amplitude * m[layout.BLOW_SIN + factor]
         m[layout.BANK_COS + j] = m[slot + layout.MODE_COS + j]
         m[layout.BANK_SIN + j] = m[slot + layout.MODE_SIN + j]
+        factor += 1
 
 
 @point
@@ -115,29 +141,18 @@ def sound_strikes(m, w, sample):
 
 
 @point
-def ring(m, w):
-    """One sample of everything that rings; the state then stands one sample later."""
-    total = 0.0
-    i = 0
-    while i < w[layout.RINGING]:
-        kind = w[layout.RINGING_KIND + i]
-        first = kind * layout.MAX_MODES
-        last = first + w[layout.BANK_MODES + kind]
-        for j in range(first, last):
-            re = m[layout.BANK_RE + j]
-            im = m[layout.BANK_IM + j]
-            total += im
-            c = m[layout.BANK_COS + j]
-            s = m[layout.BANK_SIN + j]
-            m[layout.BANK_RE + j] = c * re - s * im
-            m[layout.BANK_IM + j] = s * re + c * im
-        w[layout.BANK_LEFT + kind] -= 1
-        if w[layout.BANK_LEFT + kind] == 0:
-            for j in range(first, first + layout.MAX_MODES):
-                m[layout.BANK_RE + j] = 0.0
-                m[layout.BANK_IM + j] = 0.0
-            w[layout.RINGING] -= 1
-            w[layout.RINGING_KIND + i] = w[layout.RINGING_KIND + w[layout.RINGING]]
-        else:
-            i += 1
-    return total
+def next_blow(m, w):
+    """The sample in which the next blow falls, of strikes not sounded in full; or NEVER."""
+    due = NEVER
+    for number in range(layout.CONTACT):
+        if w[layout.STRIKES_SOUNDED + number] < w[layout.M_STRIKES]:
+            at = w[layout.STRIKES_SOUNDED + number] % layout.STRIKE_LOG
+            time = m[layout.LOG_TIME + at] + float(number) * BLOW_SPACING
+            sample = 0
+            # not for a NaN, which is due
+            if time < LAST_SAMPLE:
+                sample = int(time)
+                if float(sample) == time:
+                    sample -= 1
+            due = min(due, sample)
+    return due

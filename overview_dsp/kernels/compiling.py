@@ -17,6 +17,10 @@ _config: Any = numba.config
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+# numba counts a negative index from the array's end, which costs three instructions wherever the
+# compiler can't see a sign: `array[i & NOT_NEGATIVE]` tells it
+NOT_NEGATIVE = 0x7FFFFFFFFFFFFFFF
+
 OPTIONS: dict[str, Any] = {
     # Python's model would raise, print and take the GIL on a division by zero
     "error_model": "numpy",

@@ -17,6 +17,5 @@ SILENCE = 1e-9
 def block_dc(x, x_before, y_before, pole):
     """One sample; exactly zero once input and output have died away."""
     y = x - x_before + pole * y_before
-    if x == 0.0 and abs(y) < SILENCE:
-        y = 0.0
-    return y
+    silence = SILENCE if x == 0.0 else 0.0
+    return 0.0 if max(y, -y) < silence else y

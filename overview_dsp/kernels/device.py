@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.actuator import drive
-from overview_dsp.kernels.compiling import entry, point
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry, point, routine
 from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.limiter import limit
 
@@ -65,8 +65,56 @@ def delayed(m, w, signal, line, at, per_glide):
 
 
 @point
+def is_untouched(m, w, signal):
+    """Whether nothing is done to a signal now: gain 1, no delay, no limiter, no actuator."""
+    gliding = w[layout.L_DELAY_LEFT + signal]
+    for i in range(signal, layout.L_GLIDED, layout.SIGNALS):
+        gliding += w[layout.L_LEFT + i]
+    driven = signal == TACTOR and w[layout.L_ACTUATOR + layout.ACT_ON] == 1
+    return (
+        gliding == 0
+        and not driven
+        and w[layout.L_DELAY + signal] == 0
+        and m[layout.L_GAIN + signal] == 1.0
+        and not m[layout.L_LIMITED + signal] > 0.0
+    )
+
+
+@point
+def keep(m, line, out, frames, channels, at):
+    """Copy one signal, from out[at] on, into a stretch of its delay line; its highest magnitude."""
+    peak = 0.0
+    for n in range(frames):
+        y = float(out[at & NOT_NEGATIVE])
+        at += channels
+        m[(line + n) & NOT_NEGATIVE] = y
+        peak = max(peak, abs(y))
+    return peak
+
+
+@point
+def pass_through(m, w, out, frames, channels, signal, channel):
+    """A signal to which nothing is done: into the delay line; its peak is booked."""
+    line = layout.L_LINES + signal * layout.DELAY_LINE
+    written = w[layout.L_LINE] & (layout.DELAY_LINE - 1)
+    first = min(frames, layout.DELAY_LINE - written)
+    peak = keep(m, line + written, out, first, channels, channel)
+    if first < frames:
+        # as a delay line in a circle has it: the rest from its start on
+        peak = max(peak, keep(m, line, out, frames - first, channels, channel + first * channels))
+    if peak > FULL_SCALE:
+        for n in range(frames):
+            i = channel + n * channels
+            out[i] = min(max(out[i], -FULL_SCALE), FULL_SCALE)
+    m[layout.L_PEAK + signal] = max(m[layout.L_PEAK + signal], min(peak, FULL_SCALE))
+
+
+@routine
 def treat(m, w, out, frames, channels, signal, channel):
     """One signal of a block through its gain, delay and ceiling; its peak is booked."""
+    if is_untouched(m, w, signal):
+        pass_through(m, w, out, frames, channels, signal, channel)
+        return
     per_glide = 1.0 / float(w[layout.S_GLIDE])
     line = layout.L_LINES + signal * layout.DELAY_LINE
     written = w[layout.L_LINE]

@@ -37,11 +37,10 @@ def follow(amplitude, follower, e1, e2, decay, rise):
         follower = amplitude
     else:
         follower = follower + decay * (amplitude - follower)
-    if amplitude == 0.0 and follower < SILENCE:
-        follower = 0.0
+    silence = SILENCE if amplitude == 0.0 else 0.0
+    follower = 0.0 if follower < silence else follower
     e1 = e1 + rise * (follower - e1)
     e2 = e2 + rise * (e1 - e2)
-    if follower == 0.0 and e1 + e2 < SILENCE:
-        e1 = 0.0
-        e2 = 0.0
-    return follower, e1, e2
+    silence = SILENCE if follower == 0.0 else 0.0
+    silent = e1 + e2 < silence
+    return follower, 0.0 if silent else e1, 0.0 if silent else e2

@@ -5,7 +5,7 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, point
 from overview_dsp.kernels.layout import CELLS
 
 
@@ -18,5 +18,5 @@ def friction_at(m, table, place):
     if place > CELLS:
         place = float(CELLS)
     i = int(place)
-    at = table + 2 * i
+    at = (table + 2 * i) & NOT_NEGATIVE
     return m[at] + (place - float(i)) * m[at + 1]

@@ -116,7 +116,12 @@ BANK_RE = BANK_MODES + BANKS  # modal state, kind by kind
 BANK_IM = BANK_RE + BANKS * MAX_MODES
 BANK_COS = BANK_IM + BANKS * MAX_MODES  # rotation loaded at the strike
 BANK_SIN = BANK_COS + BANKS * MAX_MODES
-METERS = BANK_SIN + BANKS * MAX_MODES
+BLOW_KEY = BANK_SIN + BANKS * MAX_MODES  # w: whose factors are below, of even and odd blows
+BLOW_REST = BLOW_KEY + 2  # samples
+BLOW_DECAY = BLOW_REST + 2  # factors of each mode
+BLOW_COS = BLOW_DECAY + 2 * MAX_MODES
+BLOW_SIN = BLOW_COS + 2 * MAX_MODES
+METERS = BLOW_SIN + 2 * MAX_MODES
 
 # --- meters (cleared by reset) ----------------------------------------------------------------
 (
@@ -167,11 +172,16 @@ SCRATCH = APPLIED_TOUCHING + APPLIED_LOG  # columns between the stages, one chun
 D_TORQUE = SCRATCH  # from the disk
 D_OMEGA = D_TORQUE + CHUNK
 D_PHASE = D_OMEGA + CHUNK
-D_AMPLITUDE = D_PHASE + CHUNK  # from the shaping
+D_PLACE = D_PHASE + CHUNK
+D_SPEED = D_PLACE + CHUNK
+D_THETA2 = D_SPEED + CHUNK
+D_FRICTION = D_THETA2 + CHUNK
+D_AMPLITUDE = D_FRICTION + CHUNK  # from the shaping
 D_SINE = D_AMPLITUDE + CHUNK
 D_GRAIN = D_SINE + CHUNK
 D_COLOUR = D_GRAIN + CHUNK
-D_CLICK = D_COLOUR + CHUNK  # from the voice
+D_RING = D_COLOUR + CHUNK  # from the modes
+D_CLICK = D_RING + CHUNK  # from the voice
 D_TACTOR = D_CLICK + CHUNK
 LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
 (

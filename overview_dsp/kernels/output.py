@@ -5,17 +5,23 @@ Thread: audio.
 
 from __future__ import annotations
 
+import numpy as np
+
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, point
 from overview_dsp.kernels.limiter import KNEE, limit
+
+MAGNITUDE = 0x7FFFFFFFFFFFFFFF  # of a float64's bits, all but the sign
 
 
 @point
-def emit_column(m, column, frames, ceiling, out, first, channels):
-    """Write one signal to every `channels`-th sample from `first`; its peak and limited samples."""
-    peak = 0.0
+def limit_column(m, w, column, frames, ceiling):
+    """Hold one signal under the ceiling; its peak and the number of limited samples."""
+    # magnitudes are compared as integers, which compilers do several at a time
+    highest = 0
     for n in range(frames):
-        peak = max(peak, abs(m[column + n]))
+        highest = max(highest, w[(column + n) & NOT_NEGATIVE] & MAGNITUDE)
+    peak = float(np.int64(highest).view(np.float64))
     knee = KNEE * ceiling
     limited = 0
     if peak > knee:
@@ -26,25 +32,42 @@ def emit_column(m, column, frames, ceiling, out, first, channels):
                 limited += 1
             m[column + n] = limit(x, ceiling)
             peak = max(peak, abs(m[column + n]))
-    if first >= 0:
-        for n in range(frames):
-            out[first + n * channels] = m[column + n]
     return peak, limited
 
 
 @point
-def emit(m, w, out, start, frames, channels):
+def write_column(m, column, frames, out, first, channels):
+    """Write one signal to every `channels`-th sample from `first`."""
+    for n in range(frames):
+        out[first + n * channels] = m[column + n]
+
+
+@point
+def write(m, w, out, start, frames, channels):
     """Write frames `start` to `start + frames` of the output from D_CLICK and D_TACTOR."""
-    ceiling = m[layout.C_CEILING]
     first = start * channels
-    # two channels, one signal each: every sample is written below
-    if channels != 2 or w[layout.S_CLICK_CHANNEL] + w[layout.S_TACTOR_CHANNEL] != 1:
-        for i in range(first, first + frames * channels):
-            out[i] = 0.0
-    click_at = first + w[layout.S_CLICK_CHANNEL] if w[layout.S_CLICK_CHANNEL] >= 0 else -1
-    tactor_at = first + w[layout.S_TACTOR_CHANNEL] if w[layout.S_TACTOR_CHANNEL] >= 0 else -1
-    click, bent = emit_column(m, layout.D_CLICK, frames, ceiling, out, click_at, channels)
-    tactor, also = emit_column(m, layout.D_TACTOR, frames, ceiling, out, tactor_at, channels)
+    click_channel = w[layout.S_CLICK_CHANNEL]
+    tactor_channel = w[layout.S_TACTOR_CHANNEL]
+    if channels == 2 and click_channel == 0 and tactor_channel == 1:
+        for n in range(frames):
+            out[(first + 2 * n) & NOT_NEGATIVE] = m[layout.D_CLICK + n]
+            out[(first + 2 * n + 1) & NOT_NEGATIVE] = m[layout.D_TACTOR + n]
+        return
+    for i in range(first, first + frames * channels):
+        out[i] = 0.0
+    if click_channel >= 0:
+        write_column(m, layout.D_CLICK, frames, out, first + click_channel, channels)
+    if tactor_channel >= 0:
+        write_column(m, layout.D_TACTOR, frames, out, first + tactor_channel, channels)
+
+
+@point
+def emit(m, w, out, start, frames, channels):
+    """Both signals of one chunk under the ceiling, into the output and the meters."""
+    ceiling = m[layout.C_CEILING]
+    click, bent = limit_column(m, w, layout.D_CLICK, frames, ceiling)
+    tactor, also = limit_column(m, w, layout.D_TACTOR, frames, ceiling)
+    write(m, w, out, start, frames, channels)
     m[layout.M_PEAK_CLICK] = max(m[layout.M_PEAK_CLICK], click)
     m[layout.M_PEAK_TACTOR] = max(m[layout.M_PEAK_TACTOR], tactor)
     w[layout.M_LIMITED] += bent + also

@@ -30,7 +30,8 @@ def grain_level(torque, omega, gain):
 def spread(target, level, a):
     """One sample of the level's smoothing; exactly zero once inaudible."""
     level = level + a * (target - level)
-    return level if level > QUIET else (0.0 if target < QUIET else level)
+    quiet = QUIET if target < QUIET else -1.0
+    return 0.0 if level <= quiet else level
 
 
 @point
@@ -44,6 +45,5 @@ def brightness(omega, cutoff):
 def colour(x, y, a):
     """One sample of the low-pass; exactly zero once it has died away."""
     y = y + (x - y) * a
-    if x == 0.0 and abs(y) < QUIET:
-        y = 0.0
-    return y
+    quiet = QUIET if x == 0.0 else 0.0
+    return 0.0 if max(y, -y) < quiet else y

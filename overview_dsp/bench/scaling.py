@@ -1,0 +1,174 @@
+"""What a second of sound costs as the work grows: duration, events, sample rate; and memory.
+
+Each series is compared with its first entry, in rounds in turn. The surface's table always has the
+same size, so there is no series for it.
+"""
+
+from __future__ import annotations
+
+import resource
+import statistics
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from overview_dsp.bench.work import feed, prepared
+from overview_dsp.engine import Engine
+from overview_dsp.errors import OverviewWarning
+from overview_dsp.gestures import sweep
+from overview_dsp.gestures.scripts import ARRIVAL_S
+from overview_dsp.presets import load_preset
+from overview_dsp.timeline import Event, Timeline
+
+BLOCK = 4096
+SWEEP_S = 4.0
+DURATIONS = (1, 15, 150, 900)
+"""Sweeps of `SWEEP_S`, with the rest at their end: 4 s to an hour."""
+WARM_REPEATS = 100
+EVENTS = (10, 100, 1_000, 10_000, 100_000)
+RATES = (8_000, 24_000, 48_000, 96_000, 192_000)
+EVENTS_SWEEP_S = 8.0
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Cost of a second of sound, of the series' first entry: median, lowest, highest.
+
+    `strikes` are the strikes that the surface holds.
+    """
+
+    series: str
+    entry: str
+    ratio: float
+    low: float
+    high: float
+    strikes: int
+
+
+def cost(engine: Engine, sweep_s: float, repeats: int = 1) -> float:
+    """CPU seconds for a second of sound: sweeps over the whole timeline, one after the other."""
+    gesture = sweep(sweep_s)
+    out = np.zeros((BLOCK, 2), dtype=np.float32)
+    blocks = round(gesture.duration_s * engine.sample_rate / BLOCK)
+    engine.reset()
+    spent = 0.0
+    for _ in range(repeats):
+        feed(engine, gesture)
+        started = time.thread_time()
+        for _ in range(blocks):
+            engine.process(out)
+        spent += time.thread_time() - started
+    return spent / (repeats * blocks * BLOCK / engine.sample_rate)
+
+
+def evenly(count: int) -> Timeline:
+    """A timeline with fouls at even distances."""
+    times = (np.arange(count) + 0.5) * (5_400.0 / count)
+    events = tuple(Event(float(time), "foul") for time in times)
+    return Timeline(f"{count} events", 5_400.0, events)
+
+
+def series(
+    name: str,
+    cases: dict[str, tuple[Engine, float, int]],
+    rounds: int,
+    step: Callable[[], None],
+) -> list[Cost]:
+    """Each case is what `cost` takes; it runs once to warm up."""
+    found: dict[str, list[float]] = {entry: [] for entry in cases}
+    for round_ in range(rounds + 1):
+        for entry, case in cases.items():
+            # a long one needs no warming up
+            spent = cost(*case) if round_ > 0 or case[2] < WARM_REPEATS else 0.0
+            if round_ > 0:
+                found[entry].append(spent)
+            step()
+    base = found[next(iter(cases))]
+    costs = []
+    for entry, (engine, *_) in cases.items():
+        ratios = [cost / other for cost, other in zip(found[entry], base, strict=True)]
+        strikes = len(engine.surface.place)
+        costs.append(
+            Cost(name, entry, statistics.median(ratios), min(ratios), max(ratios), strikes)
+        )
+    return costs
+
+
+def measure(
+    rounds: int, longest_s: float = 3600.0, progress: Callable[[float], None] | None = None
+) -> list[Cost]:
+    """All series; durations up to `longest_s`."""
+    repeats = [count for count in DURATIONS if count * SWEEP_S <= longest_s]
+    steps = (rounds + 1) * (len(repeats) + len(EVENTS) + len(RATES))
+    done = 0
+
+    def step() -> None:
+        nonlocal done
+        done += 1
+        if progress:
+            progress(done / steps)
+
+    engine = prepared(frames=BLOCK)
+    durations = {
+        f"{count * SWEEP_S:g} s": (engine, SWEEP_S - ARRIVAL_S, count) for count in repeats
+    }
+    costs = series("duration", durations, rounds, step)
+    crowded = {}
+    for count in EVENTS:
+        with warnings.catch_warnings():
+            # that strikes are merged is stated in the table
+            warnings.simplefilter("ignore", OverviewWarning)
+            made = prepared(evenly(count), load_preset("football"), frames=BLOCK)
+        crowded[f"{count} events"] = (made, EVENTS_SWEEP_S, 1)
+    costs += series("events", crowded, rounds, step)
+    rates = {f"{rate} Hz": (prepared(rate=rate, frames=BLOCK), 4.0, 1) for rate in RATES}
+    return [*costs, *_per_sample(series("cost of a sample at", rates, rounds, step))]
+
+
+def _per_sample(costs: list[Cost]) -> list[Cost]:
+    """A series of sample rates as cost of a sample, not of a second."""
+    return [
+        replace(cost, ratio=cost.ratio * part, low=cost.low * part, high=cost.high * part)
+        for cost, part in zip(costs, (RATES[0] / rate for rate in RATES), strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class Memory:
+    """Highest resident memory (MB): with an engine ready, and after streaming for `seconds`."""
+
+    ready_mb: float
+    seconds: float
+    streamed_mb: float
+
+
+def memory(seconds: float) -> Memory:
+    """Stream sweeps in blocks, in a process of its own: nothing else has been in its memory."""
+    command = [sys.executable, "-m", "overview_dsp.bench.scaling", str(seconds)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    ready, streamed = map(float, done.stdout.split())
+    return Memory(ready, seconds, streamed)
+
+
+def stream(seconds: float) -> tuple[float, float]:
+    """Highest resident memory (MB) before and after a stream."""
+    engine = prepared(frames=BLOCK)
+    cost(engine, SWEEP_S - ARRIVAL_S)
+    ready = peak_mb()
+    cost(engine, SWEEP_S - ARRIVAL_S, max(1, round(seconds / SWEEP_S)))
+    return ready, peak_mb()
+
+
+def peak_mb() -> float:
+    """The process's highest resident memory so far."""
+    unit = 1 << 20 if sys.platform == "darwin" else 1 << 10
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
+
+
+if __name__ == "__main__":
+    print(*stream(float(sys.argv[1])))

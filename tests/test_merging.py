@@ -1,0 +1,66 @@
+"""More events than a surface tells apart: the strongest of those that fall together strikes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import overview_dsp as ov
+from overview_dsp.errors import OverviewWarning
+from overview_dsp.merging import strongest_of_each
+from overview_dsp.surface import MAX_EVENTS, build_surface
+from tests.examples import preset_with, timeline_of
+
+EVENTS = st.lists(st.tuples(st.floats(0.0, 65_536.0), st.integers(0, 5)), min_size=1, max_size=300)
+
+
+@given(EVENTS, st.integers(1, 50))
+def test_the_strongest_of_each_stretch_is_kept_and_stands_for_the_others(events, most):
+    place = np.array([at for at, _ in events])
+    release = np.array([strength for _, strength in events], dtype=np.float64)
+    kept, stands_for = strongest_of_each(place, release, most)
+    assert 1 <= len(kept) <= most
+    assert np.all(np.diff(place[kept]) >= 0.0)
+    assert np.array_equal(stands_for[kept], np.arange(len(kept)))
+    for number in range(len(kept)):
+        together = stands_for == number
+        assert release[together].max() == release[kept[number]]
+        # nothing of another stretch lies between them
+        inside = (place > place[together].min()) & (place < place[together].max())
+        assert np.all(stands_for[inside] == number)
+
+
+def test_events_in_cells_of_their_own_are_all_kept():
+    place = np.array([5.5, 0.2, 3.9, 4.0])
+    kept, stands_for = strongest_of_each(place, np.ones(4), 4)
+    assert list(kept) == [1, 2, 3, 0]
+    assert list(stands_for) == [3, 0, 1, 2]
+
+
+def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
+    preset = preset_with(height=2.0, width=0.03)
+    timeline = timeline_of(*np.linspace(0.0, 100.0, 100_000))
+    with pytest.warns(OverviewWarning, match="100000 events, of which the surface tells 163"):
+        surface = build_surface(timeline, preset)
+    assert len(surface.place) <= MAX_EVENTS
+    assert np.all(np.diff(surface.place) > 0.0)
+    with pytest.warns(OverviewWarning, match="tells"):
+        result = ov.render(timeline, preset, ov.sweep(0.5), tail="none")
+    assert len(result.strikes.time_s) > 15_000
+    assert np.isfinite(result.samples).all()
+
+
+def test_merged_bristles_belong_to_the_event_that_strikes():
+    preset = preset_with(height=2.0, width=0.03)
+    kind = ov.Kind(height=5.0, width_percent=0.03, model="bristle")
+    preset = type(preset)("b", "b", "b", preset.values, {"default": kind})
+    with pytest.warns(OverviewWarning, match="tells"):
+        surface = build_surface(timeline_of(*np.linspace(0.0, 100.0, 40_000)), preset)
+    assert surface.bristles is not None
+    owner = surface.bristles.owner
+    assert owner.max() == len(surface.place) - 1
+    gripped = np.flatnonzero(owner >= 0)
+    away = np.abs(surface.place[owner[gripped]] * 65_536 - gripped)
+    assert away.max() < 32.0

@@ -1,0 +1,472 @@
+/* The whole voice in C: the algorithm of overview_dsp/kernels/ for a surface of viscous friction, with
+ * the same bits. A yardstick for the compiled kernels, and a second reading of them.
+ *
+ *     gcc -O3 -march=native -ffp-contract=off -shared -fPIC same_voice.c -o same_voice.so -lm
+ *
+ * Contracted or reordered arithmetic gives other bits: no -ffast-math, no -ffp-contract=fast.
+ * One hand; surfaces and parameters stand still; bristles, wells and end stops are left out.
+ */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+enum { CELLS = 65536, BANKS = 33, MAX_MODES = 6, CONTACT = 8, QUEUE = 16384, CHUNK = 64 };
+static const double PI = 3.141592653589793;
+static const double FAR_AWAY = 1e300, RETREAT = 1e-6, STANDSTILL = 1e-150, STILL = 1e-150;
+
+/* as kernels/layout.py has them, from COEFF on */
+typedef struct {
+    double spring_held, spring_free, inertia, theta, omega, smooth, torque, gate, exponent, decay,
+        rise, carrier, tactor_gain, click_gain, strike_torque, strike_exponent, texture_gain,
+        texture_cutoff, ceiling, dc_pole, grain, forget;
+} Coefficients;
+
+/* a surface slot, and the clicks of each kind */
+typedef struct {
+    const double *table; /* pairs of friction and its slope, CELLS + 1 of them */
+    int64_t events;
+    const double *place, *release;
+    const int64_t *kind;
+    const int64_t *modes, *ring;                            /* [BANKS] */
+    const double *mode_cos, *mode_sin, *turns, *decay, *gain; /* [BANKS * MAX_MODES] */
+} Surface;
+
+typedef struct {
+    int64_t sample, touching;
+    double theta2;
+} Control;
+
+typedef struct {
+    double time, level;
+    int64_t event;
+} Strike;
+
+typedef struct {
+    double re[MAX_MODES], im[MAX_MODES], c[MAX_MODES], s[MAX_MODES];
+    int64_t left, modes;
+} Bank;
+
+typedef struct {
+    int64_t clock, touching, following, strikes, sounded[CONTACT], ringing, ringing_kind[BANKS];
+    uint64_t noise;
+    double x, v, input, smooth_1, smooth_2, approach, phase;
+    double follower, envelope_1, envelope_2, tactor_in, tactor_out;
+    double grain, texture, click_in, click_out;
+    Bank bank[BANKS];
+    Strike queue[QUEUE];
+} Voice;
+
+/* --- elementary functions: kernels/elementary.py ------------------------------------------- */
+
+static const double LOG2_E = 1.4426950408889634, LN_2 = 0.6931471805599453;
+static const double TURN = 6.283185307179586, ROUND = 6755399441055744.0;
+#define ONE_BITS 0x3FF0000000000000
+#define ROOT_HALF_BITS 0x3FE6A09E667F3BCD
+#define TWO_52_BITS 0x4330000000000000
+
+static inline int64_t bits_of(double x) {
+    int64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+static inline double double_of(int64_t bits) {
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static inline double log_2(double x) {
+    int64_t bits = bits_of(x);
+    int64_t exponent = (bits + (ONE_BITS - ROOT_HALF_BITS)) >> 52;
+    double f = double_of(bits - ((exponent - 1023) << 52));
+    double s = (f - 1.0) / (f + 1.0);
+    double t = s * s;
+    double t2 = t * t;
+    double high = (1.0 / 9.0 + t * (1.0 / 11.0)) + t2 * (1.0 / 13.0);
+    double low = (1.0 + t * (1.0 / 3.0)) + t2 * (1.0 / 5.0 + t * (1.0 / 7.0));
+    double whole = double_of(exponent | TWO_52_BITS) - (4503599627370496.0 + 1023.0);
+    return whole + (2.0 * LOG2_E) * s * (low + t2 * t2 * high);
+}
+
+static inline double exp_2(double y) {
+    y = y < -1000.0 ? -1000.0 : y;
+    y = y > 1000.0 ? 1000.0 : y;
+    double rounded = y + ROUND;
+    double z = (y - (rounded - ROUND)) * LN_2;
+    double z2 = z * z;
+    double z4 = z2 * z2;
+    double low = (1.0 + z) + z2 * (0.5 + z * (1.0 / 6.0));
+    double middle = (1.0 / 24.0 + z * (1.0 / 120.0)) + z2 * (1.0 / 720.0 + z * (1.0 / 5040.0));
+    double high = (1.0 / 40320.0 + z * (1.0 / 362880.0)) + z2 * (1.0 / 3628800.0);
+    double series = low + z4 * (middle + z4 * high);
+    return series * double_of((int64_t)((uint64_t)bits_of(rounded) << 52) + ONE_BITS);
+}
+
+static inline double power(double x, double p) { return exp_2(p * log_2(x)); }
+
+static inline double tanh_positive(double x) {
+    return 1.0 - 2.0 / (exp_2(2.0 * LOG2_E * x) + 1.0);
+}
+
+static inline double sin_turns(double p) {
+    double rounded = 2.0 * p + ROUND;
+    double x = (p - 0.5 * (rounded - ROUND)) * TURN;
+    double t = x * x;
+    double t2 = t * t;
+    double t4 = t2 * t2;
+    double low = (1.0 - t * (1.0 / 6.0)) + t2 * (1.0 / 120.0 - t * (1.0 / 5040.0));
+    double high = (1.0 / 362880.0 - t * (1.0 / 39916800.0)) +
+                  t2 * (1.0 / 6227020800.0 - t * (1.0 / 1307674368000.0));
+    double s = x * (low + t4 * (high + t4 * (1.0 / 355687428096000.0)));
+    return double_of(bits_of(s) ^ (int64_t)((uint64_t)bits_of(rounded) << 63));
+}
+
+static inline double cos_turns(double p) { return sin_turns(p + 0.25); }
+
+/* --- strikes and modes: kernels/click.py --------------------------------------------------- */
+
+static void strike(Voice *voice, const Coefficients *c, const Surface *surface, int64_t event,
+                   double approach, int64_t sample, double fraction) {
+    double hardness = surface->release[event] * approach * c->strike_torque;
+    double level = 0.0;
+    if (hardness > 1e-12) {
+        level = power(hardness, c->strike_exponent);
+        level = level / (1.0 + level);
+    }
+    Strike *entry = &voice->queue[voice->strikes % QUEUE];
+    entry->time = (double)sample + fraction;
+    entry->level = level;
+    entry->event = event;
+    voice->strikes += 1;
+}
+
+static void blow(Voice *voice, const Surface *surface, const Strike *entry, int number, double rest) {
+    int64_t kind = surface->kind[entry->event];
+    int64_t modes = surface->modes[kind];
+    if (modes == 0) return;
+    Bank *bank = &voice->bank[kind];
+    if (bank->left == 0) voice->ringing_kind[voice->ringing++] = kind;
+    bank->left = surface->ring[kind];
+    bank->modes = modes;
+    double weight = 0.125 - 0.125 * cos_turns(((double)number + 0.5) * (1.0 / CONTACT));
+    double level = entry->level * weight;
+    for (int64_t j = 0; j < modes; j++) {
+        int64_t mode = kind * MAX_MODES + j;
+        double turns = surface->turns[mode] * rest;
+        double amplitude =
+            level * surface->gain[mode] * exp_2(surface->decay[mode] * rest * LOG2_E);
+        bank->re[j] += amplitude * cos_turns(turns);
+        bank->im[j] += amplitude * sin_turns(turns);
+        bank->c[j] = surface->mode_cos[mode];
+        bank->s[j] = surface->mode_sin[mode];
+    }
+}
+
+static void sound_strikes(Voice *voice, const Surface *surface, int64_t sample) {
+    for (int number = 0; number < CONTACT; number++) {
+        while (voice->sounded[number] < voice->strikes) {
+            const Strike *entry = &voice->queue[voice->sounded[number] % QUEUE];
+            double rest = (double)(sample + 1) - (entry->time + (double)number * 0.5);
+            if (rest < 0.0) break;
+            blow(voice, surface, entry, number, rest);
+            voice->sounded[number] += 1;
+        }
+    }
+}
+
+static int64_t next_blow(const Voice *voice) {
+    int64_t due = INT64_MAX;
+    for (int number = 0; number < CONTACT; number++) {
+        if (voice->sounded[number] >= voice->strikes) continue;
+        const Strike *entry = &voice->queue[voice->sounded[number] % QUEUE];
+        double time = entry->time + (double)number * 0.5;
+        int64_t sample = (int64_t)time;
+        if ((double)sample == time) sample -= 1;
+        if (sample < due) due = sample;
+    }
+    return due;
+}
+
+static double ring_once(Voice *voice) {
+    double total = 0.0;
+    int64_t i = 0;
+    while (i < voice->ringing) {
+        Bank *bank = &voice->bank[voice->ringing_kind[i]];
+        for (int64_t j = 0; j < bank->modes; j++) {
+            double re = bank->re[j], im = bank->im[j], c = bank->c[j], s = bank->s[j];
+            total += im;
+            bank->re[j] = c * re - s * im;
+            bank->im[j] = s * re + c * im;
+        }
+        bank->left -= 1;
+        if (bank->left == 0) {
+            memset(bank->re, 0, sizeof bank->re);
+            memset(bank->im, 0, sizeof bank->im);
+            voice->ringing -= 1;
+            voice->ringing_kind[i] = voice->ringing_kind[voice->ringing];
+        } else {
+            i += 1;
+        }
+    }
+    return total;
+}
+
+/* `count` modes from j on through a run of samples; count is a constant where this is called */
+static inline void ring_modes(Bank *bank, int64_t j, const int count, double *rung, int64_t frames) {
+    double re[3], im[3], c[3], s[3];
+    for (int k = 0; k < count; k++) {
+        re[k] = bank->re[j + k];
+        im[k] = bank->im[j + k];
+        c[k] = bank->c[j + k];
+        s[k] = bank->s[j + k];
+    }
+    for (int64_t n = 0; n < frames; n++) {
+        double total = rung[n];
+        for (int k = 0; k < count; k++) {
+            double turned = c[k] * re[k] - s[k] * im[k];
+            total += im[k];
+            im[k] = s[k] * re[k] + c[k] * im[k];
+            re[k] = turned;
+        }
+        rung[n] = total;
+    }
+    for (int k = 0; k < count; k++) {
+        bank->re[j + k] = re[k];
+        bank->im[j + k] = im[k];
+    }
+}
+
+static void ring_on(Voice *voice, double *rung, int64_t frames) {
+    memset(rung, 0, frames * sizeof *rung);
+    for (int64_t i = 0; i < voice->ringing; i++) {
+        Bank *bank = &voice->bank[voice->ringing_kind[i]];
+        bank->left -= frames;
+        int64_t j = 0;
+        for (; j + 2 < bank->modes; j += 3) ring_modes(bank, j, 3, rung, frames);
+        if (j + 1 < bank->modes)
+            ring_modes(bank, j, 2, rung, frames);
+        else if (j < bank->modes)
+            ring_modes(bank, j, 1, rung, frames);
+    }
+}
+
+/* What rings in one chunk: in runs, between blows and kinds that fall silent. */
+static void ring(Voice *voice, const Surface *surface, double *rung, int64_t frames) {
+    int64_t n = 0;
+    while (n < frames) {
+        int64_t stop = frames;
+        if (voice->sounded[CONTACT - 1] < voice->strikes) {
+            sound_strikes(voice, surface, voice->clock + n);
+            int64_t due = next_blow(voice);
+            if (due - voice->clock < stop) stop = due - voice->clock;
+        }
+        for (int64_t i = 0; i < voice->ringing; i++) {
+            int64_t last = n + voice->bank[voice->ringing_kind[i]].left - 1;
+            if (last < stop) stop = last;
+        }
+        if (stop > n) {
+            ring_on(voice, rung + n, stop - n);
+            n = stop;
+        } else {
+            rung[n] = ring_once(voice);
+            n += 1;
+        }
+    }
+}
+
+/* --- the stages of a chunk: kernels/motion.py, shaping.py, voice.py, output.py ------------- */
+
+typedef struct {
+    double torque[CHUNK], omega[CHUNK], phase[CHUNK];
+    double amplitude[CHUNK], sine[CHUNK], grain[CHUNK], colour[CHUNK], rung[CHUNK];
+    double click[CHUNK], tactor[CHUNK];
+} Chunk;
+
+static void move(Voice *voice, const Coefficients *c, const Surface *surface, Chunk *chunk,
+                 int64_t frames) {
+    double x = voice->x, half = 0.5 * voice->v, y1 = voice->smooth_1, y2 = voice->smooth_2;
+    double phase = voice->phase, approach = voice->approach;
+    double target = voice->input;
+    double spring = voice->touching ? c->spring_held : c->spring_free;
+    double denominator = c->inertia * (2.0 + 0.5 * spring);
+    int64_t following = voice->following, events = surface->events;
+    const double *place = surface->place;
+    double above = following < events ? place[following] : FAR_AWAY;
+    double below = following > 0 ? place[following - 1] - RETREAT : -FAR_AWAY;
+
+    for (int64_t n = 0; n < frames; n++) {
+        y1 = y1 + c->smooth * (target - y1);
+        y2 = y2 + c->smooth * (y1 - y2);
+        y1 = y1 > STILL ? y1 : 0.0;
+        y2 = y2 > STILL ? y2 : 0.0;
+        double ahead = x + half;
+        ahead = ahead > 0.0 ? ahead : 0.0;
+        ahead = ahead > CELLS ? CELLS : ahead;
+        int64_t i = (int64_t)ahead;
+        double friction = surface->table[2 * i] + (ahead - (double)i) * surface->table[2 * i + 1];
+        double rest = voice->touching ? y2 : 0.0;
+        double was = x;
+        double middle =
+            c->inertia * (4.0 * half + spring * (rest - x)) / (denominator + friction);
+        x = x + middle;
+        half = middle - half;
+        half = fabs(half) < 0.5 * STANDSTILL ? 0.0 : half;
+        x = fabs(x) < STANDSTILL ? 0.0 : x;
+        double omega = middle * c->omega;
+        approach = approach * c->forget;
+        approach = fabs(omega) > approach ? fabs(omega) : approach;
+        approach = approach < STANDSTILL ? 0.0 : approach;
+        phase = phase + c->carrier;
+        phase = phase >= 1.0 ? phase - 1.0 : phase;
+        chunk->torque[n] = friction * omega;
+        chunk->omega[n] = omega;
+        chunk->phase[n] = phase;
+
+        while (x >= above) {
+            double fraction = (above - was) / (x - was);
+            strike(voice, c, surface, following, approach, voice->clock + n, fraction);
+            following += 1;
+            below = above - RETREAT;
+            above = following < events ? place[following] : FAR_AWAY;
+        }
+        while (x < below) {
+            following -= 1;
+            above = place[following];
+            double fraction = was > above ? (was - above) / (was - x) : 0.0;
+            strike(voice, c, surface, following, approach, voice->clock + n, fraction);
+            below = following > 0 ? place[following - 1] - RETREAT : -FAR_AWAY;
+        }
+    }
+    voice->x = x;
+    voice->v = 2.0 * half;
+    voice->smooth_1 = y1;
+    voice->smooth_2 = y2;
+    voice->phase = phase;
+    voice->approach = approach;
+    voice->following = following;
+}
+
+static void shape(const Coefficients *c, Chunk *chunk, int64_t frames) {
+    for (int64_t n = 0; n < frames; n++) {
+        double t = fabs(chunk->torque[n]) * c->torque - c->gate;
+        int felt = t > 1e-12;
+        double a = power(felt ? t : 1.0, c->exponent);
+        a = a < 3.0 ? a : 3.0;
+        a = felt ? a : 0.0;
+        double squared = a * a;
+        chunk->amplitude[n] = a * (27.0 + squared) / (27.0 + 9.0 * squared);
+        chunk->sine[n] = sin_turns(chunk->phase[n]);
+        chunk->grain[n] = c->texture_gain * sqrt(fabs(chunk->torque[n] * chunk->omega[n]));
+        double bright = c->texture_cutoff * (fabs(chunk->omega[n]) + 0.05);
+        chunk->colour[n] = bright / (1.0 + bright);
+    }
+}
+
+static inline double block_dc(double x, double x_before, double y_before, double pole) {
+    double y = x - x_before + pole * y_before;
+    return x == 0.0 && fabs(y) < 1e-9 ? 0.0 : y;
+}
+
+static void sound(Voice *voice, const Coefficients *c, Chunk *chunk, int64_t frames) {
+    double follower = voice->follower, e1 = voice->envelope_1, e2 = voice->envelope_2;
+    double tactor_in = voice->tactor_in, tactor_out = voice->tactor_out;
+    double click_in = voice->click_in, click_out = voice->click_out;
+    double level = voice->grain, grain = voice->texture;
+    uint64_t noise = voice->noise;
+    for (int64_t n = 0; n < frames; n++) {
+        double amplitude = chunk->amplitude[n];
+        follower =
+            amplitude > follower ? amplitude : follower + c->decay * (amplitude - follower);
+        if (amplitude == 0.0 && follower < 1e-7) follower = 0.0;
+        e1 = e1 + c->rise * (follower - e1);
+        e2 = e2 + c->rise * (e1 - e2);
+        if (follower == 0.0 && e1 + e2 < 1e-7) e1 = e2 = 0.0;
+        double wave = e2 * c->tactor_gain * chunk->sine[n];
+        tactor_out = block_dc(wave, tactor_in, tactor_out, c->dc_pole);
+        tactor_in = wave;
+        chunk->tactor[n] = tactor_out;
+
+        double target = chunk->grain[n];
+        level = level + c->grain * (target - level);
+        if (level <= 1e-5 && target < 1e-5) level = 0.0;
+        double rough = 0.0;
+        if (level > 0.0) {
+            noise = noise ^ (noise >> 12);
+            noise = noise ^ (noise << 25);
+            noise = noise ^ (noise >> 27);
+            int64_t drawn = (int64_t)((noise * 2685821657736338717u) >> 11);
+            rough = level * ((double)drawn * 2.220446049250313e-16 - 1.0);
+        }
+        grain = grain + (rough - grain) * chunk->colour[n];
+        if (rough == 0.0 && fabs(grain) < 1e-5) grain = 0.0;
+        double clicks = (grain + chunk->rung[n]) * c->click_gain;
+        click_out = block_dc(clicks, click_in, click_out, c->dc_pole);
+        click_in = clicks;
+        chunk->click[n] = click_out;
+    }
+    voice->follower = follower;
+    voice->envelope_1 = e1;
+    voice->envelope_2 = e2;
+    voice->tactor_in = tactor_in;
+    voice->tactor_out = tactor_out;
+    voice->click_in = click_in;
+    voice->click_out = click_out;
+    voice->grain = level;
+    voice->texture = grain;
+    voice->noise = noise;
+}
+
+static void emit(const double *x, int64_t frames, double ceiling, float *out) {
+    double knee = 0.5 * ceiling, room = 0.999999 * ceiling - knee;
+    for (int64_t n = 0; n < frames; n++) {
+        double y = x[n];
+        if (fabs(y) > knee) {
+            double held = knee + room * tanh_positive((fabs(y) - knee) / room);
+            y = y > 0.0 ? held : -held;
+        }
+        out[2 * n] = (float)y;
+    }
+}
+
+static void control(Voice *voice, const Control *event) {
+    double place = event->theta2 * (CELLS / PI);
+    if (event->touching) {
+        voice->input = place;
+        if (!voice->touching) voice->smooth_1 = voice->smooth_2 = place;
+    }
+    voice->touching = event->touching;
+}
+
+/* --- for callers ---------------------------------------------------------------------------- */
+
+int64_t voice_size(void) { return sizeof(Voice); }
+
+void voice_reset(Voice *voice, uint64_t seed) {
+    memset(voice, 0, sizeof *voice);
+    voice->noise = seed;
+}
+
+/* `frames` frames from the present one on into out, float32 [frames * 2] (click, tactor); of the
+ * `count` events, in order, those are applied that fall due. */
+void voice_render(Voice *voice, const Coefficients *c, const Surface *surface,
+                  const Control *events, int64_t count, float *out, int64_t frames) {
+    Chunk chunk;
+    int64_t next = 0, end = voice->clock + frames;
+    while (next < count && events[next].sample < voice->clock) next++;
+    while (voice->clock < end) {
+        while (next < count && events[next].sample <= voice->clock) control(voice, &events[next++]);
+        int64_t stop = next < count && events[next].sample < end ? events[next].sample : end;
+        while (voice->clock < stop) {
+            int64_t length = stop - voice->clock < CHUNK ? stop - voice->clock : CHUNK;
+            move(voice, c, surface, &chunk, length);
+            shape(c, &chunk, length);
+            ring(voice, surface, chunk.rung, length);
+            sound(voice, c, &chunk, length);
+            emit(chunk.click, length, c->ceiling, out);
+            emit(chunk.tactor, length, c->ceiling, out + 1);
+            voice->clock += length;
+            out += 2 * length;
+        }
+    }
+}
