@@ -43,10 +43,8 @@ def stimuli(count: int, workers: int) -> None:
         assert not outcome.failed
         each = 1e3 * used / outcome.rendered
         print(
-            f"{outcome.rendered} stimuli of 0.5 s with manifest, {workers} processes: "
-            f"{taken:.1f} s; {used:.1f} s of processor time, {each:.2f} ms each; "
-            f"load {os.getloadavg()[0]:.1f}",
-            flush=True,
+            f"{outcome.rendered} stimuli of 0.5 s with manifest, {workers} processes: {taken:.1f} s; "
+            f"{used:.1f} s of processor time, {each:.2f} ms each; load {os.getloadavg()[0]:.1f}"
         )
 
 
@@ -57,19 +55,11 @@ def nothing(number: int) -> int:
 
 def scheduling(workers: int, tasks: int) -> None:
     """A scheduler's time for a task, with workers in this process."""
-    import dask
     from distributed import Client, LocalCluster
 
-    # so many workers in one process take a while to answer
-    dask.config.set({"distributed.comm.timeouts.connect": "300s"})
     with (
         LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=False,
-            dashboard_address=None,
-            # each would count the whole process against its share, and pause
-            memory_limit=None,
+            n_workers=workers, threads_per_worker=1, processes=False, dashboard_address=None
         ) as cluster,
         Client(cluster) as client,
     ):

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import moving
-from overview_dsp.kernels.compiling import point, routine
+from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.elementary import cos_turns, exp, power, sin_turns
 
 BLOW_SPACING = 0.5  # samples
@@ -112,85 +112,6 @@ def sound_strikes(m, w, sample):
                 break
             blow(m, w, at, number, rest)
             w[layout.STRIKES_SOUNDED + number] += 1
-
-
-@point
-def ring_one(m, j, at, frames):
-    """Add `frames` samples of mode j to the columns from `at`; its state then stands after them."""
-    re = m[layout.BANK_RE + j]
-    im = m[layout.BANK_IM + j]
-    c = m[layout.BANK_COS + j]
-    s = m[layout.BANK_SIN + j]
-    for n in range(frames):
-        m[at + n] += im
-        was = re
-        re = c * re - s * im
-        im = s * was + c * im
-    m[layout.BANK_RE + j] = re
-    m[layout.BANK_IM + j] = im
-
-
-@point
-def ring_three(m, j, at, frames):
-    """`ring_one` of modes j to j + 2, in that order: three chains at a time instead of one."""
-    re0, im0 = m[layout.BANK_RE + j], m[layout.BANK_IM + j]
-    re1, im1 = m[layout.BANK_RE + j + 1], m[layout.BANK_IM + j + 1]
-    re2, im2 = m[layout.BANK_RE + j + 2], m[layout.BANK_IM + j + 2]
-    c0, s0 = m[layout.BANK_COS + j], m[layout.BANK_SIN + j]
-    c1, s1 = m[layout.BANK_COS + j + 1], m[layout.BANK_SIN + j + 1]
-    c2, s2 = m[layout.BANK_COS + j + 2], m[layout.BANK_SIN + j + 2]
-    for n in range(frames):
-        m[at + n] = ((m[at + n] + im0) + im1) + im2
-        re0, im0 = c0 * re0 - s0 * im0, s0 * re0 + c0 * im0
-        re1, im1 = c1 * re1 - s1 * im1, s1 * re1 + c1 * im1
-        re2, im2 = c2 * re2 - s2 * im2, s2 * re2 + c2 * im2
-    m[layout.BANK_RE + j], m[layout.BANK_IM + j] = re0, im0
-    m[layout.BANK_RE + j + 1], m[layout.BANK_IM + j + 1] = re1, im1
-    m[layout.BANK_RE + j + 2], m[layout.BANK_IM + j + 2] = re2, im2
-
-
-@point
-def ring_on(m, w, at, frames):
-    """Samples of everything that rings into the columns from `at`; how many.
-
-    Up to `frames`, and to the last before a kind falls silent. Each is the sum of `ring`, in the
-    same order.
-    """
-    for i in range(w[layout.RINGING]):
-        frames = min(frames, w[layout.BANK_LEFT + w[layout.RINGING_KIND + i]] - 1)
-    for n in range(frames):
-        m[at + n] = 0.0
-    if frames > 0:
-        for i in range(w[layout.RINGING]):
-            kind = w[layout.RINGING_KIND + i]
-            j = kind * layout.MAX_MODES
-            last = j + w[layout.BANK_MODES + kind]
-            while j + 3 <= last:
-                ring_three(m, j, at, frames)
-                j += 3
-            while j < last:
-                ring_one(m, j, at, frames)
-                j += 1
-            w[layout.BANK_LEFT + kind] -= frames
-    return frames
-
-
-@routine
-def ring_chunk(m, w, frames):
-    """Fill the D_CLICK column of one chunk with what its strikes make ring."""
-    clock = w[layout.CLOCK]
-    n = 0
-    while n < frames:
-        ready = 0
-        if w[layout.STRIKES_SOUNDED + layout.CONTACT - 1] < w[layout.M_STRIKES]:
-            sound_strikes(m, w, clock + n)
-        else:
-            ready = ring_on(m, w, layout.D_CLICK + n, frames - n)
-        if ready == 0:
-            # a strike's blows, or a kind's last sample
-            m[layout.D_CLICK + n] = ring(m, w)
-            ready = 1
-        n += ready
 
 
 @point

@@ -6,7 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.click import ring_chunk
+from overview_dsp.kernels.click import ring, sound_strikes
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.envelope import follow
@@ -20,7 +20,6 @@ def sound(m, w, u, frames, trace, at, traced):
 
     `at` is the trace index of the chunk's first frame.
     """
-    ring_chunk(m, w, frames)
     follower = m[layout.FOLLOWER]
     e1 = m[layout.ENVELOPE_1]
     e2 = m[layout.ENVELOPE_2]
@@ -31,6 +30,8 @@ def sound(m, w, u, frames, trace, at, traced):
     level = m[layout.GRAIN]
     grain = m[layout.TEXTURE]
     noise = u[layout.NOISE]
+    clock = w[layout.CLOCK]
+    strikes = w[layout.M_STRIKES]
 
     decay = m[layout.C_DECAY]
     rise = m[layout.C_RISE]
@@ -52,7 +53,12 @@ def sound(m, w, u, frames, trace, at, traced):
             noise = next_state(noise)
             rough = level * white(noise)
         grain = colour(rough, grain, m[layout.D_COLOUR + n])
-        clicks = (grain + m[layout.D_CLICK + n]) * click_gain
+        if w[layout.STRIKES_SOUNDED + layout.CONTACT - 1] < strikes:
+            sound_strikes(m, w, clock + n)
+        clicks = grain
+        if w[layout.RINGING] > 0:
+            clicks = clicks + ring(m, w)
+        clicks = clicks * click_gain
         click_out = block_dc(clicks, click_in, click_out, dc_pole)
         click_in = clicks
         m[layout.D_CLICK + n] = click_out
