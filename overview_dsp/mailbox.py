@@ -64,7 +64,7 @@ class Mailbox:
             raise InputError(
                 f"a source is an index of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
             )
-        of_ring = [(ring, np.flatnonzero(sources == ring)) for ring in range(len(SOURCES))]
+        of_ring = [(ring, np.flatnonzero(sources == ring)) for ring in set(sources.tolist())]
         for ring, events in of_ring:
             waiting = int(self._w[layout.RING_WRITTEN + ring]) - int(
                 self._w[layout.RING_READ + ring]

@@ -68,8 +68,15 @@ class Trace(Mapping[str, NDArray[np.float64]]):
 
     def __init__(self, table: NDArray[np.float64]) -> None:
         """`table` is float64 (frames, 9) in the order of `TRACE_COLUMNS`."""
-        for index, name in enumerate(TRACE_COLUMNS):
-            setattr(self, name, np.ascontiguousarray(table[:, index]))
+        self._table = table
+
+    def __getattr__(self, name: str) -> NDArray[np.float64]:
+        # a column is made when it is first asked for
+        if name not in TRACE_COLUMNS:
+            raise AttributeError(name)
+        column = np.ascontiguousarray(self._table[:, TRACE_COLUMNS.index(name)])
+        setattr(self, name, column)
+        return column
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """A column by its name."""

@@ -217,3 +217,18 @@ def test_more_events_than_a_ring_holds_are_refused_and_none_is_taken():
         engine.control_all(np.ones(1), np.ones(1, bool), times[:1], np.array([6], np.int8))
     engine.process(np.zeros((100, 2), np.float32))
     assert not engine.meters.touching
+
+
+def test_the_kernel_runs_without_the_interpreters_lock():
+    frames = 2_000_000
+    engine = ov.Engine(preset_with(), TIMELINES[1])
+    engine.prepare(RATE, frames)
+    engine.control(2.0, True)
+    out = np.zeros((frames, 2), np.float32)
+    thread = threading.Thread(target=engine.process, args=(out,))
+    thread.start()
+    seen = set()
+    while thread.is_alive():
+        seen.add(engine.sample_time)
+    # under the lock, nothing between its beginning and its end could be seen
+    assert len(seen - {0, frames}) > 1

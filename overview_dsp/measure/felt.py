@@ -22,6 +22,9 @@ WINDOW_S = 0.010
 JUST_NOTICEABLE_DB = 2.5
 """One step of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
+_RUN = 64
+"""Frames whose lowest and highest place are looked at together."""
+
 BACK_AT = 0.01
 """A recoil ends where the cursor is back to this."""
 
@@ -92,12 +95,22 @@ def passed_events(
     surface: Surface, cursor: NDArray[np.float64]
 ) -> Iterator[tuple[int, NDArray[np.int64]]]:
     """Each event that a stroke passes, and the frames in which the disk is on it."""
-    lowest, highest = cursor.min(initial=1.0), cursor.max(initial=0.0)
-    for i in np.flatnonzero((lowest < surface.place) & (surface.place <= highest)).tolist():
+    if not len(cursor):
+        return
+    # an event is looked for where the disk came near it, not in all of the stroke
+    edges = np.arange(0, len(cursor), _RUN)
+    lows, highs = np.minimum.reduceat(cursor, edges), np.maximum.reduceat(cursor, edges)
+    passed = (lows.min() < surface.place) & (surface.place <= highs.max())
+    for i in np.flatnonzero(passed).tolist():
         first, last = surface.span[i]
-        inside = np.flatnonzero((cursor >= first) & (cursor <= last))
+        near = np.flatnonzero((highs >= first) & (lows <= last))
+        if not len(near):
+            continue
+        start = int(edges[near[0]])
+        part = cursor[start : int(edges[near[-1]]) + _RUN]
+        inside = np.flatnonzero((part >= first) & (part <= last))
         if len(inside):
-            yield i, inside
+            yield i, inside + start
 
 
 def _highest(

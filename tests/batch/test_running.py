@@ -21,7 +21,7 @@ from overview_dsp.batch.storage import UNFINISHED, Place
 from overview_dsp.measure.felt import event_levels
 from overview_dsp.presets.parameters import PARAMETERS
 
-from ..cli.running import environment, overview, refused
+from ..cli.running import end_of_group, environment, overview, refused
 from .studies import CASES, JOBS, hashes, jobs_file, study_in
 
 pytestmark = pytest.mark.filterwarnings("ignore:preset 'heart' has no")
@@ -312,10 +312,7 @@ def test_killed_at_random_and_resumed_it_leaves_the_same_files(done, tmp_path):
             process.send_signal(signal.SIGKILL)
             process.wait()
         # the workers end with it
-        deadline = time.monotonic() + 20
-        while _alive(process.pid):
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        assert end_of_group(process.pid)
         assert len(list(folder.rglob("*.wav"))) >= kept
         kept = len(list(folder.rglob("*.wav")))
     assert kept >= 10
@@ -325,14 +322,6 @@ def test_killed_at_random_and_resumed_it_leaves_the_same_files(done, tmp_path):
     assert run_study(study_in(tmp_path, text), workers=1).found == 0
     assert hashes(folder) == hashes(tmp_path / "study")
     assert not (folder / UNFINISHED).exists()
-
-
-def _alive(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
 
 
 def test_a_worker_that_dies_is_replaced(done, tmp_path, monkeypatch):

@@ -7,6 +7,7 @@ import io
 import os
 import subprocess
 import sys
+import time
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -82,3 +83,15 @@ def refused(outcome: Outcome, *words: str, code: int = 2) -> str:
     for word in words:
         assert word in line, line
     return line
+
+
+def end_of_group(group: int, within_s: float = 20.0) -> bool:
+    """Whether all processes of a group are gone within some seconds."""
+    deadline = time.monotonic() + within_s
+    while time.monotonic() < deadline:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    return False

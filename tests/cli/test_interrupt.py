@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from .running import MATCH, environment
+from .running import MATCH, end_of_group, environment
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")
@@ -43,3 +43,37 @@ def test_ctrl_c_in_a_render_leaves_no_file_and_ends_with_130(folder, outputs):
     assert lines == ["error: stopped; nothing was left behind"]
     assert out == ""
     assert os.listdir(folder) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")
+def test_ctrl_c_in_a_study_says_how_far_it_came_and_ends_its_workers(folder):
+    pytest.importorskip("pyarrow", reason="needs the extra batch")
+    (folder / "jobs.toml").write_text(
+        f'out = "o"\ntimelines = ["{MATCH}"]\ngestures = ["tap:1:0.5"]\nseeds = 50000\n'
+        'tail = "none"\n'
+    )
+    command = subprocess.Popen(
+        [*(sys.executable, "-m", "overview_dsp", "batch", "jobs.toml", "--workers", "2")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment(),
+        start_new_session=True,
+    )
+    try:
+        while len(list(folder.rglob("*.wav"))) < 20:
+            assert command.poll() is None, command.communicate()
+            time.sleep(0.02)
+        # as a terminal does: to all of its processes
+        os.killpg(command.pid, signal.SIGINT)
+        out, err = command.communicate(timeout=60)
+    finally:
+        command.kill()
+        command.wait()
+    assert command.returncode == 130
+    lines = [line for line in err.splitlines() if line and not line.startswith("compiling")]
+    assert len(lines) == 1, err
+    assert lines[0].startswith("error: stopped with ")
+    assert "of 50000 finished; run it again to go on" in lines[0]
+    assert out == ""
+    assert end_of_group(command.pid)

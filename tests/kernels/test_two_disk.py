@@ -91,7 +91,8 @@ def test_every_step_keeps_the_energy_ledger_for_any_friction_and_any_step(
         after = inertia * omega_after**2 / 2 + k * theta_after**2 / 2
         lost, given_ = dt * b * mean**2, dt * touching * k2 * theta2 * mean
         size = before + after + lost + abs(given_)
-        assert abs(after - before + lost - given_) <= 1e-12 * size
+        # energies below 1e-300 J have no digits left
+        assert abs(after - before + lost - given_) <= 1e-12 * size + 1e-300
         if not touching:
             assert after <= before * (1.0 + 1e-12)
         theta, omega = theta_after, omega_after

@@ -6,9 +6,18 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.measure.felt import Stroke, event_levels, stroke_feel, strokes, window_db
+from overview_dsp.measure.felt import (
+    Stroke,
+    event_levels,
+    passed_events,
+    stroke_feel,
+    strokes,
+    window_db,
+)
 from overview_dsp.surface import build_surface
 from tests.examples import preset_with, timeline_of
 
@@ -84,3 +93,20 @@ def test_an_events_level_is_that_of_its_strongest_stroke():
     np.testing.assert_array_equal(event_levels(surface, result.trace, tactor, RATE), strongest)
     assert np.isfinite(strongest[:2]).all()
     assert np.isnan(strongest[2])
+
+
+@settings(max_examples=100)
+@given(
+    steps=st.lists(st.floats(-0.02, 0.02), min_size=1, max_size=700),
+    start=st.floats(0.0, 1.0),
+)
+def test_the_frames_on_an_event_are_all_of_them(steps, start):
+    surface = build_surface(timeline_of(20.0, 50.0, 90.0), preset_with(height=8.0, width=3.0))
+    cursor = np.clip(start + np.cumsum(steps), 0.0, 1.0)
+    found = dict(passed_events(surface, cursor))
+    for i, (first, last) in enumerate(surface.span):
+        inside = np.flatnonzero((cursor >= first) & (cursor <= last))
+        passed = len(inside) > 0 and cursor.min() < surface.place[i] <= cursor.max()
+        assert (i in found) == passed
+        if passed:
+            np.testing.assert_array_equal(found[i], inside)
