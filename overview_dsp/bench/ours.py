@@ -20,17 +20,16 @@ BLOCK = 64
 INTERPRETED_S = 0.1
 
 
-def one_call(engine: Engine, traced: bool = False) -> float:
+def one_call(
+    engine: Engine, out: NDArray[np.float32], trace: NDArray[np.float64] | None = None
+) -> float:
     """The whole work in one block."""
-    out = np.zeros((round(SECONDS * RATE), 2), dtype=np.float32)
-    trace = np.zeros((len(out), len(TRACE_COLUMNS))) if traced else None
     fed(engine, the_sweep())
     return timed(SECONDS, lambda: engine.process(out, trace))
 
 
-def python_calls(engine: Engine) -> float:
+def python_calls(engine: Engine, out: NDArray[np.float32]) -> float:
     """Blocks of 64 frames, called from Python."""
-    out = np.zeros((round(SECONDS * RATE), 2), dtype=np.float32)
     fed(engine, the_sweep())
 
     def work() -> None:
@@ -84,11 +83,15 @@ def contenders() -> list[Contender]:
     disk = Disk.of(engine)
     cells = disk.hand * (layout.CELLS / math.pi)
     torque = np.empty(len(cells))
+    out = np.zeros((round(SECONDS * RATE), 2), dtype=np.float32)
+    trace = np.zeros((len(out), len(TRACE_COLUMNS)))
     return [
-        Contender(VOICE, "overView, one call", lambda: one_call(engine)),
-        Contender(VOICE, "overView, one call with trace", lambda: one_call(engine, traced=True)),
+        Contender(VOICE, "overView, one call", lambda: one_call(engine, out)),
+        Contender(VOICE, "overView, one call with trace", lambda: one_call(engine, out, trace)),
         Contender(VOICE, f"overView, {BLOCK}-frame native calls", lambda: native_calls(engine)),
-        Contender(VOICE, f"overView, {BLOCK}-frame Python calls", lambda: python_calls(engine)),
+        Contender(
+            VOICE, f"overView, {BLOCK}-frame Python calls", lambda: python_calls(engine, out)
+        ),
         Contender(VOICE, "the same source as plain Python", interpreted),
         Contender(
             DISK,

@@ -6,6 +6,7 @@ same size, so there is no series for it.
 
 from __future__ import annotations
 
+import re
 import resource
 import statistics
 import subprocess
@@ -14,6 +15,7 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -166,7 +168,13 @@ def stream(seconds: float) -> tuple[float, float]:
 
 def peak_mb() -> float:
     """The process's highest resident memory so far."""
-    unit = 1 << 20 if sys.platform == "darwin" else 1 << 10
+    status = Path("/proc/self/status")
+    if status.exists():
+        # what getrusage tells may be the parent's, from before this program was loaded
+        found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
+        if found:
+            return int(found[1]) * 1024 / 1e6
+    unit = 1 if sys.platform == "darwin" else 1024
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
 
 
