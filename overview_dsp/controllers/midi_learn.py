@@ -35,7 +35,7 @@ class Learner:
 
     def read(self, data: bytes) -> Control | None:
         """The control, once it is known."""
-        if len(data) < 2 or data[0] < 0x80 or data[0] >= 0xF0:
+        if len(data) < 2 or not 0x80 <= data[0] < 0xF0 or max(data[1:]) > 0x7F:
             return None
         kind, channel = data[0] & 0xF0, (data[0] & 0x0F) + 1
         if kind == 0x90 and len(data) == 3 and data[2] > 0:

@@ -30,7 +30,10 @@ STRIKE_S = 0.012
 
 SEPARATE_S = 0.030
 """Pulses nearer than this are felt as one (the pulse-to-vibration transition, 40 to 590 Hz): beside
-a higher event, a lower one is drowned."""
+a much higher event, a lower one is drowned."""
+
+DROWNED = 0.25
+"""So much lower an event is drowned; two goals are not, by each other."""
 
 FELT_MS = 9
 """What is shorter isn't felt as a course of its own: a window of the felt level is 10 ms."""
@@ -162,7 +165,8 @@ def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, 
     # the higher event first: a goal isn't given up for a foul beside it
     for height, strike in sorted(found, key=lambda pair: (-pair[0], pair[1].time_s)):
         if all(
-            abs(strike.time_s - other.time_s) >= (SEPARATE_S if higher > height else STRIKE_S)
+            abs(strike.time_s - other.time_s)
+            >= (SEPARATE_S if height < DROWNED * higher else STRIKE_S)
             for higher, other in kept
         ):
             kept.append((height, strike))

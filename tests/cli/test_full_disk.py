@@ -10,7 +10,7 @@ import pytest
 
 from .running import MATCH, Outcome, environment, overview, refused
 
-LONG = ("--gesture", "sweep:3", "--sample-rate", "8000", "--tail", "none")
+LONG = ("--gesture", "sweep:9", "--sample-rate", "8000", "--tail", "none")
 OUTPUTS = {
     "wav": ("-o", "a.wav"),
     "flac": ("-o", "a.flac"),

@@ -90,21 +90,22 @@ def test_a_saved_preset_is_felt_and_a_broken_one_reported_while_the_last_good_pl
     path = tmp_path / "mine.toml"
     good = preset_path("football").read_text()
     path.write_text(good)
+    height = ov.load_preset("football").kinds["goal"].height
     player = make(str(path))
     wait(player, lambda status: status.time_s > 0.1)
     highest = player.surface.friction.max()
-    path.write_text(good.replace("height = 100", "height = 40"))
-    said = wait(player, lambda status: player.preset.kinds["goal"].height == 40.0)
-    assert player.surface.friction.max() == pytest.approx(0.4 * highest, rel=0.05)
+    path.write_text(good.replace(f"height = {height:g}", f"height = {3.0 * height:g}"))
+    said = wait(player, lambda status: player.preset.kinds["goal"].height == 3.0 * height)
+    assert player.surface.friction.max() == pytest.approx(3.0 * highest, rel=0.05)
     path.write_text("this is no preset [")
     said = []
     for _ in range(30):
         said += player.poll().messages
         time.sleep(0.02)
     assert any("mine.toml" in line and "the last good one plays on" in line for line in said)
-    assert player.preset.kinds["goal"].height == 40.0
+    assert player.preset.kinds["goal"].height == 3.0 * height
     path.write_text(good)
-    said = wait(player, lambda status: player.preset.kinds["goal"].height == 100.0)
+    said = wait(player, lambda status: player.preset.kinds["goal"].height == height)
 
 
 def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):

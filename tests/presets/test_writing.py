@@ -75,7 +75,8 @@ def test_a_started_preset_is_its_base_until_it_is_changed(football):
     own = parse_preset(text, "mine", "mine.toml", lambda name, _: (name, base_text(name)))
     assert own.title == "mine"
     assert differences(own, football) == []
-    changed = text.replace("# [kinds.goal]\n# height = 100", "[kinds.goal]\nheight = 50")
+    height = f"{football.kinds['goal'].height:g}"
+    changed = text.replace(f"# [kinds.goal]\n# height = {height}", "[kinds.goal]\nheight = 50")
     own = parse_preset(changed, "mine", "mine.toml", lambda name, _: (name, base_text(name)))
     assert [one.id for one in differences(football, own)] == ["kinds.goal.height"]
 
