@@ -50,6 +50,17 @@ def test_every_character_that_was_asked_for_is_there():
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_each_says_what_it_is_like_and_for(name):
+    preset = ov.load_preset(name)
+    scales = preset.tags.energy, preset.tags.roughness, preset.tags.tempo, preset.tags.pleasantness
+    assert all(scale is not None for scale in scales)
+    assert preset.tags.usage
+    header = (library.bundled_folder() / f"{name}.toml").read_text(encoding="utf-8")
+    for words in ("# Feels like: ", "# Sounds like: ", "# For: "):
+        assert words in header
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_no_two_kinds_feel_alike_and_none_is_masked_or_merged_from_1_to_6_seconds(name):
     preset = ov.load_preset(name)
     report = feel_report(preset, pages(preset), SWEEPS, RATE)
