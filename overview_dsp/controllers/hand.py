@@ -126,6 +126,9 @@ class ControllerHand:
 
     def _lift(self, name: str, time_s: float) -> list[Event]:
         self._fingers.pop(name, None)
+        if name in self._touches:
+            # told to let go, a control that turns must engage anew
+            self._touches[name].release(time_s)
         return self._leave(name, time_s)
 
     def _leave(self, name: str, time_s: float) -> list[Event]:

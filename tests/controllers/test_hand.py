@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.controllers.hand import ControllerHand
@@ -171,6 +171,8 @@ MOVES = st.one_of(
 )
 
 
+@example([(Turned("a", 0.0), None, False), (Turned("a", 1.0), None, False),
+          (LetGo("a"), None, False), (Turned("a", 0.0), None, False)])  # fmt: skip
 @given(st.lists(st.tuples(MOVES, st.one_of(st.none(), ANGLES), st.booleans()), max_size=60))
 def test_whatever_comes_events_are_whole_and_everything_can_be_let_go(course):
     hand = ControllerHand(RULES)
