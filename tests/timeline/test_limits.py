@@ -62,7 +62,7 @@ def zipped(data: bytes, name: str = "match.json") -> bytes:
 
 
 PACKERS = {
-    ".gz": lambda data: gzip.compress(data),
+    ".gz": lambda data: gzip.compress(data, mtime=0),
     ".bz2": bz2.compress,
     ".xz": lambda data: lzma.compress(data),
     ".zip": zipped,
@@ -208,16 +208,16 @@ def test_a_compressed_file_is_read_as_what_it_holds(text: str, suffix: str, tmp_
 
 
 def test_a_compressed_file_is_told_by_its_content_and_titled_by_its_name(tmp_path: Path) -> None:
-    (tmp_path / "final.json.gz").write_bytes(gzip.compress(NATIVE.encode()))
+    (tmp_path / "final.json.gz").write_bytes(gzip.compress(NATIVE.encode(), mtime=0))
     assert load_timeline(tmp_path / "final.json.gz").title == "final"
-    (tmp_path / "final").write_bytes(gzip.compress(NATIVE.encode()))
+    (tmp_path / "final").write_bytes(gzip.compress(NATIVE.encode(), mtime=0))
     assert load_timeline(tmp_path / "final").duration_s == 9.0
 
 
 def test_companions_lie_beside_the_compressed_file(tmp_path: Path) -> None:
     from .football_files import companion
 
-    (tmp_path / "events.json.gz").write_bytes(gzip.compress(WYSCOUT_TEXT.encode()))
+    (tmp_path / "events.json.gz").write_bytes(gzip.compress(WYSCOUT_TEXT.encode(), mtime=0))
     (tmp_path / "matches.json").write_text(json.dumps([companion()]))
     title = load_timeline(tmp_path / "events.json.gz").title
     assert title.startswith("Northport City 1-3 Sudbury")
@@ -225,7 +225,7 @@ def test_companions_lie_beside_the_compressed_file(tmp_path: Path) -> None:
 
 def test_errors_name_the_file_that_was_given(tmp_path: Path) -> None:
     path = tmp_path / "m.csv.gz"
-    path.write_bytes(gzip.compress(b"time_s,kind\nsoon,goal\n"))
+    path.write_bytes(gzip.compress(b"time_s,kind\nsoon,goal\n", mtime=0))
     assert refused(path, "line 2").startswith(f"{path}: line 2")
 
 
@@ -246,7 +246,7 @@ def test_the_usual_limit_of_what_is_unpacked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(unpacking, "MAX_MB", 1.0)
-    (tmp_path / "b.gz").write_bytes(gzip.compress(NATIVE.encode() + b" " * 2**20))
+    (tmp_path / "b.gz").write_bytes(gzip.compress(NATIVE.encode() + b" " * 2**20, mtime=0))
     refused(tmp_path / "b.gz", "more than the 1 MB")
     assert load_timeline(tmp_path / "b.gz", max_mb=2.0).duration_s == 9.0
 
@@ -284,9 +284,12 @@ def test_an_archive_of_several_files_is_one_line(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (gzip.compress(NATIVE.encode())[:-12], "cut off"),
-        (gzip.compress(gzip.compress(NATIVE.encode())), "holds another compressed file"),
-        (gzip.compress(b""), "holds an empty file"),
+        (gzip.compress(NATIVE.encode(), mtime=0)[:-12], "cut off"),
+        (
+            gzip.compress(gzip.compress(NATIVE.encode(), mtime=0), mtime=0),
+            "holds another compressed file",
+        ),
+        (gzip.compress(b"", mtime=0), "holds an empty file"),
         (b"\x1f\x8b\x08\x00" + b"\x00" * 6 + b"\xff" * 30, "can't be unpacked"),
         (bz2.compress(NATIVE.encode())[:-12], "cut off"),
         (lzma.compress(NATIVE.encode())[:-12], "cut off|can't be unpacked"),
