@@ -75,8 +75,8 @@ class Device:
         self.dice = random.Random(1)
         self.number = 0
         self.connections, self.faults = [], []
-        # its clock passes its highest count after so long
-        self.shift_us = (1 << 32) - round((time.monotonic() + wrap_after_s) * 1e6)
+        self.wrap_after_s = wrap_after_s
+        self.shift_us = 0
         self.plug()
 
     def plug(self):
@@ -97,6 +97,9 @@ class Device:
         time.sleep(0.1)
         self.write(b"\0")
         self.opened = self.due = time.monotonic()
+        if not self.connections:
+            # its clock passes its highest count so long after it is first listened to
+            self.shift_us = (1 << 32) - round((self.opened + self.wrap_after_s) * 1e6)
         self.connections.append({"began": None, "samples": 0})
 
     def write(self, data):
