@@ -77,10 +77,17 @@ class Engine:
 
     # --- life -----------------------------------------------------------------------------------
 
-    def prepare(self, sample_rate: float = 48_000, max_block_size: int = 512) -> None:
+    def prepare(
+        self,
+        sample_rate: float = 48_000,
+        max_block_size: int = 512,
+        *,
+        memory: NDArray[np.float64] | None = None,
+    ) -> None:
         """Allocate for a sample rate (Hz, 1 000 to 768 000) and a largest block (frames).
 
         May be called again with other values; then everything is as new, parameters kept.
+        `memory`, zeros float64 [`kernels.layout.TOTAL`], is used in place of memory of its own.
 
         Raises
         ------
@@ -99,7 +106,7 @@ class Engine:
         announce_compile("process")
         self._sample_rate = rate
         self._max_block_size = int(max_block_size)
-        self._m = np.zeros(layout.TOTAL)
+        self._m = np.zeros(layout.TOTAL) if memory is None else memory
         self._w = self._m.view(np.int64)
         self._u = self._m.view(np.uint64)
         self._mailbox = Mailbox(self._m)

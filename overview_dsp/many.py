@@ -1,38 +1,48 @@
-"""Many voices: each rendered as if alone, on all cores.
+"""Many voices: each rendered as if alone, side by side and on all cores.
 
-A voice takes one thread; the kernel runs without the interpreter's lock. What a voice needs beside
-the kernel is kept small: a thread's memory block and the surfaces are used again.
+A thread renders as many voices at once as the kernels have lanes, without the interpreter's lock.
+What a voice needs beside the kernel is kept small: memory and surfaces are used again.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import threading
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sized
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.engine import TRACE_COLUMNS, Engine
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.gestures import Gesture
+from overview_dsp.kernels.lanes import LANES
 from overview_dsp.meters import Strikes
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Block, Tail, Trace, blocks, checked_tail, join_strikes
+from overview_dsp.rendering import Play, Tail, Trace, checked_tail, join_strikes
 from overview_dsp.sound_file import save_sound
 from overview_dsp.surface import Surface
 from overview_dsp.surface_cache import SurfaceCache
 from overview_dsp.timeline import Timeline
+from overview_dsp.voice_lanes import CHANNELS, VoiceLanes
 
-BLOCK = 65536
-"""Frames rendered at a time: a second and more, with its trace 5 MB."""
+BLOCK = 16384
+"""Frames of each voice rendered at a time: with their traces 9 MB."""
 
-AHEAD = 4
-"""Voices a thread that are rendered before their turn: memory stays bounded."""
+GROUP = 4 * LANES
+"""Voices that a thread renders in one go: a lane that is free early gets another one."""
+
+GROUP_S = 60.0
+"""Long voices come in smaller groups: their results wait for each other in memory."""
+
+WAITING = 2
+"""Groups a thread that are rendered before their turn: memory stays bounded."""
 
 
 @dataclass(frozen=True)
@@ -87,38 +97,116 @@ def voices(
         yield Voice(*parts)
 
 
+@dataclass(eq=False)
+class _Playing:
+    """A voice in its lane."""
+
+    number: int
+    voice: Voice
+    surface: Surface
+    play: Play
+    samples: list[NDArray[np.float32]] = field(default_factory=list)
+    traces: list[NDArray[np.float64]] = field(default_factory=list)
+    strikes: list[Strikes] = field(default_factory=list)
+
+
+Rendered = VoiceResult | Exception
+"""A voice as rendered, or why it can't be."""
+
+
 class VoiceRenderer:
-    """Renders voice after voice in one memory block. One thread at a time."""
+    """Renders voices side by side in one memory. One thread at a time."""
 
     def __init__(self, sample_rate: float, surfaces: SurfaceCache) -> None:
         """Nothing is allocated until the first voice."""
         self._rate = sample_rate
         self._surfaces = surfaces
-        self._engine: Engine | None = None
+        self._lanes: VoiceLanes | None = None
+        self._engines: list[Engine | None] = [None] * LANES
 
-    def render(self, voice: Voice, tail: Tail, trace: bool) -> VoiceResult:
-        """One voice, with the bits of `render`."""
+    def render(
+        self, voices: Iterable[tuple[int, Voice]], tail: Tail, trace: bool
+    ) -> Iterator[tuple[int, Rendered]]:
+        """Render voices, each with the bits of `render`; results come as voices end.
+
+        Each voice has a number, which its result has too; it is taken when a lane is free.
+        """
+        waiting = iter(voices)
+        playing: list[_Playing | None] = [None] * LANES
+        while True:
+            for lane in range(LANES):
+                while playing[lane] is None:
+                    number, voice = next(waiting, (-1, None))
+                    if voice is None:
+                        break
+                    try:
+                        started = self._started(lane, number, voice, tail)
+                    except OverviewError as error:
+                        yield number, error
+                        continue
+                    if started.play.over:
+                        yield number, self._result(lane, started, trace)
+                    else:
+                        playing[lane] = started
+            if not any(playing):
+                return
+            yield from self._step(playing, trace)
+
+    def _started(self, lane: int, number: int, voice: Voice, tail: Tail) -> _Playing:
         surface = self._surfaces.surface(voice.timeline, voice.preset)
-        if self._engine is None:
+        if self._lanes is None:
+            self._lanes = VoiceLanes(BLOCK)
+        engine = self._engines[lane]
+        if engine is None:
             engine = Engine(voice.preset, voice.timeline, seed=voice.seed, surface=surface)
-            engine.prepare(self._rate, BLOCK)
-            self._engine = engine
+            engine.prepare(self._rate, BLOCK, memory=self._lanes.memory(lane))
+            self._engines[lane] = engine
         else:
-            engine = self._engine
             engine.restart(voice.preset, voice.timeline, seed=voice.seed, surface=surface)
-        done = list(blocks(engine, voice.gesture, tail, trace, block=BLOCK))
-        if not done:
-            nothing = np.empty((0, 2), np.float32)
-            done = [Block(nothing, np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes())]
-        if len(done) == 1:
-            samples, table, strikes = done[0].samples, done[0].trace, done[0].strikes
-        else:
-            samples = np.concatenate([block.samples for block in done])
-            tables = [block.trace for block in done if block.trace is not None]
-            table = np.concatenate(tables) if tables else None
-            strikes = join_strikes([block.strikes for block in done])
-        kept = Trace(table) if trace and table is not None else None
-        return VoiceResult(voice, surface, samples, engine.sample_rate, kept, strikes)
+        return _Playing(number, voice, surface, Play(engine, voice.gesture, tail, BLOCK))
+
+    def _step(self, playing: list[_Playing | None], trace: bool) -> Iterator[tuple[int, Rendered]]:
+        """A block of every voice; those that end with it."""
+        assert self._lanes is not None
+        frames = min(one.play.feed() for one in playing if one is not None)
+        engines = [
+            engine if one is not None else None
+            for engine, one in zip(self._engines, playing, strict=True)
+        ]
+        samples, traces = self._lanes.process(engines, frames, trace)
+        for lane, one in enumerate(playing):
+            engine = engines[lane]
+            if one is None or engine is None:
+                continue
+            kept = one.play.count(frames)
+            one.samples.append(samples[lane, :kept].copy())
+            if traces is not None:
+                one.traces.append(traces[lane, :kept].copy())
+            one.strikes.append(engine.take_strikes())
+            if one.play.over:
+                playing[lane] = None
+                yield one.number, self._result(lane, one, trace)
+
+    def _result(self, lane: int, one: _Playing, trace: bool) -> VoiceResult:
+        engine = self._engines[lane]
+        assert engine is not None
+        if not one.samples:
+            one.samples.append(np.empty((0, CHANNELS), np.float32))
+            one.traces.append(np.empty((0, len(TRACE_COLUMNS))))
+            one.strikes.append(engine.take_strikes())
+        table = _joined(one.traces) if trace else None
+        return VoiceResult(
+            one.voice,
+            one.surface,
+            _joined(one.samples),
+            engine.sample_rate,
+            Trace(table) if table is not None else None,
+            join_strikes(one.strikes),
+        )
+
+
+def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def render_many(
@@ -155,30 +243,55 @@ def render_many(
         threads = usable_cores()
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
         raise InputError(f"threads = {threads!r}; it is a whole number from 1, or None: all cores")
-    return _rendered(iter(voices), sample_rate, tail, trace, threads)
+    most = GROUP
+    if isinstance(voices, Sized):
+        # few voices: some for each thread
+        most = min(most, max(1, math.ceil(len(voices) / threads)))
+    return _rendered(_groups(voices, most), sample_rate, tail, trace, threads)
+
+
+def _groups(voices: Iterable[Voice], most: int) -> Iterator[list[Voice]]:
+    """Voices that one thread renders: a few more than its lanes, unless they are long."""
+    group: list[Voice] = []
+    seconds = 0.0
+    for voice in voices:
+        group.append(voice)
+        seconds += voice.gesture.duration_s
+        if len(group) >= most or (len(group) >= LANES and seconds > GROUP_S):
+            yield group
+            group, seconds = [], 0.0
+    if group:
+        yield group
 
 
 def _rendered(
-    voices: Iterator[Voice], sample_rate: float, tail: Tail, trace: bool, threads: int
+    groups: Iterator[list[Voice]], sample_rate: float, tail: Tail, trace: bool, threads: int
 ) -> Iterator[VoiceResult]:
     surfaces = SurfaceCache()
     own = threading.local()
 
-    def render_one(voice: Voice) -> VoiceResult:
+    def render_group(group: list[Voice]) -> list[Rendered]:
         if not hasattr(own, "renderer"):
             own.renderer = VoiceRenderer(sample_rate, surfaces)
         renderer: VoiceRenderer = own.renderer
-        return renderer.render(voice, tail, trace)
+        done = dict(renderer.render(enumerate(group), tail, trace))
+        return [done[number] for number in range(len(group))]
 
-    waiting: deque[Future[VoiceResult]] = deque()
+    def results(future: Future[list[Rendered]]) -> Iterator[VoiceResult]:
+        for result in future.result():
+            if isinstance(result, Exception):
+                raise result
+            yield result
+
+    waiting: deque[Future[list[Rendered]]] = deque()
     pool = ThreadPoolExecutor(threads, thread_name_prefix="voices")
     try:
-        for voice in voices:
-            waiting.append(pool.submit(render_one, voice))
-            if len(waiting) >= AHEAD * threads:
-                yield waiting.popleft().result()
+        for group in groups:
+            waiting.append(pool.submit(render_group, group))
+            if len(waiting) >= WAITING * threads:
+                yield from results(waiting.popleft())
         while waiting:
-            yield waiting.popleft().result()
+            yield from results(waiting.popleft())
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 

@@ -165,6 +165,88 @@ def _no_tail(given: object) -> InputError:
     )
 
 
+class Play:
+    """A gesture through a prepared engine in steps: what to feed, how far to go, when it is over.
+
+    A step is `feed`, a block of as many frames or fewer processed by the engine, `count`.
+    """
+
+    def __init__(self, engine: Engine, gesture: Gesture, tail: Tail, block: int) -> None:
+        """From the engine's present sample on; steps have up to `block` frames."""
+        tail = checked_tail(tail)
+        rate = engine.sample_rate
+        self._engine, self._gesture, self._block = engine, gesture, block
+        self._stamps = stamps = gesture.stamps(rate)
+        length = max(round(gesture.duration_s * rate), int(stamps[-1]) + 1 if len(stamps) else 0)
+        self._to_rest = tail == "rest"
+        if tail == "none":
+            self._end = self._most = length
+        elif tail == "rest":
+            self._end, self._most = length, length + round(LONGEST_TAIL_S * rate)
+        else:
+            self._end = self._most = length + round(tail * rate)
+        self._quiet = round(REST_S * rate)
+        self._start = engine.sample_time
+        self._whole = engine.timeline
+        self._changes = [(round(change.time_s * rate), change.what) for change in gesture.changes]
+        self._done = self._fed = self._changed = 0
+        self._rested = False
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing left to process."""
+        return self._rested or self._done >= self._most
+
+    @property
+    def part(self) -> float:
+        """The part done, 0 to 1; the tail until rest doesn't count."""
+        return min(1.0, self._done / max(1, self._end))
+
+    def feed(self) -> int:
+        """Give the engine the gesture's next events; the frames they last for."""
+        stamps, done = self._stamps, self._done
+        frames = min(self._block, self._most - done)
+        ahead = int(np.searchsorted(stamps, done + frames))
+        waiting = max(0, self._fed - int(np.searchsorted(stamps, done)))
+        # a denser take is fed in shorter blocks
+        if ahead - self._fed > FED_AHEAD - waiting:
+            ahead = self._fed + FED_AHEAD - waiting
+            frames = max(1, int(stamps[ahead]) - done)
+        changes = self._changes
+        while self._changed < len(changes) and changes[self._changed][0] <= done:
+            what = changes[self._changed][1]
+            apply_change(self._engine, self._whole, what, self._start + done)
+            self._changed += 1
+        if self._changed < len(changes):
+            # a change is made when it is due: only two surfaces can wait
+            frames = min(frames, changes[self._changed][0] - done)
+            ahead = min(ahead, int(np.searchsorted(stamps, done + frames)))
+        if ahead > self._fed:
+            now = slice(self._fed, ahead)
+            self._engine.control_all(
+                self._gesture.theta2[now],
+                self._gesture.touching[now],
+                self._start + stamps[now],
+                self._gesture.source[now],
+            )
+            self._fed = ahead
+        return frames
+
+    def count(self, frames: int, silent_samples: int | None = None) -> int:
+        """Count frames as processed; how many of them belong to the gesture and its tail.
+
+        `silent_samples` is what a stage after the engine says of its own silence.
+        """
+        self._done += frames
+        meters = self._engine.meters
+        at_rest = min(meters.silent_samples, meters.still_samples, self._done - self._end)
+        if silent_samples is not None:
+            at_rest = min(at_rest, silent_samples)
+        self._rested = self._to_rest and at_rest >= self._quiet
+        # cut where rest was reached: the end doesn't depend on the blocks
+        return frames - (at_rest - self._quiet) if self._rested else frames
+
+
 def blocks(
     engine: Engine,
     gesture: Gesture,
@@ -180,66 +262,20 @@ def blocks(
     With an actuator's `stage`, the tactor's samples are its drive. A block has up to `block` frames
     (None: `BLOCK`).
     """
-    tail = checked_tail(tail)
-    rate = engine.sample_rate
-    stamps = gesture.stamps(rate)
-    length = max(round(gesture.duration_s * rate), int(stamps[-1]) + 1 if len(stamps) else 0)
-    if tail == "none":
-        end = most = length
-    elif tail == "rest":
-        end, most = length, length + round(LONGEST_TAIL_S * rate)
-    else:
-        end = most = length + round(tail * rate)
-    quiet = round(REST_S * rate)
-    start, fed = engine.sample_time, 0
-    whole = engine.timeline
-    changes = [(round(change.time_s * rate), change.what) for change in gesture.changes]
-    changed = done = 0
-    while done < most:
-        frames = min(block or BLOCK, most - done)
-        ahead = int(np.searchsorted(stamps, done + frames))
-        waiting = max(0, fed - int(np.searchsorted(stamps, done)))
-        # a denser take is fed in shorter blocks
-        if ahead - fed > FED_AHEAD - waiting:
-            ahead = fed + FED_AHEAD - waiting
-            frames = max(1, int(stamps[ahead]) - done)
-        while changed < len(changes) and changes[changed][0] <= done:
-            apply_change(engine, whole, changes[changed][1], start + done)
-            changed += 1
-        if changed < len(changes):
-            # a change is made when it is due: only two surfaces can wait
-            frames = min(frames, changes[changed][0] - done)
-            ahead = min(ahead, int(np.searchsorted(stamps, done + frames)))
-        if ahead > fed:
-            now = slice(fed, ahead)
-            engine.control_all(
-                gesture.theta2[now],
-                gesture.touching[now],
-                start + stamps[now],
-                gesture.source[now],
-            )
-            fed = ahead
+    play = Play(engine, gesture, tail, block or BLOCK)
+    while not play.over:
+        frames = play.feed()
         samples = np.empty((frames, 2), dtype=np.float32)
         table = np.empty((frames, len(TRACE_COLUMNS))) if trace else None
         engine.process(samples, table)
         if stage is not None:
             stage.process(samples, TACTOR)
-        done += frames
-        meters = engine.meters
-        at_rest = min(meters.silent_samples, meters.still_samples, done - end)
-        if stage is not None:
-            at_rest = min(at_rest, stage.silent_samples)
-        finished = tail == "rest" and at_rest >= quiet
-        if finished:
-            # cut where rest was reached: the end doesn't depend on the blocks
-            kept = frames - (at_rest - quiet)
-            samples = samples[:kept]
-            table = table[:kept] if table is not None else None
-        yield Block(samples, table, engine.take_strikes())
+        kept = play.count(frames, stage.silent_samples if stage is not None else None)
+        yield Block(
+            samples[:kept], table[:kept] if table is not None else None, engine.take_strikes()
+        )
         if progress:
-            progress(min(1.0, done / max(1, end)))
-        if finished:
-            return
+            progress(play.part)
 
 
 def render(

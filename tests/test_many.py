@@ -112,7 +112,7 @@ def test_voices_are_taken_as_results_are_asked_for():
     results = ov.render_many(endless(), RATE, tail="none", threads=2)
     for _ in range(5):
         next(results)
-    assert len(taken) <= 5 + 2 * many.AHEAD
+    assert len(taken) <= 5 + 2 * many.WAITING * many.GROUP
     results.close()
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("voices")]
 

@@ -74,6 +74,21 @@ def is_finite(m):
     return total - total == 0.0
 
 
+@point
+def recover(m, w, u, clock, out, start, stop):
+    """After a block: a voice whose state isn't finite is as new, and its output zero."""
+    if is_finite(m):
+        return
+    blocks = w[layout.M_BLOCKS]
+    resets = w[layout.M_RESETS]
+    clear(m, w, u)
+    w[layout.CLOCK] = clock
+    w[layout.M_BLOCKS] = blocks
+    w[layout.M_RESETS] = resets + 1
+    for i in range(start, stop):
+        out[i] = 0.0
+
+
 @entry
 def reset(m, w, u):
     """As new: state and meters cleared, glides and crossfades finished, waiting events dropped.
@@ -124,15 +139,7 @@ def process(m, w, u, out, frames, channels, trace, traced):
         run(m, w, u, out, channels, n, stop, trace, traced)
         n = stop
     w[layout.M_BLOCKS] += 1
-    if not is_finite(m):
-        blocks = w[layout.M_BLOCKS]
-        resets = w[layout.M_RESETS]
-        clear(m, w, u)
-        w[layout.CLOCK] = first + frames
-        w[layout.M_BLOCKS] = blocks
-        w[layout.M_RESETS] = resets + 1
-        for i in range(frames * channels):
-            out[i] = 0.0
+    recover(m, w, u, first + frames, out, 0, frames * channels)
 
 
 @entry

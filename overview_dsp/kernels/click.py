@@ -15,6 +15,9 @@ placed exactly and the sampled mode is that of continuous time:
 
     z += level * gain * exp((ln r + i w) * rest),    rest = samples from blow to next sample
 
+Eight successive samples of a mode are kept, each turned by eight samples' rotation at a time, so
+they don't wait for each other. Which of them is heard is the clock's matter: blocks change no bit.
+
 One blow would start a sine in full, and its spectrum, falling by 12 dB an octave, would fold back.
 A strike is a short contact instead: a raised cosine of four samples, given as eight blows half a
 sample apart. That is a low-pass in continuous time with its null at half the sample rate; what
@@ -84,22 +87,32 @@ BLOW_WEIGHT = np.array(
 
 @point
 def blow_factors(m, w, slot, first, modes, key, half, rest):
-    """The decay and rotation of modes in the `rest` of a sample; blows two apart share them."""
+    """What a blow gives each mode in its next samples; blows two apart share it."""
     if w[layout.BLOW_KEY + half] == key and m[layout.BLOW_REST + half] == rest:
         return
     w[layout.BLOW_KEY + half] = key
     m[layout.BLOW_REST + half] = rest
-    at = half * layout.MAX_MODES
-    for j in range(modes):
-        turns = m[slot + layout.MODE_TURNS + first + j] * rest
-        m[layout.BLOW_DECAY + at + j] = exp(m[slot + layout.MODE_DECAY + first + j] * rest)
-        m[layout.BLOW_COS + at + j] = cos_turns(turns)
-        m[layout.BLOW_SIN + at + j] = sin_turns(turns)
+    at = half * layout.MAX_MODES * layout.PHASES
+    for j in range(first, first + modes):
+        turns = m[slot + layout.MODE_TURNS + j] * rest
+        decay = exp(m[slot + layout.MODE_DECAY + j] * rest)
+        c = m[slot + layout.MODE_COS + j]
+        s = m[slot + layout.MODE_SIN + j]
+        re = decay * cos_turns(turns)
+        im = decay * sin_turns(turns)
+        for _ in range(layout.PHASES):
+            m[layout.BLOW_RE + at] = re
+            m[layout.BLOW_IM + at] = im
+            re, im = c * re - s * im, s * re + c * im
+            at += 1
 
 
 @point
-def blow(m, w, at, number, rest):
-    """Give blow `number` of the strike at log entry `at` to its modes, `rest` samples late."""
+def blow(m, w, at, number, rest, sample):
+    """Give blow `number` of the strike at log entry `at` to its modes, before `sample` sounds.
+
+    `rest` is how long before the end of that sample it fell, samples.
+    """
     slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     event = w[layout.LOG_EVENT + at]
     kind = w[slot + layout.SLOT_KIND + event] if event >= 0 else layout.MAX_KINDS
@@ -117,14 +130,20 @@ def blow(m, w, at, number, rest):
     # of this strike on this surface; never 0, as columns are after a reset
     key = (w[layout.STRIKES_SOUNDED + number] + 1) * layout.SLOTS + w[layout.ACTIVE_SLOT]
     blow_factors(m, w, slot, first, modes, key, half, rest)
-    factor = half * layout.MAX_MODES
+    factor = half * layout.MAX_MODES * layout.PHASES
     for j in range(first, first + modes):
-        amplitude = level * m[slot + layout.MODE_GAIN + j] * m[layout.BLOW_DECAY + factor]
-        m[layout.BANK_RE + j] += amplitude * m[layout.BLOW_COS + factor]
-        m[layout.BANK_IM + j] += amplitude * m[layout.BLOW_SIN + factor]
-        m[layout.BANK_COS + j] = m[slot + layout.MODE_COS + j]
-        m[layout.BANK_SIN + j] = m[slot + layout.MODE_SIN + j]
-        factor += 1
+        amplitude = level * m[slot + layout.MODE_GAIN + j]
+        for ahead in range(layout.PHASES):
+            phase = j * layout.PHASES + ((sample + ahead) & (layout.PHASES - 1))
+            m[layout.BANK_RE + phase] += amplitude * m[layout.BLOW_RE + factor]
+            m[layout.BANK_IM + phase] += amplitude * m[layout.BLOW_IM + factor]
+            factor += 1
+        c = m[slot + layout.MODE_COS + j]
+        s = m[slot + layout.MODE_SIN + j]
+        c, s = c * c - s * s, 2.0 * c * s
+        c, s = c * c - s * s, 2.0 * c * s
+        m[layout.BANK_COS + j] = c * c - s * s
+        m[layout.BANK_SIN + j] = 2.0 * c * s
 
 
 @point
@@ -136,7 +155,7 @@ def sound_strikes(m, w, sample):
             rest = float(sample + 1) - (m[layout.LOG_TIME + at] + float(number) * BLOW_SPACING)
             if rest < 0.0:
                 break
-            blow(m, w, at, number, rest)
+            blow(m, w, at, number, rest, sample)
             w[layout.STRIKES_SOUNDED + number] += 1
 
 

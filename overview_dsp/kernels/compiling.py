@@ -51,9 +51,14 @@ def cache_folder() -> Path:
     return root / f"kernels-{sources_digest()}"
 
 
+def runs_as_python() -> bool:
+    """Whether kernels aren't compiled at all (`NUMBA_DISABLE_JIT`)."""
+    return bool(_config.DISABLE_JIT)
+
+
 def is_compiled(function: str = "process") -> bool:
     """Whether the first use of a kernel will compile nothing: it is on disk, or runs as Python."""
-    if _config.DISABLE_JIT:
+    if runs_as_python():
         return True
     folder = cache_folder()
     return folder.is_dir() and any(folder.rglob(f"*.{function}-*.nbc"))

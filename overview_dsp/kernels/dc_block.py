@@ -8,6 +8,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.lanes import choose
 
 CORNER_HZ = 20.0  # below hearing and below the tactor's band
 SILENCE = 1e-9
@@ -17,5 +18,5 @@ SILENCE = 1e-9
 def block_dc(x, x_before, y_before, pole):
     """One sample; exactly zero once input and output have died away."""
     y = x - x_before + pole * y_before
-    silence = SILENCE if x == 0.0 else 0.0
-    return 0.0 if max(y, -y) < silence else y
+    silence = choose(x == 0.0, SILENCE, 0.0)
+    return choose(max(y, -y) < silence, 0.0, y)

@@ -10,9 +10,8 @@ Thread: any.
 
 from __future__ import annotations
 
-import numpy as np
-
 from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.lanes import bits_of, from_bits
 
 LOG2_E = 1.4426950408889634  # 1 / ln 2
 LN_2 = 0.6931471805599453
@@ -32,15 +31,15 @@ def log2(x):
 
     The atanh series of the mantissa: ln f = 2 (s + s**3/3 + ...), s = (f - 1)/(f + 1), |s| < 0.172.
     """
-    bits = np.float64(x).view(np.int64)
+    bits = bits_of(x)
     exponent = (bits + (ONE_BITS - ROOT_HALF_BITS)) >> 52
-    f = np.int64(bits - ((exponent - 1023) << 52)).view(np.float64)
+    f = from_bits(bits - ((exponent - 1023) << 52))
     s = (f - 1.0) / (f + 1.0)
     t = s * s
     t2 = t * t
     high = (1.0 / 9.0 + t * (1.0 / 11.0)) + t2 * (1.0 / 13.0)
     low = (1.0 + t * (1.0 / 3.0)) + t2 * (1.0 / 5.0 + t * (1.0 / 7.0))
-    whole = np.int64(exponent | TWO_52_BITS).view(np.float64) - TWO_52_AND_BIAS
+    whole = from_bits(exponent | TWO_52_BITS) - TWO_52_AND_BIAS
     return whole + (2.0 * LOG2_E) * s * (low + t2 * t2 * high)
 
 
@@ -56,7 +55,7 @@ def exp2(y):
     middle = (1.0 / 24.0 + z * (1.0 / 120.0)) + z2 * (1.0 / 720.0 + z * (1.0 / 5040.0))
     high = (1.0 / 40320.0 + z * (1.0 / 362880.0)) + z2 * (1.0 / 3628800.0)
     series = low + z4 * (middle + z4 * high)
-    scale = np.int64((np.float64(rounded).view(np.int64) << 52) + ONE_BITS).view(np.float64)
+    scale = from_bits((bits_of(rounded) << 52) + ONE_BITS)
     return series * scale
 
 
@@ -92,8 +91,8 @@ def sin_turns(p):
     )
     s = x * (low + t4 * (high + t4 * (1.0 / 355687428096000.0)))
     # an odd number of half turns changes the sign
-    sign = np.float64(rounded).view(np.int64) << 63
-    return np.int64(np.float64(s).view(np.int64) ^ sign).view(np.float64)
+    sign = bits_of(rounded) << 63
+    return from_bits(bits_of(s) ^ sign)
 
 
 @point

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.elementary import power
+from overview_dsp.kernels.lanes import choose
 
 FAINTEST = 1e-12  # of the full torque: below it, a torque has no amplitude
 SILENCE = 1e-7  # an amplitude at -140 dBFS, below the last bit of 24: from here it is zero
@@ -24,8 +25,8 @@ def compress(torque, scale, gate, exponent):
     t = abs(torque) * scale - gate
     # a NaN fails the comparison and is silent
     felt = t > FAINTEST
-    c = power(t if felt else 1.0, exponent)
-    c = min(c, 3.0) if felt else 0.0
+    c = power(choose(felt, t, 1.0), exponent)
+    c = choose(felt, min(c, 3.0), 0.0)
     squared = c * c
     return c * (27.0 + squared) / (27.0 + 9.0 * squared)
 
@@ -33,14 +34,12 @@ def compress(torque, scale, gate, exponent):
 @point
 def follow(amplitude, follower, e1, e2, decay, rise):
     """One sample of follower and low-passes; exactly zero once inaudible."""
-    if amplitude > follower:
-        follower = amplitude
-    else:
-        follower = follower + decay * (amplitude - follower)
-    silence = SILENCE if amplitude == 0.0 else 0.0
-    follower = 0.0 if follower < silence else follower
+    falling = follower + decay * (amplitude - follower)
+    follower = choose(amplitude > follower, amplitude, falling)
+    silence = choose(amplitude == 0.0, SILENCE, 0.0)
+    follower = choose(follower < silence, 0.0, follower)
     e1 = e1 + rise * (follower - e1)
     e2 = e2 + rise * (e1 - e2)
-    silence = SILENCE if follower == 0.0 else 0.0
+    silence = choose(follower == 0.0, SILENCE, 0.0)
     silent = e1 + e2 < silence
-    return follower, 0.0 if silent else e1, 0.0 if silent else e2
+    return follower, choose(silent, 0.0, e1), choose(silent, 0.0, e2)

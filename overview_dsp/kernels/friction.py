@@ -6,6 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, point
+from overview_dsp.kernels.lanes import choose, load_pairs
 from overview_dsp.kernels.layout import CELLS
 
 
@@ -20,3 +21,12 @@ def friction_at(m, table, place):
     i = int(place)
     at = (table + 2 * i) & NOT_NEGATIVE
     return m[at] + (place - float(i)) * m[at + 1]
+
+
+@point
+def frictions_at(m, tables, first, place):
+    """`friction_at` for lanes: lane i's table begins at column `tables[first + i]`."""
+    place = choose(place > 0.0, place, 0.0)
+    place = choose(place > CELLS, float(CELLS), place)
+    whole, friction, slope = load_pairs(m, tables, first, place)
+    return friction + (place - whole) * slope

@@ -20,6 +20,7 @@ MAX_EVENTS = 16384  # of a slot
 MAX_KINDS = 32  # event kinds with clicks of their own
 BANKS = MAX_KINDS + 1  # clicks: of each kind, and of the bare surface (the last)
 MAX_MODES = 6  # modal resonators of a kind
+PHASES = 8  # samples of a mode that are turned side by side: as many as there are lanes
 SOURCES = 6  # touch, twist, serial, OSC, MIDI, remote: this order settles ties
 RING = 4096  # control events waiting, a source (a power of two)
 HOST_RING = 1024  # parameter and surface events waiting
@@ -112,16 +113,15 @@ SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # rad
 RINGING_KIND = SOURCE_THETA2 + SOURCES  # w: the RINGING first entries name the kinds that sound
 BANK_LEFT = RINGING_KIND + BANKS  # w: samples until a kind is silent
 BANK_MODES = BANK_LEFT + BANKS  # w: modes of a kind when struck
-BANK_RE = BANK_MODES + BANKS  # modal state, kind by kind
-BANK_IM = BANK_RE + BANKS * MAX_MODES
-BANK_COS = BANK_IM + BANKS * MAX_MODES  # rotation loaded at the strike
+BANK_RE = BANK_MODES + BANKS  # modal state, kind by kind, of each phase of the clock
+BANK_IM = BANK_RE + BANKS * MAX_MODES * PHASES
+BANK_COS = BANK_IM + BANKS * MAX_MODES * PHASES  # rotation in PHASES samples, loaded at the strike
 BANK_SIN = BANK_COS + BANKS * MAX_MODES
 BLOW_KEY = BANK_SIN + BANKS * MAX_MODES  # w: whose factors are below, of even and odd blows
 BLOW_REST = BLOW_KEY + 2  # samples
-BLOW_DECAY = BLOW_REST + 2  # factors of each mode
-BLOW_COS = BLOW_DECAY + 2 * MAX_MODES
-BLOW_SIN = BLOW_COS + 2 * MAX_MODES
-METERS = BLOW_SIN + 2 * MAX_MODES
+BLOW_RE = BLOW_REST + 2  # of each mode, in the next PHASES samples
+BLOW_IM = BLOW_RE + 2 * MAX_MODES * PHASES
+METERS = BLOW_IM + 2 * MAX_MODES * PHASES
 
 # --- meters (cleared by reset) ----------------------------------------------------------------
 (

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.lanes import count
 
 SHIFT_A = np.uint64(12)
 SHIFT_B = np.uint64(25)
@@ -28,7 +29,7 @@ def next_state(state):
 @point
 def white(state):
     """A uniform value in [-1, 1) from a state word (variance 1/3)."""
-    return float(np.int64((state * MULTIPLIER) >> SHIFT_TO_53_BITS)) * TWO_TO_MINUS_52 - 1.0
+    return count((state * MULTIPLIER) >> SHIFT_TO_53_BITS) * TWO_TO_MINUS_52 - 1.0
 
 
 def seed_state(seed: int) -> int:

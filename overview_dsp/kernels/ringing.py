@@ -12,28 +12,37 @@ from __future__ import annotations
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import next_blow, sound_strikes
 from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.lanes import load, store
+
+LAST = layout.PHASES - 1
 
 
 @point
-def ring_once(m, w):
+def turn(m, j, phase):
+    """A mode's sample at one phase of the clock, and that phase turned to its next."""
+    at = j * layout.PHASES + phase
+    re = m[layout.BANK_RE + at]
+    im = m[layout.BANK_IM + at]
+    c = m[layout.BANK_COS + j]
+    s = m[layout.BANK_SIN + j]
+    m[layout.BANK_RE + at] = c * re - s * im
+    m[layout.BANK_IM + at] = s * re + c * im
+    return im
+
+
+@point
+def ring_once(m, w, sample):
     """One sample of everything that rings; what falls silent in it is put away."""
     total = 0.0
     i = 0
     while i < w[layout.RINGING]:
         kind = w[layout.RINGING_KIND + i]
         first = kind * layout.MAX_MODES
-        last = first + w[layout.BANK_MODES + kind]
-        for j in range(first, last):
-            re = m[layout.BANK_RE + j]
-            im = m[layout.BANK_IM + j]
-            total += im
-            c = m[layout.BANK_COS + j]
-            s = m[layout.BANK_SIN + j]
-            m[layout.BANK_RE + j] = c * re - s * im
-            m[layout.BANK_IM + j] = s * re + c * im
+        for j in range(first, first + w[layout.BANK_MODES + kind]):
+            total += turn(m, j, sample & LAST)
         w[layout.BANK_LEFT + kind] -= 1
         if w[layout.BANK_LEFT + kind] == 0:
-            for j in range(first, first + layout.MAX_MODES):
+            for j in range(first * layout.PHASES, (first + layout.MAX_MODES) * layout.PHASES):
                 m[layout.BANK_RE + j] = 0.0
                 m[layout.BANK_IM + j] = 0.0
             w[layout.RINGING] -= 1
@@ -44,66 +53,29 @@ def ring_once(m, w):
 
 
 @point
-def ring_mode(m, j, start, stop):
-    """Add a mode to samples `start` to `stop` of the D_RING column."""
-    re = m[layout.BANK_RE + j]
-    im = m[layout.BANK_IM + j]
-    c = m[layout.BANK_COS + j]
-    s = m[layout.BANK_SIN + j]
+def turn_alone(m, j, clock, start, stop):
+    """Add a mode to a few samples of the D_RING column, one after another."""
     for n in range(start, stop):
-        m[layout.D_RING + n] += im
-        re, im = c * re - s * im, s * re + c * im
-    m[layout.BANK_RE + j] = re
-    m[layout.BANK_IM + j] = im
+        m[layout.D_RING + n] += turn(m, j, (clock + n) & LAST)
 
 
 @point
-def ring_two_modes(m, j, start, stop):
-    """Add modes j and j + 1, as `ring_mode` would one after the other; their chains overlap."""
-    re = m[layout.BANK_RE + j]
-    im = m[layout.BANK_IM + j]
+def ring_mode(m, j, clock, start, stop):
+    """Add a mode to samples `start` to `stop` of the D_RING column; sample 0 is at `clock`."""
+    whole = start + (-(clock + start) & LAST)
+    rest = whole + (max(stop - whole, 0) & ~LAST)
+    turn_alone(m, j, clock, start, min(whole, stop))
     c = m[layout.BANK_COS + j]
     s = m[layout.BANK_SIN + j]
-    re2 = m[layout.BANK_RE + j + 1]
-    im2 = m[layout.BANK_IM + j + 1]
-    c2 = m[layout.BANK_COS + j + 1]
-    s2 = m[layout.BANK_SIN + j + 1]
-    for n in range(start, stop):
-        m[layout.D_RING + n] = (m[layout.D_RING + n] + im) + im2
+    at = j * layout.PHASES
+    re = load(m, layout.BANK_RE + at)
+    im = load(m, layout.BANK_IM + at)
+    for n in range(whole, rest, layout.PHASES):
+        store(m, layout.D_RING + n, load(m, layout.D_RING + n) + im)
         re, im = c * re - s * im, s * re + c * im
-        re2, im2 = c2 * re2 - s2 * im2, s2 * re2 + c2 * im2
-    m[layout.BANK_RE + j] = re
-    m[layout.BANK_IM + j] = im
-    m[layout.BANK_RE + j + 1] = re2
-    m[layout.BANK_IM + j + 1] = im2
-
-
-@point
-def ring_three_modes(m, j, start, stop):
-    """Add modes j, j + 1 and j + 2, as `ring_two_modes`."""
-    re = m[layout.BANK_RE + j]
-    im = m[layout.BANK_IM + j]
-    c = m[layout.BANK_COS + j]
-    s = m[layout.BANK_SIN + j]
-    re2 = m[layout.BANK_RE + j + 1]
-    im2 = m[layout.BANK_IM + j + 1]
-    c2 = m[layout.BANK_COS + j + 1]
-    s2 = m[layout.BANK_SIN + j + 1]
-    re3 = m[layout.BANK_RE + j + 2]
-    im3 = m[layout.BANK_IM + j + 2]
-    c3 = m[layout.BANK_COS + j + 2]
-    s3 = m[layout.BANK_SIN + j + 2]
-    for n in range(start, stop):
-        m[layout.D_RING + n] = ((m[layout.D_RING + n] + im) + im2) + im3
-        re, im = c * re - s * im, s * re + c * im
-        re2, im2 = c2 * re2 - s2 * im2, s2 * re2 + c2 * im2
-        re3, im3 = c3 * re3 - s3 * im3, s3 * re3 + c3 * im3
-    m[layout.BANK_RE + j] = re
-    m[layout.BANK_IM + j] = im
-    m[layout.BANK_RE + j + 1] = re2
-    m[layout.BANK_IM + j + 1] = im2
-    m[layout.BANK_RE + j + 2] = re3
-    m[layout.BANK_IM + j + 2] = im3
+    store(m, layout.BANK_RE + at, re)
+    store(m, layout.BANK_IM + at, im)
+    turn_alone(m, j, clock, max(rest, start), stop)
 
 
 @point
@@ -114,15 +86,9 @@ def ring_on(m, w, start, stop):
     for i in range(w[layout.RINGING]):
         kind = w[layout.RINGING_KIND + i]
         w[layout.BANK_LEFT + kind] -= stop - start
-        j = kind * layout.MAX_MODES
-        last = j + w[layout.BANK_MODES + kind]
-        while j + 2 < last:
-            ring_three_modes(m, j, start, stop)
-            j += 3
-        if j + 1 < last:
-            ring_two_modes(m, j, start, stop)
-        elif j < last:
-            ring_mode(m, j, start, stop)
+        first = kind * layout.MAX_MODES
+        for j in range(first, first + w[layout.BANK_MODES + kind]):
+            ring_mode(m, j, w[layout.CLOCK], start, stop)
 
 
 @point
@@ -142,5 +108,5 @@ def ring(m, w, frames):
             ring_on(m, w, n, stop)
             n = stop
         else:
-            m[layout.D_RING + n] = ring_once(m, w)
+            m[layout.D_RING + n] = ring_once(m, w, clock + n)
             n += 1

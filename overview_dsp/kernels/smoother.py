@@ -13,6 +13,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.lanes import choose
 
 STILL = 1e-150  # cells: smaller would become denormal; places are never negative
 
@@ -22,7 +23,7 @@ def smooth(target, y1, y2, a):
     """One sample: the two poles after it."""
     y1 = y1 + a * (target - y1)
     y2 = y2 + a * (y1 - y2)
-    return y1 if y1 > STILL else 0.0, y2 if y2 > STILL else 0.0
+    return choose(y1 > STILL, y1, 0.0), choose(y2 > STILL, y2, 0.0)
 
 
 def latency(a: float) -> float:

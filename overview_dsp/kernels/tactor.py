@@ -6,10 +6,11 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.lanes import choose
 
 
 @point
 def advance(phase, increment):
     """The carrier's next phase, turns in [0, 1)."""
     phase = phase + increment
-    return phase - 1.0 if phase >= 1.0 else phase
+    return choose(phase >= 1.0, phase - 1.0, phase)

@@ -15,6 +15,7 @@ from __future__ import annotations
 from math import sqrt
 
 from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.lanes import choose
 
 QUIET = 1e-5  # a level at -100 dBFS: from here the grain is zero
 SLOWEST = 0.05  # rad/s: the filter of a resting disk still forgets
@@ -30,8 +31,8 @@ def grain_level(torque, omega, gain):
 def spread(target, level, a):
     """One sample of the level's smoothing; exactly zero once inaudible."""
     level = level + a * (target - level)
-    quiet = QUIET if target < QUIET else -1.0
-    return 0.0 if level <= quiet else level
+    quiet = choose(target < QUIET, QUIET, -1.0)
+    return choose(level <= quiet, 0.0, level)
 
 
 @point
@@ -45,5 +46,5 @@ def brightness(omega, cutoff):
 def colour(x, y, a):
     """One sample of the low-pass; exactly zero once it has died away."""
     y = y + (x - y) * a
-    quiet = QUIET if x == 0.0 else 0.0
-    return 0.0 if max(y, -y) < quiet else y
+    quiet = choose(x == 0.0, QUIET, 0.0)
+    return choose(max(y, -y) < quiet, 0.0, y)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import point, routine
 from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.lanes import choose
 from overview_dsp.kernels.passing import event_above, event_below
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
@@ -23,7 +24,7 @@ STANDSTILL = 1e-150  # cells, cells a sample, rad/s: smaller would become denorm
 @point
 def snapped(x, least):
     """x, or exactly 0 if it is nearer to it than `least`."""
-    return 0.0 if abs(x) < least else x
+    return choose(abs(x) < least, 0.0, x)
 
 
 @routine

@@ -1,0 +1,355 @@
+"""Several voices side by side: a number of each of `LANES` voices as one value.
+
+Kernels are written for a single float64. Given lanes instead, the same functions work on all voices
+at once, as the machine's vector instructions do: operators, `abs`, `min`, `max`, `sqrt`, and the
+functions below. Each lane gets the bits that the operation gives a single number.
+
+In plain Python lanes are arrays; what can't be done to those is for compiled code only.
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import (
+    intrinsic,
+    lower_builtin,
+    models,
+    overload,
+    register_model,
+    type_callable,
+)
+
+LANES = 8
+COMPILED_ONLY = "for compiled code only"
+
+_INDEX = ir.IntType(32)
+_WORD = ir.IntType(64)
+_ELEMENT = {"float64": ir.DoubleType(), "uint64": _WORD, "bool": ir.IntType(1)}
+
+
+class _Lanes(types.Type):
+    """The type of `LANES` numbers of one kind."""
+
+    def __init__(self, element: str) -> None:
+        super().__init__(name=f"lanes({element})")
+        self.vector = ir.VectorType(_ELEMENT[element], LANES)
+
+
+FLOATS, WORDS, MASK = _Lanes("float64"), _Lanes("uint64"), _Lanes("bool")
+
+
+@register_model(_Lanes)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, type_: _Lanes) -> None:
+        super().__init__(manager, type_, type_.vector)
+
+
+def _in_all(context: Any, builder: Any, value: Any, given: Any, wanted: _Lanes) -> Any:
+    """Lanes as they are, or one number for all lanes."""
+    if isinstance(given, _Lanes):
+        return value
+    number = types.float64 if wanted is FLOATS else types.uint64
+    value = context.cast(builder, value, given, number)
+    undefined = ir.Constant(wanted.vector, ir.Undefined)
+    first = builder.insert_element(undefined, value, ir.Constant(_INDEX, 0))
+    return builder.shuffle_vector(first, undefined, _order([0] * LANES))
+
+
+def _order(lanes: list[int]) -> Any:
+    return ir.Constant(ir.VectorType(_INDEX, len(lanes)), lanes)
+
+
+def _binary(function: Any, of: _Lanes, result: _Lanes, emit: Callable[..., Any]) -> None:
+    """An operator of two lanes, or of lanes and a number."""
+    numbers = (types.Float, types.Integer) if of is FLOATS else (types.Integer,)
+
+    @type_callable(function)
+    def typed(context: Any) -> Any:
+        def typer(a: Any, b: Any) -> Any:
+            both = (a, b)
+            fits = of in both and all(one is of or isinstance(one, numbers) for one in both)
+            return result if fits else None
+
+        return typer
+
+    def lowered(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        a, b = (
+            _in_all(context, builder, value, given, of)
+            for value, given in zip(args, signature.args, strict=True)
+        )
+        return emit(builder, a, b)
+
+    lower_builtin(function, of, of)(lowered)
+    for number in numbers:
+        lower_builtin(function, of, number)(lowered)
+        lower_builtin(function, number, of)(lowered)
+
+
+def _compare(sign: str) -> Callable[..., Any]:
+    return lambda builder, a, b: builder.fcmp_ordered(sign, a, b)
+
+
+def _instruction(name: str) -> Callable[..., Any]:
+    return lambda builder, a, b: getattr(builder, name)(a, b)
+
+
+def _extreme(sign: str) -> Callable[..., Any]:
+    # as numba's own `min` and `max`: the first, unless the second passes it
+    return lambda builder, a, b: builder.select(builder.fcmp_ordered(sign, b, a), b, a)
+
+
+for _function, _name in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _binary(_function, FLOATS, FLOATS, _instruction(_name))
+for _function, _sign in (
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.eq, "=="),
+):
+    _binary(_function, FLOATS, MASK, _compare(_sign))
+_binary(max, FLOATS, FLOATS, _extreme(">"))
+_binary(min, FLOATS, FLOATS, _extreme("<"))
+for _function, _name in (
+    (operator.add, "add"),
+    (operator.sub, "sub"),
+    (operator.mul, "mul"),
+    (operator.or_, "or_"),
+    (operator.and_, "and_"),
+    (operator.xor, "xor"),
+    (operator.lshift, "shl"),
+    (operator.rshift, "lshr"),
+):
+    _binary(_function, WORDS, WORDS, _instruction(_name))
+
+
+def _unary(function: Any, emit: Callable[..., Any]) -> None:
+    @type_callable(function)
+    def typed(context: Any) -> Any:
+        return lambda x: FLOATS if x is FLOATS else None
+
+    @lower_builtin(function, FLOATS)
+    def lowered(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return emit(builder, args[0])
+
+
+def _called(name: str) -> Callable[..., Any]:
+    """A function of LLVM's own, of which every machine has an instruction."""
+    name = f"llvm.{name}.v{LANES}f64"
+
+    def emit(builder: Any, x: Any) -> Any:
+        function = builder.module.globals.get(name)
+        if function is None:
+            kind = ir.FunctionType(FLOATS.vector, [FLOATS.vector])
+            function = ir.Function(builder.module, kind, name)
+        return builder.call(function, [x])
+
+    return emit
+
+
+_unary(abs, _called("fabs"))
+_unary(math.sqrt, _called("sqrt"))
+_unary(operator.neg, lambda builder, x: builder.fneg(x))
+
+
+# --- what kernels call ----------------------------------------------------------------------------
+
+
+def choose(condition, yes, no):
+    """`yes` where the condition holds, else `no`; of numbers or lanes. Both are computed."""
+    return yes if condition else no
+
+
+def bits_of(x):
+    """The 64 bits of a float64, as an integer."""
+    return np.float64(x).view(np.int64)
+
+
+def from_bits(word):
+    """The float64 of 64 bits."""
+    return np.int64(word).view(np.float64)
+
+
+def count(word):
+    """The float64 of an unsigned integer below 2**53."""
+    return float(np.int64(word))
+
+
+def load(m, at):
+    """The lanes in `LANES` columns from `at` on, float64."""
+    return m[at : at + LANES].copy()
+
+
+def load_words(m, at):
+    """The lanes in `LANES` columns from `at` on, as words."""
+    raise NotImplementedError(COMPILED_ONLY)
+
+
+def store(m, at, value):
+    """Write lanes, or one number for all, to `LANES` columns from `at` on."""
+    m[at : at + LANES] = value
+
+
+def load_pairs(m, starts, first, place):
+    """Of a table of pairs for each lane, those at the whole part of `place`.
+
+    Lane i's table begins at column `starts[first + i]`; `place` is 0 to 2**31. Returns the whole
+    part, the pairs' first numbers and their second ones.
+    """
+    raise NotImplementedError(COMPILED_ONLY)
+
+
+@intrinsic
+def _select(typing: Any, condition: Any, yes: Any, no: Any) -> Any:
+    of = WORDS if WORDS in (yes, no) else FLOATS
+
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        _, given_yes, given_no = signature.args
+        yes = _in_all(context, builder, args[1], given_yes, of)
+        no = _in_all(context, builder, args[2], given_no, of)
+        return builder.select(args[0], yes, no)
+
+    return of(MASK, yes, no), emit
+
+
+@overload(choose)
+def _choose(condition, yes, no):
+    if condition is MASK:
+        return lambda condition, yes, no: _select(condition, yes, no)
+    return lambda condition, yes, no: yes if condition else no
+
+
+def _seen_as(given: _Lanes, wanted: _Lanes, instruction: str) -> Any:
+    @intrinsic
+    def seen(typing: Any, x: Any) -> Any:
+        def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return getattr(builder, instruction)(args[0], wanted.vector)
+
+        return wanted(given), emit
+
+    return seen
+
+
+_as_words = _seen_as(FLOATS, WORDS, "bitcast")
+_as_floats = _seen_as(WORDS, FLOATS, "bitcast")
+_counted = _seen_as(WORDS, FLOATS, "uitofp")
+
+
+@overload(bits_of)
+def _bits_of(x):
+    if x is FLOATS:
+        return lambda x: _as_words(x)
+    return lambda x: np.float64(x).view(np.int64)
+
+
+@overload(from_bits)
+def _from_bits(word):
+    if word is WORDS:
+        return lambda word: _as_floats(word)
+    return lambda word: np.int64(word).view(np.float64)
+
+
+@overload(count)
+def _count(word):
+    if word is WORDS:
+        return lambda word: _counted(word)
+    return lambda word: float(np.int64(word))
+
+
+def _column(context: Any, builder: Any, of_array: Any, array: Any, at: Any) -> Any:
+    data = context.make_array(of_array)(context, builder, array).data
+    return builder.gep(data, [at])
+
+
+def _loading(of: _Lanes) -> Any:
+    @intrinsic
+    def loaded(typing: Any, m: Any, at: Any) -> Any:
+        def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            place = _column(context, builder, signature.args[0], *args)
+            return builder.load(builder.bitcast(place, of.vector.as_pointer()), align=8)
+
+        return of(m, types.int64), emit
+
+    return loaded
+
+
+_load_floats = _loading(FLOATS)
+_load_words = _loading(WORDS)
+
+
+@intrinsic
+def _store(typing: Any, m: Any, at: Any, value: Any) -> Any:
+    of = WORDS if value is WORDS else FLOATS
+
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        place = _column(context, builder, signature.args[0], *args[:2])
+        value = _in_all(context, builder, args[2], signature.args[2], of)
+        builder.store(value, builder.bitcast(place, of.vector.as_pointer()), align=8)
+        return context.get_dummy_value()
+
+    return types.void(m, types.int64, value), emit
+
+
+@intrinsic
+def _load_pairs(typing: Any, m: Any, starts: Any, first: Any, place: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        m, starts, first, place = args
+        # to 32 bits: all machines have an instruction for that
+        whole = builder.fptosi(place, ir.VectorType(_INDEX, LANES))
+        pair = ir.VectorType(ir.DoubleType(), 2)
+        found = []
+        for lane in range(LANES):
+            number = builder.extract_element(whole, ir.Constant(_INDEX, lane))
+            twice = builder.shl(builder.zext(number, _WORD), ir.Constant(_WORD, 1))
+            slot = builder.add(first, ir.Constant(_WORD, lane))
+            start = builder.load(_column(context, builder, signature.args[1], starts, slot))
+            at = _column(context, builder, signature.args[0], m, builder.add(start, twice))
+            found.append(builder.load(builder.bitcast(at, pair.as_pointer()), align=8))
+        while len(found) > 1:  # two by two into one vector
+            order = _order(list(range(2 * found[0].type.count)))
+            found = [
+                builder.shuffle_vector(*found[i : i + 2], order) for i in range(0, len(found), 2)
+            ]
+        undefined = ir.Constant(found[0].type, ir.Undefined)
+        one, other = (
+            builder.shuffle_vector(found[0], undefined, _order(list(range(i, 2 * LANES, 2))))
+            for i in (0, 1)
+        )
+        floor = builder.sitofp(whole, FLOATS.vector)
+        return context.make_tuple(builder, signature.return_type, (floor, one, other))
+
+    return types.UniTuple(FLOATS, 3)(m, starts, types.int64, FLOATS), emit
+
+
+@overload(load)
+def _of_load(m, at):
+    return lambda m, at: _load_floats(m, at)
+
+
+@overload(load_words)
+def _of_load_words(m, at):
+    return lambda m, at: _load_words(m, at)
+
+
+@overload(store)
+def _of_store(m, at, value):
+    return lambda m, at, value: _store(m, at, value)
+
+
+@overload(load_pairs)
+def _of_load_pairs(m, starts, first, place):
+    return lambda m, starts, first, place: _load_pairs(m, starts, first, place)
