@@ -94,7 +94,7 @@ class _Rounding:
             steps += np.where(samples == 0.0, 0.0, noise[..., 0] - noise[..., 1])
         np.clip(np.rint(steps, out=steps), -top, top - 1.0, out=steps)
         width = 16 if self._dithered else 32
-        return np.left_shift(steps.astype(f"i{width // 8}"), width - self._bits)
+        return steps.astype(f"i{width // 8}") << (width - self._bits)
 
 
 class SoundWriter:

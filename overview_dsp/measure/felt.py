@@ -107,7 +107,7 @@ def _first_within(
     there = runs[run]
     within = (there >= first[:, None]) & (there <= last[:, None])
     place = within.argmax(axis=1)
-    frame = run * _RUN + place
+    frame: NDArray[np.int64] = run * _RUN + place
     for i in np.flatnonzero(~within[np.arange(len(run)), place]):
         # it leapt over the span
         later = runs[run[i] :].ravel()
