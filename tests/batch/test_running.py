@@ -257,8 +257,8 @@ def test_a_full_disk_stops_the_study_with_one_line(tmp_path, monkeypatch):
 
 def test_garbage_in_the_place_is_named(tmp_path):
     (tmp_path / "study" / "parts").mkdir(parents=True)
-    (tmp_path / "study" / "parts" / "x.parquet").write_bytes(b"garbage")
-    with pytest.raises(ov.InputError, match=r"parts/x\.parquet"):
+    (tmp_path / "study" / "parts" / "x.jsonl").write_bytes(b"garbage")
+    with pytest.raises(ov.InputError, match=r"parts/x\.jsonl"):
         run_study(study_in(tmp_path), workers=1)
 
 
