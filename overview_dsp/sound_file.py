@@ -74,7 +74,7 @@ class _Rounding:
     def __init__(self, subtype: str) -> None:
         self._bits = _BITS.get(subtype, 0)
         self._dithered = 0 < self._bits <= _DITHERED_BITS
-        self._random = np.random.default_rng(_DITHER_SEED)
+        self._random = np.random.default_rng(_DITHER_SEED) if self._dithered else None
         self.note = f"TPDF dither at {self._bits} bits" if self._dithered else "no dither"
 
     def __call__(self, samples: NDArray[np.float32]) -> NDArray[Any]:
@@ -84,15 +84,17 @@ class _Rounding:
         """
         if not self._bits:
             return samples
-        steps = samples.astype(np.float64) * 2.0 ** (self._bits - 1)
-        if self._dithered:
+        top = 2.0 ** (self._bits - 1)
+        # float32 holds every step of 24 bits
+        exact = np.float32 if self._random is None and self._bits <= 24 else np.float64
+        steps: NDArray[Any] = np.multiply(samples, top, dtype=exact)
+        if self._random is not None:
             # drawn frame by frame, so that the blocks it comes in change nothing
             noise = self._random.random((*samples.shape, 2))
             steps += np.where(samples == 0.0, 0.0, noise[..., 0] - noise[..., 1])
-        top = 2.0 ** (self._bits - 1)
-        whole = np.clip(np.rint(steps), -top, top - 1.0)
+        np.clip(np.rint(steps, out=steps), -top, top - 1.0, out=steps)
         width = 16 if self._dithered else 32
-        return (whole * 2.0 ** (width - self._bits)).astype(f"i{width // 8}")
+        return steps.astype(f"i{width // 8}") << (width - self._bits)
 
 
 class SoundWriter:

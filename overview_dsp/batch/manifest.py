@@ -1,6 +1,7 @@
 """What is known of a study's renders: parts while it runs, one Parquet manifest in the end.
 
-A part holds a row for each case, by its key: the measures, or why it failed. The manifest has a row
+A part holds a row for each case, by its key: the measures, or why it failed; JSON lines, which cost
+a worker no library. The manifest has a row
 for each case of the study in the order of the grid: what was combined, every parameter, the
 measures. Its metadata hold the presets whole (`overview_study`, JSON). The same study gives the
 same bytes.
@@ -64,8 +65,24 @@ def _encoded(table: Any) -> bytes:
 
 
 def encode_part(rows: Sequence[Mapping[str, Any]]) -> bytes:
-    """Rows (a key and measures; what is left out is none) as Parquet."""
-    return _encoded(library("pyarrow").Table.from_pylist(list(rows), schema=_schema()))
+    """Rows (a key and measures; what is left out is none) as JSON lines."""
+    return "".join(json.dumps(row) + "\n" for row in rows).encode()
+
+
+def _decoded(name: str, data: bytes) -> Any:
+    """The table of a part or of a manifest: the columns of `_schema`."""
+    schema, file = _schema(), io.BytesIO(data)
+    if name == MANIFEST:
+        found = library("pyarrow.parquet").read_table(file, columns=schema.names)
+    else:
+        read = library("pyarrow.json")
+        found = read.read_json(
+            file,
+            # a row that spans two blocks is refused
+            read.ReadOptions(use_threads=False, block_size=len(data) + 1),
+            read.ParseOptions(explicit_schema=schema, unexpected_field_behavior="error"),
+        )
+    return found.select(schema.names).cast(schema).replace_schema_metadata(None)
 
 
 def read_rows(place: Place) -> tuple[Any, list[str]]:
@@ -76,18 +93,16 @@ def read_rows(place: Place) -> tuple[Any, list[str]]:
     InputError
         A file there isn't what it should be.
     """
-    arrow, parquet = library("pyarrow"), library("pyarrow.parquet")
-    schema = _schema()
+    arrow = library("pyarrow")
     parts = sorted(place.sizes(PARTS))
-    tables = [schema.empty_table()]
+    tables = [_schema().empty_table()]
     for name in (MANIFEST, *parts):
         try:
             data = place.get(name)
         except FileNotFoundError:
             continue
         try:
-            found = parquet.read_table(io.BytesIO(data), columns=schema.names)
-            tables.append(found.cast(schema).replace_schema_metadata(None))
+            tables.append(_decoded(name, data))
         except (arrow.ArrowException, KeyError, ValueError) as error:
             raise InputError(
                 f"{place.where}/{name}: not what a study left here ({error}); remove it, "

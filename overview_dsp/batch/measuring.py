@@ -28,7 +28,7 @@ def measures(result: VoiceResult, data: bytes) -> dict[str, Any]:
         "bytes": len(data),
         "sha256": hashlib.sha256(data).hexdigest(),
         "samples_sha256": hashlib.sha256(
-            result.samples.astype("<f4", copy=False).tobytes()
+            np.ascontiguousarray(result.samples, "<f4").data
         ).hexdigest(),
     }
 
@@ -53,11 +53,8 @@ def _felt(result: VoiceResult) -> list[dict[str, Any]]:
     assert result.trace is not None
     surface, events = result.surface, result.voice.timeline.events
     levels = event_levels(surface, result.trace, result.samples[:, 1], result.sample_rate)
+    felt = np.isfinite(levels)
     return [
-        {
-            "event": int(surface.event[i]),
-            "kind": events[surface.event[i]].kind,
-            "level_db": float(levels[i]),
-        }
-        for i in np.flatnonzero(np.isfinite(levels))
+        {"event": event, "kind": events[event].kind, "level_db": level}
+        for event, level in zip(surface.event[felt].tolist(), levels[felt].tolist(), strict=True)
     ]

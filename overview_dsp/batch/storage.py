@@ -69,16 +69,19 @@ class Place:
                     self._made.add(folder)
                 self._fs.pipe_file(self._remote(name), data)
                 return
-            if folder not in self._made:
-                (self._path / folder).mkdir(parents=True, exist_ok=True)
-                (self._path / UNFINISHED).mkdir(exist_ok=True)
-                self._made.add(folder)
-            temporary = self._path / UNFINISHED / uuid.uuid4().hex
+            for needed in (folder, UNFINISHED):
+                if needed not in self._made:
+                    (self._path / needed).mkdir(parents=True, exist_ok=True)
+                    self._made.add(needed)
+            # paths as text: a study has many files
+            temporary = os.path.join(self._path, UNFINISHED, uuid.uuid4().hex)
             try:
-                temporary.write_bytes(data)
-                os.replace(temporary, self._path / name)
+                with open(temporary, "wb") as file:
+                    file.write(data)
+                os.replace(temporary, os.path.join(self._path, name))
             except BaseException:
-                temporary.unlink(missing_ok=True)
+                with contextlib.suppress(FileNotFoundError):
+                    os.unlink(temporary)
                 raise
         except OSError as error:
             raise output_error(Path(self.where, name), error) from error

@@ -84,7 +84,7 @@ class Worker:
 
     def _keep(self, rows: list[dict[str, Any]]) -> None:
         if rows:
-            name = f"{PARTS}/{rows[0]['key']}-{len(rows)}.parquet"
+            name = f"{PARTS}/{rows[0]['key']}-{len(rows)}.jsonl"
             self.place.put(name, encode_part(rows))
             rows.clear()
 

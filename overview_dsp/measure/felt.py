@@ -10,7 +10,7 @@ the event-free rest of the stroke; its level is their median.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,43 +85,70 @@ def window_db(
     """
     length, hop = WINDOW_S * sample_rate, hop_s * sample_rate
     starts = np.arange(0.0, max(0.0, len(signal) - length) + 0.5, hop)
-    energy = np.concatenate([[0.0], np.cumsum(signal.astype(np.float64) ** 2)])
+    energy = np.zeros(len(signal) + 1)
+    np.cumsum(np.square(signal, dtype=np.float64), out=energy[1:])
     frames = np.arange(len(energy), dtype=np.float64)
     mean = (np.interp(starts + length, frames, energy) - np.interp(starts, frames, energy)) / length
     return starts, 10.0 * np.log10(np.maximum(mean, 1e-20))
 
 
-def passed_events(
+def _first_within(
+    runs: NDArray[np.float64],
+    lows: NDArray[np.float64],
+    highs: NDArray[np.float64],
+    spans: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """The first frame within each span (from, to) of a course cut into runs; its length if none."""
+    first, last = spans[:, 0], spans[:, 1]
+    # in the runs before, it was below the span all the time, or above
+    reached = np.searchsorted(np.maximum.accumulate(highs), first)
+    run = np.maximum(reached, np.searchsorted(-np.minimum.accumulate(lows), -last))
+    run = np.minimum(run, len(runs) - 1)
+    there = runs[run]
+    within = (there >= first[:, None]) & (there <= last[:, None])
+    place = within.argmax(axis=1)
+    frame: NDArray[np.int64] = run * _RUN + place
+    for i in np.flatnonzero(~within[np.arange(len(run)), place]):
+        # it leapt over the span
+        later = runs[run[i] :].ravel()
+        inside = np.flatnonzero((later >= first[i]) & (later <= last[i]))
+        frame[i] = run[i] * _RUN + inside[0] if len(inside) else runs.size
+    return frame
+
+
+def passages(
     surface: Surface, cursor: NDArray[np.float64]
-) -> Iterator[tuple[int, NDArray[np.int64]]]:
-    """Each event that a stroke passes, and the frames in which the disk is on it."""
-    if not len(cursor):
-        return
-    # an event is looked for where the disk came near it, not in all of the stroke
-    edges = np.arange(0, len(cursor), _RUN)
-    lows, highs = np.minimum.reduceat(cursor, edges), np.maximum.reduceat(cursor, edges)
-    passed = (lows.min() < surface.place) & (surface.place <= highs.max())
-    for i in np.flatnonzero(passed).tolist():
-        first, last = surface.span[i]
-        near = np.flatnonzero((highs >= first) & (lows <= last))
-        if not len(near):
-            continue
-        start = int(edges[near[0]])
-        part = cursor[start : int(edges[near[-1]]) + _RUN]
-        inside = np.flatnonzero((part >= first) & (part <= last))
-        if len(inside):
-            yield i, inside + start
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """The events that a stroke passes, and the first and the last frame in which it is on each."""
+    frames = len(cursor)
+    if not frames:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64)
+    # the last run is filled up with where it stays
+    course = np.append(cursor, np.full(-frames % _RUN, cursor[-1]))
+    starts = np.arange(0, len(course), _RUN)
+    lows, highs = np.minimum.reduceat(course, starts), np.maximum.reduceat(course, starts)
+    events = np.flatnonzero((lows.min() < surface.place) & (surface.place <= highs.max()))
+    spans, runs = surface.span[events], course.reshape(-1, _RUN)
+    first = _first_within(runs, lows, highs, spans)
+    backwards = _first_within(runs[::-1, ::-1], lows[::-1], highs[::-1], spans)
+    last = np.minimum(len(course) - 1 - backwards, frames - 1)
+    met = first <= last
+    return events[met], first[met], last[met]
 
 
 def _highest(
     starts: NDArray[np.float64],
     level: NDArray[np.float64],
     length: float,
-    inside: NDArray[np.int64],
-) -> float:
-    """The highest level of the windows that overlap the frames on an event; NaN without any."""
-    overlapping = (starts + length > inside[0]) & (starts <= inside[-1])
-    return float(level[overlapping].max()) if overlapping.any() else np.nan
+    first: NDArray[np.int64],
+    last: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """The highest level of the windows that overlap frames `first` to `last`; NaN without any."""
+    begin = np.searchsorted(starts + length, first, side="right")
+    end = np.searchsorted(starts, last, side="right")
+    bounds = np.stack([begin, end], axis=1).ravel()
+    highest = np.maximum.reduceat(np.append(level, -np.inf), bounds)[::2]
+    return np.where(begin < end, highest, np.nan)
 
 
 def event_levels(
@@ -138,8 +165,9 @@ def event_levels(
     for stroke in strokes(columns["touching"], columns["cursor"]):
         frames = slice(stroke.start, stroke.stop)
         starts, level = window_db(tactor[frames], sample_rate)
-        for i, inside in passed_events(surface, columns["cursor"][frames]):
-            found[i] = np.fmax(found[i], _highest(starts, level, WINDOW_S * sample_rate, inside))
+        events, first, last = passages(surface, columns["cursor"][frames])
+        highest = _highest(starts, level, WINDOW_S * sample_rate, first, last)
+        found[events] = np.fmax(found[events], highest)
     return found
 
 
@@ -170,7 +198,11 @@ def stroke_feel(
     slope = np.diff(torque, prepend=torque[:1]) * sample_rate
     count = len(surface.place)
     event_db, rise = np.full(count, np.nan), np.full(count, np.nan)
-    for i, inside in passed_events(surface, cursor):
-        event_db[i] = _highest(starts, level, length, inside)
-        rise[i] = slope[inside].max()
+    events, first, last = passages(surface, cursor)
+    event_db[events] = _highest(starts, level, length, first, last)
+    for i, start, stop in zip(events, first, last + 1, strict=True):
+        inside = (cursor[start:stop] >= surface.span[i, 0]) & (
+            cursor[start:stop] <= surface.span[i, 1]
+        )
+        rise[i] = slope[start:stop][inside].max()
     return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import os
 import random
@@ -15,8 +17,9 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-from overview_dsp.batch import run_study, task
+from overview_dsp.batch import run_study, storage, task
 from overview_dsp.batch.identity import Keys
+from overview_dsp.batch.manifest import PARTS
 from overview_dsp.batch.storage import UNFINISHED, Place
 from overview_dsp.measure.felt import event_levels
 from overview_dsp.presets.parameters import PARAMETERS
@@ -257,8 +260,8 @@ def test_a_full_disk_stops_the_study_with_one_line(tmp_path, monkeypatch):
 
 def test_garbage_in_the_place_is_named(tmp_path):
     (tmp_path / "study" / "parts").mkdir(parents=True)
-    (tmp_path / "study" / "parts" / "x.parquet").write_bytes(b"garbage")
-    with pytest.raises(ov.InputError, match=r"parts/x\.parquet"):
+    (tmp_path / "study" / "parts" / "x.jsonl").write_bytes(b"garbage")
+    with pytest.raises(ov.InputError, match=r"parts/x\.jsonl"):
         run_study(study_in(tmp_path), workers=1)
 
 
@@ -286,17 +289,83 @@ def test_parts_are_written_now_and_then(tmp_path, monkeypatch):
     assert all(sound < part for sound, part in zip(sounds, parts, strict=True))
 
 
+class Killed(BaseException):
+    """The end of a process: nothing is tidied up after it."""
+
+
+def killed_after(monkeypatch, steps):
+    """Let this many steps be done to files, half of a write as the last; none after it."""
+    left = [steps]
+
+    def last_one():
+        left[0] -= 1
+        if left[0] < 0:
+            raise Killed
+        return left[0] == 0
+
+    def counted(real):
+        def step(*args, **options):
+            if last_one():
+                raise Killed
+            return real(*args, **options)
+
+        return step
+
+    class HalfWritten(io.FileIO):
+        def write(self, data):
+            if last_one():
+                super().write(data[: len(data) // 2])
+                raise Killed
+            return super().write(data)
+
+    for name in ("replace", "unlink", "mkdir", "rmdir"):
+        monkeypatch.setattr(os, name, counted(getattr(os, name)))
+    monkeypatch.setattr(storage, "open", HalfWritten, raising=False)
+    return left
+
+
+def test_killed_at_any_step_and_resumed_it_leaves_the_same_files(tmp_path, monkeypatch):
+    text = 'out = "study"\ntimelines = ["world-cup-final-2018"]\ngestures = ["tap:0.4:0.02"]\n'
+    text += 'sample_rate = 2000\ntail = "none"\nseeds = 3\n'
+    monkeypatch.setattr(task, "PART_S", 0.0)
+    with monkeypatch.context() as patched:
+        left = killed_after(patched, 10**6)
+        run_study(study_in(tmp_path, text), workers=1)
+        steps = 10**6 - left[0]
+    expected = hashes(tmp_path / "study")
+    assert steps > 4 * len(expected)
+    unfinished = []
+    for step in range(1, steps + 1):
+        out = tmp_path / str(step)
+        with monkeypatch.context() as patched, contextlib.suppress(Killed):
+            killed_after(patched, step)
+            run_study(study_in(tmp_path, text, str(out)), workers=1)
+            raise AssertionError("it wasn't killed")
+        unfinished += (out / UNFINISHED).glob("*")
+        # what is there under its name is whole
+        for name, digest in hashes(out).items():
+            assert name.startswith((UNFINISHED, PARTS)) or digest == expected[name]
+        sounds = len(list(out.rglob("*.wav")))
+        outcome = run_study(study_in(tmp_path, text, str(out)), workers=1)
+        # a sound is done again only if its part wasn't there yet
+        assert outcome.found >= sounds - 1
+        assert hashes(out) == expected
+    assert len(unfinished) > len(expected)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGKILL")
-def test_killed_at_random_and_resumed_it_leaves_the_same_files(done, tmp_path):
-    text = JOBS.replace("seeds = 3", "seeds = 25").replace("0.05", "0.5")
+def test_killed_at_random_and_resumed_it_leaves_the_same_files(tmp_path):
+    # a low rate: no loudness, whose library takes longest to load
+    text = JOBS.replace("seeds = 3", "seeds = 40").replace("0.05", "2.0").replace("8000", "2000")
+    cases = CASES // 3 * 40
     (tmp_path / "pieces").mkdir()
     jobs_file(tmp_path / "pieces", text)
     folder = tmp_path / "pieces" / "study"
     chance = random.Random(5)
     kept = 0
-    for _ in range(2):
+    for workers in ("2", "1", "1", "2", "1"):
         process = subprocess.Popen(
-            [sys.executable, "-m", "overview_dsp", "batch", "jobs.toml", "--workers", "2"],
+            [sys.executable, "-m", "overview_dsp", "batch", "jobs.toml", "--workers", workers],
             cwd=tmp_path / "pieces",
             env=environment(),
             stdout=subprocess.DEVNULL,
@@ -304,21 +373,22 @@ def test_killed_at_random_and_resumed_it_leaves_the_same_files(done, tmp_path):
             start_new_session=True,
         )
         try:
-            count = len(list(folder.rglob("*.wav")))
-            more = chance.randrange(5, 120)
-            while process.poll() is None and len(list(folder.rglob("*.wav"))) < count + more:
-                time.sleep(0.01)
+            more = kept + chance.randrange(1, 50)
+            while process.poll() is None and len(list(folder.rglob("*.wav"))) < more:
+                time.sleep(0.002)
+            time.sleep(chance.uniform(0.0, 0.01))
         finally:
             process.send_signal(signal.SIGKILL)
-            process.wait()
-        # the workers end with it
+        # it hit while there was work to do, and the workers end with it
+        assert process.wait() == -signal.SIGKILL
         assert end_of_group(process.pid)
-        assert len(list(folder.rglob("*.wav"))) >= kept
+        assert len(list(folder.rglob("*.wav"))) >= more
         kept = len(list(folder.rglob("*.wav")))
-    assert kept >= 10
+    assert kept < cases
     outcome = run_study(study_in(tmp_path / "pieces", text), workers=1)
-    assert outcome.found > 0 or outcome.rendered > 0
-    assert outcome.cases == CASES // 3 * 25
+    assert outcome.cases == cases == outcome.found + outcome.rendered
+    assert outcome.found > 0
+    assert outcome.rendered > 0
     assert run_study(study_in(tmp_path, text), workers=1).found == 0
     assert hashes(folder) == hashes(tmp_path / "study")
     assert not (folder / UNFINISHED).exists()

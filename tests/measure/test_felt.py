@@ -13,7 +13,7 @@ import overview_dsp as ov
 from overview_dsp.measure.felt import (
     Stroke,
     event_levels,
-    passed_events,
+    passages,
     stroke_feel,
     strokes,
     window_db,
@@ -100,13 +100,14 @@ def test_an_events_level_is_that_of_its_strongest_stroke():
     steps=st.lists(st.floats(-0.02, 0.02), min_size=1, max_size=700),
     start=st.floats(0.0, 1.0),
 )
-def test_the_frames_on_an_event_are_all_of_them(steps, start):
+def test_a_passage_lasts_from_the_first_to_the_last_frame_on_an_event(steps, start):
     surface = build_surface(timeline_of(20.0, 50.0, 90.0), preset_with(height=8.0, width=3.0))
     cursor = np.clip(start + np.cumsum(steps), 0.0, 1.0)
-    found = dict(passed_events(surface, cursor))
+    events, firsts, lasts = passages(surface, cursor)
+    found = {i: ends for i, *ends in zip(events.tolist(), firsts, lasts, strict=True)}
     for i, (first, last) in enumerate(surface.span):
         inside = np.flatnonzero((cursor >= first) & (cursor <= last))
         passed = len(inside) > 0 and cursor.min() < surface.place[i] <= cursor.max()
         assert (i in found) == passed
         if passed:
-            np.testing.assert_array_equal(found[i], inside)
+            assert found[i] == [inside[0], inside[-1]]
