@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.engine import TRACE_COLUMNS, Engine
-from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.lanes import LANES
 from overview_dsp.meters import Strikes
@@ -141,7 +141,7 @@ class VoiceRenderer:
                         break
                     try:
                         started = self._started(lane, number, voice, tail)
-                    except OverviewError as error:
+                    except Exception as error:
                         yield number, error
                         continue
                     if started.play.over:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,8 +15,8 @@ from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
 from overview_dsp.batch.measuring import measures
 from overview_dsp.batch.storage import Place
 from overview_dsp.batch.study import Case, Study
-from overview_dsp.errors import OutputError, OverviewError
-from overview_dsp.many import Voice, VoiceRenderer
+from overview_dsp.errors import OverviewError
+from overview_dsp.many import Voice, VoiceRenderer, VoiceResult
 from overview_dsp.parameter import Value
 from overview_dsp.presets.model import Preset
 from overview_dsp.sound_file import sound_bytes
@@ -64,15 +64,30 @@ class Worker:
         rows: list[dict[str, Any]] = []
         failed: list[tuple[int, str]] = []
         written = time.monotonic()
-        for index, key in jobs:
+
+        def fail(number: int, error: Exception) -> None:
+            index, key = jobs[number]
+            what = str(error) if isinstance(error, OverviewError) else repr(error)
+            failed.append((index, what))
+            rows.append({"key": key, "error": what})
+
+        def voices() -> Iterator[tuple[int, Voice]]:
+            for number, (index, _) in enumerate(jobs):
+                try:
+                    voice = self._voice(self.study.case(index))
+                except Exception as error:
+                    fail(number, error)
+                else:
+                    yield number, voice
+
+        tail = self.study.settings.tail
+        for number, result in self._renderer().render(voices(), tail, trace=True):
             try:
-                name, data, row = self._rendered(self.study.case(index), key)
-            except OutputError:
-                raise
+                if isinstance(result, Exception):
+                    raise result
+                name, data, row = self._measured(result, jobs[number][1])
             except Exception as error:
-                what = str(error) if isinstance(error, OverviewError) else repr(error)
-                failed.append((index, what))
-                rows.append({"key": key, "error": what})
+                fail(number, error)
             else:
                 self.place.put(name, data)
                 rows.append(row)
@@ -88,16 +103,16 @@ class Worker:
             self.place.put(name, encode_part(rows))
             rows.clear()
 
-    def _rendered(self, case: Case, key: str) -> tuple[str, bytes, dict[str, Any]]:
-        study, settings = self.study, self.study.settings
-        timeline = list(study.timelines.values())[case.timeline]
-        gesture = list(study.gestures.values())[case.gesture]
-        voice = Voice(timeline, self._preset(case), gesture, case.seed)
-        result = self._renderer().render(voice, settings.tail, trace=True)
+    def _voice(self, case: Case) -> Voice:
+        timeline = list(self.study.timelines.values())[case.timeline]
+        gesture = list(self.study.gestures.values())[case.gesture]
+        return Voice(timeline, self._preset(case), gesture, case.seed)
+
+    def _measured(self, result: VoiceResult, key: str) -> tuple[str, bytes, dict[str, Any]]:
+        settings = self.study.settings
         name = sound_name(key, settings.format)
         data = sound_bytes(name, result.samples, result.sample_rate, settings.subtype)
-        row = {"key": key, "file": name, **measures(result, data)}
-        return name, data, row
+        return name, data, {"key": key, "file": name, **measures(result, data)}
 
     def _preset(self, case: Case) -> Preset:
         at = (case.preset, case.values)

@@ -229,7 +229,7 @@ def _select(typing: Any, condition: Any, yes: Any, no: Any) -> Any:
 @overload(choose)
 def _choose(condition, yes, no):
     if condition is MASK:
-        return lambda condition, yes, no: _select(condition, yes, no)
+        return lambda condition, yes, no: _select(condition, yes, no)  # type: ignore[call-arg]
     return lambda condition, yes, no: yes if condition else no
 
 
@@ -347,9 +347,9 @@ def _of_load_words(m, at):
 
 @overload(store)
 def _of_store(m, at, value):
-    return lambda m, at, value: _store(m, at, value)
+    return lambda m, at, value: _store(m, at, value)  # type: ignore[call-arg]
 
 
 @overload(load_pairs)
 def _of_load_pairs(m, starts, first, place):
-    return lambda m, starts, first, place: _load_pairs(m, starts, first, place)
+    return lambda m, starts, first, place: _load_pairs(m, starts, first, place)  # type: ignore[call-arg]
