@@ -76,6 +76,6 @@ class VoiceLanes:
             self._announced = True
         for lane, engine in enumerate(engines):
             self._w[lane_memory.WANTED + lane] = engine is not None
-        lane_block.process_lanes(self._m, self._w, self._u, out, frames, table, trace)
+        lane_block.process_lanes(self._m, self._w, self._u, LANES, out, frames, table, trace)
         members: list[bool] = (self._w[lane_memory.MEMBER :][:LANES] == 1).tolist()
         return members

@@ -12,11 +12,14 @@ import sys
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.callback import native_callback
+from overview_dsp.kernels.lanes import LANES
 from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.voice_lanes import VoiceLanes
 
 RATE = 48_000
 FRAMES = RATE
@@ -30,13 +33,17 @@ CHANGES = {
 Marks = Callable[[str, Callable[[], None]], None]
 
 
-def fed(preset: str = "viscous") -> ov.Engine:
+def fed(
+    preset: str = "viscous",
+    gesture: ov.Gesture = GESTURE,
+    memory: NDArray[np.float64] | None = None,
+) -> ov.Engine:
     """An engine that waits to be played for a second."""
     made = ov.load_preset("football").with_changes(CHANGES[preset])
     engine = ov.Engine(made, ov.load_timeline("world-cup-final-2018"), seed=1)
-    engine.prepare(RATE, FRAMES)
+    engine.prepare(RATE, FRAMES, memory=memory)
     for stamp, theta2, touching in zip(
-        GESTURE.stamps(RATE), GESTURE.theta2, GESTURE.touching, strict=True
+        gesture.stamps(RATE), gesture.theta2, gesture.touching, strict=True
     ):
         engine.control(float(theta2), bool(touching), int(stamp))
     return engine
@@ -72,6 +79,18 @@ def native_calls(count: Marks) -> None:
     count("viscous, 64-frame native calls", run)
 
 
+def side_by_side(count: Marks) -> None:
+    """A lane's part of the second each."""
+    frames = FRAMES // LANES
+    lanes = VoiceLanes(frames)
+    engines = [
+        fed("viscous", ov.sweep(1.0 / LANES, lane / LANES, (lane + 1) / LANES), lanes.memory(lane))
+        for lane in range(LANES)
+    ]
+    lanes.process(engines, 0, False)
+    count(f"{LANES} voices side by side", lambda: lanes.process(engines, frames, False))
+
+
 def main(marks: str | None) -> None:
     library = ctypes.CDLL(marks) if marks else None
 
@@ -85,6 +104,7 @@ def main(marks: str | None) -> None:
     fed().process(np.zeros((64, 2), dtype=np.float32))  # what the first call does once
     one_call(count)
     native_calls(count)
+    side_by_side(count)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from __future__ import annotations
 from overview_dsp.kernels import lane_memory as own
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import recover
-from overview_dsp.kernels.compiling import entry, point, routine
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry, point, routine
 from overview_dsp.kernels.control import apply_due, next_due
 from overview_dsp.kernels.lane_memory import put_back, start_of, take_in
 from overview_dsp.kernels.lane_stages import (
@@ -76,14 +76,22 @@ def obey(b, m, w, lane):
     take_hand(b, m, w, lane)
 
 
+@point
+def copy(from_, to):
+    """Every number of `from_` into `to`, which is as long."""
+    for n in range(len(to)):
+        to[n] = from_[n]
+
+
 @routine
 def pass_all(b, m, w, lane, frames):
     """Strike the events that a voice passed in a chunk."""
     before = b[own.BEFORE + lane]
     above = event_above(m, w)
     below = event_below(m, w)
+    places = own.column(b, own.PLACE, lane, frames)
     for n in range(frames):
-        x = b[own.PLACE + n * LANES + lane]
+        x = places[n]
         if x >= above or x < below:
             m[layout.X] = x
             m[layout.APPROACH] = b[own.APPROACH + n * LANES + lane]
@@ -98,9 +106,8 @@ def pass_all(b, m, w, lane, frames):
 def copy_columns(b, m, lane, frames):
     """A voice's disk columns of a chunk into its own block."""
     for i in range(len(DISK_COLUMNS)):
-        to, from_ = DISK_COLUMNS[i]
-        for n in range(frames):
-            m[to + n] = b[from_ + n * LANES + lane]
+        to, at = DISK_COLUMNS[i]
+        copy(own.column(b, at, lane, frames), m[to : to + frames])
 
 
 @routine
@@ -113,12 +120,11 @@ def strike_lane(b, wb, lane, frames):
     last = layout.STRIKES_SOUNDED + layout.CONTACT - 1
     if w[layout.RINGING] > 0 or w[last] < w[layout.M_STRIKES]:
         ring(m, w, frames)
-        for n in range(frames):
-            b[own.RING + n * LANES + lane] = m[layout.D_RING + n]
+        copy(m[layout.D_RING : layout.D_RING + frames], own.column(b, own.RING, lane, frames))
         wb[own.ECHO + lane] = 1
     elif wb[own.ECHO + lane] == 1:
         for n in range(layout.CHUNK):
-            b[own.RING + n * LANES + lane] = 0.0
+            b[own.RING + n * LANES + (lane & NOT_NEGATIVE)] = 0.0
         wb[own.ECHO + lane] = 0
 
 
@@ -137,31 +143,30 @@ def end_lane(b, wb, lane, out, start, frames, trace, traced):
     if traced:
         at = start * layout.TRACE
         write_trace(m, w, frames, trace, at)
-        for n in range(frames):
-            trace[at + n * layout.TRACE + 8] = b[own.ENVELOPE + n * LANES + lane]
+        rows = trace[at + 8 : at + frames * layout.TRACE : layout.TRACE]
+        copy(own.column(b, own.ENVELOPE, lane, frames), rows)
     m[layout.M_TORQUE] = b[own.TORQUE + last]
     m[layout.M_FRICTION] = b[own.FRICTION + last]
     m[layout.M_ENVELOPE] = b[own.ENVELOPE + last]
     w[layout.M_SUMMED] += frames
-    for n in range(frames):
-        m[layout.D_CLICK + n] = b[own.CLICK + n * LANES + lane]
-        m[layout.D_TACTOR + n] = b[own.TACTOR + n * LANES + lane]
+    copy(own.column(b, own.CLICK, lane, frames), m[layout.D_CLICK : layout.D_CLICK + frames])
+    copy(own.column(b, own.TACTOR, lane, frames), m[layout.D_TACTOR : layout.D_TACTOR + frames])
     emit(m, w, out, start, frames, CHANNELS)
     w[layout.CLOCK] += frames
 
 
 @point
-def run_all(b, wb, ub, out, block, start, frames, trace, traced):
+def run_all(b, wb, ub, count, out, block, start, frames, trace, traced):
     """`frames` from frame `start` of a block of `block`, in which no voice has an event due."""
-    for lane in range(LANES):
+    for lane in range(count):
         b[own.BEFORE + lane] = b[X + lane]
     travel_all(b, wb, frames)
-    for lane in range(LANES):
+    for lane in range(count):
         if wb[own.MEMBER + lane] == 1:
             strike_lane(b, wb, lane, frames)
     shape_all(b, frames)
     sound_all(b, ub, frames)
-    for lane in range(LANES):
+    for lane in range(count):
         if wb[own.MEMBER + lane] == 1:
             end_lane(b, wb, lane, out, lane * block + start, frames, trace, traced)
 
@@ -193,9 +198,9 @@ def leave(b, wb, ub, lane, out, frames):
 
 
 @point
-def next_stop(b, wb, n, stop):
+def next_stop(b, wb, count, n, stop):
     """Apply what is due at frame `n` of the block; the frame up to which nothing else is."""
-    for lane in range(LANES):
+    for lane in range(count):
         if wb[own.MEMBER + lane] == 1:
             now = wb[start_of(lane) + layout.CLOCK]
             if wb[own.DUE + lane] <= now:
@@ -209,7 +214,7 @@ def next_stop(b, wb, n, stop):
 
 
 @entry
-def process_lanes(b, wb, ub, out, frames, trace, traced):
+def process_lanes(b, wb, ub, count, out, frames, trace, traced):
     """A block of the voices whose WANTED column is 1; each gets the bits of `block.process`.
 
     What it did for which voice is in the MEMBER columns: those it left at 0 are still to be
@@ -219,6 +224,9 @@ def process_lanes(b, wb, ub, out, frames, trace, traced):
     ----------
     b, wb, ub : float64, int64, uint64 [lane_memory.MEMORY]
         The lanes' memory and the voices' own, seen three ways.
+    count : int64
+        The lanes to look at, the first of all: LANES, but not as a constant, of which the compiler
+        would make as many copies of everything.
     out : float32 [LANES * frames * 2]
         Each lane's click and tactor, overwritten; those of a lane without a voice are left alone.
     frames : int64
@@ -229,12 +237,12 @@ def process_lanes(b, wb, ub, out, frames, trace, traced):
     Thread: one that renders. Never allocates, locks or raises.
     """
     members = 0
-    for lane in range(LANES):
+    for lane in range(count):
         wanted = wb[own.WANTED + lane] == 1
         plain = wanted and is_plain(own.block(b, lane), own.block(wb, lane))
         wb[own.MEMBER + lane] = 1 if plain else 0
         members += wb[own.MEMBER + lane]
-    for lane in range(LANES):
+    for lane in range(count):
         if members < FEWEST:
             wb[own.MEMBER + lane] = 0
         elif wb[own.MEMBER + lane] == 1:
@@ -243,9 +251,9 @@ def process_lanes(b, wb, ub, out, frames, trace, traced):
         return
     n = 0
     while n < frames:
-        stop = next_stop(b, wb, n, min(frames, n + layout.CHUNK))
-        run_all(b, wb, ub, out, frames, n, stop - n, trace, traced)
+        stop = next_stop(b, wb, count, n, min(frames, n + layout.CHUNK))
+        run_all(b, wb, ub, count, out, frames, n, stop - n, trace, traced)
         n = stop
-    for lane in range(LANES):
+    for lane in range(count):
         if wb[own.MEMBER + lane] == 1:
             leave(b, wb, ub, lane, out, frames)

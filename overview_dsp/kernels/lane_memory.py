@@ -91,6 +91,12 @@ def block(memory, lane):
 
 
 @point
+def column(b, at, lane, frames):
+    """One lane of the rows from `at` on: a view of one number for each of `frames` samples."""
+    return b[at + lane : at + lane + frames * LANES : LANES]
+
+
+@point
 def take_in(b, m, lane):
     """Copy a voice's coefficients and state into its lane."""
     for i in range(layout.COEFFS):
