@@ -10,7 +10,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { CELLS = 65536, BANKS = 33, MAX_MODES = 6, CONTACT = 8, QUEUE = 16384, CHUNK = 64 };
+enum { CELLS = 65536, BANKS = 33, MAX_MODES = 6, PHASES = 8, CONTACT = 8, QUEUE = 16384, CHUNK = 64 };
 static const double PI = 3.141592653589793;
 static const double FAR_AWAY = 1e300, RETREAT = 1e-6, STANDSTILL = 1e-150, STILL = 1e-150;
 
@@ -42,7 +42,7 @@ typedef struct {
 } Strike;
 
 typedef struct {
-    double re[MAX_MODES], im[MAX_MODES], c[MAX_MODES], s[MAX_MODES];
+    double re[MAX_MODES][PHASES], im[MAX_MODES][PHASES], c[MAX_MODES], s[MAX_MODES];
     int64_t left, modes;
 } Bank;
 
@@ -141,7 +141,8 @@ static void strike(Voice *voice, const Coefficients *c, const Surface *surface, 
     voice->strikes += 1;
 }
 
-static void blow(Voice *voice, const Surface *surface, const Strike *entry, int number, double rest) {
+static void blow(Voice *voice, const Surface *surface, const Strike *entry, int number, double rest,
+                 int64_t sample) {
     int64_t kind = surface->kind[entry->event];
     int64_t modes = surface->modes[kind];
     if (modes == 0) return;
@@ -154,12 +155,25 @@ static void blow(Voice *voice, const Surface *surface, const Strike *entry, int 
     for (int64_t j = 0; j < modes; j++) {
         int64_t mode = kind * MAX_MODES + j;
         double turns = surface->turns[mode] * rest;
-        double amplitude =
-            level * surface->gain[mode] * exp_2(surface->decay[mode] * rest * LOG2_E);
-        bank->re[j] += amplitude * cos_turns(turns);
-        bank->im[j] += amplitude * sin_turns(turns);
-        bank->c[j] = surface->mode_cos[mode];
-        bank->s[j] = surface->mode_sin[mode];
+        double decay = exp_2(surface->decay[mode] * rest * LOG2_E);
+        double amplitude = level * surface->gain[mode];
+        double c = surface->mode_cos[mode], s = surface->mode_sin[mode];
+        double re = decay * cos_turns(turns), im = decay * sin_turns(turns);
+        for (int ahead = 0; ahead < PHASES; ahead++) {
+            int64_t phase = (sample + ahead) & (PHASES - 1);
+            bank->re[j][phase] += amplitude * re;
+            bank->im[j][phase] += amplitude * im;
+            double turned = c * re - s * im;
+            im = s * re + c * im;
+            re = turned;
+        }
+        for (int doubling = 1; doubling < PHASES; doubling *= 2) {
+            double squared = c * c - s * s;
+            s = 2.0 * c * s;
+            c = squared;
+        }
+        bank->c[j] = c;
+        bank->s[j] = s;
     }
 }
 
@@ -169,7 +183,7 @@ static void sound_strikes(Voice *voice, const Surface *surface, int64_t sample) 
             const Strike *entry = &voice->queue[voice->sounded[number] % QUEUE];
             double rest = (double)(sample + 1) - (entry->time + (double)number * 0.5);
             if (rest < 0.0) break;
-            blow(voice, surface, entry, number, rest);
+            blow(voice, surface, entry, number, rest, sample);
             voice->sounded[number] += 1;
         }
     }
@@ -188,17 +202,19 @@ static int64_t next_blow(const Voice *voice) {
     return due;
 }
 
-static double ring_once(Voice *voice) {
+static inline double turn(Bank *bank, int64_t j, int64_t phase) {
+    double re = bank->re[j][phase], im = bank->im[j][phase], c = bank->c[j], s = bank->s[j];
+    bank->re[j][phase] = c * re - s * im;
+    bank->im[j][phase] = s * re + c * im;
+    return im;
+}
+
+static double ring_once(Voice *voice, int64_t sample) {
     double total = 0.0;
     int64_t i = 0;
     while (i < voice->ringing) {
         Bank *bank = &voice->bank[voice->ringing_kind[i]];
-        for (int64_t j = 0; j < bank->modes; j++) {
-            double re = bank->re[j], im = bank->im[j], c = bank->c[j], s = bank->s[j];
-            total += im;
-            bank->re[j] = c * re - s * im;
-            bank->im[j] = s * re + c * im;
-        }
+        for (int64_t j = 0; j < bank->modes; j++) total += turn(bank, j, sample & (PHASES - 1));
         bank->left -= 1;
         if (bank->left == 0) {
             memset(bank->re, 0, sizeof bank->re);
@@ -212,42 +228,32 @@ static double ring_once(Voice *voice) {
     return total;
 }
 
-/* `count` modes from j on through a run of samples; count is a constant where this is called */
-static inline void ring_modes(Bank *bank, int64_t j, const int count, double *rung, int64_t frames) {
-    double re[3], im[3], c[3], s[3];
-    for (int k = 0; k < count; k++) {
-        re[k] = bank->re[j + k];
-        im[k] = bank->im[j + k];
-        c[k] = bank->c[j + k];
-        s[k] = bank->s[j + k];
-    }
-    for (int64_t n = 0; n < frames; n++) {
-        double total = rung[n];
-        for (int k = 0; k < count; k++) {
-            double turned = c[k] * re[k] - s[k] * im[k];
-            total += im[k];
-            im[k] = s[k] * re[k] + c[k] * im[k];
-            re[k] = turned;
+static void ring_mode(Bank *bank, int64_t j, int64_t clock, double *rung, int64_t frames) {
+    int64_t n = 0;
+    for (; n < frames && ((clock + n) & (PHASES - 1)) != 0; n++)
+        rung[n] += turn(bank, j, (clock + n) & (PHASES - 1));
+    double re[PHASES], im[PHASES], c = bank->c[j], s = bank->s[j];
+    memcpy(re, bank->re[j], sizeof re);
+    memcpy(im, bank->im[j], sizeof im);
+    for (; n + PHASES <= frames; n += PHASES) {
+        for (int phase = 0; phase < PHASES; phase++) {
+            rung[n + phase] += im[phase];
+            double turned = c * re[phase] - s * im[phase];
+            im[phase] = s * re[phase] + c * im[phase];
+            re[phase] = turned;
         }
-        rung[n] = total;
     }
-    for (int k = 0; k < count; k++) {
-        bank->re[j + k] = re[k];
-        bank->im[j + k] = im[k];
-    }
+    memcpy(bank->re[j], re, sizeof re);
+    memcpy(bank->im[j], im, sizeof im);
+    for (; n < frames; n++) rung[n] += turn(bank, j, (clock + n) & (PHASES - 1));
 }
 
-static void ring_on(Voice *voice, double *rung, int64_t frames) {
+static void ring_on(Voice *voice, int64_t clock, double *rung, int64_t frames) {
     memset(rung, 0, frames * sizeof *rung);
     for (int64_t i = 0; i < voice->ringing; i++) {
         Bank *bank = &voice->bank[voice->ringing_kind[i]];
         bank->left -= frames;
-        int64_t j = 0;
-        for (; j + 2 < bank->modes; j += 3) ring_modes(bank, j, 3, rung, frames);
-        if (j + 1 < bank->modes)
-            ring_modes(bank, j, 2, rung, frames);
-        else if (j < bank->modes)
-            ring_modes(bank, j, 1, rung, frames);
+        for (int64_t j = 0; j < bank->modes; j++) ring_mode(bank, j, clock, rung, frames);
     }
 }
 
@@ -266,10 +272,10 @@ static void ring(Voice *voice, const Surface *surface, double *rung, int64_t fra
             if (last < stop) stop = last;
         }
         if (stop > n) {
-            ring_on(voice, rung + n, stop - n);
+            ring_on(voice, voice->clock + n, rung + n, stop - n);
             n = stop;
         } else {
-            rung[n] = ring_once(voice);
+            rung[n] = ring_once(voice, voice->clock + n);
             n += 1;
         }
     }
