@@ -1,0 +1,195 @@
+"""Lanes: every function gives each of them the bits that it gives a number alone."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.dc_block import block_dc
+from overview_dsp.kernels.elementary import exp2, log2, power, sin_turns
+from overview_dsp.kernels.envelope import compress, follow
+from overview_dsp.kernels.friction import friction_at, frictions_at
+from overview_dsp.kernels.lanes import LANES, choose, load, load_words, store
+from overview_dsp.kernels.noise import next_state, white
+from overview_dsp.kernels.smoother import smooth
+from overview_dsp.kernels.tactor import advance
+from overview_dsp.kernels.texture import brightness, colour, grain_level, spread
+from overview_dsp.kernels.two_disk import midpoint_speed
+from overview_dsp.kernels.viscous import STANDSTILL, snapped
+
+NUMBERS = 10
+ANY = st.floats(width=64, allow_subnormal=True)
+
+
+@numba.njit(error_model="numpy")
+def lanes_of(m, u, out):
+    """What kernels make of `NUMBERS` columns of lanes, results column after column."""
+    a = load(m, 0)
+    b = load(m, LANES)
+    c = load(m, 2 * LANES)
+    d = load(m, 3 * LANES)
+    e = load(m, 4 * LANES)
+    f = load(m, 5 * LANES)
+    state = load_words(u, 0)
+    y1, y2 = smooth(a, b, c, d)
+    h, e1, e2 = follow(a, b, c, d, e, f)
+    following = next_state(state)
+    noise = choose(a > 0.0, following, state)
+    results = (
+        a + b,
+        a - b,
+        a * b,
+        a / b,
+        2.0 * a,
+        a - 1.0,
+        abs(a),
+        -a,
+        max(a, b),
+        min(a, b),
+        choose(a >= b, a, 1.0),
+        choose(a <= b, c, d),
+        choose(a < b, 0.0, c),
+        choose(a == b, c, d),
+        y1,
+        y2,
+        h,
+        e1,
+        e2,
+        block_dc(a, b, c, d),
+        spread(a, b, c),
+        colour(a, b, c),
+        brightness(a, b),
+        grain_level(a, b, c),
+        advance(a, b),
+        midpoint_speed(a, b, c, d, e, f, a),
+        snapped(a, STANDSTILL),
+        compress(a, b, c, d),
+        white(following),
+        white(noise),
+    )
+    for i in range(len(results)):
+        store(out, i * LANES, results[i])
+
+
+@numba.njit(error_model="numpy")
+def number_of(a, b, c, d, e, f, state):
+    """The same of numbers."""
+    y1, y2 = smooth(a, b, c, d)
+    h, e1, e2 = follow(a, b, c, d, e, f)
+    following = next_state(state)
+    noise = following if a > 0.0 else state
+    return (
+        a + b,
+        a - b,
+        a * b,
+        a / b,
+        2.0 * a,
+        a - 1.0,
+        abs(a),
+        -a,
+        max(a, b),
+        min(a, b),
+        a if a >= b else 1.0,
+        c if a <= b else d,
+        0.0 if a < b else c,
+        c if a == b else d,
+        y1,
+        y2,
+        h,
+        e1,
+        e2,
+        block_dc(a, b, c, d),
+        spread(a, b, c),
+        colour(a, b, c),
+        brightness(a, b),
+        grain_level(a, b, c),
+        advance(a, b),
+        midpoint_speed(a, b, c, d, e, f, a),
+        snapped(a, STANDSTILL),
+        compress(a, b, c, d),
+        white(following),
+        white(noise),
+    )
+
+
+def bits(values):
+    """The bits, but that one NaN is as good as another."""
+    values = np.asarray(values, dtype=np.float64)
+    return np.where(np.isnan(values), np.nan, values).view(np.int64)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    columns=st.lists(st.lists(ANY, min_size=LANES, max_size=LANES), min_size=6, max_size=6),
+    states=st.lists(st.integers(1, 2**64 - 1), min_size=LANES, max_size=LANES),
+)
+def test_every_lane_has_the_bits_of_a_number_alone(columns, states):
+    m = np.array(columns).ravel()
+    u = np.array(states, np.uint64)
+    alone = [number_of(*values, state) for *values, state in zip(*columns, u, strict=True)]
+    out = np.zeros(len(alone[0]) * LANES)
+    lanes_of(m, u, out)
+    np.testing.assert_array_equal(bits(out.reshape(-1, LANES).T), bits(alone))
+
+
+@numba.njit(error_model="numpy")
+def elementary_lanes(m, out):
+    x = load(m, 0)
+    store(out, 0, log2(x))
+    store(out, LANES, exp2(x))
+    store(out, 2 * LANES, power(x, 0.6))
+    store(out, 3 * LANES, sin_turns(x))
+
+
+@numba.njit(error_model="numpy")
+def elementary_number(x):
+    return log2(x), exp2(x), power(x, 0.6), sin_turns(x)
+
+
+@settings(max_examples=200, deadline=None)
+@given(x=st.lists(st.floats(1e-300, 1e300), min_size=LANES, max_size=LANES))
+def test_elementary_functions_give_a_lane_the_bits_of_a_number(x):
+    out = np.zeros(4 * LANES)
+    elementary_lanes(np.array(x), out)
+    alone = [elementary_number(one) for one in x]
+    np.testing.assert_array_equal(bits(out.reshape(4, LANES).T), bits(alone))
+
+
+@numba.njit(error_model="numpy")
+def look_up_lanes(m, starts, places, out):
+    store(out, 0, frictions_at(m, starts, 1, load(places, 0)))
+
+
+@numba.njit(error_model="numpy")
+def look_up(m, start, place):
+    return friction_at(m, start, place)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    places=st.lists(
+        st.one_of(ANY, st.floats(-1.0, layout.CELLS + 1.0)), min_size=LANES, max_size=LANES
+    ),
+    seed=st.integers(0, 9),
+)
+def test_each_lane_looks_up_its_own_table(places, seed):
+    rng = np.random.default_rng(seed)
+    size = 2 * (layout.CELLS + 1)
+    m = rng.uniform(0.0, 1.0, 2 * size)
+    starts = np.append(-1, rng.integers(0, size, LANES))
+    out = np.zeros(LANES)
+    look_up_lanes(m, starts, np.array(places), out)
+    alone = [look_up(m, start, place) for start, place in zip(starts[1:], places, strict=True)]
+    np.testing.assert_array_equal(bits(out), bits(alone))
+
+
+@pytest.mark.parametrize("condition", [True, False])
+def test_choose_is_for_numbers_too(condition):
+    assert choose(condition, 1.0, 2.0) == (1.0 if condition else 2.0)
+    assert math.isnan(choose(condition, math.nan, math.nan))
