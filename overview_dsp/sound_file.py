@@ -7,7 +7,7 @@ import io
 import math
 import os
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, OutputError
 from overview_dsp.files import output_error, whole_file
+from overview_dsp.wav_bytes import PACKED, with_samples
 
 DEFAULT_SUBTYPE = "PCM_24"
 _BITS = {"PCM_S8": 8, "PCM_U8": 8, "PCM_16": 16, "ALAC_16": 16, "PCM_24": 24, "PCM_32": 32}
@@ -219,17 +220,34 @@ def sound_bytes(
     path = Path(name)
     rate = _require_whole_rate(path, sample_rate)
     form, chosen = _format_of(path, subtype)
-    file = io.BytesIO()
+    data = _Rounding(chosen)(samples)
     try:
-        with soundfile.SoundFile(
-            file, "w", samplerate=rate, channels=samples.shape[1], subtype=chosen, format=form
-        ) as sound:
-            data = _Rounding(chosen)(samples)
-            piece = _PIECE if form == "OGG" else max(1, len(data))
-            for first in range(0, len(data), piece):
-                sound.write(data[first : first + piece])
+        if form == "WAV" and chosen in PACKED:
+            packed = with_samples(_empty(rate, data.shape[1], chosen), chosen, data)
+            if packed is not None:
+                return packed
+        return _encoded(data, rate, form, chosen)
     except soundfile.LibsndfileError as error:
         raise _cannot_hold(path, form, chosen, samples.shape[1], rate, error) from None
+
+
+@lru_cache
+def _empty(rate: int, channels: int, subtype: str) -> bytes:
+    """A WAV file without samples."""
+    return _encoded(np.zeros((0, channels), np.int32), rate, "WAV", subtype)
+
+
+def _encoded(data: NDArray[Any], rate: int, form: str, subtype: str) -> bytes:
+    """A sound file's bytes as libsndfile writes them."""
+    import soundfile
+
+    file = io.BytesIO()
+    with soundfile.SoundFile(
+        file, "w", samplerate=rate, channels=data.shape[1], subtype=subtype, format=form
+    ) as sound:
+        piece = _PIECE if form == "OGG" else max(1, len(data))
+        for first in range(0, len(data), piece):
+            sound.write(data[first : first + piece])
     return file.getvalue()
 
 

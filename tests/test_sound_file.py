@@ -187,6 +187,24 @@ def test_the_bytes_are_those_of_the_file(tmp_path, name, subtype):
     assert sound_bytes(name, chord(9000), RATE, subtype) == (tmp_path / name).read_bytes()
 
 
+@settings(max_examples=60, deadline=None)
+@given(
+    subtype=st.sampled_from(["PCM_16", "PCM_24", "PCM_32", "PCM_U8"]),
+    frames=st.integers(0, 5000),
+    channels=st.integers(1, 3),
+    rate=st.sampled_from([1000, 44_100, 768_000]),
+    seed=st.integers(0, 2**32),
+)
+def test_a_wav_in_memory_has_libsndfiles_bytes(
+    tmp_path_factory, subtype, frames, channels, rate, seed
+):
+    # louder than full scale too
+    samples = np.random.default_rng(seed).normal(0.0, 0.7, (frames, channels)).astype(np.float32)
+    path = tmp_path_factory.mktemp("wav") / "a.wav"
+    save_sound(path, samples, rate, subtype)
+    assert sound_bytes("a.wav", samples, rate, subtype) == path.read_bytes()
+
+
 @pytest.mark.parametrize(
     ("name", "rate", "subtype"),
     [

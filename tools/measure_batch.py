@@ -60,7 +60,12 @@ def scheduling(workers: int, tasks: int) -> None:
 
     with (
         LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=False, dashboard_address=None
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=False,
+            dashboard_address=None,
+            # they share one process: each would take its whole memory for its own
+            memory_limit=0,
         ) as cluster,
         Client(cluster) as client,
     ):

@@ -104,11 +104,16 @@ class Place:
         except FileNotFoundError:
             raise
         except OSError as error:
-            reason = error.strerror or error
-            raise InputError(f"{self.where}/{name}: can't be read ({reason})") from None
+            raise self._unreadable(name, error) from None
+
+    def _unreadable(self, name: str, error: OSError) -> InputError:
+        return InputError(f"{self.where}/{name}: can't be read ({error.strerror or error})")
 
     def sizes(self, folder: str) -> dict[str, int]:
-        """The files in a folder of the place and those below it: name in the place to bytes."""
+        """The files in a folder of the place and those below it: name in the place to bytes.
+
+        InputError if they can't be read.
+        """
         if self._path is None:
             root = self._root.rstrip("/") + "/"
             try:
@@ -119,11 +124,12 @@ class Place:
                 path.lstrip("/")[len(root.lstrip("/")) :]: int(info["size"])
                 for path, info in found.items()
             }
-        return {
-            path.relative_to(self._path).as_posix(): path.stat().st_size
-            for path in (self._path / folder).rglob("*")
-            if path.is_file()
-        }
+        start = len(os.path.join(self._path, ""))
+        found = _files(os.path.join(self._path, folder))
+        try:
+            return {file.path[start:].replace(os.sep, "/"): file.stat().st_size for file in found}
+        except OSError as error:
+            raise self._unreadable(folder, error) from None
 
     def remove(self, names: list[str]) -> None:
         """Delete files; those that aren't there are left alone."""
@@ -139,6 +145,19 @@ class Place:
         if self._path is not None:
             shutil.rmtree(self._path / UNFINISHED, ignore_errors=True)
             self._made.clear()
+
+
+def _files(folder: str) -> Iterator[os.DirEntry[str]]:
+    """The files in a folder, if there is one, and in those below it."""
+    with (
+        contextlib.suppress(FileNotFoundError, NotADirectoryError),
+        os.scandir(folder) as entries,
+    ):
+        for entry in entries:
+            if entry.is_dir():
+                yield from _files(entry.path)
+            elif entry.is_file():
+                yield entry
 
 
 def read_text(where: str) -> str:

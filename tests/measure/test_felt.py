@@ -97,7 +97,7 @@ def test_an_events_level_is_that_of_its_strongest_stroke():
 
 @settings(max_examples=100)
 @given(
-    steps=st.lists(st.floats(-0.02, 0.02), min_size=1, max_size=700),
+    steps=st.lists(st.floats(-0.02, 0.02) | st.floats(-0.3, 0.3), min_size=1, max_size=700),
     start=st.floats(0.0, 1.0),
 )
 def test_a_passage_lasts_from_the_first_to_the_last_frame_on_an_event(steps, start):

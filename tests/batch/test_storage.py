@@ -1,0 +1,26 @@
+from __future__ import annotations
+
+import os
+
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.batch.storage import Place
+
+
+@pytest.mark.parametrize("written", ["{}", "{}/", "../{name}", "."])
+def test_a_place_names_its_files_by_their_way_from_it(tmp_path, monkeypatch, written):
+    monkeypatch.chdir(tmp_path)
+    place = Place(written.format(tmp_path, name=tmp_path.name))
+    place.put("sounds/ab/a.wav", b"123")
+    place.put("sounds/b.wav", b"")
+    place.put("manifest", b"1")
+    assert place.sizes("sounds") == {"sounds/ab/a.wav": 3, "sounds/b.wav": 0}
+    assert place.sizes("parts") == place.sizes("manifest") == {}
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root reads all")
+def test_a_folder_that_cannot_be_read_is_one_line(tmp_path):
+    (tmp_path / "sounds").mkdir(mode=0)
+    with pytest.raises(ov.InputError, match="sounds: can't be read"):
+        Place(str(tmp_path)).sizes("sounds")
