@@ -35,8 +35,11 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import moving
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.elementary import cos_turns, exp, plain, power, sin_turns
+from overview_dsp.kernels.lanes import load, store
 
 BLOW_SPACING = 0.5  # samples
+BLOW_SIZE = layout.MAX_MODES * 2 * layout.PHASES
+DOUBLINGS = 3  # of one sample's rotation, to that in PHASES samples
 NEVER = 0x7FFFFFFFFFFFFFFF
 LAST_SAMPLE = 9007199254740992.0  # 2**53: up to it a time has every sample
 
@@ -87,12 +90,16 @@ BLOW_WEIGHT = np.array(
 
 @point
 def blow_factors(m, w, slot, first, modes, key, half, rest):
-    """What a blow gives each mode in its next samples; blows two apart share it."""
+    """What a blow gives each mode in its next samples; blows two apart share it.
+
+    It is there twice over, so that it can be read from any of the samples on. Sets the modes'
+    rotation too.
+    """
     if w[layout.BLOW_KEY + half] == key and m[layout.BLOW_REST + half] == rest:
         return
     w[layout.BLOW_KEY + half] = key
     m[layout.BLOW_REST + half] = rest
-    at = half * layout.MAX_MODES * layout.PHASES
+    at = half * BLOW_SIZE
     for j in range(first, first + modes):
         turns = m[slot + layout.MODE_TURNS + j] * rest
         decay = exp(m[slot + layout.MODE_DECAY + j] * rest)
@@ -100,11 +107,17 @@ def blow_factors(m, w, slot, first, modes, key, half, rest):
         s = m[slot + layout.MODE_SIN + j]
         re = decay * cos_turns(turns)
         im = decay * sin_turns(turns)
-        for _ in range(layout.PHASES):
-            m[layout.BLOW_RE + at] = re
-            m[layout.BLOW_IM + at] = im
+        for ahead in range(layout.PHASES):
+            m[layout.BLOW_RE + at + ahead] = re
+            m[layout.BLOW_IM + at + ahead] = im
+            m[layout.BLOW_RE + at + ahead + layout.PHASES] = re
+            m[layout.BLOW_IM + at + ahead + layout.PHASES] = im
             re, im = c * re - s * im, s * re + c * im
-            at += 1
+        at += 2 * layout.PHASES
+        for _ in range(DOUBLINGS):
+            c, s = c * c - s * s, 2.0 * c * s
+        m[layout.BANK_COS + j] = c
+        m[layout.BANK_SIN + j] = s
 
 
 @point
@@ -130,20 +143,15 @@ def blow(m, w, at, number, rest, sample):
     # of this strike on this surface; never 0, as columns are after a reset
     key = (w[layout.STRIKES_SOUNDED + number] + 1) * layout.SLOTS + w[layout.ACTIVE_SLOT]
     blow_factors(m, w, slot, first, modes, key, half, rest)
-    factor = half * layout.MAX_MODES * layout.PHASES
+    # the factor that the clock's phase 0 gets
+    at = half * BLOW_SIZE + (-sample & (layout.PHASES - 1))
     for j in range(first, first + modes):
         amplitude = level * m[slot + layout.MODE_GAIN + j]
-        for ahead in range(layout.PHASES):
-            phase = j * layout.PHASES + ((sample + ahead) & (layout.PHASES - 1))
-            m[layout.BANK_RE + phase] += amplitude * m[layout.BLOW_RE + factor]
-            m[layout.BANK_IM + phase] += amplitude * m[layout.BLOW_IM + factor]
-            factor += 1
-        c = m[slot + layout.MODE_COS + j]
-        s = m[slot + layout.MODE_SIN + j]
-        c, s = c * c - s * s, 2.0 * c * s
-        c, s = c * c - s * s, 2.0 * c * s
-        m[layout.BANK_COS + j] = c * c - s * s
-        m[layout.BANK_SIN + j] = 2.0 * c * s
+        re = layout.BANK_RE + j * layout.PHASES
+        im = layout.BANK_IM + j * layout.PHASES
+        store(m, re, load(m, re) + amplitude * load(m, layout.BLOW_RE + at))
+        store(m, im, load(m, im) + amplitude * load(m, layout.BLOW_IM + at))
+        at += 2 * layout.PHASES
 
 
 @point

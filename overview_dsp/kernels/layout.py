@@ -119,9 +119,9 @@ BANK_COS = BANK_IM + BANKS * MAX_MODES * PHASES  # rotation in PHASES samples, l
 BANK_SIN = BANK_COS + BANKS * MAX_MODES
 BLOW_KEY = BANK_SIN + BANKS * MAX_MODES  # w: whose factors are below, of even and odd blows
 BLOW_REST = BLOW_KEY + 2  # samples
-BLOW_RE = BLOW_REST + 2  # of each mode, in the next PHASES samples
-BLOW_IM = BLOW_RE + 2 * MAX_MODES * PHASES
-METERS = BLOW_IM + 2 * MAX_MODES * PHASES
+BLOW_RE = BLOW_REST + 2  # of each mode, in the next PHASES samples, and once more
+BLOW_IM = BLOW_RE + 2 * MAX_MODES * 2 * PHASES
+METERS = BLOW_IM + 2 * MAX_MODES * 2 * PHASES
 
 # --- meters (cleared by reset) ----------------------------------------------------------------
 (
