@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from overview_dsp.bench import c_rows, ours, programs, scaling, solvers
+from overview_dsp.bench import c_rows, many_voices, ours, programs, scaling, solvers
 from overview_dsp.bench.building import MissingError
 from overview_dsp.bench.scaling import Cost, Memory
 from overview_dsp.bench.timing import Contender, Row, interleaved
@@ -33,7 +33,7 @@ def measure(
 ) -> Report:
     """Measure speeds, then costs; streams of up to `longest_s` of sound."""
     tell = progress or (lambda part: None)
-    contenders: list[Contender] = ours.contenders()
+    contenders: list[Contender] = ours.contenders() + many_voices.contenders()
     left_out = []
     for add in NEIGHBOURS:
         try:
@@ -50,7 +50,9 @@ def measure(
 
 def lines(report: Report) -> list[str]:
     """The report as lines of text."""
-    found = [f"medians of {report.rounds} interleaved rounds (lowest to highest), CPU time"]
+    found = [
+        f"medians of {report.rounds} interleaved rounds (lowest to highest), CPU time of one core"
+    ]
     for group in dict.fromkeys(row.group for row in report.rows):
         rows = [row for row in report.rows if row.group == group]
         found += ["", *speed_table(group, rows)]

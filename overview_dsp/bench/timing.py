@@ -1,6 +1,7 @@
 """Contenders in turn, round after round, so that ratios hold although the machine's speed drifts.
 
-Times are the thread's own (CPU time), so that other work on the machine counts as little as it can.
+Times are the thread's own (CPU time), so that other work on the machine counts as little as it can;
+but for what uses several cores.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 
 VOICE = "the full voice"
 DISK = "the disk alone"
+CORES = "many voices, wall clock"
 
 
 @dataclass(frozen=True)

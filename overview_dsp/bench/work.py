@@ -24,10 +24,11 @@ def prepared(
     preset: Preset | None = None,
     rate: float = RATE,
     frames: int = round(SECONDS * RATE),
+    memory: NDArray[np.float64] | None = None,
 ) -> Engine:
     """An engine ready for blocks of up to `frames`."""
     engine = Engine(preset or load_preset("football"), timeline or bundled_timeline())
-    engine.prepare(rate, frames)
+    engine.prepare(rate, frames, memory=memory)
     return engine
 
 

@@ -1,0 +1,58 @@
+"""Rows of many voices at once: side by side on a core, and on all cores."""
+
+from __future__ import annotations
+
+import time
+
+from overview_dsp.bench.timing import CORES, VOICE, Contender, timed
+from overview_dsp.bench.work import RATE, SECONDS, fed, prepared, the_sweep
+from overview_dsp.engine import Engine
+from overview_dsp.gestures import sweep
+from overview_dsp.kernels.lanes import LANES
+from overview_dsp.many import render_many, usable_cores, voices
+from overview_dsp.presets import load_preset
+from overview_dsp.timeline import bundled_timeline
+from overview_dsp.voice_lanes import VoiceLanes
+
+BLOCK = 16384
+SEEDS = 256
+SWEEP_S = 1.5
+
+
+def side_by_side(lanes: VoiceLanes, engines: list[Engine | None]) -> float:
+    """The whole work once in every lane."""
+    for engine in engines:
+        assert engine is not None
+        fed(engine, the_sweep())
+    frames = round(SECONDS * RATE)
+
+    def work() -> None:
+        for start in range(0, frames, BLOCK):
+            lanes.process(engines, min(BLOCK, frames - start), False)
+
+    return timed(LANES * SECONDS, work)
+
+
+def rendered(threads: int) -> float:
+    """Voices by `render_many`; seconds of sound in one second of the wall clock."""
+    gesture = sweep(SWEEP_S)
+    made = voices([bundled_timeline()], [load_preset("football")], [gesture], range(SEEDS))
+    started = time.perf_counter()
+    done = sum(1 for _ in render_many(list(made), RATE, tail="none", threads=threads))
+    return done * gesture.duration_s / (time.perf_counter() - started)
+
+
+def contenders() -> list[Contender]:
+    """Rows of both groups."""
+    lanes = VoiceLanes(BLOCK)
+    engines: list[Engine | None] = [
+        prepared(frames=BLOCK, memory=lanes.memory(lane)) for lane in range(LANES)
+    ]
+    cores = usable_cores()
+    return [
+        Contender(
+            VOICE, f"overView, {LANES} voices side by side", lambda: side_by_side(lanes, engines)
+        ),
+        Contender(CORES, "render_many, 1 thread", lambda: rendered(1)),
+        Contender(CORES, f"render_many, {cores} threads", lambda: rendered(cores)),
+    ]
