@@ -24,6 +24,7 @@ _BITS = {"PCM_S8": 8, "PCM_U8": 8, "PCM_16": 16, "ALAC_16": 16, "PCM_24": 24, "P
 _DITHERED_BITS = 16
 _SYSTEM_ERROR = 2  # libsndfile's SF_ERR_SYSTEM
 _DITHER_SEED = 1
+_HEADER = 128  # bytes, within which libsndfile's PEAK chunk begins
 _PIECE = 4096  # frames written at a time: libsndfile's Ogg encoder overflows its stack on long ones
 
 
@@ -238,7 +239,7 @@ def _empty(rate: int, channels: int, subtype: str) -> bytes:
 
 
 def _encoded(data: NDArray[Any], rate: int, form: str, subtype: str) -> bytes:
-    """A sound file's bytes as libsndfile writes them."""
+    """A sound file's bytes as libsndfile writes them, but for the time of writing in some."""
     import soundfile
 
     file = io.BytesIO()
@@ -248,6 +249,11 @@ def _encoded(data: NDArray[Any], rate: int, form: str, subtype: str) -> bytes:
         piece = _PIECE if form == "OGG" else max(1, len(data))
         for first in range(0, len(data), piece):
             sound.write(data[first : first + piece])
+    peak = file.getvalue()[:_HEADER].find(b"PEAK")
+    if form in ("WAV", "AIFF") and peak >= 0:
+        # a time, in seconds: the same samples give the same bytes
+        file.seek(peak + 12)
+        file.write(bytes(4))
     return file.getvalue()
 
 
