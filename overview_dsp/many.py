@@ -125,11 +125,12 @@ class VoiceRenderer:
         self._engines: list[Engine | None] = [None] * LANES
 
     def render(
-        self, voices: Iterable[tuple[int, Voice]], tail: Tail, trace: bool
+        self, voices: Iterable[tuple[int, Voice]], tail: Tail, trace: tuple[str, ...]
     ) -> Iterator[tuple[int, Rendered]]:
         """Render voices, each with the bits of `render`; results come as voices end.
 
-        Each voice has a number, which its result has too; it is taken when a lane is free.
+        Each voice has a number, which its result has too; it is taken when a lane is free. `trace`
+        names the columns to keep, of `TRACE_COLUMNS`.
         """
         waiting = iter(voices)
         playing: list[_Playing | None] = [None] * LANES
@@ -165,7 +166,9 @@ class VoiceRenderer:
             engine.restart(voice.preset, voice.timeline, seed=voice.seed, surface=surface)
         return _Playing(number, voice, surface, Play(engine, voice.gesture, tail, BLOCK))
 
-    def _step(self, playing: list[_Playing | None], trace: bool) -> Iterator[tuple[int, Rendered]]:
+    def _step(
+        self, playing: list[_Playing | None], trace: tuple[str, ...]
+    ) -> Iterator[tuple[int, Rendered]]:
         """A block of every voice; those that end with it."""
         assert self._lanes is not None
         frames = min(one.play.feed() for one in playing if one is not None)
@@ -173,7 +176,8 @@ class VoiceRenderer:
             engine if one is not None else None
             for engine, one in zip(self._engines, playing, strict=True)
         ]
-        samples, traces = self._lanes.process(engines, frames, trace)
+        columns = [TRACE_COLUMNS.index(name) for name in trace]
+        samples, traces = self._lanes.process(engines, frames, bool(trace))
         for lane, one in enumerate(playing):
             engine = engines[lane]
             if one is None or engine is None:
@@ -181,18 +185,21 @@ class VoiceRenderer:
             kept = one.play.count(frames)
             one.samples.append(samples[lane, :kept].copy())
             if traces is not None:
-                one.traces.append(traces[lane, :kept].copy())
+                kept_columns = traces[lane, :kept]
+                one.traces.append(
+                    kept_columns.copy() if trace == TRACE_COLUMNS else kept_columns[:, columns]
+                )
             one.strikes.append(engine.take_strikes())
             if one.play.over:
                 playing[lane] = None
                 yield one.number, self._result(lane, one, trace)
 
-    def _result(self, lane: int, one: _Playing, trace: bool) -> VoiceResult:
+    def _result(self, lane: int, one: _Playing, trace: tuple[str, ...]) -> VoiceResult:
         engine = self._engines[lane]
         assert engine is not None
         if not one.samples:
             one.samples.append(np.empty((0, CHANNELS), np.float32))
-            one.traces.append(np.empty((0, len(TRACE_COLUMNS))))
+            one.traces.append(np.empty((0, len(trace))))
             one.strikes.append(engine.take_strikes())
         table = _joined(one.traces) if trace else None
         return VoiceResult(
@@ -200,7 +207,7 @@ class VoiceRenderer:
             one.surface,
             _joined(one.samples),
             engine.sample_rate,
-            Trace(table) if table is not None else None,
+            Trace(table, trace) if table is not None else None,
             join_strikes(one.strikes),
         )
 
@@ -274,7 +281,7 @@ def _rendered(
         if not hasattr(own, "renderer"):
             own.renderer = VoiceRenderer(sample_rate, surfaces)
         renderer: VoiceRenderer = own.renderer
-        done = dict(renderer.render(enumerate(group), tail, trace))
+        done = dict(renderer.render(enumerate(group), tail, TRACE_COLUMNS if trace else ()))
         return [done[number] for number in range(len(group))]
 
     def results(future: Future[list[Rendered]]) -> Iterator[VoiceResult]:

@@ -66,30 +66,31 @@ class Trace(Mapping[str, NDArray[np.float64]]):
     torque: NDArray[np.float64]
     envelope: NDArray[np.float64]
 
-    def __init__(self, table: NDArray[np.float64]) -> None:
-        """`table` is float64 (frames, 9) in the order of `TRACE_COLUMNS`."""
+    def __init__(self, table: NDArray[np.float64], names: tuple[str, ...] = TRACE_COLUMNS) -> None:
+        """`table` is float64 (frames, columns), the columns those of `names`."""
         self._table = table
+        self._names = names
 
     def __getattr__(self, name: str) -> NDArray[np.float64]:
         # a column is made when it is first asked for
-        if name not in TRACE_COLUMNS:
+        if name not in self._names:
             raise AttributeError(name)
-        column = np.ascontiguousarray(self._table[:, TRACE_COLUMNS.index(name)])
+        column = np.ascontiguousarray(self._table[:, self._names.index(name)])
         setattr(self, name, column)
         return column
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """A column by its name."""
-        if name not in TRACE_COLUMNS:
+        if name not in self._names:
             raise KeyError(name)
         column: NDArray[np.float64] = getattr(self, name)
         return column
 
     def __iter__(self) -> Iterator[str]:
-        return iter(TRACE_COLUMNS)
+        return iter(self._names)
 
     def __len__(self) -> int:
-        return len(TRACE_COLUMNS)
+        return len(self._names)
 
 
 @dataclass(frozen=True, eq=False)

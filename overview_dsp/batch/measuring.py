@@ -14,6 +14,9 @@ from overview_dsp.timeline.audio.k_weighting import MIN_RATE
 from overview_dsp.timeline.audio.loudness import StepMeter
 from overview_dsp.units import gain_to_db
 
+MEASURED_COLUMNS = ("touching", "cursor")
+"""Of the trace: what the measures need."""
+
 
 def measures(result: VoiceResult, data: bytes) -> dict[str, Any]:
     """The measures of a rendered voice (with its trace) that is stored as `data`."""

@@ -17,9 +17,9 @@ from overview_dsp.batch.task import Done, Job
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import rest
 from overview_dsp.kernels.compiling import is_compiled
-from overview_dsp.many import usable_cores
+from overview_dsp.kernels.lanes import LANES
+from overview_dsp.many import Voice, render_many, usable_cores
 from overview_dsp.presets.library import load_preset
-from overview_dsp.rendering import render
 from overview_dsp.timeline import bundled_timeline
 
 TASKS_A_WORKER = 16
@@ -152,5 +152,7 @@ def _runner(study: Study, workers: int | None, scheduler: str | None) -> Iterato
 
 def _compile() -> None:
     """Have the kernels compiled once, and said so, before processes need them."""
-    if not is_compiled():
-        render(bundled_timeline(), load_preset("football"), rest(0.001), tail="none")
+    if not (is_compiled() and is_compiled("process_lanes")):
+        voice = Voice(bundled_timeline(), load_preset("football"), rest(0.001))
+        for _ in render_many([voice] * LANES, tail="none", threads=1):
+            pass

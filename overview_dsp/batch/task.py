@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
-from overview_dsp.batch.measuring import measures
+from overview_dsp.batch.measuring import MEASURED_COLUMNS, measures
 from overview_dsp.batch.storage import Place
 from overview_dsp.batch.study import Case, Study
 from overview_dsp.errors import OverviewError
@@ -81,7 +81,7 @@ class Worker:
                     yield number, voice
 
         tail = self.study.settings.tail
-        for number, result in self._renderer().render(voices(), tail, trace=True):
+        for number, result in self._renderer().render(voices(), tail, MEASURED_COLUMNS):
             try:
                 if isinstance(result, Exception):
                     raise result

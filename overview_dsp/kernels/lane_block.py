@@ -31,13 +31,14 @@ from overview_dsp.kernels.ringing import ring
 
 FEWEST = 3  # voices for which the lanes' loops pay
 CHANNELS = 2
-DISK_COLUMNS = (
-    (layout.D_TORQUE, own.TORQUE),
+STILL_COLUMNS = (
     (layout.D_OMEGA, own.OMEGA),
-    (layout.D_PHASE, own.PHASE),
     (layout.D_PLACE, own.PLACE),
-    (layout.D_SPEED, own.SPEED),
     (layout.D_THETA2, own.THETA2),
+)
+TRACE_COLUMNS = (
+    (layout.D_TORQUE, own.TORQUE),
+    (layout.D_SPEED, own.SPEED),
     (layout.D_FRICTION, own.FRICTION),
 )
 
@@ -103,10 +104,10 @@ def pass_all(b, m, w, lane, frames):
 
 
 @point
-def copy_columns(b, m, lane, frames):
-    """A voice's disk columns of a chunk into its own block."""
-    for i in range(len(DISK_COLUMNS)):
-        to, at = DISK_COLUMNS[i]
+def copy_columns(b, m, lane, frames, columns):
+    """A voice's columns of a chunk into its own block."""
+    for i in range(len(columns)):
+        to, at = columns[i]
         copy(own.column(b, at, lane, frames), m[to : to + frames])
 
 
@@ -136,12 +137,13 @@ def end_lane(b, wb, lane, out, start, frames, trace, traced):
     last = (frames - 1) * LANES + lane
     rest = b[own.THETA2 + last] if w[layout.TOUCHING] == 1 else 0.0
     if traced or abs(b[own.PLACE + last] - rest) < NEAR_REST:
-        copy_columns(b, m, lane, frames)
+        copy_columns(b, m, lane, frames, STILL_COLUMNS)
         note_stillness(m, w, frames, False)
     else:
         w[layout.M_STILL] = 0
     if traced:
         at = start * layout.TRACE
+        copy_columns(b, m, lane, frames, TRACE_COLUMNS)
         write_trace(m, w, frames, trace, at)
         rows = trace[at + 8 : at + frames * layout.TRACE : layout.TRACE]
         copy(own.column(b, own.ENVELOPE, lane, frames), rows)
