@@ -6,6 +6,6 @@ code, as plain Python (`NUMBA_DISABLE_JIT=1`), as PortAudio's native callback an
 with the same bits: flat one-dimensional arrays, own elementary functions, no allocation, no
 exceptions, no globals that change, no fused or reordered arithmetic.
 
-`block.py` drives a voice, `lane_block.py` several side by side: what a unit does to a number it does
-to the numbers of `lanes.py` too, which are one of each voice.
+`block.py` drives a voice, `lane_block.py` several side by side: what a unit does to a number it
+does to the numbers of `lanes.py` too, which are one of each voice.
 """

@@ -156,30 +156,21 @@ def blow(m, w, at, number, rest, sample):
 
 @point
 def sound_strikes(m, w, sample):
-    """Give every blow that falls before the end of `sample` to the modes."""
+    """Give every blow that falls before the end of `sample` to the modes.
+
+    Returns the sample in which the next blow falls, of strikes not sounded in full; or NEVER.
+    """
+    due = NEVER
     for number in range(layout.CONTACT):
         while w[layout.STRIKES_SOUNDED + number] < w[layout.M_STRIKES]:
             at = w[layout.STRIKES_SOUNDED + number] % layout.STRIKE_LOG
-            rest = float(sample + 1) - (m[layout.LOG_TIME + at] + float(number) * BLOW_SPACING)
+            time = m[layout.LOG_TIME + at] + float(number) * BLOW_SPACING
+            rest = float(sample + 1) - time
             if rest < 0.0:
+                # a blow at a sample's very end is in it
+                later = int(time) if time < LAST_SAMPLE else NEVER
+                due = min(due, later - 1 if float(later) == time else later)
                 break
             blow(m, w, at, number, rest, sample)
             w[layout.STRIKES_SOUNDED + number] += 1
-
-
-@point
-def next_blow(m, w):
-    """The sample in which the next blow falls, of strikes not sounded in full; or NEVER."""
-    due = NEVER
-    for number in range(layout.CONTACT):
-        if w[layout.STRIKES_SOUNDED + number] < w[layout.M_STRIKES]:
-            at = w[layout.STRIKES_SOUNDED + number] % layout.STRIKE_LOG
-            time = m[layout.LOG_TIME + at] + float(number) * BLOW_SPACING
-            sample = 0
-            # not for a NaN, which is due
-            if time < LAST_SAMPLE:
-                sample = int(time)
-                if float(sample) == time:
-                    sample -= 1
-            due = min(due, sample)
     return due

@@ -10,7 +10,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.click import next_blow, sound_strikes
+from overview_dsp.kernels.click import sound_strikes
 from overview_dsp.kernels.compiling import point
 from overview_dsp.kernels.lanes import load, store
 
@@ -99,12 +99,11 @@ def ring(m, w, frames):
     while n < frames:
         stop = frames
         if w[layout.STRIKES_SOUNDED + layout.CONTACT - 1] < w[layout.M_STRIKES]:
-            sound_strikes(m, w, clock + n)
-            stop = min(stop, next_blow(m, w) - clock)
+            stop = min(stop, sound_strikes(m, w, clock + n) - clock)
         for i in range(w[layout.RINGING]):
             silent_in = w[layout.BANK_LEFT + w[layout.RINGING_KIND + i]]
             stop = min(stop, n + silent_in - 1)
-        if stop > n:
+        if stop > n + 1:
             ring_on(m, w, n, stop)
             n = stop
         else:
