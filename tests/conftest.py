@@ -13,6 +13,33 @@ settings.register_profile("overview", deadline=None)
 settings.load_profile("overview")
 
 
+def pytest_addoption(parser):
+    parser.addoption("--list-skipped", metavar="FILE", help="write the skipped tests to a file")
+
+
+class SkippedTests:
+    """Lists the tests that were skipped, without their parameters: those may be others then."""
+
+    def __init__(self, path):
+        self.path, self.names = Path(path), {}
+
+    def note(self, report):
+        if report.skipped and not hasattr(report, "wasxfail"):
+            self.names[report.nodeid.partition("[")[0]] = None
+
+    pytest_runtest_logreport = note
+    pytest_collectreport = note
+
+    def pytest_sessionfinish(self):
+        self.path.write_text("".join(f"{name}\n" for name in self.names))
+
+
+def pytest_configure(config):
+    path = config.getoption("--list-skipped")
+    if path and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(SkippedTests(path))
+
+
 @pytest.fixture(scope="session")
 def match():
     """The bundled match."""

@@ -29,7 +29,7 @@ from overview_dsp.kernels.output import emit
 from overview_dsp.kernels.passing import event_above, event_below, pass_events
 from overview_dsp.kernels.ringing import ring
 
-FEWEST = 3  # voices for which the lanes' loops pay
+FEWEST = 5  # voices for which the lanes' loops pay, with vectors of four numbers
 CHANNELS = 2
 STILL_COLUMNS = (
     (layout.D_OMEGA, own.OMEGA),

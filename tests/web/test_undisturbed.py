@@ -131,11 +131,12 @@ def drag(server) -> None:
 
 def test_a_server_under_attack_plays_every_sample(match, football, tmp_path):
     path = tmp_path / "heard.npy"
-    for _ in range(5):  # a run in which the machine lost a period is repeated
+    # a run in which the machine lost a period, or the attack left the hand no room, is repeated
+    for _ in range(5):
         xruns, summary = session(tmp_path, path)
-        if xruns == 0 and summary["underflows"] == 0:
+        take = ov.load_gesture(path.with_suffix(".csv"))
+        if xruns == 0 and summary["underflows"] == 0 and take.touching.sum() > 100:
             break
-    take = ov.load_gesture(path.with_suffix(".csv"))
     assert take.touching.sum() > 100
     expected = ov.render(match, football, take, trace=False, tail=0.0).samples
     heard = aligned(np.load(path), expected)
