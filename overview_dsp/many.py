@@ -169,9 +169,19 @@ class VoiceRenderer:
     def _step(
         self, playing: list[_Playing | None], trace: tuple[str, ...]
     ) -> Iterator[tuple[int, Rendered]]:
-        """A block of every voice; those that end with it."""
+        """A block of every voice; those that end with it, or can't go on."""
         assert self._lanes is not None
-        frames = min(one.play.feed() for one in playing if one is not None)
+        frames = BLOCK
+        for lane, one in enumerate(playing):
+            if one is None:
+                continue
+            try:
+                frames = min(frames, one.play.feed())
+            except Exception as error:  # a change in a take that can't be made, say
+                playing[lane] = None
+                yield one.number, error
+        if not any(playing):
+            return
         engines = [
             engine if one is not None else None
             for engine, one in zip(self._engines, playing, strict=True)

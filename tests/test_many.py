@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp import many, surface_cache
+from overview_dsp.gestures.model import Change
 from overview_dsp.surface_cache import SurfaceCache
 
 from .examples import plain_preset, preset_with, timeline_of
@@ -131,6 +132,22 @@ def test_a_voice_that_cannot_be_is_an_error_at_its_turn():
         list(results)
     ok = ov.render_many([replace(good, preset=preset_with(tactor__frequency_hz=250.0))], 1000)
     assert next(ok).sample_rate == 1000.0
+
+
+def test_a_take_whose_change_cannot_be_made_leaves_its_neighbours_alone():
+    good = ov.Voice(TIMELINES[1], PRESETS[1], GESTURES[1])
+    change = Change(0.05, {"set": {"tactor.frequency_hz": 900.0}})
+    bad = replace(good, gesture=replace(GESTURES[1], changes=(change,)))
+    chosen = [good, good, good, bad, good, good, good]
+    renderer = many.VoiceRenderer(1000, SurfaceCache())
+    done = dict(renderer.render(enumerate(chosen), "none", ()))
+    assert isinstance(done.pop(3), ov.InputError)
+    for result in done.values():
+        same(result, good, "none", False, 1000)
+    results = ov.render_many(chosen, 1000, tail="none", threads=1)
+    assert len([next(results) for _ in range(3)]) == 3
+    with pytest.raises(ov.InputError):
+        next(results)
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, "2"])
