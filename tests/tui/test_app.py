@@ -272,6 +272,6 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
             shown = app.query_one(MetersView)
             await until(pilot, lambda: "2 damaged" in shown._shown)
             assert "hold it still" in str(app.query_one("#messages").render())
-            assert shown.size.height == 6
+            await until(pilot, lambda: shown.size.height == 6)
 
     asyncio.run(inside())
