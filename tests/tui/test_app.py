@@ -270,8 +270,8 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
         app = PlayApp(player, CountingHand())
         async with app.run_test(size=(100, 30)) as pilot:
             shown = app.query_one(MetersView)
-            await until(pilot, lambda: "2 damaged" in shown._shown)
+            assert await until(pilot, lambda: "2 damaged" in shown._shown)
             assert "hold it still" in str(app.query_one("#messages").render())
-            await until(pilot, lambda: shown.size.height == 6)
+            assert await until(pilot, lambda: shown.size.height == 6)
 
     asyncio.run(inside())
