@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 from overview_dsp.bench.report import Report
+from overview_dsp.bench.timing import CORES
 from overview_dsp.plots import save_picture
 
 OURS, THEIRS = "#0072B2", "#999999"
@@ -14,7 +15,8 @@ def draw(report: Report, path: str | os.PathLike[str]) -> None:
     """Write the picture; the suffix says the format (PNG, SVG, PDF)."""
     from matplotlib.figure import Figure
 
-    groups = list(dict.fromkeys(row.group for row in report.rows))
+    # of one core's work: what all cores do together is another measure
+    groups = [group for group in dict.fromkeys(row.group for row in report.rows) if group != CORES]
     heights = [sum(row.group == group for row in report.rows) for group in groups]
     figure = Figure(figsize=(10.0, 1.5 + 0.32 * sum(heights)), layout="constrained")
     axes = figure.subplots(len(groups), 1, squeeze=False, height_ratios=heights)[:, 0]
