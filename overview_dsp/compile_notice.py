@@ -15,4 +15,4 @@ def announce_compile(*kernels: str) -> None:
     if all(is_compiled(kernel) for kernel in new):
         return
     _told.update(new)
-    print("compiling the engine for this machine (once, 10 to 20 s) ...", file=sys.stderr)
+    print("compiling the engine for this machine (once, 10 to 40 s) ...", file=sys.stderr)

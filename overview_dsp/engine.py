@@ -92,7 +92,8 @@ class Engine:
         Raises
         ------
         InputError
-            A rate out of range or too low for the carrier, or a block size below 1.
+            A rate out of range or too low for the carrier, a block size below 1, or a memory of
+            another type or shape.
         """
         rate = float(sample_rate)
         if not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
@@ -103,6 +104,12 @@ class Engine:
         check_carrier(self._preset, rate)
         if max_block_size < 1:
             raise InputError(f"max_block_size = {max_block_size}; it is at least 1 frame")
+        if memory is not None and (
+            memory.dtype != np.float64
+            or memory.shape != (layout.TOTAL,)
+            or not memory.flags.c_contiguous
+        ):
+            raise InputError(f"memory must be a C-ordered float64 array ({layout.TOTAL},)")
         announce_compile("process")
         self._sample_rate = rate
         self._max_block_size = int(max_block_size)

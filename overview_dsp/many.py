@@ -38,7 +38,7 @@ BLOCK = 65536
 GROUP = 4 * LANES
 """Voices that a thread renders in one go: a lane that is free early gets another one."""
 
-GROUP_S = 60.0
+GROUP_BYTES = 2**28
 """Long voices come in smaller groups: their results wait for each other in memory."""
 
 WAITING = 2
@@ -264,17 +264,21 @@ def render_many(
     if isinstance(voices, Sized):
         # few voices: some for each thread
         most = min(most, max(1, math.ceil(len(voices) / threads)))
-    return _rendered(_groups(voices, most), sample_rate, tail, trace, threads)
+    frame = CHANNELS * np.dtype(np.float32).itemsize
+    if trace:
+        frame += len(TRACE_COLUMNS) * np.dtype(np.float64).itemsize
+    groups = _groups(voices, most, GROUP_BYTES / (frame * sample_rate))
+    return _rendered(groups, sample_rate, tail, trace, threads)
 
 
-def _groups(voices: Iterable[Voice], most: int) -> Iterator[list[Voice]]:
-    """Voices that one thread renders: a few more than its lanes, unless they are long."""
+def _groups(voices: Iterable[Voice], most: int, longest_s: float) -> Iterator[list[Voice]]:
+    """Voices that one thread renders: up to `most`, fewer if they last longer together."""
     group: list[Voice] = []
     seconds = 0.0
     for voice in voices:
         group.append(voice)
         seconds += voice.gesture.duration_s
-        if len(group) >= most or (len(group) >= LANES and seconds > GROUP_S):
+        if len(group) >= most or seconds >= longest_s:
             yield group
             group, seconds = [], 0.0
     if group:

@@ -118,6 +118,28 @@ def test_voices_are_taken_as_results_are_asked_for():
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("voices")]
 
 
+def test_of_long_voices_fewer_are_taken_before_their_turn(monkeypatch):
+    taken = []
+
+    def endless():
+        for seed in itertools.count():
+            taken.append(seed)
+            yield ov.Voice(TIMELINES[1], PRESETS[1], GESTURES[1], seed)
+
+    # of two of these gestures, click and tactor
+    monkeypatch.setattr(many, "GROUP_BYTES", 1.5 * GESTURES[1].duration_s * RATE * 2 * 4)
+    results = ov.render_many(endless(), RATE, tail="none", threads=1)
+    next(results)
+    assert len(taken) == 2 * many.WAITING
+    results.close()
+    taken.clear()
+    # a trace is nine times as large
+    results = ov.render_many(endless(), RATE, tail="none", trace=True, threads=1)
+    next(results)
+    assert len(taken) == many.WAITING
+    results.close()
+
+
 def test_results_keep_no_engine_alive():
     results = ov.render_many(ALL[:8], RATE, tail="none", threads=1)
     references = [weakref.ref(result) for result in results]

@@ -153,3 +153,20 @@ def test_a_lane_without_a_voice_is_left_alone(eight):
     play(lanes, [*pairs[:4], None, *pairs[5:]], 500, False)
     np.testing.assert_array_equal(pairs[4].engines[0].memory.view(np.int64), before.view(np.int64))
     play(lanes, pairs, 500, True)
+
+
+@pytest.mark.parametrize(
+    "memory",
+    [
+        np.zeros(layout.TOTAL - 1),
+        np.zeros(layout.TOTAL, np.float32),
+        np.zeros(2 * layout.TOTAL)[::2],
+        np.zeros((1, layout.TOTAL)),
+    ],
+)
+def test_a_memory_of_another_kind_is_refused(memory):
+    engine = ov.Engine(PRESETS[0], TIMELINE)
+    with pytest.raises(ov.InputError, match="memory must be"):
+        engine.prepare(RATE, BLOCK, memory=memory)
+    with pytest.raises(ov.NotPreparedError):
+        engine.process(np.zeros((10, 2), np.float32))

@@ -1,10 +1,9 @@
 """What is known of a study's renders: parts while it runs, one Parquet manifest in the end.
 
 A part holds a row for each case, by its key: the measures, or why it failed; JSON lines, which cost
-a worker no library. The manifest has a row
-for each case of the study in the order of the grid: what was combined, every parameter, the
-measures. Its metadata hold the presets whole (`overview_study`, JSON). The same study gives the
-same bytes.
+a worker no library. The manifest has a row for each case of the study in the order of the grid:
+what was combined, every parameter, the measures. Its metadata hold the presets whole
+(`overview_study`, JSON). The same study gives the same bytes.
 """
 
 from __future__ import annotations

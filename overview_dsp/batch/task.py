@@ -15,7 +15,7 @@ from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
 from overview_dsp.batch.measuring import MEASURED_COLUMNS, measures
 from overview_dsp.batch.storage import Place
 from overview_dsp.batch.study import Case, Study
-from overview_dsp.errors import OverviewError
+from overview_dsp.errors import OutputError, OverviewError
 from overview_dsp.many import Voice, VoiceRenderer, VoiceResult
 from overview_dsp.parameter import Value
 from overview_dsp.presets.model import Preset
@@ -86,6 +86,8 @@ class Worker:
                 if isinstance(result, Exception):
                     raise result
                 name, data, row = self._measured(result, jobs[number][1])
+            except OutputError:
+                raise
             except Exception as error:
                 fail(number, error)
             else:

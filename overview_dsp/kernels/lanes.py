@@ -29,11 +29,15 @@ from numba.extending import (
 )
 
 LANES = 8
-COMPILED_ONLY = "for compiled code only"
 
 _INDEX = ir.IntType(32)
 _WORD = ir.IntType(64)
 _ELEMENT = {"float64": ir.DoubleType(), "uint64": _WORD, "bool": ir.IntType(1)}
+
+
+def _intrinsic(function: Callable[..., Any]) -> Any:
+    """What the compiler writes out where it is called; its first argument is the compiler's."""
+    return intrinsic(function)
 
 
 class _Lanes(types.Type):
@@ -194,26 +198,12 @@ def load(m, at):
     return m[at : at + LANES].copy()
 
 
-def load_words(m, at):
-    """The lanes in `LANES` columns from `at` on, as words."""
-    raise NotImplementedError(COMPILED_ONLY)
-
-
 def store(m, at, value):
     """Write lanes, or one number for all, to `LANES` columns from `at` on."""
     m[at : at + LANES] = value
 
 
-def load_pairs(m, starts, first, place):
-    """Of a table of pairs for each lane, those at the whole part of `place`.
-
-    Lane i's table begins at column `starts[first + i]`; `place` is 0 to 2**31. Returns the whole
-    part, the pairs' first numbers and their second ones.
-    """
-    raise NotImplementedError(COMPILED_ONLY)
-
-
-@intrinsic
+@_intrinsic
 def _select(typing: Any, condition: Any, yes: Any, no: Any) -> Any:
     of = WORDS if WORDS in (yes, no) else FLOATS
 
@@ -229,12 +219,12 @@ def _select(typing: Any, condition: Any, yes: Any, no: Any) -> Any:
 @overload(choose)
 def _choose(condition, yes, no):
     if condition is MASK:
-        return lambda condition, yes, no: _select(condition, yes, no)  # type: ignore[call-arg]
+        return lambda condition, yes, no: _select(condition, yes, no)
     return lambda condition, yes, no: yes if condition else no
 
 
 def _seen_as(given: _Lanes, wanted: _Lanes, instruction: str) -> Any:
-    @intrinsic
+    @_intrinsic
     def seen(typing: Any, x: Any) -> Any:
         def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             return getattr(builder, instruction)(args[0], wanted.vector)
@@ -276,7 +266,7 @@ def _column(context: Any, builder: Any, of_array: Any, array: Any, at: Any) -> A
 
 
 def _loading(of: _Lanes) -> Any:
-    @intrinsic
+    @_intrinsic
     def loaded(typing: Any, m: Any, at: Any) -> Any:
         def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             place = _column(context, builder, signature.args[0], *args)
@@ -288,10 +278,11 @@ def _loading(of: _Lanes) -> Any:
 
 
 _load_floats = _loading(FLOATS)
-_load_words = _loading(WORDS)
+load_words = _loading(WORDS)
+"""`load` of words: `load_words(m, at)`. Compiled code only."""
 
 
-@intrinsic
+@_intrinsic
 def _store(typing: Any, m: Any, at: Any, value: Any) -> Any:
     of = WORDS if value is WORDS else FLOATS
 
@@ -304,8 +295,14 @@ def _store(typing: Any, m: Any, at: Any, value: Any) -> Any:
     return types.void(m, types.int64, value), emit
 
 
-@intrinsic
-def _load_pairs(typing: Any, m: Any, starts: Any, first: Any, place: Any) -> Any:
+@_intrinsic
+def load_pairs(typing: Any, m: Any, starts: Any, first: Any, place: Any) -> Any:
+    """Of a table of pairs for each lane, those at the whole part of `place`. Compiled code only.
+
+    `load_pairs(m, starts, first, place)`: lane i's table begins at column `starts[first + i]`;
+    `place` is 0 to 2**31. Returns the whole part, the pairs' first numbers and their second ones.
+    """
+
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         m, starts, first, place = args
         # to 32 bits: all machines have an instruction for that
@@ -340,16 +337,6 @@ def _of_load(m, at):
     return lambda m, at: _load_floats(m, at)
 
 
-@overload(load_words)
-def _of_load_words(m, at):
-    return lambda m, at: _load_words(m, at)
-
-
 @overload(store)
 def _of_store(m, at, value):
-    return lambda m, at, value: _store(m, at, value)  # type: ignore[call-arg]
-
-
-@overload(load_pairs)
-def _of_load_pairs(m, starts, first, place):
-    return lambda m, starts, first, place: _load_pairs(m, starts, first, place)  # type: ignore[call-arg]
+    return lambda m, at, value: _store(m, at, value)
