@@ -177,27 +177,23 @@ static void blow(Voice *voice, const Surface *surface, const Strike *entry, int 
     }
 }
 
-static void sound_strikes(Voice *voice, const Surface *surface, int64_t sample) {
+/* The sample in which the next blow falls, of strikes not sounded in full; or INT64_MAX. */
+static int64_t sound_strikes(Voice *voice, const Surface *surface, int64_t sample) {
+    int64_t due = INT64_MAX;
     for (int number = 0; number < CONTACT; number++) {
         while (voice->sounded[number] < voice->strikes) {
             const Strike *entry = &voice->queue[voice->sounded[number] % QUEUE];
-            double rest = (double)(sample + 1) - (entry->time + (double)number * 0.5);
-            if (rest < 0.0) break;
+            double time = entry->time + (double)number * 0.5;
+            double rest = (double)(sample + 1) - time;
+            if (rest < 0.0) {
+                int64_t later = (int64_t)time;
+                if ((double)later == time) later -= 1;
+                if (later < due) due = later;
+                break;
+            }
             blow(voice, surface, entry, number, rest, sample);
             voice->sounded[number] += 1;
         }
-    }
-}
-
-static int64_t next_blow(const Voice *voice) {
-    int64_t due = INT64_MAX;
-    for (int number = 0; number < CONTACT; number++) {
-        if (voice->sounded[number] >= voice->strikes) continue;
-        const Strike *entry = &voice->queue[voice->sounded[number] % QUEUE];
-        double time = entry->time + (double)number * 0.5;
-        int64_t sample = (int64_t)time;
-        if ((double)sample == time) sample -= 1;
-        if (sample < due) due = sample;
     }
     return due;
 }
@@ -228,23 +224,36 @@ static double ring_once(Voice *voice, int64_t sample) {
     return total;
 }
 
+/* four phases as one value, for any vectors that there are */
+typedef double Four __attribute__((vector_size(32)));
+
+static inline Four four(const double *from) {
+    Four x;
+    memcpy(&x, from, sizeof x);
+    return x;
+}
+
 static void ring_mode(Bank *bank, int64_t j, int64_t clock, double *rung, int64_t frames) {
     int64_t n = 0;
     for (; n < frames && ((clock + n) & (PHASES - 1)) != 0; n++)
         rung[n] += turn(bank, j, (clock + n) & (PHASES - 1));
-    double re[PHASES], im[PHASES], c = bank->c[j], s = bank->s[j];
-    memcpy(re, bank->re[j], sizeof re);
-    memcpy(im, bank->im[j], sizeof im);
+    double c = bank->c[j], s = bank->s[j];
+    Four re = four(bank->re[j]), im = four(bank->im[j]);
+    Four re2 = four(bank->re[j] + 4), im2 = four(bank->im[j] + 4);
     for (; n + PHASES <= frames; n += PHASES) {
-        for (int phase = 0; phase < PHASES; phase++) {
-            rung[n + phase] += im[phase];
-            double turned = c * re[phase] - s * im[phase];
-            im[phase] = s * re[phase] + c * im[phase];
-            re[phase] = turned;
-        }
+        Four sum = four(rung + n) + im, sum2 = four(rung + n + 4) + im2;
+        memcpy(rung + n, &sum, sizeof sum);
+        memcpy(rung + n + 4, &sum2, sizeof sum2);
+        Four turned = c * re - s * im, turned2 = c * re2 - s * im2;
+        im = s * re + c * im;
+        im2 = s * re2 + c * im2;
+        re = turned;
+        re2 = turned2;
     }
-    memcpy(bank->re[j], re, sizeof re);
-    memcpy(bank->im[j], im, sizeof im);
+    memcpy(bank->re[j], &re, sizeof re);
+    memcpy(bank->im[j], &im, sizeof im);
+    memcpy(bank->re[j] + 4, &re2, sizeof re2);
+    memcpy(bank->im[j] + 4, &im2, sizeof im2);
     for (; n < frames; n++) rung[n] += turn(bank, j, (clock + n) & (PHASES - 1));
 }
 
@@ -263,15 +272,14 @@ static void ring(Voice *voice, const Surface *surface, double *rung, int64_t fra
     while (n < frames) {
         int64_t stop = frames;
         if (voice->sounded[CONTACT - 1] < voice->strikes) {
-            sound_strikes(voice, surface, voice->clock + n);
-            int64_t due = next_blow(voice);
+            int64_t due = sound_strikes(voice, surface, voice->clock + n);
             if (due - voice->clock < stop) stop = due - voice->clock;
         }
         for (int64_t i = 0; i < voice->ringing; i++) {
             int64_t last = n + voice->bank[voice->ringing_kind[i]].left - 1;
             if (last < stop) stop = last;
         }
-        if (stop > n) {
+        if (stop > n + 1) {
             ring_on(voice, voice->clock + n, rung + n, stop - n);
             n = stop;
         } else {
