@@ -102,7 +102,9 @@ def test_no_audio_is_posted(page):
     drag(page, (0.9, 0.2))
     told = page.evaluate("window.told")
     blocks = (page.evaluate("overview.meters.clock") - before) / 128
-    assert 10 < told["answers"] <= told["looks"] < blocks / 2
+    # an answer to a look from before the count may still have been under way
+    assert 10 < told["answers"] <= told["looks"] + 1
+    assert told["looks"] < blocks / 2
     # a quantum of two channels is 1024 bytes; as many as there were meanwhile are far more
     assert told["bytes"] < 8_000
 
