@@ -14,7 +14,6 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sized
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from overview_dsp.engine import TRACE_COLUMNS, Engine
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture
+from overview_dsp.growing_rows import GrowingRows
 from overview_dsp.kernels.lanes import LANES
 from overview_dsp.meters import Strikes
 from overview_dsp.presets.model import Preset
@@ -105,8 +105,8 @@ class _Playing:
     voice: Voice
     surface: Surface
     play: Play
-    samples: list[NDArray[np.float32]] = field(default_factory=list)
-    traces: list[NDArray[np.float64]] = field(default_factory=list)
+    samples: GrowingRows
+    trace: GrowingRows
     strikes: list[Strikes] = field(default_factory=list)
 
 
@@ -141,7 +141,7 @@ class VoiceRenderer:
                     if voice is None:
                         break
                     try:
-                        started = self._started(lane, number, voice, tail)
+                        started = self._started(lane, number, voice, tail, len(trace))
                     except Exception as error:
                         yield number, error
                         continue
@@ -153,7 +153,7 @@ class VoiceRenderer:
                 return
             yield from self._step(playing, trace)
 
-    def _started(self, lane: int, number: int, voice: Voice, tail: Tail) -> _Playing:
+    def _started(self, lane: int, number: int, voice: Voice, tail: Tail, columns: int) -> _Playing:
         surface = self._surfaces.surface(voice.timeline, voice.preset)
         if self._lanes is None:
             self._lanes = VoiceLanes(BLOCK)
@@ -164,7 +164,15 @@ class VoiceRenderer:
             self._engines[lane] = engine
         else:
             engine.restart(voice.preset, voice.timeline, seed=voice.seed, surface=surface)
-        return _Playing(number, voice, surface, Play(engine, voice.gesture, tail, BLOCK))
+        play = Play(engine, voice.gesture, tail, BLOCK)
+        return _Playing(
+            number,
+            voice,
+            surface,
+            play,
+            GrowingRows(CHANNELS, np.float32, play.least),
+            GrowingRows(columns, np.float64, play.least if columns else 0),
+        )
 
     def _step(
         self, playing: list[_Playing | None], trace: tuple[str, ...]
@@ -186,19 +194,17 @@ class VoiceRenderer:
             engine if one is not None else None
             for engine, one in zip(self._engines, playing, strict=True)
         ]
-        columns = [TRACE_COLUMNS.index(name) for name in trace]
+        whole = trace == TRACE_COLUMNS
+        columns = None if whole else [TRACE_COLUMNS.index(name) for name in trace]
         samples, traces = self._lanes.process(engines, frames, bool(trace))
         for lane, one in enumerate(playing):
             engine = engines[lane]
             if one is None or engine is None:
                 continue
             kept = one.play.count(frames)
-            one.samples.append(samples[lane, :kept].copy())
+            one.samples.add(samples[lane, :kept])
             if traces is not None:
-                kept_columns = traces[lane, :kept]
-                one.traces.append(
-                    kept_columns.copy() if trace == TRACE_COLUMNS else kept_columns[:, columns]
-                )
+                one.trace.add(traces[lane, :kept], columns)
             one.strikes.append(engine.take_strikes())
             if one.play.over:
                 playing[lane] = None
@@ -207,23 +213,16 @@ class VoiceRenderer:
     def _result(self, lane: int, one: _Playing, trace: tuple[str, ...]) -> VoiceResult:
         engine = self._engines[lane]
         assert engine is not None
-        if not one.samples:
-            one.samples.append(np.empty((0, CHANNELS), np.float32))
-            one.traces.append(np.empty((0, len(trace))))
+        if not one.strikes:
             one.strikes.append(engine.take_strikes())
-        table = _joined(one.traces) if trace else None
         return VoiceResult(
             one.voice,
             one.surface,
-            _joined(one.samples),
+            one.samples.rows,
             engine.sample_rate,
-            Trace(table, trace) if table is not None else None,
+            Trace(one.trace.rows, trace) if trace else None,
             join_strikes(one.strikes),
         )
-
-
-def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def render_many(

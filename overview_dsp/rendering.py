@@ -199,6 +199,11 @@ class Play:
         return self._rested or self._done >= self._most
 
     @property
+    def least(self) -> int:
+        """The frames that there will be, without the tail until rest."""
+        return self._end
+
+    @property
     def part(self) -> float:
         """The part done, 0 to 1; the tail until rest doesn't count."""
         return min(1.0, self._done / max(1, self._end))

@@ -22,21 +22,20 @@ from overview_dsp.kernels.lane_stages import (
     shape_all,
     sound_all,
     travel_all,
+    write_all,
 )
 from overview_dsp.kernels.lanes import LANES
-from overview_dsp.kernels.motion import NEAR_REST, note_stillness, write_trace
-from overview_dsp.kernels.output import emit
+from overview_dsp.kernels.limiter import KNEE
+from overview_dsp.kernels.motion import write_trace
+from overview_dsp.kernels.output import limit_column
 from overview_dsp.kernels.passing import event_above, event_below, pass_events
 from overview_dsp.kernels.ringing import ring
 
 FEWEST = 5  # voices for which the lanes' loops pay, with vectors of four numbers
 CHANNELS = 2
-STILL_COLUMNS = (
-    (layout.D_OMEGA, own.OMEGA),
+TRACE_COLUMNS = (
     (layout.D_PLACE, own.PLACE),
     (layout.D_THETA2, own.THETA2),
-)
-TRACE_COLUMNS = (
     (layout.D_TORQUE, own.TORQUE),
     (layout.D_SPEED, own.SPEED),
     (layout.D_FRICTION, own.FRICTION),
@@ -47,6 +46,8 @@ TRACE_COLUMNS = (
 def is_plain(m, w):
     """Whether nothing but hands moves a voice in the next block, over viscous friction alone."""
     if w[layout.HOST_READ] < w[layout.HOST_WRITTEN] or w[layout.FADE_LEFT] > 0:
+        return False
+    if w[layout.S_CLICK_CHANNEL] != 0 or w[layout.S_TACTOR_CHANNEL] != 1:
         return False
     gliding = 0
     for i in range(layout.COEFFS):
@@ -103,14 +104,6 @@ def pass_all(b, m, w, lane, frames):
         before = x
 
 
-@point
-def copy_columns(b, m, lane, frames, columns):
-    """A voice's columns of a chunk into its own block."""
-    for i in range(len(columns)):
-        to, at = columns[i]
-        copy(own.column(b, at, lane, frames), m[to : to + frames])
-
-
 @routine
 def strike_lane(b, wb, lane, frames):
     """A voice's events that were passed in a chunk, and its modes, into its lane."""
@@ -130,31 +123,33 @@ def strike_lane(b, wb, lane, frames):
 
 
 @routine
-def end_lane(b, wb, lane, out, start, frames, trace, traced):
-    """A voice's meters, trace and output of a chunk; `start` is its first frame in the output."""
+def bend_lane(b, wb, lane, frames):
+    """Hold what is over the ceiling's knee under the ceiling, and meter it."""
     m = own.block(b, lane)
     w = own.block(wb, lane)
-    last = (frames - 1) * LANES + lane
-    rest = b[own.THETA2 + last] if w[layout.TOUCHING] == 1 else 0.0
-    if traced or abs(b[own.PLACE + last] - rest) < NEAR_REST:
-        copy_columns(b, m, lane, frames, STILL_COLUMNS)
-        note_stillness(m, w, frames, False)
-    else:
-        w[layout.M_STILL] = 0
-    if traced:
-        at = start * layout.TRACE
-        copy_columns(b, m, lane, frames, TRACE_COLUMNS)
-        write_trace(m, w, frames, trace, at)
-        rows = trace[at + 8 : at + frames * layout.TRACE : layout.TRACE]
-        copy(own.column(b, own.ENVELOPE, lane, frames), rows)
-    m[layout.M_TORQUE] = b[own.TORQUE + last]
-    m[layout.M_FRICTION] = b[own.FRICTION + last]
-    m[layout.M_ENVELOPE] = b[own.ENVELOPE + last]
-    w[layout.M_SUMMED] += frames
-    copy(own.column(b, own.CLICK, lane, frames), m[layout.D_CLICK : layout.D_CLICK + frames])
-    copy(own.column(b, own.TACTOR, lane, frames), m[layout.D_TACTOR : layout.D_TACTOR + frames])
-    emit(m, w, out, start, frames, CHANNELS)
-    w[layout.CLOCK] += frames
+    ceiling = m[layout.C_CEILING]
+    for at, to, loudest in (
+        (own.CLICK, layout.D_CLICK, own.LOUDEST_CLICK),
+        (own.TACTOR, layout.D_TACTOR, own.LOUDEST_TACTOR),
+    ):
+        if b[loudest + lane] > KNEE * ceiling:
+            copy(own.column(b, at, lane, frames), m[to : to + frames])
+            peak, limited = limit_column(m, w, to, frames, ceiling)
+            copy(m[to : to + frames], own.column(b, at, lane, frames))
+            b[loudest + lane] = peak
+            w[layout.M_LIMITED] += limited
+
+
+@routine
+def trace_lane(b, wb, lane, frames, trace, at):
+    """A voice's trace of a chunk, from index `at` on."""
+    m = own.block(b, lane)
+    for i in range(len(TRACE_COLUMNS)):
+        to, column = TRACE_COLUMNS[i]
+        copy(own.column(b, column, lane, frames), m[to : to + frames])
+    write_trace(m, own.block(wb, lane), frames, trace, at)
+    rows = trace[at + 8 : at + frames * layout.TRACE : layout.TRACE]
+    copy(own.column(b, own.ENVELOPE, lane, frames), rows)
 
 
 @point
@@ -162,15 +157,19 @@ def run_all(b, wb, ub, count, out, block, start, frames, trace, traced):
     """`frames` from frame `start` of a block of `block`, in which no voice has an event due."""
     for lane in range(count):
         b[own.BEFORE + lane] = b[X + lane]
-    travel_all(b, wb, frames)
+    travel_all(b, wb, frames, traced)
     for lane in range(count):
         if wb[own.MEMBER + lane] == 1:
             strike_lane(b, wb, lane, frames)
     shape_all(b, frames)
-    sound_all(b, ub, frames)
+    sound_all(b, ub, frames, traced)
     for lane in range(count):
         if wb[own.MEMBER + lane] == 1:
-            end_lane(b, wb, lane, out, lane * block + start, frames, trace, traced)
+            bend_lane(b, wb, lane, frames)
+            if traced:
+                trace_lane(b, wb, lane, frames, trace, (lane * block + start) * layout.TRACE)
+            wb[start_of(lane) + layout.CLOCK] += frames
+    write_all(b, out, start * CHANNELS, block * CHANNELS, frames)
 
 
 @point
@@ -178,13 +177,13 @@ def join(b, wb, lane):
     """A voice goes with the others through the next block."""
     m = own.block(b, lane)
     w = own.block(wb, lane)
+    m[layout.M_PEAK_CLICK] = 0.0
+    m[layout.M_PEAK_TACTOR] = 0.0
     take_in(b, m, lane)
     take_hand(b, m, w, lane)
     slot = layout.SURFACES + w[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     wb[own.TABLE + lane] = start_of(lane) + slot + layout.SLOT_TABLE
     wb[own.DUE + lane] = next_due(w)
-    m[layout.M_PEAK_CLICK] = 0.0
-    m[layout.M_PEAK_TACTOR] = 0.0
 
 
 @point
@@ -193,6 +192,7 @@ def leave(b, wb, ub, lane, out, frames):
     m = own.block(b, lane)
     w = own.block(wb, lane)
     put_back(b, m, lane)
+    w[layout.M_SUMMED] += frames
     w[layout.M_BLOCKS] += 1
     first = lane * frames * CHANNELS
     clock = w[layout.CLOCK]
@@ -230,7 +230,7 @@ def process_lanes(b, wb, ub, count, out, frames, trace, traced):
         The lanes to look at, the first of all: LANES, but not as a constant, of which the compiler
         would make as many copies of everything.
     out : float32 [LANES * frames * 2]
-        Each lane's click and tactor, overwritten; those of a lane without a voice are left alone.
+        Each lane's click and tactor, overwritten; those of other lanes hold nothing of use.
     frames : int64
     trace : float64 [LANES * frames * layout.TRACE] or of any length
         Overwritten if `traced`.

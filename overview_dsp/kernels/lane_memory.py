@@ -33,6 +33,13 @@ MOVED = (
     layout.CLICK_DC_OUT,
     layout.NOISE,
     layout.M_IMPULSE,
+    layout.M_STILL,
+    layout.M_SILENT,
+    layout.M_TORQUE,
+    layout.M_FRICTION,
+    layout.M_ENVELOPE,
+    layout.M_PEAK_CLICK,
+    layout.M_PEAK_TACTOR,
 )
 INPUT = STATE + len(MOVED) * LANES
 HOLD = INPUT + LANES  # 1 while shaft 2 is engaged, else 0
@@ -46,16 +53,15 @@ WANTED = DUE + LANES  # w: 1 = the lane has a voice
 MEMBER = WANTED + LANES  # w: 1 = which goes with the others
 BEFORE = MEMBER + LANES  # place before the chunk, cells
 ECHO = BEFORE + LANES  # w: 1 = its RING columns are not all zero
+LOUDEST_CLICK = ECHO + LANES  # in the last chunk
+LOUDEST_TACTOR = LOUDEST_CLICK + LANES
 # between the stages: a row for each sample of a chunk
 ROWS = layout.CHUNK * LANES
-TORQUE = ECHO + LANES
+TORQUE = LOUDEST_TACTOR + LANES
 OMEGA = TORQUE + ROWS
 PHASE = OMEGA + ROWS
 PLACE = PHASE + ROWS
-SPEED = PLACE + ROWS
-THETA2 = SPEED + ROWS
-FRICTION = THETA2 + ROWS
-APPROACH = FRICTION + ROWS
+APPROACH = PLACE + ROWS
 AMPLITUDE = APPROACH + ROWS
 SINE = AMPLITUDE + ROWS
 GRAIN = SINE + ROWS
@@ -63,7 +69,10 @@ COLOUR = GRAIN + ROWS
 RING = COLOUR + ROWS
 CLICK = RING + ROWS
 TACTOR = CLICK + ROWS
-ENVELOPE = TACTOR + ROWS
+SPEED = TACTOR + ROWS  # from here on for traces alone
+THETA2 = SPEED + ROWS
+FRICTION = THETA2 + ROWS
+ENVELOPE = FRICTION + ROWS
 SIZE = ENVELOPE + ROWS
 MEMORY = SIZE + LANES * layout.TOTAL  # the lanes' own, then the voices' blocks
 

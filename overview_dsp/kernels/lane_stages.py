@@ -12,7 +12,8 @@ from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
 from overview_dsp.kernels.friction import frictions_at
-from overview_dsp.kernels.lanes import LANES, choose, load, load_words, store
+from overview_dsp.kernels.lanes import LANES, choose, load, load_words, store, store_pairs
+from overview_dsp.kernels.motion import NEAR_REST
 from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
@@ -37,6 +38,13 @@ CLICK_DC_IN = own.of_state(layout.CLICK_DC_IN)
 CLICK_DC_OUT = own.of_state(layout.CLICK_DC_OUT)
 NOISE = own.of_state(layout.NOISE)
 IMPULSE = own.of_state(layout.M_IMPULSE)
+STILL = own.of_state(layout.M_STILL)
+SILENT = own.of_state(layout.M_SILENT)
+LAST_TORQUE = own.of_state(layout.M_TORQUE)
+LAST_FRICTION = own.of_state(layout.M_FRICTION)
+LAST_ENVELOPE = own.of_state(layout.M_ENVELOPE)
+PEAK_CLICK = own.of_state(layout.M_PEAK_CLICK)
+PEAK_TACTOR = own.of_state(layout.M_PEAK_TACTOR)
 C_SMOOTH = own.of_coefficient(layout.C_SMOOTH)
 C_INERTIA = own.of_coefficient(layout.C_INERTIA)
 C_OMEGA = own.of_coefficient(layout.C_OMEGA)
@@ -56,7 +64,7 @@ C_DC_POLE = own.of_coefficient(layout.C_DC_POLE)
 
 
 @routine
-def travel_all(b, wb, frames):
+def travel_all(b, wb, frames, traced):
     """`travel` for lanes, through a whole chunk: events that are passed on the way stop no lane."""
     x = load(b, X)
     half = 0.5 * load(b, V)
@@ -65,16 +73,20 @@ def travel_all(b, wb, frames):
     phase = load(b, PHASE)
     approach = load(b, APPROACH)
     impulse = load(b, IMPULSE)
+    still = load_words(wb, STILL)
+    torque = load(b, LAST_TORQUE)
+    friction = load(b, LAST_FRICTION)
     highest = x
     lowest = x
     for n in range(frames):
         at = n * LANES
         y1, y2 = smooth(load(b, own.INPUT), y1, y2, load(b, C_SMOOTH))
         friction = frictions_at(b, wb, own.TABLE, x + half)
+        rest = y2 * load(b, own.HOLD)
         middle = midpoint_speed(
             x,
             2.0 * half,
-            y2 * load(b, own.HOLD),
+            rest,
             load(b, own.SPRING),
             load(b, C_INERTIA),
             load(b, own.DENOMINATOR),
@@ -93,14 +105,16 @@ def travel_all(b, wb, frames):
         impulse = impulse + torque
         highest = max(highest, x)
         lowest = min(lowest, x)
+        still = choose(abs(x - rest) < NEAR_REST, still + 1, 0)
         store(b, own.TORQUE + at, torque)
         store(b, own.OMEGA + at, omega)
         store(b, own.PHASE + at, phase)
         store(b, own.PLACE + at, x)
-        store(b, own.SPEED + at, 2.0 * half)
-        store(b, own.THETA2 + at, y2)
-        store(b, own.FRICTION + at, friction)
         store(b, own.APPROACH + at, approach)
+        if traced:
+            store(b, own.SPEED + at, 2.0 * half)
+            store(b, own.THETA2 + at, y2)
+            store(b, own.FRICTION + at, friction)
     store(b, X, x)
     store(b, V, 2.0 * half)
     store(b, SMOOTH_1, y1)
@@ -108,6 +122,9 @@ def travel_all(b, wb, frames):
     store(b, PHASE, phase)
     store(b, APPROACH, approach)
     store(b, IMPULSE, impulse)
+    store(b, STILL, still)
+    store(b, LAST_TORQUE, torque)
+    store(b, LAST_FRICTION, friction)
     store(b, own.HIGHEST, highest)
     store(b, own.LOWEST, lowest)
 
@@ -128,7 +145,7 @@ def shape_all(b, frames):
 
 
 @routine
-def sound_all(b, ub, frames):
+def sound_all(b, ub, frames, traced):
     """`sound` for lanes, whose modes have rung already."""
     follower = load(b, FOLLOWER)
     e1 = load(b, ENVELOPE_1)
@@ -140,6 +157,10 @@ def sound_all(b, ub, frames):
     level = load(b, GRAIN)
     grain = load(b, TEXTURE)
     noise = load_words(b, NOISE)
+    silent = load_words(ub, SILENT)
+    envelope = load(b, LAST_ENVELOPE)
+    loudest_tactor = choose(level >= 0.0, 0.0, 0.0)
+    loudest_click = loudest_tactor
     for at in range(0, frames * LANES, LANES):
         amplitude = load(b, own.AMPLITUDE + at)
         follower, e1, e2 = follow(amplitude, follower, e1, e2, load(b, C_DECAY), load(b, C_RISE))
@@ -159,7 +180,13 @@ def sound_all(b, ub, frames):
         click_in = clicks
         store(b, own.TACTOR + at, tactor_out)
         store(b, own.CLICK + at, click_out)
-        store(b, own.ENVELOPE + at, envelope)
+        tactor_size = abs(tactor_out)
+        click_size = abs(click_out)
+        loudest_tactor = max(loudest_tactor, tactor_size)
+        loudest_click = max(loudest_click, click_size)
+        silent = choose(max(tactor_size, click_size) == 0.0, silent + 1, 0)
+        if traced:
+            store(b, own.ENVELOPE + at, envelope)
     store(b, FOLLOWER, follower)
     store(b, ENVELOPE_1, e1)
     store(b, ENVELOPE_2, e2)
@@ -170,3 +197,19 @@ def sound_all(b, ub, frames):
     store(b, GRAIN, level)
     store(b, TEXTURE, grain)
     store(b, NOISE, noise)
+    store(b, SILENT, silent)
+    store(b, LAST_ENVELOPE, envelope)
+    store(b, own.LOUDEST_CLICK, loudest_click)
+    store(b, own.LOUDEST_TACTOR, loudest_tactor)
+
+
+@routine
+def write_all(b, out, start, apart, frames):
+    """`write` for lanes, into two channels: from float `start` on, and lanes `apart` floats."""
+    for n in range(frames):
+        at = n * LANES
+        click = load(b, own.CLICK + at)
+        tactor = load(b, own.TACTOR + at)
+        store_pairs(out, start + 2 * n, apart, click, tactor)
+    store(b, PEAK_CLICK, max(load(b, PEAK_CLICK), load(b, own.LOUDEST_CLICK)))
+    store(b, PEAK_TACTOR, max(load(b, PEAK_TACTOR), load(b, own.LOUDEST_TACTOR)))

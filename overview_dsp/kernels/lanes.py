@@ -332,6 +332,30 @@ def load_pairs(typing: Any, m: Any, starts: Any, first: Any, place: Any) -> Any:
     return types.UniTuple(FLOATS, 3)(m, starts, types.int64, FLOATS), emit
 
 
+@_intrinsic
+def store_pairs(typing: Any, m: Any, at: Any, apart: Any, first: Any, second: Any) -> Any:
+    """Write each lane's two numbers, rounded, side by side into float32. Compiled code only.
+
+    `store_pairs(m, at, apart, first, second)`: lane i's go to columns `at + i * apart` and the one
+    after.
+    """
+
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        m, at, apart, first, second = args
+        single = ir.VectorType(ir.FloatType(), LANES)
+        first, second = (builder.fptrunc(one, single) for one in (first, second))
+        order = _order([i + half for i in range(LANES) for half in (0, LANES)])
+        pairs = builder.bitcast(builder.shuffle_vector(first, second, order), WORDS.vector)
+        for lane in range(LANES):
+            pair = builder.extract_element(pairs, ir.Constant(_INDEX, lane))
+            place = _column(context, builder, signature.args[0], m, at)
+            builder.store(pair, builder.bitcast(place, _WORD.as_pointer()), align=4)
+            at = builder.add(at, apart)
+        return context.get_dummy_value()
+
+    return types.void(m, types.int64, types.int64, FLOATS, FLOATS), emit
+
+
 @overload(load)
 def _of_load(m, at):
     return lambda m, at: _load_floats(m, at)
