@@ -5,8 +5,11 @@ Every exponential and sine here is the kernels' own, so that two machines derive
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.kernels import elementary, layout
@@ -111,20 +114,31 @@ def check_carrier(preset: Preset, sample_rate: float) -> None:
         )
 
 
-def mode_coefficients(mode: Mode, sample_rate: float) -> Mapping[int, float] | None:
-    """A modal resonator's columns, relative to its place in the bank; None if it folds back."""
+@functools.lru_cache(maxsize=1024)
+def mode_coefficients(mode: Mode, sample_rate: float) -> NDArray[np.float64] | None:
+    """A modal resonator's columns in a surface slot, read-only; None if it folds back."""
     turns = mode.frequency_hz / sample_rate
     if turns > MODE_LIMIT:
         return None
     decay = -math.log(1000.0) / (mode.decay_ms * 1e-3 * sample_rate)
-    radius = _exp(decay)
-    return {
-        layout.MODE_COS: radius * float(_sin_turns(turns + 0.25)),
-        layout.MODE_SIN: radius * float(_sin_turns(turns)),
-        layout.MODE_TURNS: turns,
-        layout.MODE_DECAY: decay,
-        layout.MODE_GAIN: db_to_gain(mode.gain_db),
-    }
+    span = layout.PHASES
+    columns = np.zeros(layout.MODE_SIZE)
+    for n in range(span + 1):
+        radius = _exp(n * decay)
+        re = radius * float(_sin_turns(n * turns + 0.25))
+        im = radius * float(_sin_turns(n * turns))
+        if n < span:
+            # twice over, so that they can be read from any of them on
+            columns[[layout.MODE_RE + n, layout.MODE_RE + span + n]] = re
+            columns[[layout.MODE_IM + n, layout.MODE_IM + span + n]] = im
+        else:
+            columns[layout.MODE_COS] = re
+            columns[layout.MODE_SIN] = im
+    columns[layout.MODE_TURNS] = turns
+    columns[layout.MODE_DECAY] = decay
+    columns[layout.MODE_GAIN] = db_to_gain(mode.gain_db)
+    columns.flags.writeable = False
+    return columns
 
 
 def ring_samples(mode: Mode, sample_rate: float) -> int:

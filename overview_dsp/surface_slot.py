@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.bristle_field import BARE, BristleField
 from overview_dsp.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
-from overview_dsp.presets.model import Mode
 from overview_dsp.surface import Surface
 from overview_dsp.well_field import WellField
 
@@ -47,17 +44,18 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
         rank = np.append(np.argsort(order), BARE)
         _write_bristles(m, base, surface.bristles, rank)
     for kind, modes in [*enumerate(surface.kind_modes), (layout.MAX_KINDS, surface.own_modes)]:
-        heard: list[tuple[Mode, Mapping[int, float]]] = []
-        for mode in modes:
-            columns = mode_coefficients(mode, sample_rate)
-            if columns is not None:
-                heard.append((mode, columns))
+        heard = [
+            (mode, columns)
+            for mode in modes
+            if (columns := mode_coefficients(mode, sample_rate)) is not None
+        ]
         w[base + layout.KIND_MODES + kind] = len(heard)
         longest = max((ring_samples(mode, sample_rate) for mode, _ in heard), default=0)
         w[base + layout.KIND_RING + kind] = longest
-        for index, (_, columns) in enumerate(heard):
-            for column, value in columns.items():
-                m[base + column + kind * layout.MAX_MODES + index] = value
+        at = base + layout.MODES + kind * layout.MAX_MODES * layout.MODE_SIZE
+        for _, columns in heard:
+            m[at : at + layout.MODE_SIZE] = columns
+            at += layout.MODE_SIZE
 
 
 def struck_event(surface: Surface, number: NDArray[np.int64]) -> NDArray[np.int64]:

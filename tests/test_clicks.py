@@ -40,9 +40,9 @@ def struck(mode, times, rate, frames, level=1.0):
     m = np.zeros(layout.TOTAL)
     w = m.view(np.int64)
     columns = mode_coefficients(mode, rate)
-    w[layout.SURFACES + layout.KIND_MODES] = 1 if columns else 0
-    for column, value in (columns or {}).items():
-        m[layout.SURFACES + column] = value
+    w[layout.SURFACES + layout.KIND_MODES] = 0 if columns is None else 1
+    if columns is not None:
+        m[layout.SURFACES + layout.MODES :][: layout.MODE_SIZE] = columns
     w[layout.SURFACES + layout.KIND_RING] = ring_samples(mode, rate)
     for at, time in enumerate(times):
         m[layout.LOG_TIME + at] = time

@@ -22,11 +22,7 @@ _COLUMNS = (
     layout.SLOT_KIND,
     layout.KIND_MODES,
     layout.KIND_RING,
-    layout.MODE_COS,
-    layout.MODE_SIN,
-    layout.MODE_TURNS,
-    layout.MODE_DECAY,
-    layout.MODE_GAIN,
+    layout.MODES,
 )
 
 

@@ -38,8 +38,6 @@ from overview_dsp.kernels.elementary import cos_turns, exp, plain, power, sin_tu
 from overview_dsp.kernels.lanes import load, store
 
 BLOW_SPACING = 0.5  # samples
-BLOW_SIZE = layout.MAX_MODES * 2 * layout.PHASES
-DOUBLINGS = 3  # of one sample's rotation, to that in PHASES samples
 NEVER = 0x7FFFFFFFFFFFFFFF
 LAST_SAMPLE = 9007199254740992.0  # 2**53: up to it a time has every sample
 
@@ -90,34 +88,25 @@ BLOW_WEIGHT = np.array(
 
 @point
 def blow_factors(m, w, slot, first, modes, key, half, rest):
-    """What a blow gives each mode in its next samples; blows two apart share it.
+    """What a blow has given each mode when its sample ends; blows two apart share it.
 
-    It is there twice over, so that it can be read from any of the samples on. Sets the modes'
-    rotation too.
+    Sets the modes' rotation too.
     """
     if w[layout.BLOW_KEY + half] == key and m[layout.BLOW_REST + half] == rest:
         return
     w[layout.BLOW_KEY + half] = key
     m[layout.BLOW_REST + half] = rest
-    at = half * BLOW_SIZE
+    at = half * layout.MAX_MODES
     for j in range(first, first + modes):
-        turns = m[slot + layout.MODE_TURNS + j] * rest
-        decay = exp(m[slot + layout.MODE_DECAY + j] * rest)
-        c = m[slot + layout.MODE_COS + j]
-        s = m[slot + layout.MODE_SIN + j]
-        re = decay * cos_turns(turns)
-        im = decay * sin_turns(turns)
-        for ahead in range(layout.PHASES):
-            m[layout.BLOW_RE + at + ahead] = re
-            m[layout.BLOW_IM + at + ahead] = im
-            m[layout.BLOW_RE + at + ahead + layout.PHASES] = re
-            m[layout.BLOW_IM + at + ahead + layout.PHASES] = im
-            re, im = c * re - s * im, s * re + c * im
-        at += 2 * layout.PHASES
-        for _ in range(DOUBLINGS):
-            c, s = c * c - s * s, 2.0 * c * s
-        m[layout.BANK_COS + j] = c
-        m[layout.BANK_SIN + j] = s
+        mode = slot + layout.MODES + j * layout.MODE_SIZE
+        turns = m[mode + layout.MODE_TURNS] * rest
+        decay = exp(m[mode + layout.MODE_DECAY] * rest)
+        m[layout.BLOW_RE + at] = decay * cos_turns(turns)
+        m[layout.BLOW_IM + at] = decay * sin_turns(turns)
+        ringing = layout.BANK + j * layout.BANK_SIZE
+        m[ringing + layout.BANK_COS] = m[mode + layout.MODE_COS]
+        m[ringing + layout.BANK_SIN] = m[mode + layout.MODE_SIN]
+        at += 1
 
 
 @point
@@ -143,15 +132,21 @@ def blow(m, w, at, number, rest, sample):
     # of this strike on this surface; never 0, as columns are after a reset
     key = (w[layout.STRIKES_SOUNDED + number] + 1) * layout.SLOTS + w[layout.ACTIVE_SLOT]
     blow_factors(m, w, slot, first, modes, key, half, rest)
-    # the factor that the clock's phase 0 gets
-    at = half * BLOW_SIZE + (-sample & (layout.PHASES - 1))
+    at = half * layout.MAX_MODES
+    clock = -sample & (layout.PHASES - 1)  # of the rotations, that which phase 0 gets
     for j in range(first, first + modes):
-        amplitude = level * m[slot + layout.MODE_GAIN + j]
-        re = layout.BANK_RE + j * layout.PHASES
-        im = layout.BANK_IM + j * layout.PHASES
-        store(m, re, load(m, re) + amplitude * load(m, layout.BLOW_RE + at))
-        store(m, im, load(m, im) + amplitude * load(m, layout.BLOW_IM + at))
-        at += 2 * layout.PHASES
+        mode = slot + layout.MODES + j * layout.MODE_SIZE
+        amplitude = level * m[mode + layout.MODE_GAIN]
+        re = amplitude * m[layout.BLOW_RE + at]
+        im = amplitude * m[layout.BLOW_IM + at]
+        ringing = layout.BANK + j * layout.BANK_SIZE
+        c = load(m, mode + layout.MODE_RE + clock)
+        s = load(m, mode + layout.MODE_IM + clock)
+        at_re = ringing + layout.BANK_RE
+        at_im = ringing + layout.BANK_IM
+        store(m, at_re, load(m, at_re) + (re * c - im * s))
+        store(m, at_im, load(m, at_im) + (re * s + im * c))
+        at += 1
 
 
 @point
@@ -163,7 +158,7 @@ def sound_strikes(m, w, sample):
     due = NEVER
     for number in range(layout.CONTACT):
         while w[layout.STRIKES_SOUNDED + number] < w[layout.M_STRIKES]:
-            at = w[layout.STRIKES_SOUNDED + number] % layout.STRIKE_LOG
+            at = w[layout.STRIKES_SOUNDED + number] & (layout.STRIKE_LOG - 1)
             time = m[layout.LOG_TIME + at] + float(number) * BLOW_SPACING
             rest = float(sample + 1) - time
             if rest < 0.0:

@@ -113,15 +113,13 @@ SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # rad
 RINGING_KIND = SOURCE_THETA2 + SOURCES  # w: the RINGING first entries name the kinds that sound
 BANK_LEFT = RINGING_KIND + BANKS  # w: samples until a kind is silent
 BANK_MODES = BANK_LEFT + BANKS  # w: modes of a kind when struck
-BANK_RE = BANK_MODES + BANKS  # modal state, kind by kind, of each phase of the clock
-BANK_IM = BANK_RE + BANKS * MAX_MODES * PHASES
-BANK_COS = BANK_IM + BANKS * MAX_MODES * PHASES  # rotation in PHASES samples, loaded at the strike
-BANK_SIN = BANK_COS + BANKS * MAX_MODES
-BLOW_KEY = BANK_SIN + BANKS * MAX_MODES  # w: whose factors are below, of even and odd blows
+BANK = BANK_MODES + BANKS  # the modes, kind by kind: see "a mode that rings"
+BANK_SIZE = 2 * PHASES + 8
+BLOW_KEY = BANK + BANKS * MAX_MODES * BANK_SIZE  # w: whose factors follow, of even and odd blows
 BLOW_REST = BLOW_KEY + 2  # samples
-BLOW_RE = BLOW_REST + 2  # of each mode, in the next PHASES samples, and once more
-BLOW_IM = BLOW_RE + 2 * MAX_MODES * 2 * PHASES
-METERS = BLOW_IM + 2 * MAX_MODES * 2 * PHASES
+BLOW_RE = BLOW_REST + 2  # what each mode has of such a blow when its sample ends
+BLOW_IM = BLOW_RE + 2 * MAX_MODES
+METERS = BLOW_IM + 2 * MAX_MODES
 
 # --- meters (cleared by reset) ----------------------------------------------------------------
 (
@@ -274,12 +272,9 @@ SLOT_RELEASE = SLOT_PLACE + MAX_EVENTS  # friction that lets go there, N m s/rad
 SLOT_KIND = SLOT_RELEASE + MAX_EVENTS  # w: kind of each event
 KIND_MODES = SLOT_KIND + MAX_EVENTS  # w: modes of each kind
 KIND_RING = KIND_MODES + BANKS  # w: samples a kind rings
-MODE_COS = KIND_RING + BANKS  # r cos w: rotation and decay a sample
-MODE_SIN = MODE_COS + BANKS * MAX_MODES
-MODE_TURNS = MODE_SIN + BANKS * MAX_MODES  # turns a sample
-MODE_DECAY = MODE_TURNS + BANKS * MAX_MODES  # ln of the decay a sample
-MODE_GAIN = MODE_DECAY + BANKS * MAX_MODES
-SLOT_GRIP = MODE_GAIN + BANKS * MAX_MODES  # sliding torque and its slope, N m, as SLOT_TABLE
+MODES = KIND_RING + BANKS  # of each kind: see "a mode of a surface"
+MODE_SIZE = 4 * PHASES + 8
+SLOT_GRIP = MODES + BANKS * MAX_MODES * MODE_SIZE  # sliding torque, N m, as SLOT_TABLE
 SLOT_OWNER = SLOT_GRIP + 2 * (CELLS + 1)  # w: the event whose bristles are there, -1 = the surface
 SLOT_PULL = SLOT_OWNER + CELLS + 1  # pull of the wells and its slope, N m, as SLOT_TABLE
 SLOT_WELL = SLOT_PULL + 2 * (CELLS + 1)  # its integral: their energy, N m cells
@@ -298,6 +293,23 @@ STRIKE_BY_SPEED = 2  # release times the speed: what the disk brings to the bott
 BRISTLE_PARAMETERS = 8
 SLOT_SIZE = (BRISTLES + BANKS * BRISTLE_PARAMETERS + 7) // 8 * 8
 TOTAL = SURFACES + SLOTS * SLOT_SIZE
+
+# --- a mode that rings, relative to its start -----------------------------------------------------
+BANK_RE = 0  # its state, of each phase of the clock
+BANK_IM = PHASES
+BANK_COS = 2 * PHASES  # rotation and decay in PHASES samples, loaded at the strike
+BANK_SIN = 2 * PHASES + 1
+
+# --- a mode of a surface, relative to its start ---------------------------------------------------
+MODE_RE = 0  # rotation and decay in 0 to PHASES - 1 samples, twice over
+MODE_IM = 2 * PHASES
+(
+    MODE_COS,  # the same in PHASES samples
+    MODE_SIN,
+    MODE_TURNS,  # turns a sample
+    MODE_DECAY,  # ln of the decay a sample
+    MODE_GAIN,
+) = range(4 * PHASES, 4 * PHASES + 5)
 
 # --- trace: columns of one frame ----------------------------------------------------------------
 TRACE_COLUMNS = (

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import sound_strikes
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, point
 from overview_dsp.kernels.lanes import load, store
 
 LAST = layout.PHASES - 1
@@ -20,13 +20,14 @@ LAST = layout.PHASES - 1
 @point
 def turn(m, j, phase):
     """A mode's sample at one phase of the clock, and that phase turned to its next."""
-    at = j * layout.PHASES + phase
-    re = m[layout.BANK_RE + at]
-    im = m[layout.BANK_IM + at]
-    c = m[layout.BANK_COS + j]
-    s = m[layout.BANK_SIN + j]
-    m[layout.BANK_RE + at] = c * re - s * im
-    m[layout.BANK_IM + at] = s * re + c * im
+    mode = (layout.BANK + j * layout.BANK_SIZE) & NOT_NEGATIVE
+    at = mode + phase
+    re = m[at + layout.BANK_RE]
+    im = m[at + layout.BANK_IM]
+    c = m[mode + layout.BANK_COS]
+    s = m[mode + layout.BANK_SIN]
+    m[at + layout.BANK_RE] = c * re - s * im
+    m[at + layout.BANK_IM] = s * re + c * im
     return im
 
 
@@ -42,9 +43,9 @@ def ring_once(m, w, sample):
             total += turn(m, j, sample & LAST)
         w[layout.BANK_LEFT + kind] -= 1
         if w[layout.BANK_LEFT + kind] == 0:
-            for j in range(first * layout.PHASES, (first + layout.MAX_MODES) * layout.PHASES):
-                m[layout.BANK_RE + j] = 0.0
-                m[layout.BANK_IM + j] = 0.0
+            start = layout.BANK + first * layout.BANK_SIZE
+            for at in range(start, start + layout.MAX_MODES * layout.BANK_SIZE):
+                m[at] = 0.0
             w[layout.RINGING] -= 1
             w[layout.RINGING_KIND + i] = w[layout.RINGING_KIND + w[layout.RINGING]]
         else:
@@ -65,16 +66,16 @@ def ring_mode(m, j, clock, start, stop):
     whole = start + (-(clock + start) & LAST)
     rest = whole + (max(stop - whole, 0) & ~LAST)
     turn_alone(m, j, clock, start, min(whole, stop))
-    c = m[layout.BANK_COS + j]
-    s = m[layout.BANK_SIN + j]
-    at = j * layout.PHASES
-    re = load(m, layout.BANK_RE + at)
-    im = load(m, layout.BANK_IM + at)
+    mode = (layout.BANK + j * layout.BANK_SIZE) & NOT_NEGATIVE
+    c = m[mode + layout.BANK_COS]
+    s = m[mode + layout.BANK_SIN]
+    re = load(m, mode + layout.BANK_RE)
+    im = load(m, mode + layout.BANK_IM)
     for n in range(whole, rest, layout.PHASES):
         store(m, layout.D_RING + n, load(m, layout.D_RING + n) + im)
         re, im = c * re - s * im, s * re + c * im
-    store(m, layout.BANK_RE + at, re)
-    store(m, layout.BANK_IM + at, im)
+    store(m, mode + layout.BANK_RE, re)
+    store(m, mode + layout.BANK_IM, im)
     turn_alone(m, j, clock, max(rest, start), stop)
 
 

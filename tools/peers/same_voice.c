@@ -21,14 +21,19 @@ typedef struct {
         texture_cutoff, ceiling, dc_pole, grain, forget;
 } Coefficients;
 
+/* a mode of a surface */
+typedef struct {
+    double re[2 * PHASES], im[2 * PHASES], cos, sin, turns, decay, gain, unused[3];
+} Mode;
+
 /* a surface slot, and the clicks of each kind */
 typedef struct {
     const double *table; /* pairs of friction and its slope, CELLS + 1 of them */
     int64_t events;
     const double *place, *release;
     const int64_t *kind;
-    const int64_t *modes, *ring;                            /* [BANKS] */
-    const double *mode_cos, *mode_sin, *turns, *decay, *gain; /* [BANKS * MAX_MODES] */
+    const int64_t *modes, *ring; /* [BANKS] */
+    const Mode *mode; /* [BANKS * MAX_MODES] */
 } Surface;
 
 typedef struct {
@@ -153,27 +158,20 @@ static void blow(Voice *voice, const Surface *surface, const Strike *entry, int 
     double weight = 0.125 - 0.125 * cos_turns(((double)number + 0.5) * (1.0 / CONTACT));
     double level = entry->level * weight;
     for (int64_t j = 0; j < modes; j++) {
-        int64_t mode = kind * MAX_MODES + j;
-        double turns = surface->turns[mode] * rest;
-        double decay = exp_2(surface->decay[mode] * rest * LOG2_E);
-        double amplitude = level * surface->gain[mode];
-        double c = surface->mode_cos[mode], s = surface->mode_sin[mode];
-        double re = decay * cos_turns(turns), im = decay * sin_turns(turns);
-        for (int ahead = 0; ahead < PHASES; ahead++) {
-            int64_t phase = (sample + ahead) & (PHASES - 1);
-            bank->re[j][phase] += amplitude * re;
-            bank->im[j][phase] += amplitude * im;
-            double turned = c * re - s * im;
-            im = s * re + c * im;
-            re = turned;
+        const Mode *mode = &surface->mode[kind * MAX_MODES + j];
+        double turns = mode->turns * rest;
+        double decay = exp_2(mode->decay * rest * LOG2_E);
+        double amplitude = level * mode->gain;
+        double re = amplitude * (decay * cos_turns(turns));
+        double im = amplitude * (decay * sin_turns(turns));
+        int64_t first = -sample & (PHASES - 1); /* of the rotations, that which phase 0 gets */
+        for (int phase = 0; phase < PHASES; phase++) {
+            int64_t at = first + phase;
+            bank->re[j][phase] += re * mode->re[at] - im * mode->im[at];
+            bank->im[j][phase] += re * mode->im[at] + im * mode->re[at];
         }
-        for (int doubling = 1; doubling < PHASES; doubling *= 2) {
-            double squared = c * c - s * s;
-            s = 2.0 * c * s;
-            c = squared;
-        }
-        bank->c[j] = c;
-        bank->s[j] = s;
+        bank->c[j] = mode->cos;
+        bank->s[j] = mode->sin;
     }
 }
 
