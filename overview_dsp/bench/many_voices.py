@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 
-from overview_dsp.bench.timing import CORES, VOICE, Contender, timed
+from overview_dsp.bench.timing import BARE_CORES, CORES, VOICE, Contender, timed
 from overview_dsp.bench.work import RATE, SECONDS, fed, prepared, the_sweep
 from overview_dsp.engine import Engine
 from overview_dsp.gestures import sweep
@@ -13,6 +14,8 @@ from overview_dsp.many import render_many, usable_cores, voices
 from overview_dsp.presets import load_preset
 from overview_dsp.timeline import bundled_timeline
 from overview_dsp.voice_lanes import VoiceLanes
+
+Lanes = tuple[VoiceLanes, list[Engine | None]]
 
 BLOCK = 16384
 SEEDS = 256
@@ -42,17 +45,28 @@ def rendered(threads: int) -> float:
     return done * gesture.duration_s / (time.perf_counter() - started)
 
 
-def contenders() -> list[Contender]:
-    """Rows of both groups."""
+def in_threads(full: list[Lanes]) -> float:
+    """The whole work once in each of these lanes, a thread each: what the cores themselves give."""
+    with ThreadPoolExecutor(len(full)) as pool:
+        started = time.perf_counter()
+        list(pool.map(lambda lanes: side_by_side(*lanes), full))
+        return len(full) * LANES * SECONDS / (time.perf_counter() - started)
+
+
+def filled() -> Lanes:
+    """Lanes with an engine in each."""
     lanes = VoiceLanes(BLOCK)
-    engines: list[Engine | None] = [
-        prepared(frames=BLOCK, memory=lanes.memory(lane)) for lane in range(LANES)
-    ]
+    return lanes, [prepared(frames=BLOCK, memory=lanes.memory(lane)) for lane in range(LANES)]
+
+
+def contenders() -> list[Contender]:
+    """Rows of the full voice, and of several cores."""
     cores = usable_cores()
+    full = [filled() for _ in range(cores)]
     return [
-        Contender(
-            VOICE, f"overView, {LANES} voices side by side", lambda: side_by_side(lanes, engines)
-        ),
+        Contender(VOICE, f"overView, {LANES} voices side by side", lambda: side_by_side(*full[0])),
         Contender(CORES, "render_many, 1 thread", lambda: rendered(1)),
         Contender(CORES, f"render_many, {cores} threads", lambda: rendered(cores)),
+        Contender(BARE_CORES, "side by side, 1 thread", lambda: in_threads(full[:1])),
+        Contender(BARE_CORES, f"side by side, {cores} threads", lambda: in_threads(full)),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from overview_dsp.bench.report import Report
-from overview_dsp.bench.timing import CORES
+from overview_dsp.bench.timing import DISK, VOICE
 from overview_dsp.plots import save_picture
 
 OURS, THEIRS = "#0072B2", "#999999"
@@ -16,7 +16,7 @@ def draw(report: Report, path: str | os.PathLike[str]) -> None:
     from matplotlib.figure import Figure
 
     # of one core's work: what all cores do together is another measure
-    groups = [group for group in dict.fromkeys(row.group for row in report.rows) if group != CORES]
+    groups = [group for group in (VOICE, DISK) if any(row.group == group for row in report.rows)]
     heights = [sum(row.group == group for row in report.rows) for group in groups]
     figure = Figure(figsize=(10.0, 1.5 + 0.32 * sum(heights)), layout="constrained")
     axes = figure.subplots(len(groups), 1, squeeze=False, height_ratios=heights)[:, 0]

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 VOICE = "the full voice"
 DISK = "the disk alone"
 CORES = "many voices, wall clock"
+BARE_CORES = "the kernel alone, wall clock"
 
 
 @dataclass(frozen=True)

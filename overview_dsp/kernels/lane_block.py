@@ -31,7 +31,7 @@ from overview_dsp.kernels.output import limit_column
 from overview_dsp.kernels.passing import event_above, event_below, pass_events
 from overview_dsp.kernels.ringing import ring
 
-FEWEST = 5  # voices for which the lanes' loops pay, with vectors of four numbers
+FEWEST = 4  # voices for which the lanes' loops pay, with vectors of four numbers
 CHANNELS = 2
 TRACE_COLUMNS = (
     (layout.D_PLACE, own.PLACE),
