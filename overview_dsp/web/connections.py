@@ -1,7 +1,8 @@
 """Connections that are too many or too slow are closed, before they cost anything.
 
 A browser opens six and a WebSocket. Waiting for requests that never come, or for readers that never
-read, would let anyone in the network keep the owner out.
+read, would let anyone in the network keep the owner out. So a new connection takes the place of the
+one that has been waiting longest for a request, where there are too many.
 
 Thread: the server's.
 """
@@ -49,6 +50,16 @@ class _Deadline:
             self._handle = None
 
 
+def address_of(connection: Any) -> str:
+    """Who is at the other end."""
+    return connection.client[0] if connection.client else ""
+
+
+def is_open(connection: Any) -> bool:
+    """Whether nobody has closed it yet."""
+    return not connection.transport.is_closing()
+
+
 class HttpConnection(H11Protocol):
     """uvicorn's HTTP/1.1, with limits."""
 
@@ -56,17 +67,26 @@ class HttpConnection(H11Protocol):
         super().__init__(*arguments, **named)
         self._request = _Deadline(self.loop)
         self._reading = _Deadline(self.loop)
+        self._idle_since: float | None = None  # None: a request is being answered
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Close at once what is too many; wait a little for a request."""
+        """Make room, or close at once what is too many; wait a little for a request."""
         super().connection_made(transport)
-        whose = self.client[0] if self.client else ""
-        clients = [getattr(one, "client", None) for one in self.connections]
-        same = [client for client in clients if client is not None and client[0] == whose]
-        if len(self.connections) > MAX_CONNECTIONS or len(same) > MAX_OF_AN_ADDRESS:
-            transport.abort()
-            return
-        self._request.set(transport, REQUEST_WITHIN_S)
+        others = [one for one in self.connections if one is not self and is_open(one)]
+        same = [one for one in others if address_of(one) == address_of(self)]
+        crowd = same if len(same) >= MAX_OF_AN_ADDRESS else others
+        if crowd is same or len(others) >= MAX_CONNECTIONS:
+            idle = [one for one in crowd if isinstance(one, HttpConnection) and one.is_idle]
+            if not idle:
+                transport.abort()
+                return
+            min(idle, key=lambda one: one._idle_since or 0.0).transport.abort()
+        self._expect()
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether it waits for a request."""
+        return self._idle_since is not None
 
     def data_received(self, data: bytes) -> None:
         """Wait for the rest of a request's headers only so long."""
@@ -80,9 +100,14 @@ class HttpConnection(H11Protocol):
 
     def _expect(self) -> None:
         answered = self.cycle is not None and self.cycle.response_complete
+        idle = self.conn.their_state is h11.IDLE and not self.transport.is_closing()
+        if not idle:
+            self._idle_since = None
+        elif self._idle_since is None:
+            self._idle_since = self.loop.time()
         if self.transport.is_closing():
             self._request.cancel()
-        elif self.conn.their_state is h11.IDLE:
+        elif idle:
             self._request.set(self.transport, REQUEST_WITHIN_S)
         elif self.conn.their_state is h11.SEND_BODY and answered:
             self._request.set(self.transport, LINGER_S)

@@ -344,6 +344,34 @@ def test_two_hundred_connections_leave_room_for_another_address(fresh):
             line.close()
 
 
+def test_who_waits_longest_for_a_request_gives_way_to_a_new_connection(fresh):
+    with contextlib.ExitStack() as stack:
+        lines = []
+        for _ in range(connections.MAX_OF_AN_ADDRESS):
+            lines.append(stack.enter_context(socket.create_connection(("127.0.0.1", fresh.port))))
+            time.sleep(0.01)
+        with fresh.client() as client:
+            assert client.get(DATA).status_code == 200
+        lines[0].settimeout(2.0)
+        with contextlib.suppress(ConnectionResetError):
+            assert lines[0].recv(1) == b""
+        lines[-1].setblocking(False)
+        with pytest.raises(BlockingIOError):  # still open
+            lines[-1].recv(1)
+
+
+def test_requests_on_their_way_give_way_to_nobody(fresh):
+    head = f"POST / HTTP/1.1\r\nHost: 127.0.0.1:{fresh.port}\r\nContent-Length: 99\r\n"
+    head += f"Authorization: Bearer {fresh.access.token}\r\nOrigin: {fresh.origin}\r\n\r\n"
+    with contextlib.ExitStack() as stack:
+        for _ in range(connections.MAX_OF_AN_ADDRESS):
+            line = stack.enter_context(socket.create_connection(("127.0.0.1", fresh.port)))
+            line.sendall(head.encode())
+        time.sleep(0.3)
+        with fresh.client() as client, pytest.raises(httpx.TransportError):
+            client.get(DATA)
+
+
 def test_a_failure_behind_the_door_tells_the_owner_and_not_who_asked(fresh, monkeypatch):
     monkeypatch.setattr("overview_dsp.web.site_content.timeline_json", lambda *given: 1 / 0)
     with fresh.client() as client:
