@@ -146,6 +146,29 @@ def test_a_voice_that_is_not_finite_is_reset_and_the_others_sound_on(eight):
     assert resets == [0, 1, 0, 0, 1, 0, 1, 0]
 
 
+def test_voices_whose_channels_are_swapped_or_silent(eight):
+    lanes, pairs = eight
+    pairs[2].each(lambda engine: engine.set_channels(1, 0))
+    pairs[5].each(lambda engine: engine.set_channels(None, 1))
+    play(lanes, pairs, 2000, True)
+
+
+def test_what_is_too_loud_is_held_under_the_ceiling_and_counted():
+    loud = preset_with(height=200.0, click__gain_db=12.0, tactor__gain_db=12.0)
+    lanes = VoiceLanes(BLOCK)
+    pairs = [
+        Pair(loud if lane % 2 else PRESETS[0], lane, lanes.memory(lane)) for lane in range(LANES)
+    ]
+    for pair in pairs:
+        pair.each(lambda engine: engine.control(3.0, True, 10))
+    for frames in (1000, 77, 2000):
+        play(lanes, pairs, frames, False)
+    for lane, pair in enumerate(pairs):
+        inside, alone = (engine.meters for engine in pair.engines)
+        assert inside == alone
+        assert (inside.limited_samples > 0) == bool(lane % 2)
+
+
 def test_a_lane_without_a_voice_is_left_alone(eight):
     lanes, pairs = eight
     play(lanes, pairs, 500, False)
