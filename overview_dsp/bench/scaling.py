@@ -1,7 +1,6 @@
-"""What a second of sound costs as the work grows: duration, events, sample rate; and memory.
+"""What a second of sound costs as the work grows: duration, events, table, rate; and memory.
 
-Each series is compared with its first entry, in rounds in turn. The surface's table always has the
-same size, so there is no series for it.
+Each series is compared with its first entry, in rounds in turn.
 """
 
 from __future__ import annotations
@@ -19,7 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from overview_dsp.bench.work import feed, prepared
+from overview_dsp.bench.table_sizes import SIZES, TableOf
+from overview_dsp.bench.work import Disk, feed, prepared
 from overview_dsp.engine import Engine
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.gestures import sweep
@@ -41,7 +41,7 @@ EVENTS_SWEEP_S = 8.0
 class Cost:
     """Cost of a second of sound, of the series' first entry: median, lowest, highest.
 
-    `strikes` are the strikes that the surface holds.
+    `strikes` are the strikes that the surface holds, where there is one.
     """
 
     series: str
@@ -50,6 +50,27 @@ class Cost:
     low: float
     high: float
     strikes: int
+
+
+@dataclass(frozen=True)
+class Case:
+    """An entry of a series: what measures it (CPU seconds for a second of sound)."""
+
+    entry: str
+    run: Callable[[], float]
+    strikes: int = 0
+    warmed: bool = True
+    """Whether it runs once before; a long one needs no warming up."""
+
+    @classmethod
+    def of(cls, entry: str, engine: Engine, sweep_s: float, repeats: int = 1) -> Case:
+        """Sweeps with an engine, as `cost` takes them."""
+        return cls(
+            entry,
+            lambda: cost(engine, sweep_s, repeats),
+            len(engine.surface.place),
+            repeats < WARM_REPEATS,
+        )
 
 
 def cost(engine: Engine, sweep_s: float, repeats: int = 1) -> float:
@@ -75,29 +96,21 @@ def evenly(count: int) -> Timeline:
     return Timeline(f"{count} events", 5_400.0, events)
 
 
-def series(
-    name: str,
-    cases: dict[str, tuple[Engine, float, int]],
-    rounds: int,
-    step: Callable[[], None],
-) -> list[Cost]:
-    """Each case is what `cost` takes; it runs once to warm up."""
-    found: dict[str, list[float]] = {entry: [] for entry in cases}
+def series(name: str, cases: list[Case], rounds: int, step: Callable[[], None]) -> list[Cost]:
+    """The cases in turn, round after round."""
+    found: list[list[float]] = [[] for _ in cases]
     for round_ in range(rounds + 1):
-        for entry, case in cases.items():
-            # a long one needs no warming up
-            spent = cost(*case) if round_ > 0 or case[2] < WARM_REPEATS else 0.0
+        for case, spent in zip(cases, found, strict=True):
             if round_ > 0:
-                found[entry].append(spent)
+                spent.append(case.run())
+            elif case.warmed:
+                case.run()
             step()
-    base = found[next(iter(cases))]
     costs = []
-    for entry, (engine, *_) in cases.items():
-        ratios = [cost / other for cost, other in zip(found[entry], base, strict=True)]
-        strikes = len(engine.surface.place)
-        costs.append(
-            Cost(name, entry, statistics.median(ratios), min(ratios), max(ratios), strikes)
-        )
+    for case, spent in zip(cases, found, strict=True):
+        ratios = [one / other for one, other in zip(spent, found[0], strict=True)]
+        middle = statistics.median(ratios)
+        costs.append(Cost(name, case.entry, middle, min(ratios), max(ratios), case.strikes))
     return costs
 
 
@@ -105,9 +118,23 @@ def measure(
     rounds: int, longest_s: float = 3600.0, progress: Callable[[float], None] | None = None
 ) -> list[Cost]:
     """All series; durations up to `longest_s`."""
-    repeats = [count for count in DURATIONS if count * SWEEP_S <= longest_s]
-    steps = (rounds + 1) * (len(repeats) + len(EVENTS) + len(RATES))
-    done = 0
+    engine = prepared(frames=BLOCK)
+    durations = [
+        Case.of(f"{count * SWEEP_S:g} s", engine, SWEEP_S - ARRIVAL_S, count)
+        for count in DURATIONS
+        if count * SWEEP_S <= longest_s
+    ]
+    crowded = []
+    for count in EVENTS:
+        with warnings.catch_warnings():
+            # that strikes are merged is stated in the table
+            warnings.simplefilter("ignore", OverviewWarning)
+            made = prepared(evenly(count), load_preset("football"), frames=BLOCK)
+        crowded.append(Case.of(f"{count} events", made, EVENTS_SWEEP_S))
+    rates = [Case.of(f"{rate} Hz", prepared(rate=rate, frames=BLOCK), 4.0) for rate in RATES]
+    disk = Disk.of(engine)
+    tables = [Case(f"{n} cells", TableOf(n, engine, disk).cost) for n in SIZES]
+    done, steps = 0, (rounds + 1) * sum(map(len, (durations, crowded, rates, tables)))
 
     def step() -> None:
         nonlocal done
@@ -115,21 +142,12 @@ def measure(
         if progress:
             progress(done / steps)
 
-    engine = prepared(frames=BLOCK)
-    durations = {
-        f"{count * SWEEP_S:g} s": (engine, SWEEP_S - ARRIVAL_S, count) for count in repeats
-    }
-    costs = series("duration", durations, rounds, step)
-    crowded = {}
-    for count in EVENTS:
-        with warnings.catch_warnings():
-            # that strikes are merged is stated in the table
-            warnings.simplefilter("ignore", OverviewWarning)
-            made = prepared(evenly(count), load_preset("football"), frames=BLOCK)
-        crowded[f"{count} events"] = (made, EVENTS_SWEEP_S, 1)
-    costs += series("events", crowded, rounds, step)
-    rates = {f"{rate} Hz": (prepared(rate=rate, frames=BLOCK), 4.0, 1) for rate in RATES}
-    return [*costs, *_per_sample(series("cost of a sample at", rates, rounds, step))]
+    return [
+        *series("duration", durations, rounds, step),
+        *series("events", crowded, rounds, step),
+        *series("the disk on a table of", tables, rounds, step),
+        *_per_sample(series("cost of a sample at", rates, rounds, step)),
+    ]
 
 
 def _per_sample(costs: list[Cost]) -> list[Cost]:

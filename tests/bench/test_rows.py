@@ -15,8 +15,10 @@ from overview_dsp.bench.picture import draw
 from overview_dsp.bench.plain_settings import plain_scene, plain_settings
 from overview_dsp.bench.report import Report, lines
 from overview_dsp.bench.scaling import Cost, Memory
+from overview_dsp.bench.table_sizes import TableOf
 from overview_dsp.bench.timing import Contender, interleaved
 from overview_dsp.bench.work import RATE, Disk, fed, prepared, the_sweep
+from overview_dsp.kernels import layout
 from tests.cli.running import overview, refused
 
 
@@ -48,6 +50,12 @@ def test_the_disk_alone_is_the_disk_of_a_python_loop(disk, torque):
     expected = solvers.plain_loop(disk, 5_000)
     assert np.allclose(torque[:5_000], expected, rtol=1e-9, atol=1e-12)
     assert np.abs(torque).max() > 0.01
+
+
+def test_the_disk_on_a_coarser_table_makes_the_same_movement(engine, disk, torque):
+    assert np.array_equal(TableOf(layout.CELLS, engine, disk).torque(), torque)
+    coarser = TableOf(16_384, engine, disk).torque()  # on still coarser ones goals are lost
+    assert (coarser - torque).std() < 0.03 * torque.std()
 
 
 def test_the_textbook_disk_in_c_is_ours(plain, torque):
