@@ -23,9 +23,43 @@ def output_error(path: Path, error: OSError) -> InputError | OutputError:
     return InputError(f"{path}: can't be written ({reason}); choose a folder you may write to")
 
 
+_inputs: set[tuple[int, int]] = set()
+
+
+def keep(path: str | os.PathLike[str]) -> None:
+    """Let no output of this process take the place of this file, if there is one.
+
+    For what a command reads, until it ends (`release`): one wrong name, and it would be lost.
+    """
+    found = _identity(path)
+    if found is not None:
+        _inputs.add(found)
+
+
+def release() -> None:
+    """Outputs may take the place of any file again."""
+    _inputs.clear()
+
+
+def _identity(path: str | os.PathLike[str]) -> tuple[int, int] | None:
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):  # no such file, or no name at all
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _refuse_input(target: Path) -> None:
+    if _identity(target) in _inputs:
+        raise InputError(
+            f"{target}: this command reads it, so it would be lost; name another output"
+        )
+
+
 def require_writable(path: str | os.PathLike[str]) -> None:
     """Refuse early, with InputError, a file that could not be written at the end."""
     target = Path(path)
+    _refuse_input(target)
     if os.path.isdir(target):
         raise InputError(f"{target}: is a folder; name a file in it")
     if not os.path.isdir(target.parent):
@@ -44,13 +78,14 @@ def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[
     Raises
     ------
     InputError
-        The folder doesn't exist or can't be written.
+        The folder doesn't exist or can't be written, or the file is one to `keep`.
     OutputError
         The disk is full or broken.
     """
     target = Path(path)
     if "\0" in str(target):
         raise InputError(f"{str(target)!r}: can't be written (a zero byte in the name)")
+    _refuse_input(target)
     # os.path: a name that is too long is no folder, where pathlib raises
     if os.path.isdir(target):
         raise InputError(f"{target}: is a folder; name a file in it")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from overview_dsp.gestures import Gesture
     from overview_dsp.timeline import Timeline
 
 BAR_AFTER_S = 1.0
@@ -47,6 +49,24 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     finally:
         if bar is not None:
             bar.__exit__(None, None, None)
+
+
+def keep_input(path: str) -> None:
+    """Let no output of the command take the place of a file that it reads."""
+    from overview_dsp.files import keep, release
+
+    keep(path)
+    click.get_current_context().call_on_close(release)
+
+
+def read_gesture(text: str) -> Gesture:
+    """A gesture as a person gave it, whose takes no output replaces; errors as `parse_gesture`."""
+    from overview_dsp.gestures import parse_gesture
+
+    for part in text.split("+"):
+        keep_input(part)
+        keep_input(os.path.splitext(part)[0] + ".json")  # what lies beside a recorded take
+    return parse_gesture(text)
 
 
 def print_json(report: Any) -> None:

@@ -13,6 +13,7 @@ from overview_dsp.cli.common import (
     part_of,
     print_json,
     progress_bar,
+    read_gesture,
     window_options,
 )
 from overview_dsp.cli.timeline_options import (
@@ -106,7 +107,7 @@ def command(
     from overview_dsp.actuators.stage import protected_report
     from overview_dsp.errors import InputError
     from overview_dsp.export import export
-    from overview_dsp.gestures import parse_gesture
+    from overview_dsp.files import require_writable
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render, tail_of
 
@@ -119,20 +120,23 @@ def command(
         _require_site_alone(context, formats)
         _site(data, chosen, out or "site", zooms, seed, calibrated(actuator), as_json)
         return
-    movement, rest = parse_gesture(gesture), tail_of(tail)
+    movement, rest = read_gesture(gesture), tail_of(tail)
     driven = calibrated(actuator)
     if driven is not None and DRIVEN not in formats:
         raise InputError(
             f"--actuator {actuator} changes {DRIVEN} alone, which is not among the formats: add "
             f"--to {DRIVEN}, or leave it out"
         )
+    places = {to: _place(out, to, len(set(formats)) > 1) for to in formats}
+    for place in places.values():
+        require_writable(place)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as tell:
         result = render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
         tell(1.0)
     reports: list[dict[str, Any]] = []
-    for to in dict.fromkeys(formats):
-        done = export(result, to, _place(out, to, len(set(formats)) > 1), points)
+    for to, place in places.items():
+        done = export(result, to, place, points)
         report: dict[str, Any] = {"format": to, "files": [str(path) for path in done.files]}
         if done.error is not None:
             report |= {

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from overview_dsp.cli.common import read_gesture
+
 if TYPE_CHECKING:
     from overview_dsp.engine import Engine
     from overview_dsp.live.controller_input import Reader
@@ -136,10 +138,9 @@ def _open_lines(engine: Engine) -> Input:
 
 
 def _take(source: str) -> Callable[[Engine], Input]:
-    from overview_dsp.gestures import parse_gesture
     from overview_dsp.live.inputs import TakeInput
 
-    gesture = parse_gesture(source)
+    gesture = read_gesture(source)
     return lambda engine: TakeInput(gesture)
 
 

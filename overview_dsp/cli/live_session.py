@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -77,6 +78,7 @@ def opened_player(
         raise InputError(f"block size {block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
     if record is not None:
         require_writable(record)
+        require_writable(os.path.splitext(record)[0] + ".json")
     watch = PresetWatch(preset)
     name, rate = _device(device, sample_rate)
     chosen = output_settings(None if device == SILENT else name, live, actuator)

@@ -13,6 +13,7 @@ from overview_dsp.cli.common import (
     part_of,
     print_json,
     progress_bar,
+    read_gesture,
     window_options,
 )
 from overview_dsp.cli.timeline_options import (
@@ -63,7 +64,6 @@ def command(
     (world-cup-final-2018).
     """
     from overview_dsp.actuators.stage import protected_report
-    from overview_dsp.gestures import parse_gesture
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering import render_to_file, tail_of
     from overview_dsp.units import clock_text, gain_to_db
@@ -73,7 +73,7 @@ def command(
     if part is not None:
         data = data.window(*part)
     chosen = load_preset(preset_for(data, preset))
-    movement = parse_gesture(gesture)
+    movement = read_gesture(gesture)
     rest = tail_of(tail)
     driven = calibrated(actuator)
     announce_compile(*(("drive_block",) if driven else ()))

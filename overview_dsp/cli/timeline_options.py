@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import progress_bar
+from overview_dsp.cli.common import keep_input, progress_bar
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
@@ -67,5 +67,6 @@ def open_timeline(path: str, load: dict[str, Any]) -> Timeline:
     """
     from overview_dsp.timeline import load_timeline
 
+    keep_input(path)
     with progress_bar(f"reading {path}") as tell:
         return load_timeline(path, progress=tell, **load)
