@@ -5,6 +5,7 @@ Each series is compared with its first entry, in rounds in turn.
 
 from __future__ import annotations
 
+import itertools
 import re
 import resource
 import statistics
@@ -32,6 +33,9 @@ SWEEP_S = 4.0
 DURATIONS = (1, 15, 150, 900)
 """Sweeps of `SWEEP_S`, with the rest at their end: 4 s to an hour."""
 WARM_REPEATS = 100
+MEASURED_S = 100.0
+"""Of sound, at least, for one figure."""
+
 EVENTS = (10, 100, 1_000, 10_000, 100_000)
 RATES = (8_000, 24_000, 48_000, 96_000, 192_000)
 EVENTS_SWEEP_S = 8.0
@@ -64,29 +68,30 @@ class Case:
 
     @classmethod
     def of(cls, entry: str, engine: Engine, sweep_s: float, repeats: int = 1) -> Case:
-        """Sweeps with an engine, as `cost` takes them."""
-        return cls(
-            entry,
-            lambda: cost(engine, sweep_s, repeats),
-            len(engine.surface.place),
-            repeats < WARM_REPEATS,
-        )
+        """What the middle one of an engine's sweeps costs; few sweeps are made several times."""
+        times = max(1, round(MEASURED_S / (repeats * sweep_s)))
+
+        def run() -> float:
+            found = (costs_of(engine, sweep_s, repeats) for _ in range(times))
+            return statistics.median(itertools.chain.from_iterable(found))
+
+        return cls(entry, run, len(engine.surface.place), repeats < WARM_REPEATS)
 
 
-def cost(engine: Engine, sweep_s: float, repeats: int = 1) -> float:
-    """CPU seconds for a second of sound: sweeps over the whole timeline, one after the other."""
+def costs_of(engine: Engine, sweep_s: float, repeats: int = 1) -> list[float]:
+    """CPU seconds for a second of each sweep over the whole timeline, one after the other."""
     gesture = sweep(sweep_s)
     out = np.zeros((BLOCK, 2), dtype=np.float32)
     blocks = round(gesture.duration_s * engine.sample_rate / BLOCK)
     engine.reset()
-    spent = 0.0
+    found = []
     for _ in range(repeats):
         feed(engine, gesture)
         started = time.thread_time()
         for _ in range(blocks):
             engine.process(out)
-        spent += time.thread_time() - started
-    return spent / (repeats * blocks * BLOCK / engine.sample_rate)
+        found.append((time.thread_time() - started) / (blocks * BLOCK / engine.sample_rate))
+    return found
 
 
 def evenly(count: int) -> Timeline:
@@ -178,9 +183,9 @@ def memory(seconds: float) -> Memory:
 def stream(seconds: float) -> tuple[float, float]:
     """Highest resident memory (MB) before and after a stream."""
     engine = prepared(frames=BLOCK)
-    cost(engine, SWEEP_S - ARRIVAL_S)
+    costs_of(engine, SWEEP_S - ARRIVAL_S)
     ready = peak_mb()
-    cost(engine, SWEEP_S - ARRIVAL_S, max(1, round(seconds / SWEEP_S)))
+    costs_of(engine, SWEEP_S - ARRIVAL_S, max(1, round(seconds / SWEEP_S)))
     return ready, peak_mb()
 
 
