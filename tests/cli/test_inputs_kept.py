@@ -12,15 +12,25 @@ from .running import MATCH, QUICK, overview, refused
 
 TAKE = "time_s,theta2_rad,touching\n0,0,1\n0.2,1.5,1\n0.3,1.5,0\n"
 
+CLIP = """{"Version": 1.0, "Pattern": [
+  {"Event": {"Time": 0.0, "EventType": "HapticTransient", "EventParameters": [
+    {"ParameterID": "HapticIntensity", "ParameterValue": 1.0},
+    {"ParameterID": "HapticSharpness", "ParameterValue": 0.5}]}},
+  {"Event": {"Time": 0.0, "EventType": "HapticContinuous", "EventDuration": 0.2,
+    "EventParameters": [{"ParameterID": "HapticIntensity", "ParameterValue": 0.8},
+    {"ParameterID": "HapticSharpness", "ParameterValue": 0.5}]}}]}
+"""
+
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A timeline `match.json`, a recording `crowd.wav` and a take `take.csv`."""
+    """A timeline `match.json`, a recording `crowd.wav`, a take `take.csv`, a clip `boing.ahap`."""
     monkeypatch.chdir(tmp_path)
     ov.save_timeline(ov.load_timeline(MATCH), "match.json")
     noise = np.random.default_rng(1).normal(0.0, 0.1, 8000)
     soundfile.write("crowd.wav", noise, 8000)
     (tmp_path / "take.csv").write_text(TAKE)
+    (tmp_path / "boing.ahap").write_text(CLIP)
     return tmp_path
 
 
@@ -33,6 +43,7 @@ def folder(tmp_path, monkeypatch):
          "take.csv"),
         (("export", "match.json", *QUICK[:2], "--to", "haptic", "--to", "android", "-o", "match"),
          "match.json"),
+        (("presets", "import", "boing.ahap", "--kind", "goal", "-o", "boing.ahap"), "boing.ahap"),
         (("timeline", "convert", "match.json", "-o", "match.json"), "match.json"),
         (("play", "match.json", "--device", "none", "--record", "match.csv", "--seconds", "0.1"),
          "match.json"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
-from overview_dsp.cli.common import print_json
+from overview_dsp.cli.common import keep_input, print_json
 
 if TYPE_CHECKING:
     from overview_dsp.export.layers import Layer
@@ -37,6 +37,7 @@ def import_(clip: str, kind: str, into: str, layer: str, out: str | None, as_jso
     from overview_dsp.presets.writing import save_preset
     from overview_dsp.toml_files import SUFFIX
 
+    keep_input(clip)
     base = load_preset(into)
     made = with_layer(base, kind, read_clip(clip), cast("Layer", layer))
     path = Path(out) if out is not None else Path(f"{base.name}-{kind}{SUFFIX}")
