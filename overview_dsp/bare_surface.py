@@ -3,7 +3,7 @@
     B = friction * (1 + ambience * intensity + pattern_height * pattern)
 
 The intensity is the timeline's curve scaled to 0..1; where data is missing there are ribs instead
-(`gap_ribs`). With the model `detent` the pattern is wells in place of friction, as deep as the
+(`gap_ribs`). With the model `detent` the pattern is detents in place of friction, as deep as the
 intensity is high, a period's mean; in a gap there are none.
 """
 
@@ -39,7 +39,7 @@ class BareSurface:
     friction : float64 (cells + 1,)
         Viscous friction at the table's points, N m s/rad.
     energy : float64 (cells + 1,)
-        Of its wells, N m cells (`well_field`).
+        Of its detents, N m cells (`well_field`).
     modes : tuple of Mode
         What it sounds like.
     impacts : Impacts
@@ -88,7 +88,7 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
         pull = number("surface.grip") * bare
         warn_of_hold(preset, "surface.grip", pull * loud.max(), "it")
         width = period / 100.0 * cells
-        energy = _wells(course, pull, width, loud * known)
+        energy = _detents(course, pull, width, loud * known)
         if modes and pull > 0.0:
             impacts = troughs_of(course * known, impedance(preset, pull, width / 4.0, cells))
     elif modes:
@@ -97,14 +97,14 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
     return BareSurface(friction, energy, modes, impacts)
 
 
-def _wells(course: Array, pull: float, period: float, loud: Array) -> Array:
-    """Energy (N m cells) of wells whose steepest slope pulls with `pull` N m where loud is 1."""
+def _detents(course: Array, pull: float, period: float, loud: Array) -> Array:
+    """Energy (N m cells) of detents whose steepest slope pulls with `pull` N m where loud is 1."""
     steepest = float(np.abs(np.gradient(course)).max())
     if steepest == 0.0:
         return np.zeros(len(course))
-    places = np.arange(len(course))
-    # constant over a period, so that a quick curve makes no wells of its own
-    number = (places / period).astype(np.int64)
+    positions = np.arange(len(course))
+    # constant over a period, so that a quick curve makes no detents of its own
+    number = (positions / period).astype(np.int64)
     means = np.bincount(number, loud) / np.bincount(number)
     centres = (np.arange(len(means)) + 0.5) * period
-    return pull / steepest * course * np.interp(places, centres, means)
+    return pull / steepest * course * np.interp(positions, centres, means)

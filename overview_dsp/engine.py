@@ -113,16 +113,16 @@ class Engine:
         announce_compile("process")
         self._sample_rate = rate
         self._max_block_size = int(max_block_size)
-        self._m = np.zeros(layout.TOTAL) if memory is None else memory
-        self._w = self._m.view(np.int64)
-        self._u = self._m.view(np.uint64)
-        self._mailbox = Mailbox(self._m)
-        self._w[layout.S_GLIDE] = max(1, round(GLIDE_S * rate))
-        self._w[layout.S_FADE] = max(1, round(FADE_S * rate))
-        self._w[layout.S_CLICK_CHANNEL] = 0
-        self._w[layout.S_TACTOR_CHANNEL] = 1
-        self._m[layout.S_SAMPLE_RATE] = rate
-        self._u[layout.S_SEED] = seed_state(self._seed)
+        self._f64 = np.zeros(layout.TOTAL) if memory is None else memory
+        self._i64 = self._f64.view(np.int64)
+        self._u64 = self._f64.view(np.uint64)
+        self._mailbox = Mailbox(self._f64)
+        self._i64[layout.S_GLIDE] = max(1, round(GLIDE_S * rate))
+        self._i64[layout.S_FADE] = max(1, round(FADE_S * rate))
+        self._i64[layout.S_CLICK_CHANNEL] = 0
+        self._i64[layout.S_TACTOR_CHANNEL] = 1
+        self._f64[layout.S_SAMPLE_RATE] = rate
+        self._u64[layout.S_SEED] = seed_state(self._seed)
         self._slot_surfaces = [None] * layout.SLOTS
         self.reset()
 
@@ -145,21 +145,21 @@ class Engine:
         check_carrier(preset, self._sample_rate)
         built = build_surface(timeline, preset) if surface is None else surface
         self._preset, self._timeline, self._seed, self._surface = preset, timeline, seed, built
-        self._u[layout.S_SEED] = seed_state(seed)
+        self._u64[layout.S_SEED] = seed_state(seed)
         self.reset()
 
     def reset(self) -> None:
         """As new, with the same parameters, surface and seed; waiting events are dropped."""
         self._require_prepared()
         for column, value in coefficients(self._preset, self._sample_rate).items():
-            self._m[column] = value
-            self._w[layout.GLIDE_LEFT + column] = 0
-        self._w[layout.S_RELEASE_RETURNS] = self._preset.values["disk.release"] == "return"
-        self._w[layout.ACTIVE_SLOT] = 0
+            self._f64[column] = value
+            self._i64[layout.GLIDE_LEFT + column] = 0
+        self._i64[layout.S_RELEASE_RETURNS] = self._preset.values["disk.release"] == "return"
+        self._i64[layout.ACTIVE_SLOT] = 0
         if self._slot_surfaces[0] is not self._surface:
-            write_surface(self._m, 0, self._surface, self._sample_rate)
+            write_surface(self._f64, 0, self._surface, self._sample_rate)
             self._slot_surfaces[0] = self._surface
-        block.reset(self._m, self._w, self._u)
+        block.reset(self._f64, self._i64, self._u64)
         self._mailbox.dropped = 0
         self._journal.clear()
 
@@ -278,7 +278,7 @@ class Engine:
             self._mailbox.require_room(len(told) + 1)
             if surface is not None:
                 slot = self._mailbox.free_slot()
-                write_surface(self._m, slot, surface, self._sample_rate)
+                write_surface(self._f64, slot, surface, self._sample_rate)
                 self._slot_surfaces[slot] = surface
                 told.append((layout.COMMAND_SURFACE, float(slot)))
             if told:
@@ -301,8 +301,8 @@ class Engine:
                 raise InputError(f"channel {channel}; channels count from 0, None is nowhere")
         if click is not None and click == tactor:
             raise InputError(f"clicks and tactor can't share channel {click}; give each its own")
-        self._w[layout.S_CLICK_CHANNEL] = -1 if click is None else click
-        self._w[layout.S_TACTOR_CHANNEL] = -1 if tactor is None else tactor
+        self._i64[layout.S_CLICK_CHANNEL] = -1 if click is None else click
+        self._i64[layout.S_TACTOR_CHANNEL] = -1 if tactor is None else tactor
 
     # --- audio thread ---------------------------------------------------------------------------
 
@@ -333,7 +333,7 @@ class Engine:
                 f"a block of {frames} frames; the engine is prepared for up to "
                 f"{self._max_block_size}, call prepare(max_block_size={frames})"
             )
-        needed = max(self._w[layout.S_CLICK_CHANNEL], self._w[layout.S_TACTOR_CHANNEL]) + 1
+        needed = max(self._i64[layout.S_CLICK_CHANNEL], self._i64[layout.S_TACTOR_CHANNEL]) + 1
         if channels < needed:
             raise InputError(f"out has {channels} channels; the channel map needs {needed}")
         if trace is None:
@@ -348,7 +348,9 @@ class Engine:
                     f"trace must be a C-ordered float64 array ({frames}, {layout.TRACE})"
                 )
             flat, traced = trace.reshape(-1), True
-        block.process(self._m, self._w, self._u, out.reshape(-1), frames, channels, flat, traced)
+        block.process(
+            self._f64, self._i64, self._u64, out.reshape(-1), frames, channels, flat, traced
+        )
 
     # --- what it says of itself -------------------------------------------------------------------
 
@@ -384,7 +386,7 @@ class Engine:
             More came since than the log keeps.
         """
         self._require_prepared()
-        now = int(self._w[layout.APPLIED])
+        now = int(self._i64[layout.APPLIED])
         if now - since > layout.APPLIED_LOG:
             raise OverviewError(
                 f"{now - since} control events since the last look; the log keeps "
@@ -392,17 +394,17 @@ class Engine:
             )
         at = np.arange(since, now) % layout.APPLIED_LOG
         events = np.empty(len(at), dtype=APPLIED_EVENT)
-        events["sample"] = self._w[layout.APPLIED_TIME + at]
-        events["source"] = self._w[layout.APPLIED_SOURCE + at]
-        events["theta2"] = self._m[layout.APPLIED_THETA2 + at]
-        events["touching"] = self._w[layout.APPLIED_TOUCHING + at]
+        events["sample"] = self._i64[layout.APPLIED_TIME + at]
+        events["source"] = self._i64[layout.APPLIED_SOURCE + at]
+        events["theta2"] = self._f64[layout.APPLIED_THETA2 + at]
+        events["touching"] = self._i64[layout.APPLIED_TOUCHING + at]
         return events, now
 
     @property
     def memory(self) -> NDArray[np.float64]:
         """The memory block of `kernels.layout`: for an audio stream that runs the kernel itself."""
         self._require_prepared()
-        return self._m
+        return self._f64
 
     @property
     def sample_rate(self) -> float:
@@ -413,7 +415,7 @@ class Engine:
     def sample_time(self) -> int:
         """Samples processed since reset: the stamp of the next sample."""
         self._require_prepared()
-        return int(self._w[layout.CLOCK])
+        return int(self._i64[layout.CLOCK])
 
     @property
     def parameters(self) -> Mapping[str, Setting]:
@@ -430,7 +432,7 @@ class Engine:
     def meters(self) -> Meters:
         """Counters and levels as of the last block."""
         self._require_prepared()
-        m, w = self._m, self._w
+        m, w = self._f64, self._i64
         return Meters(
             blocks=int(w[layout.M_BLOCKS]),
             late_events=int(w[layout.M_LATE]),
@@ -459,7 +461,7 @@ class Engine:
         long the blocks are. Thread: any.
         """
         self._require_prepared()
-        m, w = self._m, self._w
+        m, w = self._f64, self._i64
         while True:  # the audio thread may write between the two
             summed = int(w[layout.M_SUMMED])
             impulse = float(m[layout.M_IMPULSE])
@@ -470,16 +472,16 @@ class Engine:
     def holder(self) -> tuple[str, float] | None:
         """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
         self._require_prepared()
-        source = int(self._w[layout.HOLDER])
+        source = int(self._i64[layout.HOLDER])
         if source < 0:
             return None
-        return SOURCES[source], float(self._m[layout.SOURCE_THETA2 + source])
+        return SOURCES[source], float(self._f64[layout.SOURCE_THETA2 + source])
 
     @property
     def latency_samples(self) -> int:
         """How many samples the disk's input lags a moving hand (a tap is not delayed)."""
         self._require_prepared()
-        return round(latency(float(self._m[layout.C_SMOOTH])))
+        return round(latency(float(self._f64[layout.C_SMOOTH])))
 
     @property
     def tail_seconds(self) -> float:
@@ -489,17 +491,17 @@ class Engine:
     def take_strikes(self) -> Strikes:
         """The strikes since the last call (up to the log's 16384 latest)."""
         self._require_prepared()
-        total = int(self._w[layout.M_STRIKES])
-        first = max(int(self._w[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
-        self._w[layout.STRIKES_READ] = total
+        total = int(self._i64[layout.M_STRIKES])
+        first = max(int(self._i64[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
+        self._i64[layout.STRIKES_READ] = total
         at = np.arange(first, total) % layout.STRIKE_LOG
-        surface = self._slot_surfaces[int(self._w[layout.ACTIVE_SLOT])]
+        surface = self._slot_surfaces[int(self._i64[layout.ACTIVE_SLOT])]
         assert surface is not None
         return Strikes(
-            time_s=self._m[layout.LOG_TIME + at] / self._sample_rate,
-            event=struck_event(surface, self._w[layout.LOG_EVENT + at]),
-            torque=self._m[layout.LOG_TORQUE + at],
-            level=self._m[layout.LOG_LEVEL + at],
+            time_s=self._f64[layout.LOG_TIME + at] / self._sample_rate,
+            event=struck_event(surface, self._i64[layout.LOG_EVENT + at]),
+            torque=self._f64[layout.LOG_TORQUE + at],
+            level=self._f64[layout.LOG_LEVEL + at],
         )
 
     def take_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
@@ -520,7 +522,7 @@ class Engine:
         """The tactor channel that a torque signal (N m, one value a frame) gives from rest."""
         self._require_prepared()
         out = np.zeros(len(torque), dtype=np.float32)
-        block.tactor_stage(self._m, np.ascontiguousarray(torque, dtype=np.float64), out)
+        block.tactor_stage(self._f64, np.ascontiguousarray(torque, dtype=np.float64), out)
         return out
 
     # --- state ------------------------------------------------------------------------------------
@@ -537,7 +539,7 @@ class Engine:
         surface = build_surface(self._timeline, preset)
         self._preset, self._surface, self._seed = preset, surface, seed
         if self._sample_rate:
-            self._u[layout.S_SEED] = seed_state(seed)
+            self._u64[layout.S_SEED] = seed_state(seed)
             self.reset()
 
     # --- inside -----------------------------------------------------------------------------------

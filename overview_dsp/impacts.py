@@ -2,7 +2,7 @@
 
 At the crests of its pattern: a crest takes torque from the arriving disk and lets it go, as an
 event does; its release is the friction, or the grip, that the pattern adds at its top. Where the
-pattern is wells, the disk falls into their troughs. A surface without material has none.
+pattern is detents, the disk falls into their troughs. A surface without material has none.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class Impacts:
-    """Crests or troughs: `place` (cursor, ascending), `release` (N m s/rad); float64 (n,)."""
+    """Crests or troughs: `position` (cursor, ascending), `release` (N m s/rad); float64 (n,)."""
 
-    place: NDArray[np.float64]
+    position: NDArray[np.float64]
     release: NDArray[np.float64]
 
 
@@ -37,6 +37,6 @@ def impacts_of(course: NDArray[np.float64], top: float) -> Impacts:
 
 
 def troughs_of(course: NDArray[np.float64], impedance: float) -> Impacts:
-    """The troughs of a pattern of wells, which take `impedance` N m s/rad from the disk."""
+    """The troughs of a pattern of detents, which take `impedance` N m s/rad from the disk."""
     at = crests(-course)
     return Impacts(at / (len(course) - 1), np.full(len(at), impedance))

@@ -26,8 +26,8 @@ class Mailbox:
 
     def __init__(self, memory: NDArray[np.float64]) -> None:
         """`memory` is the block of `kernels.layout`."""
-        self._m = memory
-        self._w = memory.view(np.int64)
+        self._f64 = memory
+        self._i64 = memory.view(np.int64)
         self.dropped = 0
 
     def control(self, theta2: float, touching: bool, stamp: int, source: str) -> None:
@@ -35,8 +35,8 @@ class Mailbox:
         if source not in SOURCES:
             raise InputError(f"no source is called {source!r}; known: {', '.join(SOURCES)}")
         ring = SOURCES.index(source)
-        written = int(self._w[layout.RING_WRITTEN + ring])
-        if written - int(self._w[layout.RING_READ + ring]) >= layout.RING:
+        written = int(self._i64[layout.RING_WRITTEN + ring])
+        if written - int(self._i64[layout.RING_READ + ring]) >= layout.RING:
             if self.dropped == 0:
                 warnings.warn(
                     f"control event dropped: {layout.RING} of source {source!r} wait already; "
@@ -47,10 +47,10 @@ class Mailbox:
             self.dropped += 1
             return
         at = ring * layout.RING + written % layout.RING
-        self._w[layout.RING_TIME + at] = stamp
-        self._m[layout.RING_THETA2 + at] = theta2
-        self._w[layout.RING_TOUCHING + at] = 1 if touching else 0
-        self._w[layout.RING_WRITTEN + ring] = written + 1
+        self._i64[layout.RING_TIME + at] = stamp
+        self._f64[layout.RING_THETA2 + at] = theta2
+        self._i64[layout.RING_TOUCHING + at] = 1 if touching else 0
+        self._i64[layout.RING_WRITTEN + ring] = written + 1
 
     def control_all(
         self,
@@ -66,8 +66,8 @@ class Mailbox:
             )
         of_ring = [(ring, np.flatnonzero(sources == ring)) for ring in set(sources.tolist())]
         for ring, events in of_ring:
-            waiting = int(self._w[layout.RING_WRITTEN + ring]) - int(
-                self._w[layout.RING_READ + ring]
+            waiting = int(self._i64[layout.RING_WRITTEN + ring]) - int(
+                self._i64[layout.RING_READ + ring]
             )
             if waiting + len(events) > layout.RING:
                 raise OverviewError(
@@ -75,16 +75,16 @@ class Mailbox:
                     f"there is room for {layout.RING}: process a block first"
                 )
         for ring, events in of_ring:
-            written = int(self._w[layout.RING_WRITTEN + ring])
+            written = int(self._i64[layout.RING_WRITTEN + ring])
             at = ring * layout.RING + (written + np.arange(len(events))) % layout.RING
-            self._w[layout.RING_TIME + at] = stamps[events]
-            self._m[layout.RING_THETA2 + at] = theta2[events]
-            self._w[layout.RING_TOUCHING + at] = touching[events]
-            self._w[layout.RING_WRITTEN + ring] = written + len(events)
+            self._i64[layout.RING_TIME + at] = stamps[events]
+            self._f64[layout.RING_THETA2 + at] = theta2[events]
+            self._i64[layout.RING_TOUCHING + at] = touching[events]
+            self._i64[layout.RING_WRITTEN + ring] = written + len(events)
 
     def require_room(self, changes: int) -> None:
         """Raise OverviewError unless so many parameter or surface changes can be pushed."""
-        waiting = int(self._w[layout.HOST_WRITTEN]) - int(self._w[layout.HOST_READ])
+        waiting = int(self._i64[layout.HOST_WRITTEN]) - int(self._i64[layout.HOST_READ])
         if waiting + changes > layout.HOST_RING:
             raise OverviewError(
                 f"{waiting} parameter changes wait already; process a block, then set more"
@@ -93,13 +93,13 @@ class Mailbox:
     def push(self, changes: list[tuple[int, float]], stamp: int) -> int:
         """Push changes that belong together; their number, for `applied_at`."""
         self.require_room(len(changes))
-        written = int(self._w[layout.HOST_WRITTEN])
+        written = int(self._i64[layout.HOST_WRITTEN])
         for index, (what, value) in enumerate(changes, written):
             at = index % layout.HOST_RING
-            self._w[layout.HOST_TIME + at] = stamp
-            self._w[layout.HOST_WHAT + at] = what
-            self._m[layout.HOST_VALUE + at] = value
-        self._w[layout.HOST_WRITTEN] = written + len(changes)
+            self._i64[layout.HOST_TIME + at] = stamp
+            self._i64[layout.HOST_WHAT + at] = what
+            self._f64[layout.HOST_VALUE + at] = value
+        self._i64[layout.HOST_WRITTEN] = written + len(changes)
         return written
 
     def applied_at(self, number: int) -> int | None:
@@ -107,24 +107,24 @@ class Mailbox:
 
         OverviewError if so many came after it that its place was used again.
         """
-        if int(self._w[layout.HOST_WRITTEN]) - number > layout.HOST_RING:
+        if int(self._i64[layout.HOST_WRITTEN]) - number > layout.HOST_RING:
             raise OverviewError("parameters change faster than they are recorded; change fewer")
-        if int(self._w[layout.HOST_READ]) <= number:
+        if int(self._i64[layout.HOST_READ]) <= number:
             return None
-        return int(self._w[layout.HOST_TIME + number % layout.HOST_RING])
+        return int(self._i64[layout.HOST_TIME + number % layout.HOST_RING])
 
     def free_slot(self) -> int:
         """A surface slot that neither sounds, fades nor waits; OverviewError if there is none."""
         # an audio thread may begin a waiting crossfade while we look: the active slot is read
         # before and after, and what waits before what fades, so that none is overlooked
-        taken = {int(self._w[layout.ACTIVE_SLOT])}
-        for index in range(int(self._w[layout.HOST_READ]), int(self._w[layout.HOST_WRITTEN])):
+        taken = {int(self._i64[layout.ACTIVE_SLOT])}
+        for index in range(int(self._i64[layout.HOST_READ]), int(self._i64[layout.HOST_WRITTEN])):
             at = index % layout.HOST_RING
-            if self._w[layout.HOST_WHAT + at] == layout.COMMAND_SURFACE:
-                taken.add(int(self._m[layout.HOST_VALUE + at]))
-        if self._w[layout.FADE_LEFT] > 0:
-            taken.add(int(self._w[layout.FADING_SLOT]))
-        taken.add(int(self._w[layout.ACTIVE_SLOT]))
+            if self._i64[layout.HOST_WHAT + at] == layout.COMMAND_SURFACE:
+                taken.add(int(self._f64[layout.HOST_VALUE + at]))
+        if self._i64[layout.FADE_LEFT] > 0:
+            taken.add(int(self._i64[layout.FADING_SLOT]))
+        taken.add(int(self._i64[layout.ACTIVE_SLOT]))
         free = [slot for slot in range(layout.SLOTS) if slot not in taken]
         if not free:
             raise OverviewError("two surfaces wait or fade already; process a block, then set it")

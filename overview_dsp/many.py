@@ -22,7 +22,7 @@ from overview_dsp.engine import TRACE_COLUMNS, Engine
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture
 from overview_dsp.growing_rows import GrowingRows
-from overview_dsp.kernels.lanes import LANES
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.meters import Strikes
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering import Play, Tail, Trace, checked_tail, join_strikes
@@ -30,12 +30,12 @@ from overview_dsp.sound_file import save_sound
 from overview_dsp.surface import Surface
 from overview_dsp.surface_cache import SurfaceCache
 from overview_dsp.timeline import Timeline
-from overview_dsp.voice_lanes import CHANNELS, VoiceLanes
+from overview_dsp.voice_lanes import CHANNELS, EngineBatch
 
 BLOCK = 65536
 """Frames of each voice rendered at a time: of eight, with their traces, 42 MB."""
 
-GROUP = 4 * LANES
+GROUP = 4 * SIMD_WIDTH
 """Voices that a thread renders in one go: a lane that is free early gets another one."""
 
 GROUP_BYTES = 2**28
@@ -121,8 +121,8 @@ class VoiceRenderer:
         """Nothing is allocated until the first voice."""
         self._rate = sample_rate
         self._surfaces = surfaces
-        self._lanes: VoiceLanes | None = None
-        self._engines: list[Engine | None] = [None] * LANES
+        self._lanes: EngineBatch | None = None
+        self._engines: list[Engine | None] = [None] * SIMD_WIDTH
 
     def render(
         self, voices: Iterable[tuple[int, Voice]], tail: Tail, trace: tuple[str, ...]
@@ -133,9 +133,9 @@ class VoiceRenderer:
         names the columns to keep, of `TRACE_COLUMNS`.
         """
         waiting = iter(voices)
-        playing: list[_Playing | None] = [None] * LANES
+        playing: list[_Playing | None] = [None] * SIMD_WIDTH
         while True:
-            for lane in range(LANES):
+            for lane in range(SIMD_WIDTH):
                 while playing[lane] is None:
                     number, voice = next(waiting, (-1, None))
                     if voice is None:
@@ -156,7 +156,7 @@ class VoiceRenderer:
     def _started(self, lane: int, number: int, voice: Voice, tail: Tail, columns: int) -> _Playing:
         surface = self._surfaces.surface(voice.timeline, voice.preset)
         if self._lanes is None:
-            self._lanes = VoiceLanes(BLOCK)
+            self._lanes = EngineBatch(BLOCK)
         engine = self._engines[lane]
         if engine is None:
             engine = Engine(voice.preset, voice.timeline, seed=voice.seed, surface=surface)

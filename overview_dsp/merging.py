@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 
 
 def strongest_of_each(
-    place: NDArray[np.float64], release: NDArray[np.float64], most: int
+    position: NDArray[np.float64], release: NDArray[np.float64], most: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The events to keep, at most `most` (1 or more) of them, in the order of their places.
+    """The events to keep, at most `most` (1 or more) of them, in the order of their positions.
 
     Events fall together that lie in one cell; if that leaves too many, in one of twice the width,
     and so on. Of equally strong ones the first stays.
 
     Parameters
     ----------
-    place : float64 (events,)
+    position : float64 (events,)
         Where each strikes, cells.
     release : float64 (events,)
         How strong it is.
@@ -28,8 +28,8 @@ def strongest_of_each(
     stands_for : int64 (events,)
         For each event the number, in `kept`, of the one that strikes for it.
     """
-    order = np.lexsort((-release, place))
-    cell = np.floor(place[order]).astype(np.int64)
+    order = np.lexsort((-release, position))
+    cell = np.floor(position[order]).astype(np.int64)
     while len(np.unique(cell)) > most:
         cell >>= 1
     group = np.unique(cell, return_inverse=True)[1].reshape(-1)

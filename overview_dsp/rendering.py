@@ -52,8 +52,8 @@ class Trace(Mapping[str, NDArray[np.float64]]):
 
     time (s, frame end), theta2 (rad, the smoothed value used), touching (0 or 1), theta1 (rad) and
     omega1 (rad/s) at the frame's end, cursor, friction (N m s/rad, the B used), torque (N m,
-    friction times the step's mean omega1, and what bristles and wells add), envelope (the tactor's
-    amplitude).
+    friction times the step's mean omega1, and what bristles and detents add), envelope (the
+    tactor's amplitude).
     """
 
     time: NDArray[np.float64]

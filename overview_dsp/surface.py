@@ -2,15 +2,15 @@
 
     B = bare surface + max over events of height * weight * profile
 
-The bare surface is `bare_surface`'s; bristles and wells, where the preset has them, lie beside it
+The bare surface is `bare_surface`'s; bristles and detents, where the preset has them, lie beside it
 (`bristle_field`, `well_field`). Overlapping profiles combine by their maximum, so that none is
 drowned in a sum and each stays findable; every event keeps a strike of its own.
 
 A kind whose events lie denser than its `spacing_percent` is left out as a whole: a thousand beats
 of a heart would be one blur. A window that spreads them brings them up.
 
-An event strikes at its place. One nearer than half its width to an end of the timeline strikes half
-its width from that end, where its profile lets the disk go: a hand can pass it there.
+An event strikes at its position. One nearer than half its width to an end of the timeline strikes
+half its width from that end, where its profile lets the disk go: a hand can pass it there.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from overview_dsp.merging import strongest_of_each
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
 from overview_dsp.profiles import bumps, profile, span
 from overview_dsp.well_field import (
-    WELL_MODELS,
-    WellField,
-    WellLayer,
+    DETENT_MODELS,
+    DetentField,
+    DetentLayer,
     energy_of,
-    has_wells,
+    has_detents,
     impedance,
     shape_of,
 )
@@ -65,7 +65,7 @@ class Surface:
     ----------
     friction : float64 (CELLS + 1,)
         B at equal steps of the surface angle phi from 0 to pi, N m s/rad; > 0.
-    place : float64 (events,)
+    position : float64 (events,)
         Cursor (0..1) at which each event strikes, ascending.
     release : float64 (events,)
         Friction that lets go there, N m s/rad.
@@ -88,12 +88,12 @@ class Surface:
         What friction the kinds are, and the bare surface.
     bristles : BristleField or None
         Where bristles grip, if anywhere.
-    wells : WellField or None
-        Where wells and stops pull, if anywhere.
+    detents : DetentField or None
+        Where detents and stops pull, if anywhere.
     """
 
     friction: NDArray[np.float64]
-    place: NDArray[np.float64]
+    position: NDArray[np.float64]
     release: NDArray[np.float64]
     kind: NDArray[np.int64]
     event: NDArray[np.int64]
@@ -106,19 +106,19 @@ class Surface:
     kind_models: tuple[str, ...] = ()
     own_model: str = "viscous"
     bristles: BristleField | None = None
-    wells: WellField | None = None
+    detents: DetentField | None = None
 
     @property
     def resistance(self) -> NDArray[np.float64]:
         """What a disk at 1 rad/s is held with at the table's points, by all models, N m s/rad.
 
-        Viscous friction, the bristles' sliding torque and the wells' pull, whichever way it goes.
+        Viscous friction, the bristles' sliding torque and the detents' pull, whichever way it goes.
         """
         total = self.friction
         if self.bristles is not None:
             total = total + self.bristles.grip
-        if self.wells is not None:
-            total = total + np.abs(self.wells.pull)
+        if self.detents is not None:
+            total = total + np.abs(self.detents.pull)
         return total
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
@@ -173,10 +173,10 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     }
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     under = bare_surface(timeline, preset, CELLS)
-    room = MAX_EVENTS - len(under.impacts.place)
+    room = MAX_EVENTS - len(under.impacts.position)
     if room < min(len(felt), 1):
         raise InputError(
-            f"{len(under.impacts.place)} crests of the bare surface; with events it holds up to "
+            f"{len(under.impacts.position)} crests of the bare surface; with events it holds up to "
             f"{MAX_EVENTS}: make surface.pattern_period_percent longer"
         )
 
@@ -190,13 +190,13 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         )
     names = tuple(preset.kinds)
     count = len(felt)
-    place = np.zeros(count)
+    position = np.zeros(count)
     release = np.zeros(count)
     kind_index = np.zeros(count, dtype=np.int64)
     spans = np.zeros((count, 2))
     bare = preset.number("surface.friction")
     raised = np.zeros(CELLS + 1)
-    wells = WellLayer(preset, under.energy) if has_wells(preset) else None
+    detents = DetentLayer(preset, under.energy) if has_detents(preset) else None
     bristles = BristleLayer(preset, under.friction) if has_bristles(preset) else None
     centres = np.array([timeline.events[i].time_s for i in felt]) / timeline.duration_s * CELLS
     for name, indices in by_kind.items():
@@ -206,11 +206,11 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         centre = centres[members]
         height = _heights([timeline.events[i] for i in indices], name, bare * kind.height)
         shape, points = shape_of(kind)
-        if wells is not None and kind.model in WELL_MODELS:
-            wells.check(name, height)
+        if detents is not None and kind.model in DETENT_MODELS:
+            detents.check(name, height)
             high = height * energy_of(1.0, shape, points, width)
             for _, start, bump in bumps(shape, points, width, centre, high, CELLS):
-                wells.lay(kind.model, start, bump)
+                detents.lay(kind.model, start, bump)
             if kind.model == "end_stop":
                 damping = np.full(len(centre), kind.damping)
                 _raise(raised, bumps(shape, points, width, centre, damping, CELLS))
@@ -223,8 +223,8 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
             else:
                 _raise(raised, profiles)
         margin = min(width, CELLS) / 2.0
-        place[members] = np.minimum(np.maximum(centre, margin), CELLS - margin)
-        there = profile(shape, place[members] - centre, width, points)
+        position[members] = np.minimum(np.maximum(centre, margin), CELLS - margin)
+        there = profile(shape, position[members] - centre, width, points)
         # a ramp that falls towards its end of the timeline is over half a width from it
         release[members] = height * np.maximum(there, 0.5)
         if kind.model == "detent":
@@ -237,7 +237,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         kind_index[members] = names.index(name)
 
     if count > room:
-        order, stands_for = strongest_of_each(place, release, room)
+        order, stands_for = strongest_of_each(position, release, room)
         warnings.warn(
             f"{timeline.title or 'the timeline'}: {count} events, of which the surface tells "
             f"{len(order)} apart; where several fall together the strongest strikes, and friction "
@@ -246,11 +246,11 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
             stacklevel=2,
         )
     else:
-        order = np.argsort(place, kind="stable")
+        order = np.argsort(position, kind="stable")
         stands_for = np.argsort(order)
     return Surface(
         friction=under.friction + raised,
-        place=place[order] / CELLS,
+        position=position[order] / CELLS,
         release=release[order],
         kind=kind_index[order],
         event=felt[order],
@@ -262,7 +262,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         impacts=under.impacts,
         kind_models=tuple(kind.model for kind in preset.kinds.values()),
         own_model=str(preset.values["surface.model"]),
-        wells=wells.field() if wells is not None else None,
+        detents=detents.field() if detents is not None else None,
         bristles=bristles.field(stands_for) if bristles is not None else None,
     )
 

@@ -63,7 +63,7 @@ def pattern(name: str, cells: int, period_percent: float) -> Array:
     name : one of `presets.parameters.PATTERNS`
     period_percent : of the table, from one ridge to the next
     """
-    places = np.arange(cells + 1, dtype=np.float64)
+    positions = np.arange(cells + 1, dtype=np.float64)
     if name == "none":
         return np.zeros(cells + 1)
-    return _PATTERNS[name](places / (period_percent / 100.0 * cells))
+    return _PATTERNS[name](positions / (period_percent / 100.0 * cells))

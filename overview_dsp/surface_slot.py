@@ -9,7 +9,7 @@ from overview_dsp.bristle_field import BARE, BristleField
 from overview_dsp.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
 from overview_dsp.surface import Surface
-from overview_dsp.well_field import WellField
+from overview_dsp.well_field import DetentField
 
 _STRIKES = {
     "viscous": layout.STRIKE_BY_APPROACH,
@@ -25,21 +25,21 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     base = layout.SURFACES + slot * layout.SLOT_SIZE
     table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
     _write_table(table, surface.friction)
-    place = np.concatenate([surface.place, surface.impacts.place])
+    position = np.concatenate([surface.position, surface.impacts.position])
     order = _strike_order(surface)
     count = len(order)
     w[base + layout.SLOT_EVENTS] = count
-    m[base + layout.SLOT_PLACE :][:count] = place[order] * layout.CELLS
+    m[base + layout.SLOT_POSITION :][:count] = position[order] * layout.CELLS
     release = np.concatenate([surface.release, surface.impacts.release])
     m[base + layout.SLOT_RELEASE :][:count] = release[order]
-    own = np.full(len(surface.impacts.place), layout.MAX_KINDS)
+    own = np.full(len(surface.impacts.position), layout.MAX_KINDS)
     w[base + layout.SLOT_KIND :][:count] = np.concatenate([surface.kind, own])[order]
     w[base + layout.SLOT_MODELS] = 0
     for bank, model in [*enumerate(surface.kind_models), (layout.MAX_KINDS, surface.own_model)]:
         row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
         w[row + layout.P_STRIKE] = _STRIKES[model]
-    if surface.wells is not None:
-        _write_wells(m, base, surface.wells)
+    if surface.detents is not None:
+        _write_detents(m, base, surface.detents)
     if surface.bristles is not None:
         rank = np.append(np.argsort(order), BARE)
         _write_bristles(m, base, surface.bristles, rank)
@@ -60,15 +60,15 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
 
 def struck_event(surface: Surface, number: NDArray[np.int64]) -> NDArray[np.int64]:
     """The timeline's events by the kernel's numbers for them; -1 = the bare surface (as BARE)."""
-    own = np.full(len(surface.impacts.place), BARE)
+    own = np.full(len(surface.impacts.position), BARE)
     events = np.concatenate([surface.event, own])[_strike_order(surface)]
     return np.append(events, BARE)[number]
 
 
 def _strike_order(surface: Surface) -> NDArray[np.int64]:
-    """The surface's events, then its impacts, in the order of their places."""
-    place = np.concatenate([surface.place, surface.impacts.place])
-    return np.argsort(place, kind="stable")
+    """The surface's events, then its impacts, in the order of their positions."""
+    position = np.concatenate([surface.position, surface.impacts.position])
+    return np.argsort(position, kind="stable")
 
 
 def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> None:
@@ -83,7 +83,7 @@ def _write_bristles(
 ) -> None:
     w = m.view(np.int64)
     w[base + layout.SLOT_MODELS] |= layout.HAS_BRISTLES
-    _write_table(m[base + layout.SLOT_GRIP :][: 2 * (layout.CELLS + 1)], field.grip)
+    _write_table(m[base + layout.SLOT_SLIDING_TORQUE :][: 2 * (layout.CELLS + 1)], field.grip)
     w[base + layout.SLOT_OWNER :][: layout.CELLS + 1] = rank[field.owner]
     of_bank = [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]
     for bank, bristles in of_bank:
@@ -95,9 +95,9 @@ def _write_bristles(
         m[row + layout.P_BREAK_AWAY] = bristles.break_away
 
 
-def _write_wells(m: NDArray[np.float64], base: int, field: WellField) -> None:
-    m.view(np.int64)[base + layout.SLOT_MODELS] |= layout.HAS_WELLS
+def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> None:
+    m.view(np.int64)[base + layout.SLOT_MODELS] |= layout.HAS_DETENTS
     _write_table(m[base + layout.SLOT_PULL :][: 2 * (layout.CELLS + 1)], field.pull)
-    m[base + layout.SLOT_WELL :][: layout.CELLS + 1] = field.energy
+    m[base + layout.SLOT_DETENT_ENERGY :][: layout.CELLS + 1] = field.energy
     m[base + layout.SLOT_END_STIFFNESS] = field.end_stiffness
     m[base + layout.SLOT_END_DAMPING] = field.end_damping

@@ -39,7 +39,7 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
         silent_grain = QUIET / grain * math.sqrt(float(slow.max()) / k)
         last = min(silent_torque, silent_grain) / theta1_full
         fall += float(slow.max()) * max(0.0, math.log(1.0 / (last * CELLS)))
-        if surface.bristles is not None or surface.wells is not None:
+        if surface.bristles is not None or surface.detents is not None:
             # held off the springs' rest, the disk comes to its own from anywhere
             fall += float(slow.max()) * math.log(CELLS)
         longest = max(longest, fall)

@@ -1,12 +1,12 @@
-"""Wells the disk clicks into, hills that stop it, stops at the ends: torque that knows no speed.
+"""Detents the disk clicks into, hills that stop it, stops at the ends: torque that knows no speed.
 
-    U = pattern of the bare surface (surface.model detent) - the events' wells + the events' stops
+    U = pattern of the bare surface (surface.model detent) - the events' detents + the events' stops
 
 A kind with the model `detent` is a well of its profile's shape; one with `end_stop` a stop: pressed
 upon from before the event, a spring over one width, which lets go behind it; from behind it holds
 against eight times as much. A height means the same torque, whichever model: what viscous friction
-has at 1 rad/s; here it is the greatest pull (of a stop: on its way up). Wells that overlap combine
-by their maximum, stops too.
+has at 1 rad/s; here it is the greatest pull (of a stop: on its way up). Detents that overlap
+combine by their maximum, stops too.
 
 Units: U in N m cells (of the table), pull in N m, so that both hold for any shaft.
 """
@@ -25,13 +25,13 @@ from overview_dsp.profiles import Points, profile, reach
 
 Array = NDArray[np.float64]
 
-WELL_MODELS = ("detent", "end_stop")
+DETENT_MODELS = ("detent", "end_stop")
 _FINE = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class WellField:
-    """Wells over a surface.
+class DetentField:
+    """Detents over a surface.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class WellField:
     end_damping: float
 
 
-class WellLayer:
+class DetentLayer:
     """A field while it is laid, event by event."""
 
     def __init__(self, preset: Preset, under: Array) -> None:
@@ -69,13 +69,13 @@ class WellLayer:
         there = table[start : start + len(bump)]
         np.maximum(there, bump, out=there)
 
-    def field(self) -> WellField:
+    def field(self) -> DetentField:
         """The field."""
         energy = self._under + self._high - self._deep
         pull = np.gradient(energy)
         between = 0.5 * (pull[1:] + pull[:-1])
         stiffness = self._preset.number("surface.end_stiffness")
-        return WellField(
+        return DetentField(
             pull,
             np.concatenate([[0.0], np.cumsum(between)]),
             stiffness,
@@ -83,10 +83,10 @@ class WellLayer:
         )
 
 
-def has_wells(preset: Preset) -> bool:
-    """Whether a preset has wells or stops."""
+def has_detents(preset: Preset) -> bool:
+    """Whether a preset has detents or stops."""
     models = {preset.values["surface.model"], *(kind.model for kind in preset.kinds.values())}
-    return not models.isdisjoint(WELL_MODELS) or preset.number("surface.end_stiffness") > 0.0
+    return not models.isdisjoint(DETENT_MODELS) or preset.number("surface.end_stiffness") > 0.0
 
 
 def shape_of(kind: Kind) -> tuple[str, Points]:

@@ -11,8 +11,8 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.click import BLOW_SPACING
-from overview_dsp.kernels.ringing import ring
+from overview_dsp.kernels.click import PULSE_SPACING
+from overview_dsp.kernels.modal_bank import ring
 from overview_dsp.measure.onsets import find_onsets
 from tests.examples import preset_with, timeline_of
 from tests.test_feel import MATCHES, SWEEPS, busy_match, timeline_named  # noqa: F401
@@ -32,7 +32,7 @@ def rung(m, w, samples, frames):
 
 
 # a raised cosine of four samples
-BLOWS = np.sin(np.pi * (np.arange(8) + 0.5) / 8) ** 2 / 4
+PULSES = np.sin(np.pi * (np.arange(8) + 0.5) / 8) ** 2 / 4
 
 
 def struck(mode, times, rate, frames, level=1.0):
@@ -62,8 +62,8 @@ def test_a_strike_between_samples_gives_the_samples_of_the_continuous_mode(time)
     mode, rate = ov.Mode(3250.0, 30.0, -5.0), 48_000.0
     # the log counts time from frame 0's start; frame n is heard at its end, n + 1
     expected = sum(
-        weight * continuous(mode, (np.arange(4000) + 1 - time - number * BLOW_SPACING) / rate)
-        for number, weight in enumerate(BLOWS)
+        weight * continuous(mode, (np.arange(4000) + 1 - time - number * PULSE_SPACING) / rate)
+        for number, weight in enumerate(PULSES)
     )
     assert np.abs(struck(mode, [time], rate, 4000) - expected).max() < 2e-8  # it ends at -160 dB
 
@@ -99,9 +99,9 @@ def test_no_preset_click_folds_back_above_minus_60_db(football):
         coarse, fine = np.zeros(frames), np.zeros(frames * factor)
         for mode in kind.modes:
             coarse += struck(mode, [40.37], low, frames)
-            for number, weight in enumerate(BLOWS):
-                # the fine one's own contact is centred on the blow
-                time = (40.37 + number * BLOW_SPACING) * factor - 7 / 2 * BLOW_SPACING
+            for number, weight in enumerate(PULSES):
+                # the fine one's own contact is centred on the pulse
+                time = (40.37 + number * PULSE_SPACING) * factor - 7 / 2 * PULSE_SPACING
                 fine += weight * struck(mode, [time], low * factor, frames * factor)
         band = np.arange(frames // 2)
         # frame n of the coarse one is heard at n + 1, frame m of the fine one at (m + 1)/16
@@ -135,7 +135,7 @@ def test_there_is_exactly_one_strike_for_each_event_passed(timeline_named, footb
     ]:
         result = ov.render(timeline, football, gesture)
         surface = result.engine.surface
-        expected = crossings(result.trace.cursor, surface.place)
+        expected = crossings(result.trace.cursor, surface.position)
         # one list sorted by sample, the other by time: the same set of passings
         frames = np.floor(result.strikes.time_s * result.sample_rate + 1e-9).astype(int)
         mine = sorted(zip(frames.tolist(), result.strikes.event.tolist(), strict=True))

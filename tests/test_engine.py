@@ -328,7 +328,7 @@ def float_state(engine):
     columns = [
         column for column in range(layout.STATE, layout.RINGING) if column not in INTEGER_COLUMNS
     ]
-    bank = [*range(layout.BANK, layout.BLOW_KEY), *range(layout.BLOW_REST, layout.METERS)]
+    bank = [*range(layout.BANK, layout.PULSE_KEY), *range(layout.PULSE_REST, layout.METERS)]
     return engine._m[np.concatenate([columns, bank])]
 
 

@@ -24,7 +24,7 @@ CASES = [(name, seconds) for name in bundled_names() for seconds in SWEEPS]
 
 CLEAR = ("crowd", "heart", "plain", "series", "weather", "football")
 SMOOTH = [(name, seconds) for name, seconds in CASES if name.startswith(CLEAR)]
-"""Presets on whose bare surface the data alone is felt; others have teeth, wells or slip."""
+"""Presets on whose bare surface the data alone is felt; others have teeth, detents or slip."""
 
 SILENT_DB = -90.0
 """Nothing is felt below what a 16-bit output can give."""
@@ -131,7 +131,7 @@ def test_events_in_a_gap_stay_where_and_as_high_as_they_are():
             ov.Timeline("e", 100.0, timeline.events, None, gaps=((30.0, 50.0),)), preset
         )
         bare = ov.build_surface(timeline, preset)
-    assert np.array_equal(there.place, bare.place)
+    assert np.array_equal(there.position, bare.position)
     assert np.array_equal(there.release, bare.release)
     at = round(0.4 * CELLS)
     rise = bare.friction[at] - bare.friction.min()

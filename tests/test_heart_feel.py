@@ -78,7 +78,7 @@ def test_steady_beats_come_up_one_by_one_when_a_window_spreads_them(record, hear
     minute = record.window(300.0, 360.0)
     spread = ov.build_surface(minute, heart)
     assert "beat" not in spread.left_out
-    assert len(spread.place) == len(minute.events)
+    assert len(spread.position) == len(minute.events)
     surface, found = feel(minute, heart, ov.sweep(6.0))
     beats = np.array([minute.events[event].kind == "beat" for event in surface.event])
     assert np.median(found.event_db[beats]) - found.event_free_db >= 2.5

@@ -89,7 +89,7 @@ def test_events_among_crests_keep_their_numbers():
     timeline = timeline_of(70.0, 20.0, 50.0)
     preset = replace(rough(), kinds=preset_with(width=0.5).kinds)
     surface = ov.build_surface(timeline, preset)
-    count = len(surface.place) + len(surface.impacts.place)
+    count = len(surface.position) + len(surface.impacts.position)
     events = struck_event(surface, np.arange(count))
     assert events[events >= 0].tolist() == surface.event.tolist()
     assert struck_event(surface, np.array([-1])).tolist() == [-1]
@@ -103,7 +103,7 @@ def test_events_among_crests_keep_their_numbers():
     stuck = replace(preset, kinds={"default": kind})
     engine = ov.render(timeline, stuck, ov.sweep(2.0), tail="none").engine
     base = layout.SURFACES + layout.SLOT_OWNER
-    cells = (engine.surface.place * layout.CELLS).astype(int)
+    cells = (engine.surface.position * layout.CELLS).astype(int)
     owners = engine.memory.view(np.int64)[base + cells]
     assert struck_event(engine.surface, owners).tolist() == engine.surface.event.tolist()
 
@@ -112,8 +112,8 @@ def test_gaps_have_no_crests():
     whole = ov.build_surface(timeline_of(), rough())
     gapped = replace(timeline_of(), gaps=((40.0, 60.0),))
     surface = ov.build_surface(gapped, rough())
-    assert len(whole.impacts.place) == 20
-    assert len(surface.impacts.place) == 16
+    assert len(whole.impacts.position) == 20
+    assert len(surface.impacts.position) == 16
 
 
 def test_events_that_crests_leave_no_room_for_fall_together():
@@ -121,9 +121,9 @@ def test_events_that_crests_leave_no_room_for_fall_together():
     preset = rough(surface__pattern_period_percent=0.05)
     with pytest.warns(ov.OverviewWarning, match="16000 events"):
         surface = ov.build_surface(timeline_of(*times), preset)
-    crests = len(surface.impacts.place)
+    crests = len(surface.impacts.position)
     assert crests == 2000
-    assert 0 < len(surface.place) <= layout.MAX_EVENTS - crests
+    assert 0 < len(surface.position) <= layout.MAX_EVENTS - crests
 
 
 def test_what_is_held_rings_as_much_shorter_at_the_same_pitches():

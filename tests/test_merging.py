@@ -44,8 +44,8 @@ def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
     timeline = timeline_of(*np.linspace(0.0, 100.0, 100_000))
     with pytest.warns(OverviewWarning, match="100000 events, of which the surface tells 163"):
         surface = build_surface(timeline, preset)
-    assert len(surface.place) <= MAX_EVENTS
-    assert np.all(np.diff(surface.place) > 0.0)
+    assert len(surface.position) <= MAX_EVENTS
+    assert np.all(np.diff(surface.position) > 0.0)
     with pytest.warns(OverviewWarning, match="tells"):
         result = ov.render(timeline, preset, ov.sweep(0.5), tail="none")
     assert len(result.strikes.time_s) > 15_000
@@ -60,7 +60,7 @@ def test_merged_bristles_belong_to_the_event_that_strikes():
         surface = build_surface(timeline_of(*np.linspace(0.0, 100.0, 40_000)), preset)
     assert surface.bristles is not None
     owner = surface.bristles.owner
-    assert owner.max() == len(surface.place) - 1
+    assert owner.max() == len(surface.position) - 1
     gripped = np.flatnonzero(owner >= 0)
-    away = np.abs(surface.place[owner[gripped]] * 65_536 - gripped)
+    away = np.abs(surface.position[owner[gripped]] * 65_536 - gripped)
     assert away.max() < 32.0

@@ -87,7 +87,7 @@ def test_extremes_and_largest_moves_stand_out(feels, name, seconds, stroke):
     result, found, kinds = feels(name, seconds)
     feel = found[stroke]
     # where a hand sets out or arrives, nothing is wound up
-    place = result.engine.surface.place
+    place = result.engine.surface.position
     largest = np.isin(kinds, LARGEST) & (place > EDGE) & (place < 1.0 - EDGE)
     assert largest.sum() >= 6
     assert np.isfinite(feel.event_db[largest]).all(), "one was not reached"
@@ -118,7 +118,7 @@ def test_the_level_is_felt_between_the_events(share, name):
     timeline = share(name)
     surface = ov.build_surface(timeline, ov.load_preset("series"))
     cursor = np.linspace(0.0, 1.0, 4001)
-    near = np.abs(cursor[:, None] - surface.place).min(axis=1)
+    near = np.abs(cursor[:, None] - surface.position).min(axis=1)
     free = near > 0.004
     friction = surface.friction_at(cursor * np.pi)[free]
     level = timeline.normalised_intensity_at(cursor * timeline.duration_s)[free]

@@ -46,8 +46,8 @@ def test_any_preset_on_any_timeline_gives_a_surface_with_friction_everywhere(tim
     count = len(felt)
     assert sorted(surface.event.tolist()) == felt
     assert count + sum(surface.left_out.values()) == len(timeline.events)
-    assert (np.diff(surface.place) >= 0.0).all()
-    assert ((surface.place > 0.0) & (surface.place < 1.0)).all()
+    assert (np.diff(surface.position) >= 0.0).all()
+    assert ((surface.position > 0.0) & (surface.position < 1.0)).all()
     assert surface.span.shape == (count, 2)
     assert (surface.span[:, 0] < surface.span[:, 1]).all()
     for name in ("release", "kind", "event"):
@@ -65,7 +65,7 @@ def test_an_enormous_weight_makes_a_wall_and_not_an_infinity():
 def test_a_bare_surface_is_the_presets_friction_all_over():
     surface = ov.build_surface(timeline_of(), plain_preset(surface__friction=2e-3))
     assert (surface.friction == 2e-3).all()
-    assert len(surface.place) == 0
+    assert len(surface.position) == 0
 
 
 def test_the_intensity_adds_friction_in_proportion():
@@ -106,7 +106,7 @@ def test_overlapping_profiles_combine_by_their_maximum():
 
 def test_every_event_keeps_its_own_place_where_profiles_overlap():
     surface = ov.build_surface(timeline_of(49.9, 50.1), preset_with(width=4.0))
-    assert surface.place.tolist() == [0.499, 0.501]
+    assert surface.position.tolist() == [0.499, 0.501]
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -143,7 +143,7 @@ def test_events_at_the_very_ends_strike_half_a_width_inside(shape, width):
     preset = preset_with(height=30.0, width=width, shape=shape)
     surface = ov.build_surface(timeline_of(0.0, 50.0, 100.0), preset)
     half = width / 200.0
-    assert surface.place == pytest.approx([half, 0.5, 1.0 - half])
+    assert surface.position == pytest.approx([half, 0.5, 1.0 - half])
     # and let something go there
     assert (surface.release >= 0.4 * surface.release[1]).all()
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.lane_block import FEWEST
-from overview_dsp.kernels.lanes import LANES
-from overview_dsp.voice_lanes import VoiceLanes
+from overview_dsp.kernels.simd.block import FEWEST
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
+from overview_dsp.voice_lanes import EngineBatch
 
 from .examples import plain_preset, preset_with, timeline_of
 
@@ -81,14 +81,14 @@ def hands(draw):
 
 @settings(max_examples=40, deadline=None)
 @given(
-    given_hands=st.lists(hands(), min_size=LANES, max_size=LANES),
-    presets=st.lists(st.sampled_from(PRESETS), min_size=LANES, max_size=LANES),
-    empty=st.sets(st.integers(0, LANES - 1), max_size=LANES - 1),
+    given_hands=st.lists(hands(), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH),
+    presets=st.lists(st.sampled_from(PRESETS), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH),
+    empty=st.sets(st.integers(0, SIMD_WIDTH - 1), max_size=SIMD_WIDTH - 1),
     sizes=BLOCKS,
     trace=st.booleans(),
 )
 def test_every_voice_does_what_it_does_alone(given_hands, presets, empty, sizes, trace):
-    lanes = VoiceLanes(BLOCK)
+    lanes = EngineBatch(BLOCK)
     pairs = [
         None if lane in empty else Pair(preset, lane, lanes.memory(lane))
         for lane, preset in enumerate(presets)
@@ -105,8 +105,8 @@ def test_every_voice_does_what_it_does_alone(given_hands, presets, empty, sizes,
 
 @pytest.fixture
 def eight():
-    lanes = VoiceLanes(BLOCK)
-    pairs = [Pair(PRESETS[lane % 3], lane, lanes.memory(lane)) for lane in range(LANES)]
+    lanes = EngineBatch(BLOCK)
+    pairs = [Pair(PRESETS[lane % 3], lane, lanes.memory(lane)) for lane in range(SIMD_WIDTH)]
     for lane, pair in enumerate(pairs):
         for time in range(0, 12_000, 1 + 40 * lane + 30):
             theta2 = time / 12_000 * (3.0 - lane / 10)
@@ -118,11 +118,11 @@ def test_the_lanes_loops_are_what_is_tested_here(eight):
     lanes, pairs = eight
     engines = [pair.engines[0] for pair in pairs]
     lanes.process(engines, 100, False)
-    from overview_dsp.kernels import lane_memory
+    from overview_dsp.kernels.simd import memory as lane_memory
 
-    members = lanes.memory(0).base.view(np.int64)[lane_memory.MEMBER :][:LANES]
-    assert members.tolist() == [1] * LANES
-    assert FEWEST <= LANES
+    members = lanes.memory(0).base.view(np.int64)[lane_memory.MEMBER :][:SIMD_WIDTH]
+    assert members.tolist() == [1] * SIMD_WIDTH
+    assert FEWEST <= SIMD_WIDTH
 
 
 def test_a_voice_that_changes_by_itself_changes_no_other(eight):
@@ -155,9 +155,10 @@ def test_voices_whose_channels_are_swapped_or_silent(eight):
 
 def test_what_is_too_loud_is_held_under_the_ceiling_and_counted():
     loud = preset_with(height=200.0, click__gain_db=12.0, tactor__gain_db=12.0)
-    lanes = VoiceLanes(BLOCK)
+    lanes = EngineBatch(BLOCK)
     pairs = [
-        Pair(loud if lane % 2 else PRESETS[0], lane, lanes.memory(lane)) for lane in range(LANES)
+        Pair(loud if lane % 2 else PRESETS[0], lane, lanes.memory(lane))
+        for lane in range(SIMD_WIDTH)
     ]
     for pair in pairs:
         pair.each(lambda engine: engine.control(3.0, True, 10))

@@ -19,7 +19,7 @@ J = 2e-5
 
 
 def clicking(height=20.0, width=2.0, model="detent", **changes):
-    """A surface whose events are wells (or stops), of a disk with a soft shaft."""
+    """A surface whose events are detents (or stops), of a disk with a soft shaft."""
     values = {"disk__inertia": J, "disk__k1": 1e-3, "disk__k2": 0.05, **changes}
     preset = preset_with(height=height, width=width, **values)
     kind = replace(preset.kinds["default"], model=model)
@@ -27,7 +27,7 @@ def clicking(height=20.0, width=2.0, model="detent", **changes):
 
 
 def dial(**changes):
-    """A bare surface with twenty wells."""
+    """A bare surface with twenty detents."""
     values = {
         "disk__inertia": J,
         "disk__k1": 1e-3,
@@ -44,17 +44,17 @@ def dial(**changes):
 
 
 def energies(engine, theta1, omega1, touching=False):
-    """Energy of disk, shafts, wells, end stops and bristles, J, as they stand."""
+    """Energy of disk, shafts, detents, end stops and bristles, J, as they stand."""
     m = engine.memory
     k1, k2 = engine.preset.number("disk.k1"), engine.preset.number("disk.k2")
     inertia = engine.preset.number("disk.inertia")
-    wells = engine.surface.wells
+    detents = engine.surface.detents
     place = m[layout.X]
     inside = min(max(place, 0.0), layout.CELLS)
     i = min(int(inside), layout.CELLS - 1)
     part = inside - i
-    slope = wells.pull[i + 1] - wells.pull[i]
-    stored = wells.energy[i] + part * (wells.pull[i] + 0.5 * part * slope)
+    slope = detents.pull[i + 1] - detents.pull[i]
+    stored = detents.energy[i] + part * (detents.pull[i] + 0.5 * part * slope)
     over = (place - inside) * m[layout.C_THETA]
     bend = m[layout.BRISTLE] * m[layout.C_THETA]
     return np.array(
@@ -62,7 +62,7 @@ def energies(engine, theta1, omega1, touching=False):
             inertia * omega1**2 / 2,
             (k1 + touching * k2) * theta1**2 / 2,
             stored * m[layout.C_THETA],
-            wells.end_stiffness * over**2 / 2,
+            detents.end_stiffness * over**2 / 2,
             m[layout.BRISTLE_STIFFNESS] * bend**2 / 2,
         ]
     )
@@ -120,21 +120,21 @@ def test_let_go_the_disk_keeps_the_ledger_in_any_well(
 
 def test_the_pull_of_a_detent_is_its_heights_torque_and_closes():
     preset = clicking(height=20.0, width=2.0)
-    wells = ov.build_surface(timeline_of(50.0), preset).wells
-    assert np.abs(wells.pull).max() == pytest.approx(20.0 * 1e-3, rel=1e-3)
-    assert wells.energy.argmin() == pytest.approx(0.5 * layout.CELLS, abs=1)
-    assert abs(wells.energy[-1]) < 1e-9 * np.ptp(wells.energy)
+    detents = ov.build_surface(timeline_of(50.0), preset).detents
+    assert np.abs(detents.pull).max() == pytest.approx(20.0 * 1e-3, rel=1e-3)
+    assert detents.energy.argmin() == pytest.approx(0.5 * layout.CELLS, abs=1)
+    assert abs(detents.energy[-1]) < 1e-9 * np.ptp(detents.energy)
     # to the right of its bottom it pulls back
-    assert wells.pull[layout.CELLS // 2 + 300] > 0.0
+    assert detents.pull[layout.CELLS // 2 + 300] > 0.0
 
 
 def test_a_stop_is_a_spring_on_its_way_up_and_holds_eight_times_as_much_from_behind():
-    wells = ov.build_surface(timeline_of(50.0), clicking(20.0, 4.0, "end_stop")).wells
+    detents = ov.build_surface(timeline_of(50.0), clicking(20.0, 4.0, "end_stop")).detents
     at, width = layout.CELLS // 2, round(0.04 * layout.CELLS)
-    up = wells.pull[at - width : at]
+    up = detents.pull[at - width : at]
     assert up.max() == pytest.approx(20e-3, rel=0.01)
     assert np.diff(up)[5:-5] == pytest.approx(20e-3 / width, rel=1e-3)
-    assert wells.pull.min() == pytest.approx(-8 * 20e-3, rel=0.02)
+    assert detents.pull.min() == pytest.approx(-8 * 20e-3, rel=0.02)
 
 
 def test_the_disk_rests_in_the_well_nearest_to_the_finger():
@@ -267,8 +267,8 @@ def test_the_damping_of_the_end_stops_takes_the_bounce():
 
 
 def test_no_well_is_made_where_there_is_none(match, football):
-    assert ov.build_surface(match, football).wells is None
-    flat = ov.build_surface(timeline_of(), dial(surface__pattern="none")).wells
+    assert ov.build_surface(match, football).detents is None
+    flat = ov.build_surface(timeline_of(), dial(surface__pattern="none")).detents
     assert not flat.pull.any()
 
 
@@ -287,10 +287,10 @@ def test_a_curve_makes_wells_deeper_where_it_is_high_and_none_in_a_gap():
     timeline = ov.Timeline(
         title="", duration_s=100.0, events=(), intensity=curve, gaps=((70.0, 80.0),)
     )
-    wells = ov.build_surface(timeline, dial(surface__ambience=3.0)).wells
-    depth = [np.ptp(wells.energy[round(c * 655.36) : round((c + 5) * 655.36)]) for c in (20, 60)]
+    detents = ov.build_surface(timeline, dial(surface__ambience=3.0)).detents
+    depth = [np.ptp(detents.energy[round(c * 655.36) : round((c + 5) * 655.36)]) for c in (20, 60)]
     assert depth[1] == pytest.approx(4.0 * depth[0], rel=0.05)
-    gap = wells.pull[round(76 * 655.36) : round(77 * 655.36)]
-    assert np.abs(gap).max() < 0.01 * np.abs(wells.pull).max()
-    # no edge pulls more than the wells do
-    assert np.abs(wells.pull).max() < 8e-3 * 4.0 * 1.5
+    gap = detents.pull[round(76 * 655.36) : round(77 * 655.36)]
+    assert np.abs(gap).max() < 0.01 * np.abs(detents.pull).max()
+    # no edge pulls more than the detents do
+    assert np.abs(detents.pull).max() < 8e-3 * 4.0 * 1.5

@@ -2,10 +2,10 @@
 
 python tools/build_wasm.py [OUT.wasm]
 
-Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of `overview_dsp.kernels.browser.render`
-is compiled for wasm32 by the LLVM inside llvmlite. The module exports `render`, its memory and
-`__heap_base`, from where on the memory is free, and imports nothing. The same tool-chain (named in
-the file's own section `toolchain`) gives the same bytes.
+Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of
+`overview_dsp.kernels.device.browser.render` is compiled for wasm32 by the LLVM inside llvmlite. The
+module exports `render`, its memory and `__heap_base`, from where on the memory is free, and imports
+nothing. The same tool-chain (named in the file's own section `toolchain`) gives the same bytes.
 """
 
 from __future__ import annotations
@@ -54,8 +54,8 @@ def compiled() -> bytes:
     import llvmlite.binding as llvm
     import numba
 
-    from overview_dsp.kernels.browser import SIGNATURE, render
     from overview_dsp.kernels.compiling import OPTIONS
+    from overview_dsp.kernels.device.browser import SIGNATURE, render
 
     options = {key: value for key, value in OPTIONS.items() if key != "nogil"}
     function = numba.cfunc(SIGNATURE, **options)(render)

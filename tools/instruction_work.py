@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.callback import native_callback
-from overview_dsp.kernels.lanes import LANES
+from overview_dsp.kernels.device.callback import native_callback
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.voice_lanes import VoiceLanes
+from overview_dsp.voice_lanes import EngineBatch
 
 RATE = 48_000
 FRAMES = RATE
@@ -27,7 +27,7 @@ GESTURE = ov.sweep(0.4) + ov.tap(0.7, 0.1)
 CHANGES = {
     "viscous": {},
     "bristles": {"surface.model": "bristle", "surface.grip": 1.0},
-    "wells": {"surface.model": "detent", "surface.pattern": "waves", "surface.grip": 1.0},
+    "detents": {"surface.model": "detent", "surface.pattern": "waves", "surface.grip": 1.0},
 }
 
 Marks = Callable[[str, Callable[[], None]], None]
@@ -81,14 +81,18 @@ def native_calls(count: Marks) -> None:
 
 def side_by_side(count: Marks) -> None:
     """A lane's part of the second each."""
-    frames = FRAMES // LANES
-    lanes = VoiceLanes(frames)
+    frames = FRAMES // SIMD_WIDTH
+    lanes = EngineBatch(frames)
     engines = [
-        fed("viscous", ov.sweep(1.0 / LANES, lane / LANES, (lane + 1) / LANES), lanes.memory(lane))
-        for lane in range(LANES)
+        fed(
+            "viscous",
+            ov.sweep(1.0 / SIMD_WIDTH, lane / SIMD_WIDTH, (lane + 1) / SIMD_WIDTH),
+            lanes.memory(lane),
+        )
+        for lane in range(SIMD_WIDTH)
     ]
     lanes.process(engines, 0, False)
-    count(f"{LANES} voices side by side", lambda: lanes.process(engines, frames, False))
+    count(f"{SIMD_WIDTH} voices side by side", lambda: lanes.process(engines, frames, False))
 
 
 def main(marks: str | None) -> None:

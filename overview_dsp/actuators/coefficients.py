@@ -117,7 +117,7 @@ def _sharpening(actuator: Actuator, sample_rate: float) -> dict[int, float]:
     return {
         **matrix,
         layout.ACT_FORWARD: forward,
-        layout.ACT_FROM_PLACE: k1,
+        layout.ACT_FROM_POSITION: k1,
         layout.ACT_FROM_SPEED: k2,
     }
 

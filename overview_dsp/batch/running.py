@@ -17,7 +17,7 @@ from overview_dsp.batch.task import Done, Job
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import rest
 from overview_dsp.kernels.compiling import is_compiled
-from overview_dsp.kernels.lanes import LANES
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.many import Voice, render_many, usable_cores
 from overview_dsp.presets.library import load_preset
 from overview_dsp.timeline import bundled_timeline
@@ -154,5 +154,5 @@ def _compile() -> None:
     """Have the kernels compiled once, and said so, before processes need them."""
     if not (is_compiled() and is_compiled("process_lanes")):
         voice = Voice(bundled_timeline(), load_preset("football"), rest(0.001))
-        for _ in render_many([voice] * LANES, tail="none", threads=1):
+        for _ in render_many([voice] * SIMD_WIDTH, tail="none", threads=1):
             pass

@@ -9,20 +9,20 @@ from overview_dsp.bench.timing import BARE_CORES, CORES, VOICE, Contender, timed
 from overview_dsp.bench.work import RATE, SECONDS, fed, prepared, the_sweep
 from overview_dsp.engine import Engine
 from overview_dsp.gestures import sweep
-from overview_dsp.kernels.lanes import LANES
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.many import render_many, usable_cores, voices
 from overview_dsp.presets import load_preset
 from overview_dsp.timeline import bundled_timeline
-from overview_dsp.voice_lanes import VoiceLanes
+from overview_dsp.voice_lanes import EngineBatch
 
-Lanes = tuple[VoiceLanes, list[Engine | None]]
+Lanes = tuple[EngineBatch, list[Engine | None]]
 
 BLOCK = 16384
 SEEDS = 256
 SWEEP_S = 1.5
 
 
-def side_by_side(lanes: VoiceLanes, engines: list[Engine | None]) -> float:
+def side_by_side(lanes: EngineBatch, engines: list[Engine | None]) -> float:
     """The whole work once in every lane."""
     for engine in engines:
         assert engine is not None
@@ -33,7 +33,7 @@ def side_by_side(lanes: VoiceLanes, engines: list[Engine | None]) -> float:
         for start in range(0, frames, BLOCK):
             lanes.process(engines, min(BLOCK, frames - start), False)
 
-    return timed(LANES * SECONDS, work)
+    return timed(SIMD_WIDTH * SECONDS, work)
 
 
 def rendered(threads: int) -> float:
@@ -50,13 +50,13 @@ def in_threads(full: list[Lanes]) -> float:
     with ThreadPoolExecutor(len(full)) as pool:
         started = time.perf_counter()
         list(pool.map(lambda lanes: side_by_side(*lanes), full))
-        return len(full) * LANES * SECONDS / (time.perf_counter() - started)
+        return len(full) * SIMD_WIDTH * SECONDS / (time.perf_counter() - started)
 
 
 def filled() -> Lanes:
     """Lanes with an engine in each."""
-    lanes = VoiceLanes(BLOCK)
-    return lanes, [prepared(frames=BLOCK, memory=lanes.memory(lane)) for lane in range(LANES)]
+    lanes = EngineBatch(BLOCK)
+    return lanes, [prepared(frames=BLOCK, memory=lanes.memory(lane)) for lane in range(SIMD_WIDTH)]
 
 
 def contenders() -> list[Contender]:
@@ -64,7 +64,9 @@ def contenders() -> list[Contender]:
     cores = usable_cores()
     full = [filled() for _ in range(cores)]
     return [
-        Contender(VOICE, f"overView, {LANES} voices side by side", lambda: side_by_side(*full[0])),
+        Contender(
+            VOICE, f"overView, {SIMD_WIDTH} voices side by side", lambda: side_by_side(*full[0])
+        ),
         Contender(CORES, "render_many, 1 thread", lambda: rendered(1)),
         Contender(CORES, f"render_many, {cores} threads", lambda: rendered(cores)),
         Contender(BARE_CORES, "side by side, 1 thread", lambda: in_threads(full[:1])),

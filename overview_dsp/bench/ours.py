@@ -44,7 +44,7 @@ def native_calls(engine: Engine) -> float:
 
     The loop over blocks is compiled too, as PortAudio's is.
     """
-    from overview_dsp.kernels.callback import repeated_callback
+    from overview_dsp.kernels.device.callback import repeated_callback
 
     run = repeated_callback()
     fed(engine, the_sweep())

@@ -91,7 +91,7 @@ def plain_scene(engine: Engine) -> Scene:
     first = np.concatenate([[0], np.cumsum([len(kind) for kind in surface.kind_modes])])
     arrays = (
         np.ascontiguousarray(surface.friction),
-        surface.place * HALF_TURN,
+        surface.position * HALF_TURN,
         np.ascontiguousarray(surface.release),
         np.ascontiguousarray(surface.kind),
         np.append(first, first[-1]).astype(np.int64),  # an empty kind ends the list
@@ -99,9 +99,9 @@ def plain_scene(engine: Engine) -> Scene:
         np.array([mode.decay_ms * 1e-3 for mode in modes]),
         np.array([db_to_gain(mode.gain_db) for mode in modes]),
     )
-    assert math.isclose(arrays[1][-1], surface.place[-1] * math.pi)
+    assert math.isclose(arrays[1][-1], surface.position[-1] * math.pi)
     addresses = [array.ctypes.data for array in arrays]
-    scene = Scene(addresses[0], len(surface.place), *addresses[1:])
+    scene = Scene(addresses[0], len(surface.position), *addresses[1:])
     scene.kept = arrays
     return scene
 

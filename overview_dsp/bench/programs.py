@@ -45,7 +45,7 @@ class FaustPeer:
         library = built(folder / "faust_host.c", (*FAST, f"-I{folder}"), folder)
         self._c = ctypes.CDLL(str(library))
         surface = engine.surface
-        places = surface.place * CELLS
+        places = surface.position * CELLS
         below = np.searchsorted(places, np.arange(CELLS + 1), side="right").astype(np.float64)
         self._tables = (
             np.ascontiguousarray(surface.friction),

@@ -17,7 +17,7 @@ CONTROL = np.dtype([("sample", np.int64), ("touching", np.int64), ("theta2", np.
 _COLUMNS = (
     layout.SLOT_TABLE,
     None,  # the number of events
-    layout.SLOT_PLACE,
+    layout.SLOT_POSITION,
     layout.SLOT_RELEASE,
     layout.SLOT_KIND,
     layout.KIND_MODES,

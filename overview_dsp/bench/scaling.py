@@ -75,7 +75,7 @@ class Case:
             found = (costs_of(engine, sweep_s, repeats) for _ in range(times))
             return statistics.median(itertools.chain.from_iterable(found))
 
-        return cls(entry, run, len(engine.surface.place), repeats < WARM_REPEATS)
+        return cls(entry, run, len(engine.surface.position), repeats < WARM_REPEATS)
 
 
 def costs_of(engine: Engine, sweep_s: float, repeats: int = 1) -> list[float]:

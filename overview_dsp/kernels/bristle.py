@@ -30,27 +30,27 @@ from __future__ import annotations
 
 from math import sqrt
 
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.elementary import exp
 
 CREEP = 0.02  # rad/s: well below it a torque holds the disk, and isn't felt
 
 
-@point
+@inlined
 def moving(omega):
     """How much of a torque that doesn't fade by itself is felt: 0 at rest, 1 in motion."""
     squared = omega * omega
     return squared / (squared + CREEP * CREEP)
 
 
-@point
+@inlined
 def steady_torque(sliding, static, stribeck, omega):
     """Torque of steady sliding (N m) at a speed (rad/s): falls from static to sliding torque."""
     ratio = omega / stribeck
     return sliding * (1.0 + (static - 1.0) * exp(-ratio * ratio))
 
 
-@point
+@inlined
 def converted(z, before, stiffness):
     """The deflection of bristles that become stiffer or softer: never with more energy.
 
@@ -60,7 +60,7 @@ def converted(z, before, stiffness):
     return z * ratio if ratio <= 1.0 else z * sqrt(ratio)
 
 
-@point
+@inlined
 def bristle_step(push, resistance, z0, stiffness, damping, steady, break_away):
     """The step's midpoint speed vm (cells a sample), the deflection after it, torque / push's unit.
 
@@ -87,7 +87,7 @@ def bristle_step(push, resistance, z0, stiffness, damping, steady, break_away):
     return sign * speed, sign * z1, sign * (stiffness * z1 + damping * (z1 - was))
 
 
-@point
+@inlined
 def speed_after(v, middle):
     """The speed after a step (cells a sample): 2 vm - v, as in `two_disk`, unless it overshoots.
 

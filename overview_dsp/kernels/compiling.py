@@ -38,7 +38,7 @@ _C_OPTIONS = {key: value for key, value in OPTIONS.items() if key != "nogil"}
 def sources_digest() -> str:
     """Digest of every kernel source file: numba's cache watches only a function's own file."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
@@ -64,7 +64,7 @@ def is_compiled(function: str = "process") -> bool:
     return folder.is_dir() and any(folder.rglob(f"*.{function}-*.nbc"))
 
 
-def point(function: Function) -> Function:
+def inlined(function: Function) -> Function:
     """Compile a function for other kernels to call: inlined, with no door to Python.
 
     Python calls its plain form, `function.py_func`.
@@ -78,19 +78,19 @@ def point(function: Function) -> Function:
     return compiled
 
 
-def routine(function: Function) -> Function:
+def outlined(function: Function) -> Function:
     """Compile a function for other kernels to call, not inlined: for what is large and rare."""
     bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     compiled: Function = numba.njit(**OPTIONS, **bare)(function)
     return compiled
 
 
-def entry(function: Function) -> Function:
+def entry_point(function: Function) -> Function:
     """Compile a function that Python calls, and keep its machine code on disk."""
     return _kept(function, lambda cache: numba.njit(cache=cache, **OPTIONS))
 
 
-def native(signature: Any, function: Callable[..., Any]) -> Any:
+def c_callback(signature: Any, function: Callable[..., Any]) -> Any:
     """Compile a C function (`.address`), and keep its machine code on disk."""
     return _kept(function, lambda cache: numba.cfunc(signature, cache=cache, **_C_OPTIONS))
 

@@ -10,7 +10,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.glide import smooth_step
 
 PI = 3.141592653589793
@@ -18,169 +18,174 @@ CELLS_PER_RAD = layout.CELLS / PI
 NEVER = 0x7FFFFFFFFFFFFFFF
 
 
-@point
-def engage(m, w, source):
+@inlined
+def engage(f64, i64, source):
     """Shaft 2 takes hold of `source`'s finger: a step, wherever the hand was before."""
-    place = m[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
-    m[layout.INPUT] = place
-    m[layout.SMOOTH_1] = place
-    m[layout.SMOOTH_2] = place
-    w[layout.HOLDER] = source
-    w[layout.TOUCHING] = 1
+    position = f64[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
+    f64[layout.INPUT] = position
+    f64[layout.SMOOTH_1] = position
+    f64[layout.SMOOTH_2] = position
+    i64[layout.HOLDER] = source
+    i64[layout.TOUCHING] = 1
 
 
-@point
-def let_go(m, w):
+@inlined
+def let_go(f64, i64):
     """The holder has let go: another hand takes over, or disk 1 recoils."""
     latest = 0
     heir = -1
     for source in range(layout.SOURCES):
         if (
-            w[layout.SOURCE_TOUCHING + source] == 1
-            and w[layout.SOURCE_TOUCHED_AT + source] > latest
+            i64[layout.SOURCE_TOUCHING + source] == 1
+            and i64[layout.SOURCE_TOUCHED_AT + source] > latest
         ):
-            latest = w[layout.SOURCE_TOUCHED_AT + source]
+            latest = i64[layout.SOURCE_TOUCHED_AT + source]
             heir = source
-    w[layout.HOLDER] = heir
+    i64[layout.HOLDER] = heir
     if heir >= 0:
-        m[layout.INPUT] = m[layout.SOURCE_THETA2 + heir] * CELLS_PER_RAD
-    elif w[layout.S_RELEASE_RETURNS] == 1:
-        m[layout.INPUT] = 0.0
+        f64[layout.INPUT] = f64[layout.SOURCE_THETA2 + heir] * CELLS_PER_RAD
+    elif i64[layout.S_RELEASE_RETURNS] == 1:
+        f64[layout.INPUT] = 0.0
     else:
-        w[layout.TOUCHING] = 0
+        i64[layout.TOUCHING] = 0
 
 
-@point
-def log_applied(m, w, source, touching):
+@inlined
+def log_applied(f64, i64, source, touching):
     """Keep an event as it is applied, so that a recording of the log replays every bit."""
-    at = w[layout.APPLIED] % layout.APPLIED_LOG
-    w[layout.APPLIED_TIME + at] = w[layout.CLOCK]
-    w[layout.APPLIED_SOURCE + at] = source
-    m[layout.APPLIED_THETA2 + at] = m[layout.SOURCE_THETA2 + source]
-    w[layout.APPLIED_TOUCHING + at] = touching
-    w[layout.APPLIED] += 1
+    at = i64[layout.APPLIED] % layout.APPLIED_LOG
+    i64[layout.APPLIED_TIME + at] = i64[layout.CLOCK]
+    i64[layout.APPLIED_SOURCE + at] = source
+    f64[layout.APPLIED_THETA2 + at] = f64[layout.SOURCE_THETA2 + source]
+    i64[layout.APPLIED_TOUCHING + at] = touching
+    i64[layout.APPLIED] += 1
 
 
-@point
-def apply_control(m, w, source, theta2, touching):
+@inlined
+def apply_control(f64, i64, source, theta2, touching):
     """One hand's event: theta2 in rad (kept to [0, pi]; not finite: as before), touching 0 or 1."""
     if theta2 - theta2 != 0.0:  # NaN or infinite
-        w[layout.M_REJECTED] += 1
+        i64[layout.M_REJECTED] += 1
     else:
         if theta2 < 0.0:
             theta2 = 0.0
-            w[layout.M_CLAMPED] += 1
+            i64[layout.M_CLAMPED] += 1
         elif theta2 > PI:
             theta2 = PI
-            w[layout.M_CLAMPED] += 1
-        m[layout.SOURCE_THETA2 + source] = theta2
-    log_applied(m, w, source, touching)
-    was = w[layout.SOURCE_TOUCHING + source]
-    w[layout.SOURCE_TOUCHING + source] = touching
+            i64[layout.M_CLAMPED] += 1
+        f64[layout.SOURCE_THETA2 + source] = theta2
+    log_applied(f64, i64, source, touching)
+    was = i64[layout.SOURCE_TOUCHING + source]
+    i64[layout.SOURCE_TOUCHING + source] = touching
     if touching == 1 and was == 0:
-        w[layout.TOUCH_COUNT] += 1
-        w[layout.SOURCE_TOUCHED_AT + source] = w[layout.TOUCH_COUNT]
-        engage(m, w, source)
-    elif w[layout.HOLDER] == source:
+        i64[layout.TOUCH_COUNT] += 1
+        i64[layout.SOURCE_TOUCHED_AT + source] = i64[layout.TOUCH_COUNT]
+        engage(f64, i64, source)
+    elif i64[layout.HOLDER] == source:
         if touching == 1:
-            m[layout.INPUT] = m[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
+            f64[layout.INPUT] = f64[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
         else:
-            let_go(m, w)
+            let_go(f64, i64)
 
 
-@point
-def events_below(m, w, slot, place):
-    """How many events of a slot lie at or below `place` (cells): binary search."""
+@inlined
+def events_below(f64, i64, slot, position):
+    """How many events of a slot lie at or below `position` (cells): binary search."""
     low = 0
-    high = w[slot + layout.SLOT_EVENTS]
+    high = i64[slot + layout.SLOT_EVENTS]
     while low < high:
         middle = (low + high) // 2
-        if m[slot + layout.SLOT_PLACE + middle] <= place:
+        if f64[slot + layout.SLOT_POSITION + middle] <= position:
             low = middle + 1
         else:
             high = middle
     return low
 
 
-@point
-def apply_host(m, w, what, value):
+@inlined
+def apply_host(f64, i64, what, value):
     """One parameter or surface event: a glide to a new coefficient, or a crossfade to a slot."""
     if 0 <= what < layout.COEFFS:
-        m[layout.TARGET + what] = value
-        m[layout.GLIDE_FROM + what] = m[what]
-        w[layout.GLIDE_LEFT + what] = w[layout.S_GLIDE]
+        f64[layout.TARGET + what] = value
+        f64[layout.GLIDE_FROM + what] = f64[what]
+        i64[layout.GLIDE_LEFT + what] = i64[layout.S_GLIDE]
     elif what == layout.COMMAND_SURFACE:
-        w[layout.FADING_SLOT] = w[layout.ACTIVE_SLOT]
-        w[layout.ACTIVE_SLOT] = int(value)
-        w[layout.FADE_LEFT] = w[layout.S_FADE]
-        w[layout.NEXT_EVENT] = events_below(
-            m, w, layout.SURFACES + int(value) * layout.SLOT_SIZE, m[layout.X]
+        i64[layout.FADING_SLOT] = i64[layout.ACTIVE_SLOT]
+        i64[layout.ACTIVE_SLOT] = int(value)
+        i64[layout.FADE_LEFT] = i64[layout.S_FADE]
+        i64[layout.NEXT_EVENT] = events_below(
+            f64, i64, layout.SURFACES + int(value) * layout.SLOT_SIZE, f64[layout.X]
         )
     elif what == layout.COMMAND_RELEASE_RETURNS:
-        w[layout.S_RELEASE_RETURNS] = int(value)
+        i64[layout.S_RELEASE_RETURNS] = int(value)
 
 
-@point
-def apply_due(m, w):
+@inlined
+def apply_due(f64, i64):
     """Apply every event due at the clock's sample: parameters and surfaces, then hands in order."""
-    now = w[layout.CLOCK]
-    while w[layout.HOST_READ] < w[layout.HOST_WRITTEN]:
-        at = w[layout.HOST_READ] % layout.HOST_RING
-        if w[layout.HOST_TIME + at] > now:
+    now = i64[layout.CLOCK]
+    while i64[layout.HOST_READ] < i64[layout.HOST_WRITTEN]:
+        at = i64[layout.HOST_READ] % layout.HOST_RING
+        if i64[layout.HOST_TIME + at] > now:
             break
-        apply_host(m, w, w[layout.HOST_WHAT + at], m[layout.HOST_VALUE + at])
-        w[layout.HOST_TIME + at] = now  # for a recording
-        w[layout.HOST_READ] += 1
+        apply_host(f64, i64, i64[layout.HOST_WHAT + at], f64[layout.HOST_VALUE + at])
+        i64[layout.HOST_TIME + at] = now  # for a recording
+        i64[layout.HOST_READ] += 1
     for source in range(layout.SOURCES):
-        while w[layout.RING_READ + source] < w[layout.RING_WRITTEN + source]:
-            at = source * layout.RING + w[layout.RING_READ + source] % layout.RING
-            time = w[layout.RING_TIME + at]
+        while i64[layout.RING_READ + source] < i64[layout.RING_WRITTEN + source]:
+            at = source * layout.RING + i64[layout.RING_READ + source] % layout.RING
+            time = i64[layout.RING_TIME + at]
             if time > now:
                 break
             if 0 <= time < now:
-                w[layout.M_LATE] += 1
-            apply_control(m, w, source, m[layout.RING_THETA2 + at], w[layout.RING_TOUCHING + at])
-            w[layout.RING_READ + source] += 1
+                i64[layout.M_LATE] += 1
+            apply_control(
+                f64, i64, source, f64[layout.RING_THETA2 + at], i64[layout.RING_TOUCHING + at]
+            )
+            i64[layout.RING_READ + source] += 1
 
 
-@point
-def next_due(w):
+@inlined
+def next_due(i64):
     """The sample of the next event that waits in any ring, or NEVER."""
     due = NEVER
-    if w[layout.HOST_READ] < w[layout.HOST_WRITTEN]:
-        due = w[layout.HOST_TIME + w[layout.HOST_READ] % layout.HOST_RING]
+    if i64[layout.HOST_READ] < i64[layout.HOST_WRITTEN]:
+        due = i64[layout.HOST_TIME + i64[layout.HOST_READ] % layout.HOST_RING]
     for source in range(layout.SOURCES):
-        if w[layout.RING_READ + source] < w[layout.RING_WRITTEN + source]:
-            time = w[
-                layout.RING_TIME + source * layout.RING + w[layout.RING_READ + source] % layout.RING
+        if i64[layout.RING_READ + source] < i64[layout.RING_WRITTEN + source]:
+            time = i64[
+                layout.RING_TIME
+                + source * layout.RING
+                + i64[layout.RING_READ + source] % layout.RING
             ]
             if time < due:
                 due = time
     return due
 
 
-@point
-def drop_waiting(w):
+@inlined
+def drop_waiting(i64):
     """Forget every event that waits."""
-    w[layout.HOST_READ] = w[layout.HOST_WRITTEN]
+    i64[layout.HOST_READ] = i64[layout.HOST_WRITTEN]
     for source in range(layout.SOURCES):
-        w[layout.RING_READ + source] = w[layout.RING_WRITTEN + source]
+        i64[layout.RING_READ + source] = i64[layout.RING_WRITTEN + source]
 
 
-@point
-def glide_all(m, w):
+@inlined
+def glide_all(f64, i64):
     """One sample of every gliding coefficient, exact at its end; how many still glide."""
     gliding = 0
-    per_glide = 1.0 / float(w[layout.S_GLIDE])
+    per_glide = 1.0 / float(i64[layout.S_GLIDE])
     for i in range(layout.C_SPRING_HELD, layout.COEFFS):
-        if w[layout.GLIDE_LEFT + i] > 0:
-            w[layout.GLIDE_LEFT + i] -= 1
-            if w[layout.GLIDE_LEFT + i] == 0:
-                m[i] = m[layout.TARGET + i]
+        if i64[layout.GLIDE_LEFT + i] > 0:
+            i64[layout.GLIDE_LEFT + i] -= 1
+            if i64[layout.GLIDE_LEFT + i] == 0:
+                f64[i] = f64[layout.TARGET + i]
             else:
-                left = smooth_step(float(w[layout.GLIDE_LEFT + i]) * per_glide)
-                m[i] = (
-                    m[layout.TARGET + i] + (m[layout.GLIDE_FROM + i] - m[layout.TARGET + i]) * left
+                left = smooth_step(float(i64[layout.GLIDE_LEFT + i]) * per_glide)
+                f64[i] = (
+                    f64[layout.TARGET + i]
+                    + (f64[layout.GLIDE_FROM + i] - f64[layout.TARGET + i]) * left
                 )
                 gliding += 1
     return gliding

@@ -7,14 +7,14 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.lanes import choose
+from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.simd.vector import choose
 
 CORNER_HZ = 20.0  # below hearing and below the tactor's band
 SILENCE = 1e-9
 
 
-@point
+@inlined
 def block_dc(x, x_before, y_before, pole):
     """One sample; exactly zero once input and output have died away."""
     y = x - x_before + pole * y_before

@@ -8,18 +8,18 @@ Thread: main.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import entry
+from overview_dsp.kernels.compiling import entry_point
 from overview_dsp.kernels.friction import friction_at
 from overview_dsp.kernels.two_disk import midpoint_speed
 
 
-@entry
-def disk_alone(m, table, hand, torque):
+@entry_point
+def disk_alone(f64, table, hand, torque):
     """The torque at each sample of a held disk that starts at rest at 0.
 
     Parameters
     ----------
-    m : float64 [layout.TOTAL]
+    f64 : float64 [layout.TOTAL]
         Only coefficients and the surface are read.
     table : int64
         Where the surface's friction table starts in m.
@@ -28,14 +28,14 @@ def disk_alone(m, table, hand, torque):
     torque : float64 [frames]
         Overwritten, N m.
     """
-    spring = m[layout.C_SPRING_HELD]
-    inertia = m[layout.C_INERTIA]
+    spring = f64[layout.C_SPRING_HELD]
+    inertia = f64[layout.C_INERTIA]
     denominator = inertia * (2.0 + 0.5 * spring)
-    to_omega = m[layout.C_OMEGA]
+    to_omega = f64[layout.C_OMEGA]
     x = 0.0
     half = 0.0
     for n in range(torque.size):
-        friction = friction_at(m, table, x + half)
+        friction = friction_at(f64, table, x + half)
         middle = midpoint_speed(x, 2.0 * half, hand[n], spring, inertia, denominator, friction)
         x = x + middle
         half = middle - half

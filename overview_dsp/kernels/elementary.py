@@ -10,8 +10,8 @@ Thread: any.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.lanes import bits_of, from_bits
+from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.simd.vector import bits_of, from_bits
 
 LOG2_E = 1.4426950408889634  # 1 / ln 2
 LN_2 = 0.6931471805599453
@@ -25,7 +25,7 @@ TWO_52_AND_BIAS = 4503599627370496.0 + 1023.0
 ROUND = 6755399441055744.0
 
 
-@point
+@inlined
 def log2(x):
     """Base-2 logarithm of a normal, positive x; absolute error below 2e-12.
 
@@ -43,7 +43,7 @@ def log2(x):
     return whole + (2.0 * LOG2_E) * s * (low + t2 * t2 * high)
 
 
-@point
+@inlined
 def exp2(y):
     """2 to the y (kept to -1000 to 1000); relative error below 1e-12."""
     y = min(max(y, -1000.0), 1000.0)
@@ -59,25 +59,25 @@ def exp2(y):
     return series * scale
 
 
-@point
+@inlined
 def exp(x):
     """e to the x; relative error below 1e-12 for |x| < 100."""
     return exp2(x * LOG2_E)
 
 
-@point
+@inlined
 def power(x, p):
     """x to the p for a normal x > 0; relative error below 1e-11 for 0 <= p <= 2."""
     return exp2(p * log2(x))
 
 
-@point
+@inlined
 def tanh_positive(x):
     """Hyperbolic tangent of x >= 0; absolute error below 1e-12."""
     return 1.0 - 2.0 / (exp2(2.0 * LOG2_E * x) + 1.0)
 
 
-@point
+@inlined
 def sin_turns(p):
     """Sine of p turns (2 pi p radians), |p| < 2**31; absolute error below 1e-13 near zero."""
     rounded = 2.0 * p + ROUND
@@ -95,7 +95,7 @@ def sin_turns(p):
     return from_bits(bits_of(s) ^ sign)
 
 
-@point
+@inlined
 def cos_turns(p):
     """Cosine of p turns, |p| < 2**31; absolute error below 1e-13 near zero."""
     return sin_turns(p + 0.25)

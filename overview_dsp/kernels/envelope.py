@@ -11,15 +11,15 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.elementary import power
-from overview_dsp.kernels.lanes import choose
+from overview_dsp.kernels.simd.vector import choose
 
 FAINTEST = 1e-12  # of the full torque: below it, a torque has no amplitude
 SILENCE = 1e-7  # an amplitude at -140 dBFS, below the last bit of 24: from here it is zero
 
 
-@point
+@inlined
 def compress(torque, scale, gate, exponent):
     """Amplitude in [0, 1] of a torque (N m); without branches, so that it vectorises."""
     t = abs(torque) * scale - gate
@@ -31,7 +31,7 @@ def compress(torque, scale, gate, exponent):
     return c * (27.0 + squared) / (27.0 + 9.0 * squared)
 
 
-@point
+@inlined
 def follow(amplitude, follower, e1, e2, decay, rise):
     """One sample of follower and low-passes; exactly zero once inaudible."""
     falling = follower + decay * (amplitude - follower)

@@ -1,32 +1,32 @@
-"""Surface look-up: the friction B at a place, linear between the table's points.
+"""Surface look-up: the friction B at a position, linear between the table's points.
 
 Thread: audio.
 """
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import NOT_NEGATIVE, point
-from overview_dsp.kernels.lanes import choose, load_pairs
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, inlined
 from overview_dsp.kernels.layout import CELLS
+from overview_dsp.kernels.simd.vector import choose, load_pairs
 
 
-@point
-def friction_at(m, table, place):
-    """B at `place` (cells, clamped to the table) from pairs of value and slope, N m s/rad."""
+@inlined
+def friction_at(f64, table, position):
+    """B at `position` (cells, clamped to the table) from pairs of value and slope, N m s/rad."""
     # a NaN fails both comparisons and must not become an index
-    if not place > 0.0:
-        place = 0.0
-    if place > CELLS:
-        place = float(CELLS)
-    i = int(place)
+    if not position > 0.0:
+        position = 0.0
+    if position > CELLS:
+        position = float(CELLS)
+    i = int(position)
     at = (table + 2 * i) & NOT_NEGATIVE
-    return m[at] + (place - float(i)) * m[at + 1]
+    return f64[at] + (position - float(i)) * f64[at + 1]
 
 
-@point
-def frictions_at(m, tables, first, place):
+@inlined
+def frictions_at(f64, tables, first, position):
     """`friction_at` for lanes: lane i's table begins at column `tables[first + i]`."""
-    place = choose(place > 0.0, place, 0.0)
-    place = choose(place > CELLS, float(CELLS), place)
-    whole, friction, slope = load_pairs(m, tables, first, place)
-    return friction + (place - whole) * slope
+    position = choose(position > 0.0, position, 0.0)
+    position = choose(position > CELLS, float(CELLS), position)
+    whole, friction, slope = load_pairs(f64, tables, first, position)
+    return friction + (position - whole) * slope

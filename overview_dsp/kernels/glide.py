@@ -10,10 +10,10 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import inlined
 
 
-@point
+@inlined
 def smooth_step(part):
     """0 to 1, without slope at either end, for a part of 0 to 1."""
     return part * part * (3.0 - 2.0 * part)

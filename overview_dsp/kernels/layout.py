@@ -1,13 +1,13 @@
 """The one memory block: where each coefficient, state, ring, meter and surface slot lies.
 
-The block is one 8-byte-aligned run of `TOTAL` float64 columns, seen three ways: `m` (float64),
-`w` (int64: counters, indices, times) and `u` (uint64: random state). It is the engine's memory
+The block is one 8-byte-aligned run of `TOTAL` float64 columns, seen three ways: `f64` (float64),
+`i64` (int64: counters, indices, times) and `u64` (uint64: random state). It is the engine's memory
 offline, PortAudio's user data live and the heap image in the browser, so every offset is a
 compile-time constant. `reset` (in `block.py`) writes every column between `STATE` and
 `TOTAL_STATE`; coefficients, rings and surface slots survive it.
 
-Units: the disk's angle is kept as a place on the surface table (cells, 0 to `CELLS` for the whole
-timeline) and its speed in cells a sample, so that the angle is the table's index.
+Units: the disk's angle is kept as a position on the surface table (cells, 0 to `CELLS` for the
+whole timeline) and its speed in cells a sample, so that the angle is the table's index.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PHASES = 8  # samples of a mode that are turned side by side: as many as there a
 SOURCES = 6  # touch, twist, serial, OSC, MIDI, remote: this order settles ties
 RING = 4096  # control events waiting, a source (a power of two)
 HOST_RING = 1024  # parameter and surface events waiting
-CONTACT = 8  # blows of one strike
+CONTACT = 8  # pulses of one strike
 STRIKE_LOG = 16384  # strikes kept until they are read
 APPLIED_LOG = 16384  # control events kept, as applied, until they are read (a power of two)
 DELAY_LINE = 131072  # frames of the outputs' delay: 100 ms at the highest rate (a power of two)
@@ -60,37 +60,37 @@ COEFF = 0
 ) = range(COEFF, COEFF + 22)
 TARGET = COEFF + COEFFS
 GLIDE_FROM = TARGET + COEFFS
-GLIDE_LEFT = GLIDE_FROM + COEFFS  # w: samples left of each glide
+GLIDE_LEFT = GLIDE_FROM + COEFFS  # i64: samples left of each glide
 SETTINGS = GLIDE_LEFT + COEFFS
 
 # --- settings that don't glide (w) -----------------------------------------------------------
 (
-    S_GLIDE,  # w: samples of a parameter's glide
-    S_FADE,  # w: samples of a surface's crossfade
-    S_RELEASE_RETURNS,  # w: 1 = shaft 2 stays on release and theta2 falls to 0
-    S_CLICK_CHANNEL,  # w: output channel of the clicks, -1 = none
-    S_TACTOR_CHANNEL,  # w: output channel of the tactor, -1 = none
-    S_SEED,  # u: random state at reset
+    S_GLIDE,  # i64: samples of a parameter's glide
+    S_FADE,  # i64: samples of a surface's crossfade
+    S_RELEASE_RETURNS,  # i64: 1 = shaft 2 stays on release and theta2 falls to 0
+    S_CLICK_CHANNEL,  # i64: output channel of the clicks, -1 = none
+    S_TACTOR_CHANNEL,  # i64: output channel of the tactor, -1 = none
+    S_SEED,  # u64: random state at reset
     S_SAMPLE_RATE,  # Hz
 ) = range(SETTINGS, SETTINGS + 7)
 
 # --- state: everything `reset` clears ---------------------------------------------------------
 STATE = SETTINGS + 8
 (
-    CLOCK,  # w: samples since reset
+    CLOCK,  # i64: samples since reset
     APPROACH,  # highest recent |omega1|, rad/s
     X,  # disk 1, cells
     V,  # disk 1, cells a sample
     INPUT,  # smoother: its target theta2, cells
     SMOOTH_1,  # smoother: first pole, cells
     SMOOTH_2,  # smoother: second pole = the theta2 in use, cells
-    TOUCHING,  # w: 1 = shaft 2 engaged
-    HOLDER,  # w: source that holds the disk, -1 = none
-    TOUCH_COUNT,  # w: engagements so far: who touched last
-    NEXT_EVENT,  # w: events of the active surface below the disk
-    ACTIVE_SLOT,  # w
-    FADING_SLOT,  # w: slot faded from, -1 = none
-    FADE_LEFT,  # w: samples left of the crossfade
+    TOUCHING,  # i64: 1 = shaft 2 engaged
+    HOLDER,  # i64: source that holds the disk, -1 = none
+    TOUCH_COUNT,  # i64: engagements so far: who touched last
+    NEXT_EVENT,  # i64: events of the active surface below the disk
+    ACTIVE_SLOT,  # i64
+    FADING_SLOT,  # i64: slot faded from, -1 = none
+    FADE_LEFT,  # i64: samples left of the crossfade
     FOLLOWER,  # tactor: peak follower
     ENVELOPE_1,
     ENVELOPE_2,
@@ -101,77 +101,79 @@ STATE = SETTINGS + 8
     TEXTURE,  # texture: the low-pass
     CLICK_DC_IN,
     CLICK_DC_OUT,
-    NOISE,  # u
-    RINGING,  # w: number of kinds that sound
+    NOISE,  # u64
+    RINGING,  # i64: number of kinds that sound
     BRISTLE,  # deflection of the bristles, cells
     BRISTLE_STIFFNESS,  # of the bristles deflected, N m/rad
     SLIP_PEAK,  # highest |torque| of the bristles since they stuck, N m; -1 = they slide
 ) = range(STATE, STATE + 29)
-SOURCE_TOUCHING = STATE + 32  # w: of each source
-SOURCE_TOUCHED_AT = SOURCE_TOUCHING + SOURCES  # w: TOUCH_COUNT when it last touched
+SOURCE_TOUCHING = STATE + 32  # i64: of each source
+SOURCE_TOUCHED_AT = SOURCE_TOUCHING + SOURCES  # i64: TOUCH_COUNT when it last touched
 SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # rad
-RINGING_KIND = SOURCE_THETA2 + SOURCES  # w: the RINGING first entries name the kinds that sound
-BANK_LEFT = RINGING_KIND + BANKS  # w: samples until a kind is silent
-BANK_MODES = BANK_LEFT + BANKS  # w: modes of a kind when struck
+RINGING_KIND = SOURCE_THETA2 + SOURCES  # i64: the RINGING first entries name the kinds that sound
+BANK_LEFT = RINGING_KIND + BANKS  # i64: samples until a kind is silent
+BANK_MODES = BANK_LEFT + BANKS  # i64: modes of a kind when struck
 BANK = BANK_MODES + BANKS  # the modes, kind by kind: see "a mode that rings"
 BANK_SIZE = 2 * PHASES + 8
-BLOW_KEY = BANK + BANKS * MAX_MODES * BANK_SIZE  # w: whose factors follow, of even and odd blows
-BLOW_REST = BLOW_KEY + 2  # samples
-BLOW_RE = BLOW_REST + 2  # what each mode has of such a blow when its sample ends
-BLOW_IM = BLOW_RE + 2 * MAX_MODES
-METERS = BLOW_IM + 2 * MAX_MODES
+PULSE_KEY = (
+    BANK + BANKS * MAX_MODES * BANK_SIZE
+)  # i64: whose factors follow, of even and odd pulses
+PULSE_REST = PULSE_KEY + 2  # samples
+PULSE_RE = PULSE_REST + 2  # what each mode has of such a pulse when its sample ends
+PULSE_IM = PULSE_RE + 2 * MAX_MODES
+METERS = PULSE_IM + 2 * MAX_MODES
 
 # --- meters (cleared by reset) ----------------------------------------------------------------
 (
-    M_BLOCKS,  # w
-    M_LATE,  # w: control events that came after their sample
-    M_REJECTED,  # w: control events with a theta2 that is not finite
-    M_CLAMPED,  # w: control events with a theta2 outside [0, pi]
-    M_RESETS,  # w: blocks silenced because the state was not finite
-    M_LIMITED,  # w: samples bent by the limiter
-    M_STRIKES,  # w: strikes so far
+    M_BLOCKS,  # i64
+    M_LATE,  # i64: control events that came after their sample
+    M_REJECTED,  # i64: control events with a theta2 that is not finite
+    M_CLAMPED,  # i64: control events with a theta2 outside [0, pi]
+    M_RESETS,  # i64: blocks silenced because the state was not finite
+    M_LIMITED,  # i64: samples bent by the limiter
+    M_STRIKES,  # i64: strikes so far
     M_PEAK_CLICK,  # of the last block
     M_PEAK_TACTOR,  # of the last block
     M_TORQUE,  # last
     M_ENVELOPE,  # last
     M_FRICTION,  # last
-    M_SILENT,  # w: samples since the last one that was not zero on both channels
-    M_STILL,  # w: samples since the disk was last away from where its springs rest
+    M_SILENT,  # i64: samples since the last one that was not zero on both channels
+    M_STILL,  # i64: samples since the disk was last away from where its springs rest
     M_IMPULSE,  # sum of the torque over the samples so far, N m samples
-    M_SUMMED,  # w: samples in that sum
+    M_SUMMED,  # i64: samples in that sum
 ) = range(METERS, METERS + 16)
 TOTAL_STATE = METERS + 16
 
 # --- rings: written by the control thread, read by the audio thread ----------------------------
-RING_WRITTEN = TOTAL_STATE  # w: events ever written, a source
-RING_READ = RING_WRITTEN + SOURCES  # w: events ever read, a source
-HOST_WRITTEN = RING_READ + SOURCES  # w
-HOST_READ = HOST_WRITTEN + 1  # w
-STRIKES_READ = HOST_READ + 1  # w: strikes the reader has taken (of M_STRIKES)
-RING_TIME = STRIKES_READ + 1  # w: sample, -1 = as soon as possible
+RING_WRITTEN = TOTAL_STATE  # i64: events ever written, a source
+RING_READ = RING_WRITTEN + SOURCES  # i64: events ever read, a source
+HOST_WRITTEN = RING_READ + SOURCES  # i64
+HOST_READ = HOST_WRITTEN + 1  # i64
+STRIKES_READ = HOST_READ + 1  # i64: strikes the reader has taken (of M_STRIKES)
+RING_TIME = STRIKES_READ + 1  # i64: sample, -1 = as soon as possible
 RING_THETA2 = RING_TIME + SOURCES * RING  # rad
-RING_TOUCHING = RING_THETA2 + SOURCES * RING  # w
-HOST_TIME = RING_TOUCHING + SOURCES * RING  # w: sample, -1 = as soon as possible; then: applied
-HOST_WHAT = HOST_TIME + HOST_RING  # w: a coefficient, or one of the commands below
+RING_TOUCHING = RING_THETA2 + SOURCES * RING  # i64
+HOST_TIME = RING_TOUCHING + SOURCES * RING  # i64: sample, -1 = as soon as possible; then: applied
+HOST_WHAT = HOST_TIME + HOST_RING  # i64: a coefficient, or one of the commands below
 HOST_VALUE = HOST_WHAT + HOST_RING
 COMMAND_SURFACE = -1  # value: slot to crossfade to
 COMMAND_RELEASE_RETURNS = -2  # value: 0 or 1
 LOG_TIME = HOST_VALUE + HOST_RING  # strike log: sample with its fraction
-LOG_EVENT = LOG_TIME + STRIKE_LOG  # w: index in the surface's event table, -1 = the bare surface
+LOG_EVENT = LOG_TIME + STRIKE_LOG  # i64: index in the surface's event table, -1 = the bare surface
 LOG_TORQUE = LOG_EVENT + STRIKE_LOG  # torque released, N m
 LOG_LEVEL = LOG_TORQUE + STRIKE_LOG  # strike amplitude after compression
-STRIKES_SOUNDED = LOG_LEVEL + STRIKE_LOG  # w: strikes the bank has taken, a blow of CONTACT
-APPLIED = STRIKES_SOUNDED + CONTACT  # w: control events applied since reset
-APPLIED_TIME = APPLIED + 1  # w: sample
-APPLIED_SOURCE = APPLIED_TIME + APPLIED_LOG  # w
+STRIKES_SOUNDED = LOG_LEVEL + STRIKE_LOG  # i64: strikes the bank has taken, a pulse of CONTACT
+APPLIED = STRIKES_SOUNDED + CONTACT  # i64: control events applied since reset
+APPLIED_TIME = APPLIED + 1  # i64: sample
+APPLIED_SOURCE = APPLIED_TIME + APPLIED_LOG  # i64
 APPLIED_THETA2 = APPLIED_SOURCE + APPLIED_LOG  # rad
-APPLIED_TOUCHING = APPLIED_THETA2 + APPLIED_LOG  # w
+APPLIED_TOUCHING = APPLIED_THETA2 + APPLIED_LOG  # i64
 SCRATCH = APPLIED_TOUCHING + APPLIED_LOG  # columns between the stages, one chunk long
 D_TORQUE = SCRATCH  # from the disk
 D_OMEGA = D_TORQUE + CHUNK
 D_PHASE = D_OMEGA + CHUNK
-D_PLACE = D_PHASE + CHUNK
-D_SPEED = D_PLACE + CHUNK
+D_POSITION = D_PHASE + CHUNK
+D_SPEED = D_POSITION + CHUNK
 D_THETA2 = D_SPEED + CHUNK
 D_FRICTION = D_THETA2 + CHUNK
 D_AMPLITUDE = D_FRICTION + CHUNK  # from the shaping
@@ -183,17 +185,17 @@ D_CLICK = D_RING + CHUNK  # from the voice
 D_TACTOR = D_CLICK + CHUNK
 LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
 (
-    L_CHANNELS,  # w: output channels of the stream
-    L_STOP,  # w: 1 = fade out, then end the stream
-    L_FADED,  # w: frames faded so far
-    L_CALLBACKS,  # w
-    L_FRAMES,  # w: frames delivered
-    L_UNDERFLOWS,  # w: callbacks that were told of an output underflow
-    L_LATE,  # w: callbacks that took longer than their own frames last
+    L_CHANNELS,  # i64: output channels of the stream
+    L_STOP,  # i64: 1 = fade out, then end the stream
+    L_FADED,  # i64: frames faded so far
+    L_CALLBACKS,  # i64
+    L_FRAMES,  # i64: frames delivered
+    L_UNDERFLOWS,  # i64: callbacks that were told of an output underflow
+    L_LATE,  # i64: callbacks that took longer than their own frames last
     L_LONGEST,  # longest callback, s
-    L_SECONDS,  # w: clock_gettime's two fields
-    L_NANOSECONDS,  # w
-    L_LINE,  # w: frames ever written to the delay lines
+    L_SECONDS,  # i64: clock_gettime's two fields
+    L_NANOSECONDS,  # i64
+    L_LINE,  # i64: frames ever written to the delay lines
 ) = range(LIVE, LIVE + 11)
 BUSY_BINS = 96
 # what the device does to each of click and tactor after the engine: one column a signal
@@ -205,33 +207,33 @@ L_GLIDED = 3 * SIGNALS  # the three above glide, in the same order as:
 L_WANTED = L_GAIN + L_GLIDED  # asked for by the control thread
 L_TARGET = L_WANTED + L_GLIDED
 L_FROM = L_TARGET + L_GLIDED
-L_LEFT = L_FROM + L_GLIDED  # w
-L_DELAY = L_LEFT + L_GLIDED  # w: in use, frames
-L_DELAY_FROM = L_DELAY + SIGNALS  # w: crossfaded from
-L_DELAY_LEFT = L_DELAY_FROM + SIGNALS  # w: frames left of that crossfade
-L_DELAY_WANTED = L_DELAY_LEFT + SIGNALS  # w
+L_LEFT = L_FROM + L_GLIDED  # i64
+L_DELAY = L_LEFT + L_GLIDED  # i64: in use, frames
+L_DELAY_FROM = L_DELAY + SIGNALS  # i64: crossfaded from
+L_DELAY_LEFT = L_DELAY_FROM + SIGNALS  # i64: frames left of that crossfade
+L_DELAY_WANTED = L_DELAY_LEFT + SIGNALS  # i64
 L_PEAK = L_DELAY_WANTED + SIGNALS  # highest since the control thread cleared it
 L_LINES = L_PEAK + SIGNALS  # the two delay lines
 L_BUSY = (
     L_LINES + SIGNALS * DELAY_LINE
-)  # w: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
+)  # i64: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
 BINS_AN_OCTAVE = 4
 SHORTEST_S = 1e-7
 # an actuator's drive (actuator.py), relative to its start: coefficients, then state, then meters
 (
-    ACT_ON,  # w: 1 = the signal goes through it
+    ACT_ON,  # i64: 1 = the signal goes through it
     ACT_NOMINAL,  # drive of a signal of 1, of full scale
     ACT_BEND,  # where the drive asked for begins to bend towards the peak
     ACT_PEAK,  # no drive passes it
     ACT_ROOM,  # from that bend to the peak
     ACT_FORWARD,  # inverse filter: what of the drive asked for is given,
-    ACT_FROM_PLACE,  # and what of the modelled mass's place
+    ACT_FROM_POSITION,  # and what of the modelled mass's position
     ACT_FROM_SPEED,  # and speed is taken off
-    ACT_A11,  # the modelled mass, a sample: place from place
-    ACT_A12,  # place from speed
+    ACT_A11,  # the modelled mass, a sample: position from position
+    ACT_A12,  # position from speed
     ACT_A21,
     ACT_A22,
-    ACT_B1,  # place from drive
+    ACT_B1,  # position from drive
     ACT_B2,
     ACT_LEAK,  # how fast heat is lost, a sample
     ACT_LIMIT,  # heat that is never passed, full scale squared
@@ -247,49 +249,53 @@ SHORTEST_S = 1e-7
 (
     ACT_W_DELAY_1,
     ACT_W_DELAY_2,
-    ACT_PLACE,  # of the modelled mass, in drives: where a steady drive of 1 would hold it
+    ACT_POSITION,  # of the modelled mass, in drives: where a steady drive of 1 would hold it
     ACT_SPEED,  # over its resonance's angular frequency
     ACT_HEAT,  # mean square of the drive, leaking
     ACT_TAKEN,  # part of the drive's power that is taken back
     ACT_MOST_TAKEN,  # highest of that so far
-    ACT_AT_PEAK,  # w: samples held at the peak so far
-    ACT_SILENT,  # w: samples since the drive was last other than zero
+    ACT_AT_PEAK,  # i64: samples held at the peak so far
+    ACT_SILENT,  # i64: samples since the drive was last other than zero
 ) = range(ACT_STATE, ACT_STATE + 9)
 ACT_SIZE = 40
 L_ACTUATOR = L_BUSY + BUSY_BINS
 SURFACES = L_ACTUATOR + ACT_SIZE
 
 # --- a surface slot, relative to its start -----------------------------------------------------
-SLOT_EVENTS = 0  # w: number of events
-SLOT_MODELS = 1  # w: which of the friction models below it has, HAS_... added up; 0 = viscous only
+SLOT_EVENTS = 0  # i64: number of events
+SLOT_MODELS = (
+    1  # i64: which of the friction models below it has, HAS_... added up; 0 = viscous only
+)
 HAS_BRISTLES = 1
-HAS_WELLS = 2  # or end stops
+HAS_DETENTS = 2  # or end stops
 SLOT_END_STIFFNESS = 2  # of the springs beyond the ends, N m/rad
 SLOT_END_DAMPING = 3  # N m s/rad
 SLOT_TABLE = 8  # friction and its slope to the next point, interleaved, CELLS + 1 pairs
-SLOT_PLACE = SLOT_TABLE + 2 * (CELLS + 1)  # where each event strikes, cells, ascending
-SLOT_RELEASE = SLOT_PLACE + MAX_EVENTS  # friction that lets go there, N m s/rad
-SLOT_KIND = SLOT_RELEASE + MAX_EVENTS  # w: kind of each event
-KIND_MODES = SLOT_KIND + MAX_EVENTS  # w: modes of each kind
-KIND_RING = KIND_MODES + BANKS  # w: samples a kind rings
+SLOT_POSITION = SLOT_TABLE + 2 * (CELLS + 1)  # where each event strikes, cells, ascending
+SLOT_RELEASE = SLOT_POSITION + MAX_EVENTS  # friction that lets go there, N m s/rad
+SLOT_KIND = SLOT_RELEASE + MAX_EVENTS  # i64: kind of each event
+KIND_MODES = SLOT_KIND + MAX_EVENTS  # i64: modes of each kind
+KIND_RING = KIND_MODES + BANKS  # i64: samples a kind rings
 MODES = KIND_RING + BANKS  # of each kind: see "a mode of a surface"
 MODE_SIZE = 4 * PHASES + 8
-SLOT_GRIP = MODES + BANKS * MAX_MODES * MODE_SIZE  # sliding torque, N m, as SLOT_TABLE
-SLOT_OWNER = SLOT_GRIP + 2 * (CELLS + 1)  # w: the event whose bristles are there, -1 = the surface
-SLOT_PULL = SLOT_OWNER + CELLS + 1  # pull of the wells and its slope, N m, as SLOT_TABLE
-SLOT_WELL = SLOT_PULL + 2 * (CELLS + 1)  # its integral: their energy, N m cells
-BRISTLES = SLOT_WELL + CELLS + 1  # the parameters of each bank's bristles:
+SLOT_SLIDING_TORQUE = MODES + BANKS * MAX_MODES * MODE_SIZE  # sliding torque, N m, as SLOT_TABLE
+SLOT_OWNER = SLOT_SLIDING_TORQUE + 2 * (
+    CELLS + 1
+)  # i64: the event whose bristles are there, -1 = the surface
+SLOT_PULL = SLOT_OWNER + CELLS + 1  # pull of the detents and its slope, N m, as SLOT_TABLE
+SLOT_DETENT_ENERGY = SLOT_PULL + 2 * (CELLS + 1)  # its integral: their energy, N m cells
+BRISTLES = SLOT_DETENT_ENERGY + CELLS + 1  # the parameters of each bank's bristles:
 (
     P_STIFFNESS,  # N m/rad
     P_DAMPING,  # N m s/rad
     P_STATIC,  # static torque over sliding torque
     P_STRIBECK,  # rad/s
     P_BREAK_AWAY,  # part of the deflection that is elastic only
-    P_STRIKE,  # w: how hard the kind's events strike, one of:
+    P_STRIKE,  # i64: how hard the kind's events strike, one of:
 ) = range(6)
 STRIKE_BY_APPROACH = 0  # release times the highest recent speed: what viscous friction took
 STRIKE_BY_TORQUE = 1  # release, at any speed: what bristles or a stop held
-STRIKE_BY_SPEED = 2  # release times the speed: what the disk brings to the bottom of a well
+STRIKE_BY_SPEED = 2  # release times the speed: what the disk brings to the bottom of a detent
 BRISTLE_PARAMETERS = 8
 SLOT_SIZE = (BRISTLES + BANKS * BRISTLE_PARAMETERS + 7) // 8 * 8
 TOTAL = SURFACES + SLOTS * SLOT_SIZE

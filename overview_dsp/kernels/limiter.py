@@ -10,14 +10,14 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.elementary import tanh_positive
 
 KNEE = 0.5  # of the ceiling
 TOP = 0.999999  # of the ceiling: rounding to float32 can't pass it
 
 
-@point
+@inlined
 def limit(x, ceiling):
     """x held under the ceiling."""
     knee = KNEE * ceiling

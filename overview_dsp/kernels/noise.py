@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.lanes import count
+from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.simd.vector import count
 
 SHIFT_A = np.uint64(12)
 SHIFT_B = np.uint64(25)
@@ -18,7 +18,7 @@ MULTIPLIER = np.uint64(2685821657736338717)
 TWO_TO_MINUS_52 = 2.220446049250313e-16
 
 
-@point
+@inlined
 def next_state(state):
     """The next word of xorshift64* (Vigna 2016, arXiv:1402.6246); state is never zero."""
     state = state ^ (state >> SHIFT_A)
@@ -26,14 +26,14 @@ def next_state(state):
     return state ^ (state >> SHIFT_C)
 
 
-@point
+@inlined
 def white(state):
     """A uniform value in [-1, 1) from a state word (variance 1/3)."""
     return count((state * MULTIPLIER) >> SHIFT_TO_53_BITS) * TWO_TO_MINUS_52 - 1.0
 
 
 def seed_state(seed: int) -> int:
-    """A well-mixed, non-zero state word of any integer seed (splitmix64's finaliser)."""
+    """A detent-mixed, non-zero state word of any integer seed (splitmix64's finaliser)."""
     mask = (1 << 64) - 1
     z = (seed + 0x9E3779B97F4A7C15) & mask
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & mask

@@ -8,74 +8,74 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import NOT_NEGATIVE, point
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, inlined
 from overview_dsp.kernels.limiter import KNEE, limit
 
 MAGNITUDE = 0x7FFFFFFFFFFFFFFF  # of a float64's bits, all but the sign
 
 
-@point
-def limit_column(m, w, column, frames, ceiling):
+@inlined
+def limit_column(f64, i64, column, frames, ceiling):
     """Hold one signal under the ceiling; its peak and the number of limited samples."""
     # magnitudes are compared as integers, which compilers do several at a time
     highest = 0
     for n in range(frames):
-        highest = max(highest, w[(column + n) & NOT_NEGATIVE] & MAGNITUDE)
+        highest = max(highest, i64[(column + n) & NOT_NEGATIVE] & MAGNITUDE)
     peak = float(np.int64(highest).view(np.float64))
     knee = KNEE * ceiling
     limited = 0
     if peak > knee:
         peak = 0.0
         for n in range(frames):
-            x = m[column + n]
+            x = f64[column + n]
             if abs(x) > knee:
                 limited += 1
-            m[column + n] = limit(x, ceiling)
-            peak = max(peak, abs(m[column + n]))
+            f64[column + n] = limit(x, ceiling)
+            peak = max(peak, abs(f64[column + n]))
     return peak, limited
 
 
-@point
-def write_column(m, column, frames, out, first, channels):
+@inlined
+def write_column(f64, column, frames, out, first, channels):
     """Write one signal to every `channels`-th sample from `first`."""
     for n in range(frames):
-        out[first + n * channels] = m[column + n]
+        out[first + n * channels] = f64[column + n]
 
 
-@point
-def write(m, w, out, start, frames, channels):
+@inlined
+def write(f64, i64, out, start, frames, channels):
     """Write frames `start` to `start + frames` of the output from D_CLICK and D_TACTOR."""
     first = start * channels
-    click_channel = w[layout.S_CLICK_CHANNEL]
-    tactor_channel = w[layout.S_TACTOR_CHANNEL]
+    click_channel = i64[layout.S_CLICK_CHANNEL]
+    tactor_channel = i64[layout.S_TACTOR_CHANNEL]
     if channels == 2 and click_channel == 0 and tactor_channel == 1:
         for n in range(frames):
-            out[(first + 2 * n) & NOT_NEGATIVE] = m[layout.D_CLICK + n]
-            out[(first + 2 * n + 1) & NOT_NEGATIVE] = m[layout.D_TACTOR + n]
+            out[(first + 2 * n) & NOT_NEGATIVE] = f64[layout.D_CLICK + n]
+            out[(first + 2 * n + 1) & NOT_NEGATIVE] = f64[layout.D_TACTOR + n]
         return
     for i in range(first, first + frames * channels):
         out[i] = 0.0
     if click_channel >= 0:
-        write_column(m, layout.D_CLICK, frames, out, first + click_channel, channels)
+        write_column(f64, layout.D_CLICK, frames, out, first + click_channel, channels)
     if tactor_channel >= 0:
-        write_column(m, layout.D_TACTOR, frames, out, first + tactor_channel, channels)
+        write_column(f64, layout.D_TACTOR, frames, out, first + tactor_channel, channels)
 
 
-@point
-def emit(m, w, out, start, frames, channels):
+@inlined
+def emit(f64, i64, out, start, frames, channels):
     """Both signals of one chunk under the ceiling, into the output and the meters."""
-    ceiling = m[layout.C_CEILING]
-    click, bent = limit_column(m, w, layout.D_CLICK, frames, ceiling)
-    tactor, also = limit_column(m, w, layout.D_TACTOR, frames, ceiling)
-    write(m, w, out, start, frames, channels)
-    m[layout.M_PEAK_CLICK] = max(m[layout.M_PEAK_CLICK], click)
-    m[layout.M_PEAK_TACTOR] = max(m[layout.M_PEAK_TACTOR], tactor)
-    w[layout.M_LIMITED] += bent + also
+    ceiling = f64[layout.C_CEILING]
+    click, bent = limit_column(f64, i64, layout.D_CLICK, frames, ceiling)
+    tactor, also = limit_column(f64, i64, layout.D_TACTOR, frames, ceiling)
+    write(f64, i64, out, start, frames, channels)
+    f64[layout.M_PEAK_CLICK] = max(f64[layout.M_PEAK_CLICK], click)
+    f64[layout.M_PEAK_TACTOR] = max(f64[layout.M_PEAK_TACTOR], tactor)
+    i64[layout.M_LIMITED] += bent + also
     last = frames - 1
-    while last >= 0 and m[layout.D_CLICK + last] == 0.0 and m[layout.D_TACTOR + last] == 0.0:
+    while last >= 0 and f64[layout.D_CLICK + last] == 0.0 and f64[layout.D_TACTOR + last] == 0.0:
         last -= 1
     # samples since the last that sounded: in this chunk, or in those before too
     if last >= 0:
-        w[layout.M_SILENT] = frames - 1 - last
+        i64[layout.M_SILENT] = frames - 1 - last
     else:
-        w[layout.M_SILENT] += frames
+        i64[layout.M_SILENT] += frames

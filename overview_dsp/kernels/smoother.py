@@ -12,13 +12,13 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.lanes import choose
+from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.simd.vector import choose
 
-STILL = 1e-150  # cells: smaller would become denormal; places are never negative
+STILL = 1e-150  # cells: smaller would become denormal; positions are never negative
 
 
-@point
+@inlined
 def smooth(target, y1, y2, a):
     """One sample: the two poles after it."""
     y1 = y1 + a * (target - y1)

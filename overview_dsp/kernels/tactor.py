@@ -5,11 +5,11 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.lanes import choose
+from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.simd.vector import choose
 
 
-@point
+@inlined
 def advance(phase, increment):
     """The carrier's next phase, turns in [0, 1)."""
     phase = phase + increment

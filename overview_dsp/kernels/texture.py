@@ -14,20 +14,20 @@ from __future__ import annotations
 
 from math import sqrt
 
-from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.lanes import choose
+from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.simd.vector import choose
 
 QUIET = 1e-5  # a level at -100 dBFS: from here the grain is zero
 SLOWEST = 0.05  # rad/s: the filter of a resting disk still forgets
 
 
-@point
+@inlined
 def grain_level(torque, omega, gain):
     """Level the noise heads for at a torque (N m) and a speed (rad/s)."""
     return gain * sqrt(abs(torque * omega))
 
 
-@point
+@inlined
 def spread(target, level, a):
     """One sample of the level's smoothing; exactly zero once inaudible."""
     level = level + a * (target - level)
@@ -35,14 +35,14 @@ def spread(target, level, a):
     return choose(level <= quiet, 0.0, level)
 
 
-@point
+@inlined
 def brightness(omega, cutoff):
     """The low-pass's coefficient at a speed (rad/s)."""
     c = cutoff * (abs(omega) + SLOWEST)
     return c / (1.0 + c)
 
 
-@point
+@inlined
 def colour(x, y, a):
     """One sample of the low-pass; exactly zero once it has died away."""
     y = y + (x - y) * a

@@ -21,10 +21,10 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import point
+from overview_dsp.kernels.compiling import inlined
 
 
-@point
+@inlined
 def midpoint_speed(x, v, rest, spring, inertia, denominator, friction):
     """The step's midpoint speed vm (cells a sample).
 

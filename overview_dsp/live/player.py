@@ -232,7 +232,7 @@ class Player:
         Beyond its end the window moves along.
         """
         zoom = Zoom(self.timeline, *self.window)
-        places = [float(one) for one in self.surface.place]
+        places = [float(one) for one in self.surface.position]
         near = 1e-6
         if direction > 0:
             wanted = min((one for one in places if one > place + near), default=None)

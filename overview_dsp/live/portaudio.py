@@ -180,7 +180,7 @@ class OutputStream:
         _RUNNING.add(self)
 
     def _native_stream(self, sounddevice: Any, keywords: dict[str, Any]) -> Any:
-        from overview_dsp.kernels.callback import native_callback
+        from overview_dsp.kernels.device.callback import native_callback
 
         compiled = native_callback()
         ffi = sounddevice._ffi

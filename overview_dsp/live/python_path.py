@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.engine import Engine
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.device import finish_block
+from overview_dsp.kernels.device.output_stage import finish_block
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.stream_meters import clear_meters, note_callback
 

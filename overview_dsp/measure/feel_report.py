@@ -440,7 +440,7 @@ def _durations(stroke: Stroke, result: Result, free_db: float) -> NDArray[np.flo
     )
     middle = np.minimum((starts + 0.5 * WINDOW_S * result.sample_rate), len(cursor) - 1)
     place = cursor[middle.astype(np.int64)]
-    found = np.full(len(surface.place), np.nan)
+    found = np.full(len(surface.position), np.nan)
     for i, (first, last) in enumerate(surface.span):
         inside = np.flatnonzero((place >= first) & (place <= last))
         if not len(inside):

@@ -127,7 +127,7 @@ def passages(
     course = np.append(cursor, np.full(-frames % _RUN, cursor[-1]))
     starts = np.arange(0, len(course), _RUN)
     lows, highs = np.minimum.reduceat(course, starts), np.maximum.reduceat(course, starts)
-    events = np.flatnonzero((lows.min() < surface.place) & (surface.place <= highs.max()))
+    events = np.flatnonzero((lows.min() < surface.position) & (surface.position <= highs.max()))
     spans, runs = surface.span[events], course.reshape(-1, _RUN)
     first = _first_within(runs, lows, highs, spans)
     backwards = _first_within(runs[::-1, ::-1], lows[::-1], highs[::-1], spans)
@@ -161,7 +161,7 @@ def event_levels(
 
     `columns` (`touching` and `cursor` are used) and `tactor` are those of `stroke_feel`.
     """
-    found = np.full(len(surface.place), np.nan)
+    found = np.full(len(surface.position), np.nan)
     for stroke in strokes(columns["touching"], columns["cursor"]):
         frames = slice(stroke.start, stroke.stop)
         starts, level = window_db(tactor[frames], sample_rate)
@@ -196,7 +196,7 @@ def stroke_feel(
     occupied = within[last_frame] - within[first_frame] > 0
     free = level[~occupied]
     slope = np.diff(torque, prepend=torque[:1]) * sample_rate
-    count = len(surface.place)
+    count = len(surface.position)
     event_db, rise = np.full(count, np.nan), np.full(count, np.nan)
     events, first, last = passages(surface, cursor)
     event_db[events] = _highest(starts, level, length, first, last)

@@ -244,7 +244,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "surface.model",
                 "viscous",
                 doc="What the bare surface is besides viscous friction (which grows with speed): "
-                "bristles that stick, break loose and slide, or detents, wells the disk clicks "
+                "bristles that stick, break loose and slide, or detents, detents the disk clicks "
                 "into, where the pattern has its troughs.",
                 choices=SURFACE_MODELS,
                 surface=True,

@@ -45,7 +45,7 @@ class Angle(Protocol):
     """Samples in, turns out."""
 
     taps: bool
-    """Whether it feels blows."""
+    """Whether it feels pulses."""
 
     words: str
     """How it stands, for a person."""

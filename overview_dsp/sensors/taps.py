@@ -1,15 +1,15 @@
-"""Tap-tap: two short blows on the device."""
+"""Tap-tap: two short pulses on the device."""
 
 from __future__ import annotations
 
-BLOW = 10.0
-"""m/s² beyond gravity that is a blow: a hand that turns fast stays below 5."""
+PULSE = 10.0
+"""m/s² beyond gravity that is a pulse: a hand that turns fast stays below 5."""
 
 ONE_S = 0.08
-"""A blow rings so long."""
+"""A pulse rings so long."""
 
 APART_S = 0.5
-"""Two blows within this are a tap-tap."""
+"""Two pulses within this are a tap-tap."""
 
 
 class TapTap:
@@ -21,7 +21,7 @@ class TapTap:
 
     def step(self, time_s: float, beyond_gravity: float) -> bool:
         """Whether a tap-tap is complete; `beyond_gravity` is |a| - g, m/s², of any sign."""
-        if abs(beyond_gravity) < BLOW:
+        if abs(beyond_gravity) < PULSE:
             return False
         begins = time_s > self._ringing_until
         self._ringing_until = time_s + ONE_S

@@ -117,7 +117,7 @@ class TimelineView(Widget):
         low, high = math.log(friction.min()), math.log(friction.max())
         self._heights = (np.log(columns) - low) / max(high - low, 1e-9)
         self._marks: dict[int, tuple[str, str]] = {}
-        for place, kind in zip(surface.place, surface.kind, strict=True):
+        for place, kind in zip(surface.position, surface.kind, strict=True):
             mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
             self._marks[column(float(place), width)] = mark
 

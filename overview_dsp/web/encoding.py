@@ -45,7 +45,7 @@ LEAST_FILL = 4
 """Equal columns from which a run of its own is shorter than the values."""
 
 TABLE_COLUMNS = 2 * (layout.CELLS + 1)
-TABLES = (layout.SLOT_TABLE, layout.SLOT_GRIP, layout.SLOT_PULL)
+TABLES = (layout.SLOT_TABLE, layout.SLOT_SLIDING_TORQUE, layout.SLOT_PULL)
 
 
 def layout_numbers() -> dict[str, int]:
@@ -129,7 +129,7 @@ def event_numbers(surface: Surface) -> list[int]:
 
     -1 is the bare surface, which is struck as number -1 too.
     """
-    count = len(surface.place) + len(surface.impacts.place)
+    count = len(surface.position) + len(surface.impacts.position)
     return [int(event) for event in struck_event(surface, np.arange(count))]
 
 

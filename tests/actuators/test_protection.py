@@ -151,5 +151,5 @@ def test_silence_in_gives_exact_zeros_in_the_end(name):
     assert not drive[-RATE // 10 :].any()
     assert stage.silent_samples >= RATE // 10
     memory = stage._memory
-    for column in (layout.ACT_PLACE, layout.ACT_SPEED, layout.ACT_W_DELAY_1):
+    for column in (layout.ACT_POSITION, layout.ACT_SPEED, layout.ACT_W_DELAY_1):
         assert memory[column] == 0.0

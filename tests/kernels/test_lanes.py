@@ -15,8 +15,8 @@ from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import exp2, log2, power, sin_turns
 from overview_dsp.kernels.envelope import compress, follow
 from overview_dsp.kernels.friction import friction_at, frictions_at
-from overview_dsp.kernels.lanes import LANES, choose, load, load_words, store
 from overview_dsp.kernels.noise import next_state, white
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH, choose, load, load_words, store
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.texture import brightness, colour, grain_level, spread
@@ -71,14 +71,14 @@ def everything(a, b, c, d, e, f, state):
 def of_lanes(m, u, out):
     """The same of six columns of lanes, results column after column."""
     a = load(m, 0)
-    b = load(m, LANES)
-    c = load(m, 2 * LANES)
-    d = load(m, 3 * LANES)
-    e = load(m, 4 * LANES)
-    f = load(m, 5 * LANES)
+    b = load(m, SIMD_WIDTH)
+    c = load(m, 2 * SIMD_WIDTH)
+    d = load(m, 3 * SIMD_WIDTH)
+    e = load(m, 4 * SIMD_WIDTH)
+    f = load(m, 5 * SIMD_WIDTH)
     results = everything(a, b, c, d, e, f, load_words(u, 0))
     for i in range(len(results)):
-        store(out, i * LANES, results[i])
+        store(out, i * SIMD_WIDTH, results[i])
 
 
 def bits(values):
@@ -89,25 +89,27 @@ def bits(values):
 
 @settings(max_examples=200, deadline=None)
 @given(
-    columns=st.lists(st.lists(ANY, min_size=LANES, max_size=LANES), min_size=6, max_size=6),
-    states=st.lists(st.integers(1, 2**64 - 1), min_size=LANES, max_size=LANES),
+    columns=st.lists(
+        st.lists(ANY, min_size=SIMD_WIDTH, max_size=SIMD_WIDTH), min_size=6, max_size=6
+    ),
+    states=st.lists(st.integers(1, 2**64 - 1), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH),
 )
 def test_every_lane_has_the_bits_of_a_number_alone(columns, states):
     m = np.array(columns).ravel()
     u = np.array(states, np.uint64)
     alone = [everything(*values, state) for *values, state in zip(*columns, u, strict=True)]
-    out = np.zeros(len(alone[0]) * LANES)
+    out = np.zeros(len(alone[0]) * SIMD_WIDTH)
     of_lanes(m, u, out)
-    np.testing.assert_array_equal(bits(out.reshape(-1, LANES).T), bits(alone))
+    np.testing.assert_array_equal(bits(out.reshape(-1, SIMD_WIDTH).T), bits(alone))
 
 
 @numba.njit(error_model="numpy")
 def elementary_lanes(m, out):
     x = load(m, 0)
     store(out, 0, log2(x))
-    store(out, LANES, exp2(x))
-    store(out, 2 * LANES, power(x, 0.6))
-    store(out, 3 * LANES, sin_turns(x))
+    store(out, SIMD_WIDTH, exp2(x))
+    store(out, 2 * SIMD_WIDTH, power(x, 0.6))
+    store(out, 3 * SIMD_WIDTH, sin_turns(x))
 
 
 @numba.njit(error_model="numpy")
@@ -116,39 +118,43 @@ def elementary_number(x):
 
 
 @settings(max_examples=200, deadline=None)
-@given(x=st.lists(st.floats(1e-300, 1e300), min_size=LANES, max_size=LANES))
+@given(x=st.lists(st.floats(1e-300, 1e300), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH))
 def test_elementary_functions_give_a_lane_the_bits_of_a_number(x):
-    out = np.zeros(4 * LANES)
+    out = np.zeros(4 * SIMD_WIDTH)
     elementary_lanes(np.array(x), out)
     alone = [elementary_number(one) for one in x]
-    np.testing.assert_array_equal(bits(out.reshape(4, LANES).T), bits(alone))
+    np.testing.assert_array_equal(bits(out.reshape(4, SIMD_WIDTH).T), bits(alone))
 
 
 @numba.njit(error_model="numpy")
-def look_up_lanes(m, starts, places, out):
-    store(out, 0, frictions_at(m, starts, 1, load(places, 0)))
+def look_up_lanes(m, starts, positions, out):
+    store(out, 0, frictions_at(m, starts, 1, load(positions, 0)))
 
 
 @numba.njit(error_model="numpy")
-def look_up(m, start, place):
-    return friction_at(m, start, place)
+def look_up(m, start, position):
+    return friction_at(m, start, position)
 
 
 @settings(max_examples=200, deadline=None)
 @given(
-    places=st.lists(
-        st.one_of(ANY, st.floats(-1.0, layout.CELLS + 1.0)), min_size=LANES, max_size=LANES
+    positions=st.lists(
+        st.one_of(ANY, st.floats(-1.0, layout.CELLS + 1.0)),
+        min_size=SIMD_WIDTH,
+        max_size=SIMD_WIDTH,
     ),
     seed=st.integers(0, 9),
 )
-def test_each_lane_looks_up_its_own_table(places, seed):
+def test_each_lane_looks_up_its_own_table(positions, seed):
     rng = np.random.default_rng(seed)
     size = 2 * (layout.CELLS + 1)
     m = rng.uniform(0.0, 1.0, 2 * size)
-    starts = np.append(-1, rng.integers(0, size, LANES))
-    out = np.zeros(LANES)
-    look_up_lanes(m, starts, np.array(places), out)
-    alone = [look_up(m, start, place) for start, place in zip(starts[1:], places, strict=True)]
+    starts = np.append(-1, rng.integers(0, size, SIMD_WIDTH))
+    out = np.zeros(SIMD_WIDTH)
+    look_up_lanes(m, starts, np.array(positions), out)
+    alone = [
+        look_up(m, start, position) for start, position in zip(starts[1:], positions, strict=True)
+    ]
     np.testing.assert_array_equal(bits(out), bits(alone))
 
 

@@ -70,13 +70,13 @@ def test_every_step_keeps_the_energy_ledger_for_any_friction_and_any_step(
     frictions, dt, inertia, k1, k2, hands
 ):
     theta, omega = 0.0, 0.0
-    scale = k2 / (k1 + k2)  # theta1 = scale * place
+    scale = k2 / (k1 + k2)  # theta1 = scale * position
     for b, (touching, theta2) in zip(frictions, hands, strict=False):
         k = k1 + touching * k2
         spring = k / inertia * dt * dt
-        place, speed = theta / scale, omega / scale * dt
+        position, speed = theta / scale, omega / scale * dt
         middle = step(
-            place,
+            position,
             speed,
             theta2 if touching else 0.0,
             spring,
@@ -84,7 +84,7 @@ def test_every_step_keeps_the_energy_ledger_for_any_friction_and_any_step(
             inertia / dt * (2.0 + 0.5 * spring),
             b,
         )
-        theta_after = (place + middle) * scale
+        theta_after = (position + middle) * scale
         omega_after = (2.0 * middle - speed) * scale / dt
         mean = middle * scale / dt
         before = inertia * omega**2 / 2 + k * theta**2 / 2
@@ -145,8 +145,8 @@ def test_a_free_disk_spins_down_with_inertia_over_friction():
 
 
 def smooth_friction(surface):
-    place = np.arange(CELLS + 1) / CELLS
-    return with_friction(surface, 1e-3 * (1.5 + np.sin(3.0 * np.pi * place)))
+    position = np.arange(CELLS + 1) / CELLS
+    return with_friction(surface, 1e-3 * (1.5 + np.sin(3.0 * np.pi * position)))
 
 
 def smooth_path(sample_rate, seconds=0.6):
@@ -171,9 +171,9 @@ def test_the_step_is_of_second_order():
 
 
 @numba.njit
-def acceleration(t, theta, omega, k, pull, inertia, hand, table, place):
+def acceleration(t, theta, omega, k, pull, inertia, hand, table, position):
     """The paper's equation 2 in continuous time, with the kernel's own table and smoothed input."""
-    dt, released, cells_per_rad = place
+    dt, released, cells_per_rad = position
     at = t / dt - 0.5
     i = min(max(int(at), 0), released - 2)
     theta2 = hand[i] + (at - i) * (hand[i + 1] - hand[i])
@@ -201,8 +201,8 @@ def test_the_disk_agrees_with_a_high_order_solver(match, football, name, gesture
     hand = trace.theta2
 
     def motion(t, state, k, pull):
-        place = (dt, released, cells_per_rad)
-        return acceleration(t, state[0], state[1], k, pull, inertia, hand, table, place)
+        position = (dt, released, cells_per_rad)
+        return acceleration(t, state[0], state[1], k, pull, inertia, hand, table, position)
 
     state, worst = (0.0, 0.0), 0.0
     for start, stop, k, pull in (

@@ -80,10 +80,10 @@ def noises(state, count):
 
 
 @numba.njit
-def friction_table(m, places):
-    out = np.zeros(places.size)
-    for n in range(places.size):
-        out[n] = friction_at(m, 0, places[n])
+def friction_table(m, positions):
+    out = np.zeros(positions.size)
+    for n in range(positions.size):
+        out[n] = friction_at(m, 0, positions[n])
     return out
 
 
@@ -195,9 +195,11 @@ def test_friction_is_linear_between_points_and_clamped_beyond_them():
     m = np.zeros(2 * (CELLS + 1))
     m[0::2] = values
     m[1:-1:2] = np.diff(values)
-    places = np.array([-5.0, 0.0, 10.25, CELLS - 0.5, float(CELLS), CELLS + 9.0, math.nan, 1e300])
-    expected = np.interp(np.nan_to_num(places, nan=0.0), np.arange(CELLS + 1), values)
-    assert friction_table(m, places) == pytest.approx(expected, rel=1e-12)
+    positions = np.array(
+        [-5.0, 0.0, 10.25, CELLS - 0.5, float(CELLS), CELLS + 9.0, math.nan, 1e300]
+    )
+    expected = np.interp(np.nan_to_num(positions, nan=0.0), np.arange(CELLS + 1), values)
+    assert friction_table(m, positions) == pytest.approx(expected, rel=1e-12)
 
 
 def test_grain_grows_with_torque_and_with_speed_and_is_silent_at_rest():

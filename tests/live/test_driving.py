@@ -75,7 +75,7 @@ def test_live_is_the_render_sample_for_sample_in_any_blocks(
 
 
 def test_the_native_callback_drives_with_the_same_bits(match, football, rendered):
-    from overview_dsp.kernels.callback import native_callback
+    from overview_dsp.kernels.device.callback import native_callback
 
     engine = ready(match, football, OutputSettings(actuator=C2))
     call = ctypes.CFUNCTYPE(
@@ -115,7 +115,7 @@ def test_an_output_that_comes_back_finds_its_actuator_warm_and_none_takes_it_off
     assert heat > 0.0
     connect(engine, OutputSettings(actuator=C2))
     assert engine.memory[at + layout.ACT_HEAT] == heat
-    assert engine.memory[at + layout.ACT_PLACE] == 0.0
+    assert engine.memory[at + layout.ACT_POSITION] == 0.0
     connect(engine, OutputSettings())
     assert not engine.memory[at : at + layout.ACT_SIZE].any()
 

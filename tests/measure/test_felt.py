@@ -107,7 +107,7 @@ def test_a_passage_lasts_from_the_first_to_the_last_frame_on_an_event(steps, sta
     found = {i: ends for i, *ends in zip(events.tolist(), firsts, lasts, strict=True)}
     for i, (first, last) in enumerate(surface.span):
         inside = np.flatnonzero((cursor >= first) & (cursor <= last))
-        passed = len(inside) > 0 and cursor.min() < surface.place[i] <= cursor.max()
+        passed = len(inside) > 0 and cursor.min() < surface.position[i] <= cursor.max()
         assert (i in found) == passed
         if passed:
             assert found[i] == [inside[0], inside[-1]]

@@ -170,18 +170,18 @@ def test_whatever_a_hand_does_theta2_is_in_range_and_ends_let_go(steps, rest, ta
     assert not touch.holding
 
 
-def blows(*times: float, rate: float = 200.0) -> list[float]:
+def pulses(*times: float, rate: float = 200.0) -> list[float]:
     found = TapTap()
     hits = {round(time * rate) for time in times}
     return [n / rate for n in range(600) if found.step(n / rate, 40.0 if n in hits else 0.5)]
 
 
 def test_two_blows_soon_after_each_other_are_a_tap_tap_and_one_is_not():
-    assert blows(1.0, 1.3) == [1.3]
-    assert blows(1.0) == []
-    assert blows(1.0, 1.6) == []
-    assert blows(1.0, 1.02) == []
-    assert blows(1.0, 1.2, 1.4, 1.6) == [1.2, 1.6]
+    assert pulses(1.0, 1.3) == [1.3]
+    assert pulses(1.0) == []
+    assert pulses(1.0, 1.6) == []
+    assert pulses(1.0, 1.02) == []
+    assert pulses(1.0, 1.2, 1.4, 1.6) == [1.2, 1.6]
 
 
 def test_a_knob_that_counts_has_no_dead_way_beyond_its_ends():

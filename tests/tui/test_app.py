@@ -124,11 +124,11 @@ def test_keys_that_come_faster_than_the_screen_all_count(player):
 def test_brackets_go_from_event_to_event(player):
     async def script(app, pilot):
         await pilot.press("right_square_bracket")
-        first = player.surface.place[0]
+        first = player.surface.position[0]
         assert await until(pilot, lambda: abs(cursor(player) - first) < 0.002)
         await pilot.press("right_square_bracket", "right_square_bracket")
         await pilot.press("left_square_bracket")
-        second = player.surface.place[1]
+        second = player.surface.position[1]
         assert await until(pilot, lambda: abs(cursor(player) - second) < 0.002)
 
     drive(player, script)
@@ -145,7 +145,7 @@ def test_zooming_keeps_the_moment_under_the_disk(player):
         start, end = player.window
         assert end - start == pytest.approx(player.timeline.duration_s / 1.5**4)
         assert start + (end - start) * cursor(player) == pytest.approx(moment, abs=5.0)
-        assert len(player.surface.place) == len(player.shown.events)
+        assert len(player.surface.position) == len(player.shown.events)
         goals = [event.label for event in player.shown.events if "goal" in event.kind]
         assert 0 < len(goals) < 6
         await pilot.press("0")

@@ -70,7 +70,7 @@ def test_no_partition_changes_a_bit(match, football, native, sizes):
 PRESETS = {
     "viscous": lambda: ov.load_preset("football"),
     "bristles": lambda: preset_of("door"),
-    "wells": lambda: preset_of("dial"),
+    "detents": lambda: preset_of("dial"),
 }
 
 
@@ -78,7 +78,7 @@ PRESETS = {
 def test_the_whole_memory_stays_the_native_one(match, preset):
     """State, rings, logs, meters, surfaces and the device's columns; not what a clock counts."""
     made = engine(match, PRESETS[preset]())
-    models = {"viscous": 0, "bristles": layout.HAS_BRISTLES, "wells": layout.HAS_WELLS}[preset]
+    models = {"viscous": 0, "bristles": layout.HAS_BRISTLES, "detents": layout.HAS_DETENTS}[preset]
     assert made.memory.view(np.int64)[layout.SURFACES + layout.SLOT_MODELS] & models == models
     out, memory = rendered(made.memory, [BLOCK] * (FRAMES // BLOCK))
     assert np.array_equal(out, played(made, BLOCK))

@@ -4,7 +4,7 @@
  *     gcc -O3 -march=native -ffp-contract=off -shared -fPIC same_voice.c -o same_voice.so -lm
  *
  * Contracted or reordered arithmetic gives other bits: no -ffast-math, no -ffp-contract=fast.
- * One hand; surfaces and parameters stand still; bristles, wells and end stops are left out.
+ * One hand; surfaces and parameters stand still; bristles, detents and end stops are left out.
  */
 #include <math.h>
 #include <stdint.h>
@@ -146,7 +146,7 @@ static void strike(Voice *voice, const Coefficients *c, const Surface *surface, 
     voice->strikes += 1;
 }
 
-static void blow(Voice *voice, const Surface *surface, const Strike *entry, int number, double rest,
+static void pulse(Voice *voice, const Surface *surface, const Strike *entry, int number, double rest,
                  int64_t sample) {
     int64_t kind = surface->kind[entry->event];
     int64_t modes = surface->modes[kind];
@@ -175,7 +175,7 @@ static void blow(Voice *voice, const Surface *surface, const Strike *entry, int 
     }
 }
 
-/* The sample in which the next blow falls, of strikes not sounded in full; or INT64_MAX. */
+/* The sample in which the next pulse falls, of strikes not sounded in full; or INT64_MAX. */
 static int64_t sound_strikes(Voice *voice, const Surface *surface, int64_t sample) {
     int64_t due = INT64_MAX;
     for (int number = 0; number < CONTACT; number++) {
@@ -189,7 +189,7 @@ static int64_t sound_strikes(Voice *voice, const Surface *surface, int64_t sampl
                 if (later < due) due = later;
                 break;
             }
-            blow(voice, surface, entry, number, rest, sample);
+            pulse(voice, surface, entry, number, rest, sample);
             voice->sounded[number] += 1;
         }
     }
@@ -264,7 +264,7 @@ static void ring_on(Voice *voice, int64_t clock, double *rung, int64_t frames) {
     }
 }
 
-/* What rings in one chunk: in runs, between blows and kinds that fall silent. */
+/* What rings in one chunk: in runs, between pulses and kinds that fall silent. */
 static void ring(Voice *voice, const Surface *surface, double *rung, int64_t frames) {
     int64_t n = 0;
     while (n < frames) {

@@ -1,4 +1,4 @@
-"""The working memory of voices side by side: each column is `LANES` wide, a voice's number in each.
+"""The working memory of `SIMD_WIDTH` voices side by side, one column wide each.
 
 A voice's own block (`layout.py`) is the truth between calls. `take_in` copies what changes from
 sample to sample into the lanes, `put_back` returns it.
@@ -9,11 +9,11 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import point
-from overview_dsp.kernels.lanes import LANES
+from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 
 COEFFICIENTS = 0  # all of a voice's own, in their order
-STATE = COEFFICIENTS + layout.COEFFS * LANES
+STATE = COEFFICIENTS + layout.COEFFS * SIMD_WIDTH
 # what the lanes' loops change in the state; the rest of it stays with the voice
 MOVED = (
     layout.APPROACH,
@@ -41,27 +41,27 @@ MOVED = (
     layout.M_PEAK_CLICK,
     layout.M_PEAK_TACTOR,
 )
-INPUT = STATE + len(MOVED) * LANES
-HOLD = INPUT + LANES  # 1 while shaft 2 is engaged, else 0
-SPRING = HOLD + LANES
-DENOMINATOR = SPRING + LANES
-HIGHEST = DENOMINATOR + LANES  # place in the last chunk, cells
-LOWEST = HIGHEST + LANES
-TABLE = LOWEST + LANES  # w: where the voice's friction table begins
-DUE = TABLE + LANES  # w: sample of the voice's next control event
-WANTED = DUE + LANES  # w: 1 = the lane has a voice
-MEMBER = WANTED + LANES  # w: 1 = which goes with the others
-BEFORE = MEMBER + LANES  # place before the chunk, cells
-ECHO = BEFORE + LANES  # w: 1 = its RING columns are not all zero
-LOUDEST_CLICK = ECHO + LANES  # in the last chunk
-LOUDEST_TACTOR = LOUDEST_CLICK + LANES
+INPUT = STATE + len(MOVED) * SIMD_WIDTH
+HOLD = INPUT + SIMD_WIDTH  # 1 while shaft 2 is engaged, else 0
+SPRING = HOLD + SIMD_WIDTH
+DENOMINATOR = SPRING + SIMD_WIDTH
+HIGHEST = DENOMINATOR + SIMD_WIDTH  # position in the last chunk, cells
+LOWEST = HIGHEST + SIMD_WIDTH
+TABLE = LOWEST + SIMD_WIDTH  # i64: where the voice's friction table begins
+DUE = TABLE + SIMD_WIDTH  # i64: sample of the voice's next control event
+WANTED = DUE + SIMD_WIDTH  # i64: 1 = the lane has a voice
+MEMBER = WANTED + SIMD_WIDTH  # i64: 1 = which goes with the others
+BEFORE = MEMBER + SIMD_WIDTH  # position before the chunk, cells
+ECHO = BEFORE + SIMD_WIDTH  # i64: 1 = its RING columns are not all zero
+LOUDEST_CLICK = ECHO + SIMD_WIDTH  # in the last chunk
+LOUDEST_TACTOR = LOUDEST_CLICK + SIMD_WIDTH
 # between the stages: a row for each sample of a chunk
-ROWS = layout.CHUNK * LANES
-TORQUE = LOUDEST_TACTOR + LANES
+ROWS = layout.CHUNK * SIMD_WIDTH
+TORQUE = LOUDEST_TACTOR + SIMD_WIDTH
 OMEGA = TORQUE + ROWS
 PHASE = OMEGA + ROWS
-PLACE = PHASE + ROWS
-APPROACH = PLACE + ROWS
+POSITION = PHASE + ROWS
+APPROACH = POSITION + ROWS
 AMPLITUDE = APPROACH + ROWS
 SINE = AMPLITUDE + ROWS
 GRAIN = SINE + ROWS
@@ -74,48 +74,48 @@ THETA2 = SPEED + ROWS
 FRICTION = THETA2 + ROWS
 ENVELOPE = FRICTION + ROWS
 SIZE = ENVELOPE + ROWS
-MEMORY = SIZE + LANES * layout.TOTAL  # the lanes' own, then the voices' blocks
+MEMORY = SIZE + SIMD_WIDTH * layout.TOTAL  # the lanes' own, then the voices' blocks
 
 
 def of_state(column: int) -> int:
     """Where the lanes keep a column of the voices' state."""
-    return STATE + MOVED.index(column) * LANES
+    return STATE + MOVED.index(column) * SIMD_WIDTH
 
 
 def of_coefficient(column: int) -> int:
     """Where the lanes keep a coefficient of the voices."""
-    return COEFFICIENTS + (column - layout.COEFF) * LANES
+    return COEFFICIENTS + (column - layout.COEFF) * SIMD_WIDTH
 
 
-@point
+@inlined
 def start_of(lane):
     """Where a lane's voice has its own block."""
     return SIZE + lane * layout.TOTAL
 
 
-@point
+@inlined
 def block(memory, lane):
     """A voice's own block, of any of the memory's three views."""
     return memory[SIZE + lane * layout.TOTAL : SIZE + (lane + 1) * layout.TOTAL]
 
 
-@point
-def column(b, at, lane, frames):
+@inlined
+def column(batch_f64, at, lane, frames):
     """One lane of the rows from `at` on: a view of one number for each of `frames` samples."""
-    return b[at + lane : at + lane + frames * LANES : LANES]
+    return batch_f64[at + lane : at + lane + frames * SIMD_WIDTH : SIMD_WIDTH]
 
 
-@point
-def take_in(b, m, lane):
+@inlined
+def take_in(batch_f64, f64, lane):
     """Copy a voice's coefficients and state into its lane."""
     for i in range(layout.COEFFS):
-        b[COEFFICIENTS + i * LANES + lane] = m[layout.COEFF + i]
+        batch_f64[COEFFICIENTS + i * SIMD_WIDTH + lane] = f64[layout.COEFF + i]
     for i in range(len(MOVED)):
-        b[STATE + i * LANES + lane] = m[MOVED[i]]
+        batch_f64[STATE + i * SIMD_WIDTH + lane] = f64[MOVED[i]]
 
 
-@point
-def put_back(b, m, lane):
+@inlined
+def put_back(batch_f64, f64, lane):
     """Return a lane's state to its voice."""
     for i in range(len(MOVED)):
-        m[MOVED[i]] = b[STATE + i * LANES + lane]
+        f64[MOVED[i]] = batch_f64[STATE + i * SIMD_WIDTH + lane]

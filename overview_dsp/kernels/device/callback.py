@@ -17,8 +17,8 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import native, point
-from overview_dsp.kernels.delivery import deliver
+from overview_dsp.kernels.compiling import c_callback, inlined
+from overview_dsp.kernels.device.stream_block import deliver
 from overview_dsp.kernels.elementary import log2
 
 # PortAudio's unsigned long: 32 bits on Windows, 64 elsewhere
@@ -37,48 +37,48 @@ _external: Any = types.ExternalFunction
 _clock_gettime = _external("clock_gettime", _int32(types.int32, types.uintp))
 
 
-@point
-def now(w):
+@inlined
+def now(i64):
     """Seconds of the monotonic clock; 0 where there is none."""
     if HAS_CLOCK:
-        _clock_gettime(MONOTONIC, w[layout.L_SECONDS : layout.L_SECONDS + 2].ctypes.data)
-        return float(w[layout.L_SECONDS]) + float(w[layout.L_NANOSECONDS]) * 1e-9
+        _clock_gettime(MONOTONIC, i64[layout.L_SECONDS : layout.L_SECONDS + 2].ctypes.data)
+        return float(i64[layout.L_SECONDS]) + float(i64[layout.L_NANOSECONDS]) * 1e-9
     return 0.0
 
 
-@point
-def note_busy(m, w, seconds, frames):
+@inlined
+def note_busy(f64, i64, seconds, frames):
     """Book how long a callback took."""
-    if seconds > m[layout.L_LONGEST]:
-        m[layout.L_LONGEST] = seconds
-    if seconds * m[layout.S_SAMPLE_RATE] > float(frames):
-        w[layout.L_LATE] += 1
+    if seconds > f64[layout.L_LONGEST]:
+        f64[layout.L_LONGEST] = seconds
+    if seconds * f64[layout.S_SAMPLE_RATE] > float(frames):
+        i64[layout.L_LATE] += 1
     where = 0
     if seconds > layout.SHORTEST_S:
         octaves = log2(seconds * (1.0 / layout.SHORTEST_S))
         where = min(int(octaves * layout.BINS_AN_OCTAVE), layout.BUSY_BINS - 1)
-    w[layout.L_BUSY + where] += 1
+    i64[layout.L_BUSY + where] += 1
 
 
 def _callback(unused, output, frame_count, time_info, flags, user):
-    m = carray(user, (layout.TOTAL,), np.float64)
-    w = carray(user, (layout.TOTAL,), np.int64)
-    u = carray(user, (layout.TOTAL,), np.uint64)
-    started = now(w)
+    f64 = carray(user, (layout.TOTAL,), np.float64)
+    i64 = carray(user, (layout.TOTAL,), np.int64)
+    u64 = carray(user, (layout.TOTAL,), np.uint64)
+    started = now(i64)
     frames = np.int64(frame_count)
-    channels = w[layout.L_CHANNELS]
+    channels = i64[layout.L_CHANNELS]
     out = carray(output, (frames * channels,), np.float32)
-    over = deliver(m, w, u, out, frames, channels)
+    over = deliver(f64, i64, u64, out, frames, channels)
     if flags & OUTPUT_UNDERFLOW:
-        w[layout.L_UNDERFLOWS] += 1
-    note_busy(m, w, now(w) - started, frames)
+        i64[layout.L_UNDERFLOWS] += 1
+    note_busy(f64, i64, now(i64) - started, frames)
     return COMPLETE if over else CONTINUE
 
 
 @cache
 def native_callback():
     """The compiled callback; its `.address` is a `PaStreamCallback *`. Compiles on first use."""
-    return native(SIGNATURE, _callback)
+    return c_callback(SIGNATURE, _callback)
 
 
 @cache
@@ -90,8 +90,8 @@ def repeated_callback():
     call = native_callback().ctypes
 
     @numba.njit
-    def run(m, out, frames, blocks):
+    def run(f64, out, frames, blocks):
         for _ in range(blocks):
-            call(out.ctypes, out.ctypes, frames, out.ctypes, 0, m.ctypes)
+            call(out.ctypes, out.ctypes, frames, out.ctypes, 0, f64.ctypes)
 
     return run

@@ -15,7 +15,7 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.delivery import deliver
+from overview_dsp.kernels.device.stream_block import deliver
 
 _int32: Any = types.int32
 SIGNATURE = _int32(types.voidptr, types.int32, types.voidptr)
@@ -25,10 +25,10 @@ carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to ty
 
 def render(output, frame_count, memory):
     """Overwrite a block, float32 [frame_count * L_CHANNELS]; 1 if the stream is over, else 0."""
-    m = carray(memory, (layout.TOTAL,), np.float64)
-    w = carray(memory, (layout.TOTAL,), np.int64)
-    u = carray(memory, (layout.TOTAL,), np.uint64)
+    f64 = carray(memory, (layout.TOTAL,), np.float64)
+    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    u64 = carray(memory, (layout.TOTAL,), np.uint64)
     frames = np.int64(frame_count)
-    channels = w[layout.L_CHANNELS]
+    channels = i64[layout.L_CHANNELS]
     out = carray(output, (frames * channels,), np.float32)
-    return 1 if deliver(m, w, u, out, frames, channels) else 0
+    return 1 if deliver(f64, i64, u64, out, frames, channels) else 0

@@ -1,7 +1,7 @@
 """The drive of an actuator: weighted, sharpened, and never above what the actuator may be given.
 
-An actuator is modelled as a mass on a spring (place s in drives, speed v over w0), held from sample
-to sample by its exact matrix:
+An actuator is modelled as a mass on a spring (position s in drives, speed v over w0), held from
+sample to sample by its exact matrix:
 
     s'' + w0/Q s' + w0**2 s = w0**2 y
 
@@ -32,102 +32,102 @@ from __future__ import annotations
 from math import sqrt
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import entry, point
+from overview_dsp.kernels.compiling import entry_point, inlined
 from overview_dsp.kernels.elementary import tanh_positive
 
-SILENCE = 1e-9  # a place, speed or taken part below it is zero
+SILENCE = 1e-9  # a position, speed or taken part below it is zero
 LARGEST = 1e6  # of full scale: a signal beyond it counts as this
 COLD = 1e-200  # heat below it is zero once nothing is driven: no drive heats so little
 
 
-@point
-def weigh(m, at, x):
+@inlined
+def weigh(f64, at, x):
     """One sample of the skin's weighting, transposed direct form II."""
-    y = m[at + layout.ACT_W0] * x + m[at + layout.ACT_W_DELAY_1]
-    first = m[at + layout.ACT_W1] * x - m[at + layout.ACT_W_BACK_1] * y
-    first = first + m[at + layout.ACT_W_DELAY_2]
-    second = m[at + layout.ACT_W2] * x - m[at + layout.ACT_W_BACK_2] * y
+    y = f64[at + layout.ACT_W0] * x + f64[at + layout.ACT_W_DELAY_1]
+    first = f64[at + layout.ACT_W1] * x - f64[at + layout.ACT_W_BACK_1] * y
+    first = first + f64[at + layout.ACT_W_DELAY_2]
+    second = f64[at + layout.ACT_W2] * x - f64[at + layout.ACT_W_BACK_2] * y
     silent = x == 0.0 and abs(first) + abs(second) < SILENCE
-    m[at + layout.ACT_W_DELAY_1] = 0.0 if silent else first
-    m[at + layout.ACT_W_DELAY_2] = 0.0 if silent else second
+    f64[at + layout.ACT_W_DELAY_1] = 0.0 if silent else first
+    f64[at + layout.ACT_W_DELAY_2] = 0.0 if silent else second
     return y
 
 
-@point
-def bend(m, at, x):
+@inlined
+def bend(f64, at, x):
     """x where it is within the nominal drive, bent towards the peak beyond."""
-    over = abs(x) - m[at + layout.ACT_BEND]
+    over = abs(x) - f64[at + layout.ACT_BEND]
     if over <= 0.0:
         return x
-    room = m[at + layout.ACT_ROOM]
-    y = m[at + layout.ACT_BEND] + room * tanh_positive(over / room)
+    room = f64[at + layout.ACT_ROOM]
+    y = f64[at + layout.ACT_BEND] + room * tanh_positive(over / room)
     return y if x > 0.0 else -y
 
 
-@point
-def move_mass(m, at, y):
+@inlined
+def move_mass(f64, at, y):
     """The modelled mass one sample on, driven by y; exactly at rest once it hardly moves."""
-    place = m[at + layout.ACT_PLACE]
-    speed = m[at + layout.ACT_SPEED]
-    s = m[at + layout.ACT_A11] * place + m[at + layout.ACT_A12] * speed
-    v = m[at + layout.ACT_A21] * place + m[at + layout.ACT_A22] * speed
-    s = s + m[at + layout.ACT_B1] * y
-    v = v + m[at + layout.ACT_B2] * y
+    position = f64[at + layout.ACT_POSITION]
+    speed = f64[at + layout.ACT_SPEED]
+    s = f64[at + layout.ACT_A11] * position + f64[at + layout.ACT_A12] * speed
+    v = f64[at + layout.ACT_A21] * position + f64[at + layout.ACT_A22] * speed
+    s = s + f64[at + layout.ACT_B1] * y
+    v = v + f64[at + layout.ACT_B2] * y
     still = abs(y) < SILENCE and abs(s) + abs(v) < SILENCE
-    m[at + layout.ACT_PLACE] = 0.0 if still else s
-    m[at + layout.ACT_SPEED] = 0.0 if still else v
+    f64[at + layout.ACT_POSITION] = 0.0 if still else s
+    f64[at + layout.ACT_SPEED] = 0.0 if still else v
 
 
-@point
-def taken_back(m, at):
+@inlined
+def taken_back(f64, at):
     """The part of the power to take back, smoothed; booked."""
-    room = (m[at + layout.ACT_LIMIT] - m[at + layout.ACT_HEAT]) * m[at + layout.ACT_KNEE]
+    room = (f64[at + layout.ACT_LIMIT] - f64[at + layout.ACT_HEAT]) * f64[at + layout.ACT_KNEE]
     wanted = 1.0 - min(max(room, 0.0), 1.0)
-    taken = m[at + layout.ACT_TAKEN]
-    taken = taken + m[at + layout.ACT_FOLLOW] * (wanted - taken)
+    taken = f64[at + layout.ACT_TAKEN]
+    taken = taken + f64[at + layout.ACT_FOLLOW] * (wanted - taken)
     if wanted == 0.0 and taken < SILENCE:
         taken = 0.0
-    m[at + layout.ACT_TAKEN] = taken
-    m[at + layout.ACT_MOST_TAKEN] = max(m[at + layout.ACT_MOST_TAKEN], taken)
+    f64[at + layout.ACT_TAKEN] = taken
+    f64[at + layout.ACT_MOST_TAKEN] = max(f64[at + layout.ACT_MOST_TAKEN], taken)
     return taken
 
 
-@point
-def drive(m, w, at, x):
+@inlined
+def drive(f64, i64, at, x):
     """One sample of a signal to one of the drive; the actuator's columns start at `at`."""
     if x - x != 0.0:  # NaN or infinite
         x = 0.0
     x = min(max(x, -LARGEST), LARGEST)
-    gain = sqrt(max(0.0, 1.0 - taken_back(m, at)))
-    asked = bend(m, at, m[at + layout.ACT_NOMINAL] * weigh(m, at, x))
-    y = m[at + layout.ACT_FORWARD] * gain * asked
-    y = y - m[at + layout.ACT_FROM_PLACE] * m[at + layout.ACT_PLACE]
-    y = y - m[at + layout.ACT_FROM_SPEED] * m[at + layout.ACT_SPEED]
+    gain = sqrt(max(0.0, 1.0 - taken_back(f64, at)))
+    asked = bend(f64, at, f64[at + layout.ACT_NOMINAL] * weigh(f64, at, x))
+    y = f64[at + layout.ACT_FORWARD] * gain * asked
+    y = y - f64[at + layout.ACT_FROM_POSITION] * f64[at + layout.ACT_POSITION]
+    y = y - f64[at + layout.ACT_FROM_SPEED] * f64[at + layout.ACT_SPEED]
     if x == 0.0 and abs(y) < SILENCE:
         y = 0.0
-    peak = gain * m[at + layout.ACT_PEAK]
+    peak = gain * f64[at + layout.ACT_PEAK]
     if abs(y) > peak:
         y = peak if y > 0.0 else -peak
-        w[at + layout.ACT_AT_PEAK] += 1
-    leak = m[at + layout.ACT_LEAK]
-    kept = m[at + layout.ACT_HEAT] - leak * m[at + layout.ACT_HEAT]
-    allowed = max(0.0, (m[at + layout.ACT_LIMIT] - kept) / leak)
+        i64[at + layout.ACT_AT_PEAK] += 1
+    leak = f64[at + layout.ACT_LEAK]
+    kept = f64[at + layout.ACT_HEAT] - leak * f64[at + layout.ACT_HEAT]
+    allowed = max(0.0, (f64[at + layout.ACT_LIMIT] - kept) / leak)
     if y * y > allowed:
         y = sqrt(allowed) if y > 0.0 else -sqrt(allowed)
     heat = kept + leak * (y * y)
-    m[at + layout.ACT_HEAT] = 0.0 if y == 0.0 and heat < COLD else heat
-    move_mass(m, at, y)
-    w[at + layout.ACT_SILENT] = w[at + layout.ACT_SILENT] + 1 if y == 0.0 else 0
+    f64[at + layout.ACT_HEAT] = 0.0 if y == 0.0 and heat < COLD else heat
+    move_mass(f64, at, y)
+    i64[at + layout.ACT_SILENT] = i64[at + layout.ACT_SILENT] + 1 if y == 0.0 else 0
     return y
 
 
-@entry
-def drive_block(m, w, at, out, frames, channels, channel):
+@entry_point
+def drive_block(f64, i64, at, out, frames, channels, channel):
     """One channel of a block in place.
 
     Parameters
     ----------
-    m, w : float64, int64 [at + layout.ACT_SIZE or more]
+    f64, i64 : float64, int64 [at + layout.ACT_SIZE or more]
         Memory, seen two ways.
     at : int64
         Where the actuator's columns start.
@@ -136,4 +136,4 @@ def drive_block(m, w, at, out, frames, channels, channel):
     """
     for n in range(frames):
         i = channel + n * channels
-        out[i] = drive(m, w, at, float(out[i]))
+        out[i] = drive(f64, i64, at, float(out[i]))

@@ -1,4 +1,4 @@
-"""Several voices side by side: a number of each of `LANES` voices as one value.
+"""Several voices side by side: a number of each of `SIMD_WIDTH` voices as one value.
 
 Kernels are written for a single float64. Given lanes instead, the same functions work on all voices
 at once, as the machine's vector instructions do: operators, `abs`, `min`, `max`, `sqrt`, and the
@@ -28,7 +28,7 @@ from numba.extending import (
     type_callable,
 )
 
-LANES = 8
+SIMD_WIDTH = 8
 
 _INDEX = ir.IntType(32)
 _WORD = ir.IntType(64)
@@ -41,11 +41,11 @@ def _intrinsic(function: Callable[..., Any]) -> Any:
 
 
 class _Lanes(types.Type):
-    """The type of `LANES` numbers of one kind."""
+    """The type of `SIMD_WIDTH` numbers of one kind."""
 
     def __init__(self, element: str) -> None:
         super().__init__(name=f"lanes({element})")
-        self.vector = ir.VectorType(_ELEMENT[element], LANES)
+        self.vector = ir.VectorType(_ELEMENT[element], SIMD_WIDTH)
 
 
 FLOATS, WORDS, MASK = _Lanes("float64"), _Lanes("uint64"), _Lanes("bool")
@@ -65,7 +65,7 @@ def _in_all(context: Any, builder: Any, value: Any, given: Any, wanted: _Lanes) 
     value = context.cast(builder, value, given, number)
     undefined = ir.Constant(wanted.vector, ir.Undefined)
     first = builder.insert_element(undefined, value, ir.Constant(_INDEX, 0))
-    return builder.shuffle_vector(first, undefined, _order([0] * LANES))
+    return builder.shuffle_vector(first, undefined, _order([0] * SIMD_WIDTH))
 
 
 def _order(lanes: list[int]) -> Any:
@@ -153,7 +153,7 @@ def _unary(function: Any, emit: Callable[..., Any]) -> None:
 
 def _called(name: str) -> Callable[..., Any]:
     """A function of LLVM's own, of which every machine has an instruction."""
-    name = f"llvm.{name}.v{LANES}f64"
+    name = f"llvm.{name}.v{SIMD_WIDTH}f64"
 
     def emit(builder: Any, x: Any) -> Any:
         function = builder.module.globals.get(name)
@@ -193,14 +193,14 @@ def count(word):
     return float(np.int64(word))
 
 
-def load(m, at):
-    """The lanes in `LANES` columns from `at` on, float64."""
-    return m[at : at + LANES].copy()
+def load(f64, at):
+    """The lanes in `SIMD_WIDTH` columns from `at` on, float64."""
+    return f64[at : at + SIMD_WIDTH].copy()
 
 
-def store(m, at, value):
-    """Write lanes, or one number for all, to `LANES` columns from `at` on."""
-    m[at : at + LANES] = value
+def store(f64, at, value):
+    """Write lanes, or one number for all, to `SIMD_WIDTH` columns from `at` on."""
+    f64[at : at + SIMD_WIDTH] = value
 
 
 @_intrinsic
@@ -267,12 +267,12 @@ def _column(context: Any, builder: Any, of_array: Any, array: Any, at: Any) -> A
 
 def _loading(of: _Lanes) -> Any:
     @_intrinsic
-    def loaded(typing: Any, m: Any, at: Any) -> Any:
+    def loaded(typing: Any, f64: Any, at: Any) -> Any:
         def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             place = _column(context, builder, signature.args[0], *args)
             return builder.load(builder.bitcast(place, of.vector.as_pointer()), align=8)
 
-        return of(m, types.int64), emit
+        return of(f64, types.int64), emit
 
     return loaded
 
@@ -283,7 +283,7 @@ load_words = _loading(WORDS)
 
 
 @_intrinsic
-def _store(typing: Any, m: Any, at: Any, value: Any) -> Any:
+def _store(typing: Any, f64: Any, at: Any, value: Any) -> Any:
     of = WORDS if value is WORDS else FLOATS
 
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -292,29 +292,30 @@ def _store(typing: Any, m: Any, at: Any, value: Any) -> Any:
         builder.store(value, builder.bitcast(place, of.vector.as_pointer()), align=8)
         return context.get_dummy_value()
 
-    return types.void(m, types.int64, value), emit
+    return types.void(f64, types.int64, value), emit
 
 
 @_intrinsic
-def load_pairs(typing: Any, m: Any, starts: Any, first: Any, place: Any) -> Any:
-    """Of a table of pairs for each lane, those at the whole part of `place`. Compiled code only.
+def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) -> Any:
+    """Of a table of pairs for each lane, those at the whole part of `position`. Compiled code only.
 
-    `load_pairs(m, starts, first, place)`: lane i's table begins at column `starts[first + i]`;
-    `place` is 0 to 2**31. Returns the whole part, the pairs' first numbers and their second ones.
+    `load_pairs(f64, starts, first, position)`: lane i's table begins at column `starts[first + i]`;
+    `position` is 0 to 2**31. Returns the whole part, the pairs' first numbers and their second
+    ones.
     """
 
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        m, starts, first, place = args
+        f64, starts, first, position = args
         # to 32 bits: all machines have an instruction for that
-        whole = builder.fptosi(place, ir.VectorType(_INDEX, LANES))
+        whole = builder.fptosi(position, ir.VectorType(_INDEX, SIMD_WIDTH))
         pair = ir.VectorType(ir.DoubleType(), 2)
         found = []
-        for lane in range(LANES):
+        for lane in range(SIMD_WIDTH):
             number = builder.extract_element(whole, ir.Constant(_INDEX, lane))
             twice = builder.shl(builder.zext(number, _WORD), ir.Constant(_WORD, 1))
             slot = builder.add(first, ir.Constant(_WORD, lane))
             start = builder.load(_column(context, builder, signature.args[1], starts, slot))
-            at = _column(context, builder, signature.args[0], m, builder.add(start, twice))
+            at = _column(context, builder, signature.args[0], f64, builder.add(start, twice))
             found.append(builder.load(builder.bitcast(at, pair.as_pointer()), align=8))
         while len(found) > 1:  # two by two into one vector
             order = _order(list(range(2 * found[0].type.count)))
@@ -323,44 +324,44 @@ def load_pairs(typing: Any, m: Any, starts: Any, first: Any, place: Any) -> Any:
             ]
         undefined = ir.Constant(found[0].type, ir.Undefined)
         one, other = (
-            builder.shuffle_vector(found[0], undefined, _order(list(range(i, 2 * LANES, 2))))
+            builder.shuffle_vector(found[0], undefined, _order(list(range(i, 2 * SIMD_WIDTH, 2))))
             for i in (0, 1)
         )
         floor = builder.sitofp(whole, FLOATS.vector)
         return context.make_tuple(builder, signature.return_type, (floor, one, other))
 
-    return types.UniTuple(FLOATS, 3)(m, starts, types.int64, FLOATS), emit
+    return types.UniTuple(FLOATS, 3)(f64, starts, types.int64, FLOATS), emit
 
 
 @_intrinsic
-def store_pairs(typing: Any, m: Any, at: Any, apart: Any, first: Any, second: Any) -> Any:
+def store_pairs(typing: Any, f64: Any, at: Any, apart: Any, first: Any, second: Any) -> Any:
     """Write each lane's two numbers, rounded, side by side into float32. Compiled code only.
 
-    `store_pairs(m, at, apart, first, second)`: lane i's go to columns `at + i * apart` and the one
-    after.
+    `store_pairs(f64, at, apart, first, second)`: lane i's go to columns `at + i * apart` and the
+    one after.
     """
 
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        m, at, apart, first, second = args
-        single = ir.VectorType(ir.FloatType(), LANES)
+        f64, at, apart, first, second = args
+        single = ir.VectorType(ir.FloatType(), SIMD_WIDTH)
         first, second = (builder.fptrunc(one, single) for one in (first, second))
-        order = _order([i + half for i in range(LANES) for half in (0, LANES)])
+        order = _order([i + half for i in range(SIMD_WIDTH) for half in (0, SIMD_WIDTH)])
         pairs = builder.bitcast(builder.shuffle_vector(first, second, order), WORDS.vector)
-        for lane in range(LANES):
+        for lane in range(SIMD_WIDTH):
             pair = builder.extract_element(pairs, ir.Constant(_INDEX, lane))
-            place = _column(context, builder, signature.args[0], m, at)
+            place = _column(context, builder, signature.args[0], f64, at)
             builder.store(pair, builder.bitcast(place, _WORD.as_pointer()), align=4)
             at = builder.add(at, apart)
         return context.get_dummy_value()
 
-    return types.void(m, types.int64, types.int64, FLOATS, FLOATS), emit
+    return types.void(f64, types.int64, types.int64, FLOATS, FLOATS), emit
 
 
 @overload(load)
-def _of_load(m, at):
-    return lambda m, at: _load_floats(m, at)
+def _of_load(f64, at):
+    return lambda f64, at: _load_floats(f64, at)
 
 
 @overload(store)
-def _of_store(m, at, value):
-    return lambda m, at, value: _store(m, at, value)
+def _of_store(f64, at, value):
+    return lambda f64, at, value: _store(f64, at, value)

@@ -1,4 +1,4 @@
-"""Wells, hills and end stops: torque that only depends on where the disk is.
+"""Detents, hills and end stops: torque that only depends on where the disk is.
 
     torque = -dU/dtheta1
 
@@ -8,9 +8,9 @@ pull along its way (a discrete gradient, Gonzalez 1996),
 
     pull = (U(x1) - U(x0)) / (x1 - x0),
 
-so that what the disk loses the well has: the ledger of `two_disk` holds with U in it, for any step.
-The pull depends on the speed that is sought and the speed on the pull; for wells a disk can swing
-in the two agree after two or three rounds, and always by the last.
+so that what the disk loses the detent has: the ledger of `two_disk` holds with U in it, for any
+step. The pull depends on the speed that is sought and the speed on the pull; for detents a disk can
+swing in the two agree after two or three rounds, and always by the last.
 
 Units: U in N m cells (times `C_THETA`: J), pull in N m.
 
@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import bristle_step
-from overview_dsp.kernels.compiling import point, routine
+from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.friction import friction_at
 
 SHORT = 0.5  # cells: on a shorter way no difference of energies is taken, which would cancel
@@ -31,89 +31,89 @@ CLOSE = 1e-13  # of the pull
 CLOSE_ENERGY = 1e-15  # of the energy, whose rounding is as large
 
 
-@point
-def within(place):
-    """A place (cells) kept to the surface."""
+@inlined
+def within(position):
+    """A position (cells) kept to the surface."""
     # a NaN fails both comparisons and must not become an index
-    if not place > 0.0:
+    if not position > 0.0:
         return 0.0
-    return place if place < layout.CELLS else float(layout.CELLS)
+    return position if position < layout.CELLS else float(layout.CELLS)
 
 
-@point
-def pull_at(m, w, slot, place):
-    """The pull of a surface slot at a place (cells), N m."""
-    if w[slot + layout.SLOT_MODELS] & layout.HAS_WELLS == 0:
+@inlined
+def pull_at(f64, i64, slot, position):
+    """The pull of a surface slot at a position (cells), N m."""
+    if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
-    inside = within(place)
-    if inside != place:
-        return (place - inside) * m[slot + layout.SLOT_END_STIFFNESS] * m[layout.C_THETA]
-    return friction_at(m, slot + layout.SLOT_PULL, place)
+    inside = within(position)
+    if inside != position:
+        return (position - inside) * f64[slot + layout.SLOT_END_STIFFNESS] * f64[layout.C_THETA]
+    return friction_at(f64, slot + layout.SLOT_PULL, position)
 
 
-@point
-def energy_at(m, w, slot, inside):
-    """The energy of a surface slot's wells at a place on the surface (cells), N m cells."""
-    if w[slot + layout.SLOT_MODELS] & layout.HAS_WELLS == 0:
+@inlined
+def energy_at(f64, i64, slot, inside):
+    """The energy of a surface slot's detents at a position on the surface (cells), N m cells."""
+    if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
     i = int(inside)
     part = inside - float(i)
     at = slot + layout.SLOT_PULL + 2 * i
-    return m[slot + layout.SLOT_WELL + i] + part * (m[at] + 0.5 * part * m[at + 1])
+    return f64[slot + layout.SLOT_DETENT_ENERGY + i] + part * (f64[at] + 0.5 * part * f64[at + 1])
 
 
-@point
-def mean_pull(m, w, slot, x, way):
+@inlined
+def mean_pull(f64, i64, slot, x, way):
     """The mean pull of a surface slot (N m) on a way of some cells, other than 0, from x."""
-    if w[slot + layout.SLOT_MODELS] & layout.HAS_WELLS == 0:
+    if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
     start = within(x)
     end = within(x + way)
     over = x - start
     over_after = x + way - end
-    spring = m[slot + layout.SLOT_END_STIFFNESS] * m[layout.C_THETA]
+    spring = f64[slot + layout.SLOT_END_STIFFNESS] * f64[layout.C_THETA]
     stop = 0.5 * spring * (over_after + over) * ((over_after - over) / way)
     if abs(end - start) > SHORT:
-        risen = energy_at(m, w, slot, end) - energy_at(m, w, slot, start)
+        risen = energy_at(f64, i64, slot, end) - energy_at(f64, i64, slot, start)
         return risen / way + stop
     # at most one point of the table is passed, where the pull bends
     table = slot + layout.SLOT_PULL
-    first = friction_at(m, table, start)
-    last = friction_at(m, table, end)
+    first = friction_at(f64, table, start)
+    last = friction_at(f64, table, end)
     bend = float(max(int(start), int(end)))
     if int(start) == int(end):
         risen = 0.5 * (first + last) * (end - start)
     else:
-        there = friction_at(m, table, bend)
+        there = friction_at(f64, table, bend)
         risen = 0.5 * ((first + there) * (bend - start) + (there + last) * (end - bend))
     return risen / way + stop
 
 
-@point
+@inlined
 def mixed(new, old, old_part):
     """A value of the slot in use with a part of the one faded from."""
     return new + (old - new) * old_part if old_part > 0.0 else new
 
 
-@point
+@inlined
 def contact(push, resistance, z, stiffness, damping, steady, break_away):
-    """One step without wells: with bristles where they give way at steady > 0 cells, or without."""
+    """One step without detents, with bristles where they give way at steady > 0 cells."""
     if steady > 0.0:
         return bristle_step(push, resistance, z, stiffness, damping, steady, break_away)
     return push / resistance, 0.0, 0.0
 
 
-@routine
-def step_in_wells(
-    m, w, slot, old_slot, old_part, x, ahead, push, resistance,
+@outlined
+def step_in_detents(
+    f64, i64, slot, old_slot, old_part, x, ahead, push, resistance,
     z, stiffness, damping, steady, break_away,
 ):  # fmt: skip
-    """One step in the wells of a slot; the arguments are those of `sliding` and `bristle`.
+    """One step in the detents of a slot; the arguments are those of `sliding` and `bristle`.
 
     Returns speed, deflection and torque as `contact`, and the mean pull (N m).
     """
-    per_omega = 1.0 / m[layout.C_OMEGA]
-    pull = mixed(pull_at(m, w, slot, ahead), pull_at(m, w, old_slot, ahead), old_part)
+    per_omega = 1.0 / f64[layout.C_OMEGA]
+    pull = mixed(pull_at(f64, i64, slot, ahead), pull_at(f64, i64, old_slot, ahead), old_part)
     middle, bent, torque = 0.0, 0.0, 0.0
     last_pull, last_miss = 0.0, 0.0
     low, high = 0.0, 0.0
@@ -123,15 +123,17 @@ def step_in_wells(
             push - pull * per_omega, resistance, z, stiffness, damping, steady, break_away
         )
         if middle == 0.0:
-            found = mixed(pull_at(m, w, slot, x), pull_at(m, w, old_slot, x), old_part)
+            found = mixed(pull_at(f64, i64, slot, x), pull_at(f64, i64, old_slot, x), old_part)
         else:
             found = mixed(
-                mean_pull(m, w, slot, x, middle), mean_pull(m, w, old_slot, x, middle), old_part
+                mean_pull(f64, i64, slot, x, middle),
+                mean_pull(f64, i64, old_slot, x, middle),
+                old_part,
             )
         miss = found - pull
         if abs(miss) <= CLOSE * (abs(found) + abs(pull)):
             break
-        if abs(miss * middle) <= CLOSE_ENERGY * abs(energy_at(m, w, slot, within(x))):
+        if abs(miss * middle) <= CLOSE_ENERGY * abs(energy_at(f64, i64, slot, within(x))):
             break
         if miss > 0.0:
             low, lows = pull, 1

@@ -1,0 +1,170 @@
+"""Last of all, live only: what the device does to each signal after what is recorded and replayed.
+
+For click and tactor each a gain, a delay and a ceiling, and for both the fade that ends a stream:
+
+    y = part * limit(gain * x[n - delay], ceiling) + (1 - part) * gain * x[n - delay]
+
+`part` is 1 where a ceiling below full scale or a gain above 1 asks for the limiter, else 0: with
+gain 1, delay 0 and part 0 not a bit is changed. All four glide or crossfade for `S_GLIDE` samples.
+Where an actuator is chosen, its drive (`actuator.py`) is made from the tactor's gained and delayed
+signal; the ceiling comes last and can only take away.
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
+from overview_dsp.kernels.device.actuator import drive
+from overview_dsp.kernels.glide import smooth_step
+from overview_dsp.kernels.limiter import limit
+
+FULL_SCALE = 1.0
+TACTOR = 1  # of the signals, the one that an actuator gets
+
+
+@inlined
+def take_wishes(f64, i64):
+    """Begin the glides that the control thread has asked for since the last block."""
+    for i in range(layout.L_GLIDED):
+        if f64[layout.L_WANTED + i] != f64[layout.L_TARGET + i]:
+            f64[layout.L_TARGET + i] = f64[layout.L_WANTED + i]
+            f64[layout.L_FROM + i] = f64[layout.L_GAIN + i]
+            i64[layout.L_LEFT + i] = i64[layout.S_GLIDE]
+    for signal in range(layout.SIGNALS):
+        if i64[layout.L_DELAY_LEFT + signal] == 0:
+            wanted = i64[layout.L_DELAY_WANTED + signal]
+            if wanted != i64[layout.L_DELAY + signal]:
+                i64[layout.L_DELAY_FROM + signal] = i64[layout.L_DELAY + signal]
+                i64[layout.L_DELAY + signal] = wanted
+                i64[layout.L_DELAY_LEFT + signal] = i64[layout.S_GLIDE]
+
+
+@inlined
+def glided(f64, i64, i, per_glide):
+    """One sample of a gliding value, exact at its end."""
+    if i64[layout.L_LEFT + i] > 0:
+        i64[layout.L_LEFT + i] -= 1
+        target = f64[layout.L_TARGET + i]
+        left = smooth_step(float(i64[layout.L_LEFT + i]) * per_glide)
+        f64[layout.L_GAIN + i] = target + (f64[layout.L_FROM + i] - target) * left
+    return f64[layout.L_GAIN + i]
+
+
+@inlined
+def delayed(f64, i64, signal, line, at, per_glide):
+    """The delay line's output at frame `at`, crossfaded while the delay changes."""
+    mask = layout.DELAY_LINE - 1
+    x = f64[line + ((at - i64[layout.L_DELAY + signal]) & mask)]
+    if i64[layout.L_DELAY_LEFT + signal] > 0:
+        i64[layout.L_DELAY_LEFT + signal] -= 1
+        old = f64[line + ((at - i64[layout.L_DELAY_FROM + signal]) & mask)]
+        x = x + (old - x) * smooth_step(float(i64[layout.L_DELAY_LEFT + signal]) * per_glide)
+    return x
+
+
+@inlined
+def is_untouched(f64, i64, signal):
+    """Whether nothing is done to a signal now: gain 1, no delay, no limiter, no actuator."""
+    gliding = i64[layout.L_DELAY_LEFT + signal]
+    for i in range(signal, layout.L_GLIDED, layout.SIGNALS):
+        gliding += i64[layout.L_LEFT + i]
+    driven = signal == TACTOR and i64[layout.L_ACTUATOR + layout.ACT_ON] == 1
+    return (
+        gliding == 0
+        and not driven
+        and i64[layout.L_DELAY + signal] == 0
+        and f64[layout.L_GAIN + signal] == 1.0
+        and not f64[layout.L_LIMITED + signal] > 0.0
+    )
+
+
+@inlined
+def keep(f64, line, out, frames, channels, at):
+    """Copy one signal, from out[at] on, into a stretch of its delay line; its highest magnitude."""
+    peak = 0.0
+    for n in range(frames):
+        y = float(out[at & NOT_NEGATIVE])
+        at += channels
+        f64[(line + n) & NOT_NEGATIVE] = y
+        peak = max(peak, abs(y))
+    return peak
+
+
+@inlined
+def pass_through(f64, i64, out, frames, channels, signal, channel):
+    """A signal to which nothing is done: into the delay line; its peak is booked."""
+    line = layout.L_LINES + signal * layout.DELAY_LINE
+    written = i64[layout.L_LINE] & (layout.DELAY_LINE - 1)
+    first = min(frames, layout.DELAY_LINE - written)
+    peak = keep(f64, line + written, out, first, channels, channel)
+    if first < frames:
+        # as a delay line in a circle has it: the rest from its start on
+        peak = max(peak, keep(f64, line, out, frames - first, channels, channel + first * channels))
+    if peak > FULL_SCALE:
+        for n in range(frames):
+            i = channel + n * channels
+            out[i] = min(max(out[i], -FULL_SCALE), FULL_SCALE)
+    f64[layout.L_PEAK + signal] = max(f64[layout.L_PEAK + signal], min(peak, FULL_SCALE))
+
+
+@outlined
+def treat(f64, i64, out, frames, channels, signal, channel):
+    """One signal of a block through its gain, delay and ceiling; its peak is booked."""
+    if is_untouched(f64, i64, signal):
+        pass_through(f64, i64, out, frames, channels, signal, channel)
+        return
+    per_glide = 1.0 / float(i64[layout.S_GLIDE])
+    line = layout.L_LINES + signal * layout.DELAY_LINE
+    written = i64[layout.L_LINE]
+    peak = f64[layout.L_PEAK + signal]
+    driven = signal == TACTOR and i64[layout.L_ACTUATOR + layout.ACT_ON] == 1
+    for n in range(frames):
+        at = written + n
+        f64[line + (at & (layout.DELAY_LINE - 1))] = float(out[channel + n * channels])
+        gain = glided(f64, i64, signal, per_glide)
+        ceiling = glided(f64, i64, layout.SIGNALS + signal, per_glide)
+        part = glided(f64, i64, 2 * layout.SIGNALS + signal, per_glide)
+        y = gain * delayed(f64, i64, signal, line, at, per_glide)
+        if driven:
+            y = drive(f64, i64, layout.L_ACTUATOR, y)
+        if part > 0.0:
+            y = y + part * (limit(y, ceiling) - y)
+        y = min(max(y, -FULL_SCALE), FULL_SCALE)
+        peak = max(peak, abs(y))
+        out[channel + n * channels] = y
+    f64[layout.L_PEAK + signal] = peak
+
+
+@inlined
+def fade_out(i64, out, frames, channels):
+    """Fade a block towards the stream's end; whether silence is reached."""
+    length = i64[layout.S_GLIDE]
+    for n in range(frames):
+        left = max(0, length - 1 - i64[layout.L_FADED])
+        gain = smooth_step(float(left) / float(length))
+        for channel in range(channels):
+            out[n * channels + channel] = out[n * channels + channel] * gain
+        i64[layout.L_FADED] += 1
+    return i64[layout.L_FADED] >= length
+
+
+@inlined
+def finish(f64, i64, out, frames, channels):
+    """What a device's block still needs after `process`; whether the stream is over."""
+    take_wishes(f64, i64)
+    if i64[layout.S_CLICK_CHANNEL] >= 0:
+        treat(f64, i64, out, frames, channels, 0, i64[layout.S_CLICK_CHANNEL])
+    if i64[layout.S_TACTOR_CHANNEL] >= 0:
+        treat(f64, i64, out, frames, channels, 1, i64[layout.S_TACTOR_CHANNEL])
+    i64[layout.L_LINE] += frames
+    if i64[layout.L_STOP] == 1:
+        return fade_out(i64, out, frames, channels)
+    return False
+
+
+@entry_point
+def finish_block(f64, i64, out, frames, channels):
+    """`finish` for callers in Python: out is float32 [frames * channels], treated in place."""
+    return finish(f64, i64, out, frames, channels)

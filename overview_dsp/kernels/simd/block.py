@@ -1,0 +1,268 @@
+"""The block driver for voices side by side: what `block.process` does to each, for all at once.
+
+A voice with viscous friction alone, and no parameter or surface on its way, goes with the others
+through the lanes' loops; what happens to it alone (control events, strikes, its modes) is done to
+its own block between them. Any other voice, and fewer than pay, are left to be processed alone.
+
+Thread: audio (offline: one that renders).
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.block import recover
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
+from overview_dsp.kernels.control import apply_due, next_due
+from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
+from overview_dsp.kernels.limiter import KNEE
+from overview_dsp.kernels.modal_bank import ring
+from overview_dsp.kernels.motion import write_trace
+from overview_dsp.kernels.output import limit_column
+from overview_dsp.kernels.simd import memory as own
+from overview_dsp.kernels.simd.memory import put_back, start_of, take_in
+from overview_dsp.kernels.simd.stages import (
+    SMOOTH_1,
+    SMOOTH_2,
+    X,
+    shape_all,
+    sound_all,
+    travel_all,
+    write_all,
+)
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
+
+FEWEST = 4  # voices for which the lanes' loops pay, with vectors of four numbers
+CHANNELS = 2
+TRACE_COLUMNS = (
+    (layout.D_POSITION, own.POSITION),
+    (layout.D_THETA2, own.THETA2),
+    (layout.D_TORQUE, own.TORQUE),
+    (layout.D_SPEED, own.SPEED),
+    (layout.D_FRICTION, own.FRICTION),
+)
+
+
+@inlined
+def is_plain(f64, i64):
+    """Whether nothing but hands moves a voice in the next block, over viscous friction alone."""
+    if i64[layout.HOST_READ] < i64[layout.HOST_WRITTEN] or i64[layout.FADE_LEFT] > 0:
+        return False
+    if i64[layout.S_CLICK_CHANNEL] != 0 or i64[layout.S_TACTOR_CHANNEL] != 1:
+        return False
+    gliding = 0
+    for i in range(layout.COEFFS):
+        gliding |= i64[layout.GLIDE_LEFT + i]
+    slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
+    return gliding == 0 and i64[slot + layout.SLOT_MODELS] == 0
+
+
+@inlined
+def take_hand(batch_f64, f64, i64, lane):
+    """A voice's hand, and the springs that act, into its lane."""
+    held = i64[layout.TOUCHING] == 1
+    spring = f64[layout.C_SPRING_HELD] if held else f64[layout.C_SPRING_FREE]
+    batch_f64[own.INPUT + lane] = f64[layout.INPUT]
+    batch_f64[own.HOLD + lane] = 1.0 if held else 0.0
+    batch_f64[own.SPRING + lane] = spring
+    batch_f64[own.DENOMINATOR + lane] = f64[layout.C_INERTIA] * (2.0 + 0.5 * spring)
+
+
+@outlined
+def obey(batch_f64, f64, i64, lane):
+    """Apply a voice's control events that are due."""
+    f64[layout.SMOOTH_1] = batch_f64[SMOOTH_1 + lane]
+    f64[layout.SMOOTH_2] = batch_f64[SMOOTH_2 + lane]
+    apply_due(f64, i64)
+    batch_f64[SMOOTH_1 + lane] = f64[layout.SMOOTH_1]
+    batch_f64[SMOOTH_2 + lane] = f64[layout.SMOOTH_2]
+    take_hand(batch_f64, f64, i64, lane)
+
+
+@inlined
+def copy(from_, to):
+    """Every number of `from_` into `to`, which is as long."""
+    for n in range(len(to)):
+        to[n] = from_[n]
+
+
+@outlined
+def pass_all(batch_f64, f64, i64, lane, frames):
+    """Strike the events that a voice passed in a chunk."""
+    before = batch_f64[own.BEFORE + lane]
+    above = event_above(f64, i64)
+    below = event_below(f64, i64)
+    positions = own.column(batch_f64, own.POSITION, lane, frames)
+    for n in range(frames):
+        x = positions[n]
+        if x >= above or x < below:
+            f64[layout.X] = x
+            f64[layout.APPROACH] = batch_f64[own.APPROACH + n * SIMD_WIDTH + lane]
+            f64[layout.D_OMEGA + n] = batch_f64[own.OMEGA + n * SIMD_WIDTH + lane]
+            pass_events(f64, i64, n, before)
+            above = event_above(f64, i64)
+            below = event_below(f64, i64)
+        before = x
+
+
+@outlined
+def strike_lane(batch_f64, batch_i64, lane, frames):
+    """A voice's events that were passed in a chunk, and its modes, into its lane."""
+    f64 = own.block(batch_f64, lane)
+    i64 = own.block(batch_i64, lane)
+    if batch_f64[own.HIGHEST + lane] >= event_above(f64, i64) or batch_f64[
+        own.LOWEST + lane
+    ] < event_below(f64, i64):
+        pass_all(batch_f64, f64, i64, lane, frames)
+    last = layout.STRIKES_SOUNDED + layout.CONTACT - 1
+    if i64[layout.RINGING] > 0 or i64[last] < i64[layout.M_STRIKES]:
+        ring(f64, i64, frames)
+        copy(
+            f64[layout.D_RING : layout.D_RING + frames],
+            own.column(batch_f64, own.RING, lane, frames),
+        )
+        batch_i64[own.ECHO + lane] = 1
+    elif batch_i64[own.ECHO + lane] == 1:
+        for n in range(layout.CHUNK):
+            batch_f64[own.RING + n * SIMD_WIDTH + (lane & NOT_NEGATIVE)] = 0.0
+        batch_i64[own.ECHO + lane] = 0
+
+
+@outlined
+def bend_lane(batch_f64, batch_i64, lane, frames):
+    """Hold what is over the ceiling's knee under the ceiling, and meter it."""
+    f64 = own.block(batch_f64, lane)
+    i64 = own.block(batch_i64, lane)
+    ceiling = f64[layout.C_CEILING]
+    for at, to, loudest in (
+        (own.CLICK, layout.D_CLICK, own.LOUDEST_CLICK),
+        (own.TACTOR, layout.D_TACTOR, own.LOUDEST_TACTOR),
+    ):
+        if batch_f64[loudest + lane] > KNEE * ceiling:
+            copy(own.column(batch_f64, at, lane, frames), f64[to : to + frames])
+            peak, limited = limit_column(f64, i64, to, frames, ceiling)
+            copy(f64[to : to + frames], own.column(batch_f64, at, lane, frames))
+            batch_f64[loudest + lane] = peak
+            i64[layout.M_LIMITED] += limited
+
+
+@outlined
+def trace_lane(batch_f64, batch_i64, lane, frames, trace, at):
+    """A voice's trace of a chunk, from index `at` on."""
+    f64 = own.block(batch_f64, lane)
+    for i in range(len(TRACE_COLUMNS)):
+        to, column = TRACE_COLUMNS[i]
+        copy(own.column(batch_f64, column, lane, frames), f64[to : to + frames])
+    write_trace(f64, own.block(batch_i64, lane), frames, trace, at)
+    rows = trace[at + 8 : at + frames * layout.TRACE : layout.TRACE]
+    copy(own.column(batch_f64, own.ENVELOPE, lane, frames), rows)
+
+
+@inlined
+def run_all(batch_f64, batch_i64, batch_u64, count, out, block, start, frames, trace, traced):
+    """`frames` from frame `start` of a block of `block`, in which no voice has an event due."""
+    for lane in range(count):
+        batch_f64[own.BEFORE + lane] = batch_f64[X + lane]
+    travel_all(batch_f64, batch_i64, frames, traced)
+    for lane in range(count):
+        if batch_i64[own.MEMBER + lane] == 1:
+            strike_lane(batch_f64, batch_i64, lane, frames)
+    shape_all(batch_f64, frames)
+    sound_all(batch_f64, batch_u64, frames, traced)
+    for lane in range(count):
+        if batch_i64[own.MEMBER + lane] == 1:
+            bend_lane(batch_f64, batch_i64, lane, frames)
+            if traced:
+                trace_lane(
+                    batch_f64, batch_i64, lane, frames, trace, (lane * block + start) * layout.TRACE
+                )
+            batch_i64[start_of(lane) + layout.CLOCK] += frames
+    write_all(batch_f64, out, start * CHANNELS, block * CHANNELS, frames)
+
+
+@inlined
+def join(batch_f64, batch_i64, lane):
+    """A voice goes with the others through the next block."""
+    f64 = own.block(batch_f64, lane)
+    i64 = own.block(batch_i64, lane)
+    f64[layout.M_PEAK_CLICK] = 0.0
+    f64[layout.M_PEAK_TACTOR] = 0.0
+    take_in(batch_f64, f64, lane)
+    take_hand(batch_f64, f64, i64, lane)
+    slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
+    batch_i64[own.TABLE + lane] = start_of(lane) + slot + layout.SLOT_TABLE
+    batch_i64[own.DUE + lane] = next_due(i64)
+
+
+@inlined
+def leave(batch_f64, batch_i64, batch_u64, lane, out, frames):
+    """A voice has its block's end to itself again."""
+    f64 = own.block(batch_f64, lane)
+    i64 = own.block(batch_i64, lane)
+    put_back(batch_f64, f64, lane)
+    i64[layout.M_SUMMED] += frames
+    i64[layout.M_BLOCKS] += 1
+    first = lane * frames * CHANNELS
+    clock = i64[layout.CLOCK]
+    recover(f64, i64, own.block(batch_u64, lane), clock, out, first, first + frames * CHANNELS)
+
+
+@inlined
+def next_stop(batch_f64, batch_i64, count, n, stop):
+    """Apply what is due at frame `n` of the block; the frame up to which nothing else is."""
+    for lane in range(count):
+        if batch_i64[own.MEMBER + lane] == 1:
+            now = batch_i64[start_of(lane) + layout.CLOCK]
+            if batch_i64[own.DUE + lane] <= now:
+                i64 = own.block(batch_i64, lane)
+                obey(batch_f64, own.block(batch_f64, lane), i64, lane)
+                batch_i64[own.DUE + lane] = next_due(i64)
+            # what is due already waits for a sample, as it does alone
+            left = max(1, batch_i64[own.DUE + lane] - now)
+            stop = min(stop, n + left)
+    return stop
+
+
+@entry_point
+def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, traced):
+    """A block of the voices whose WANTED column is 1; each gets the bits of `block.process`.
+
+    What it did for which voice is in the MEMBER columns: those it left at 0 are still to be
+    processed alone.
+
+    Parameters
+    ----------
+    batch_f64, batch_i64, batch_u64 : float64, int64, uint64 [simd.memory.MEMORY]
+        The lanes' memory and the voices' own, seen three ways.
+    count : int64
+        The lanes to look at, the first of all: SIMD_WIDTH, but not as a constant, of which the
+        compiler would make as many copies of everything.
+    out : float32 [SIMD_WIDTH * frames * 2]
+        Each lane's click and tactor, overwritten; those of other lanes hold nothing of use.
+    frames : int64
+    trace : float64 [SIMD_WIDTH * frames * layout.TRACE] or of any length
+        Overwritten if `traced`.
+    traced : bool
+
+    Thread: one that renders. Never allocates, locks or raises.
+    """
+    members = 0
+    for lane in range(count):
+        wanted = batch_i64[own.WANTED + lane] == 1
+        plain = wanted and is_plain(own.block(batch_f64, lane), own.block(batch_i64, lane))
+        batch_i64[own.MEMBER + lane] = 1 if plain else 0
+        members += batch_i64[own.MEMBER + lane]
+    for lane in range(count):
+        if members < FEWEST:
+            batch_i64[own.MEMBER + lane] = 0
+        elif batch_i64[own.MEMBER + lane] == 1:
+            join(batch_f64, batch_i64, lane)
+    if members < FEWEST:
+        return
+    n = 0
+    while n < frames:
+        stop = next_stop(batch_f64, batch_i64, count, n, min(frames, n + layout.CHUNK))
+        run_all(batch_f64, batch_i64, batch_u64, count, out, frames, n, stop - n, trace, traced)
+        n = stop
+    for lane in range(count):
+        if batch_i64[own.MEMBER + lane] == 1:
+            leave(batch_f64, batch_i64, batch_u64, lane, out, frames)

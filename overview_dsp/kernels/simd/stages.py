@@ -1,0 +1,234 @@
+"""The stages of a chunk for voices side by side: the loops of `viscous`, `shaping` and `voice`.
+
+Thread: audio.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.compiling import outlined
+from overview_dsp.kernels.dc_block import block_dc
+from overview_dsp.kernels.elementary import sin_turns
+from overview_dsp.kernels.envelope import compress, follow
+from overview_dsp.kernels.friction import frictions_at
+from overview_dsp.kernels.motion import NEAR_REST
+from overview_dsp.kernels.noise import next_state, white
+from overview_dsp.kernels.simd import memory as own
+from overview_dsp.kernels.simd.vector import (
+    SIMD_WIDTH,
+    choose,
+    load,
+    load_words,
+    store,
+    store_pairs,
+)
+from overview_dsp.kernels.smoother import smooth
+from overview_dsp.kernels.tactor import advance
+from overview_dsp.kernels.texture import brightness, colour, grain_level, spread
+from overview_dsp.kernels.two_disk import midpoint_speed
+from overview_dsp.kernels.viscous import STANDSTILL, snapped
+
+APPROACH = own.of_state(layout.APPROACH)
+X = own.of_state(layout.X)
+V = own.of_state(layout.V)
+SMOOTH_1 = own.of_state(layout.SMOOTH_1)
+SMOOTH_2 = own.of_state(layout.SMOOTH_2)
+FOLLOWER = own.of_state(layout.FOLLOWER)
+ENVELOPE_1 = own.of_state(layout.ENVELOPE_1)
+ENVELOPE_2 = own.of_state(layout.ENVELOPE_2)
+PHASE = own.of_state(layout.PHASE)
+TACTOR_DC_IN = own.of_state(layout.TACTOR_DC_IN)
+TACTOR_DC_OUT = own.of_state(layout.TACTOR_DC_OUT)
+GRAIN = own.of_state(layout.GRAIN)
+TEXTURE = own.of_state(layout.TEXTURE)
+CLICK_DC_IN = own.of_state(layout.CLICK_DC_IN)
+CLICK_DC_OUT = own.of_state(layout.CLICK_DC_OUT)
+NOISE = own.of_state(layout.NOISE)
+IMPULSE = own.of_state(layout.M_IMPULSE)
+STILL = own.of_state(layout.M_STILL)
+SILENT = own.of_state(layout.M_SILENT)
+LAST_TORQUE = own.of_state(layout.M_TORQUE)
+LAST_FRICTION = own.of_state(layout.M_FRICTION)
+LAST_ENVELOPE = own.of_state(layout.M_ENVELOPE)
+PEAK_CLICK = own.of_state(layout.M_PEAK_CLICK)
+PEAK_TACTOR = own.of_state(layout.M_PEAK_TACTOR)
+C_SMOOTH = own.of_coefficient(layout.C_SMOOTH)
+C_INERTIA = own.of_coefficient(layout.C_INERTIA)
+C_OMEGA = own.of_coefficient(layout.C_OMEGA)
+C_FORGET = own.of_coefficient(layout.C_FORGET)
+C_CARRIER = own.of_coefficient(layout.C_CARRIER)
+C_TORQUE = own.of_coefficient(layout.C_TORQUE)
+C_GATE = own.of_coefficient(layout.C_GATE)
+C_EXPONENT = own.of_coefficient(layout.C_EXPONENT)
+C_TEXTURE_GAIN = own.of_coefficient(layout.C_TEXTURE_GAIN)
+C_TEXTURE_CUTOFF = own.of_coefficient(layout.C_TEXTURE_CUTOFF)
+C_DECAY = own.of_coefficient(layout.C_DECAY)
+C_RISE = own.of_coefficient(layout.C_RISE)
+C_TACTOR_GAIN = own.of_coefficient(layout.C_TACTOR_GAIN)
+C_CLICK_GAIN = own.of_coefficient(layout.C_CLICK_GAIN)
+C_GRAIN = own.of_coefficient(layout.C_GRAIN)
+C_DC_POLE = own.of_coefficient(layout.C_DC_POLE)
+
+
+@outlined
+def travel_all(batch_f64, batch_i64, frames, traced):
+    """`travel` for lanes, through a whole chunk: events that are passed on the way stop no lane."""
+    x = load(batch_f64, X)
+    half = 0.5 * load(batch_f64, V)
+    y1 = load(batch_f64, SMOOTH_1)
+    y2 = load(batch_f64, SMOOTH_2)
+    phase = load(batch_f64, PHASE)
+    approach = load(batch_f64, APPROACH)
+    impulse = load(batch_f64, IMPULSE)
+    still = load_words(batch_i64, STILL)
+    torque = load(batch_f64, LAST_TORQUE)
+    friction = load(batch_f64, LAST_FRICTION)
+    highest = x
+    lowest = x
+    for n in range(frames):
+        at = n * SIMD_WIDTH
+        y1, y2 = smooth(load(batch_f64, own.INPUT), y1, y2, load(batch_f64, C_SMOOTH))
+        friction = frictions_at(batch_f64, batch_i64, own.TABLE, x + half)
+        rest = y2 * load(batch_f64, own.HOLD)
+        middle = midpoint_speed(
+            x,
+            2.0 * half,
+            rest,
+            load(batch_f64, own.SPRING),
+            load(batch_f64, C_INERTIA),
+            load(batch_f64, own.DENOMINATOR),
+            friction,
+        )
+        x = x + middle
+        half = middle - half
+        omega = middle * load(batch_f64, C_OMEGA)
+        approach = max(abs(omega), approach * load(batch_f64, C_FORGET))
+        near = min(abs(x), abs(half)) < STANDSTILL
+        x = snapped(x, STANDSTILL)
+        half = snapped(half, 0.5 * STANDSTILL)
+        approach = choose(near, snapped(approach, STANDSTILL), approach)
+        phase = advance(phase, load(batch_f64, C_CARRIER))
+        torque = friction * omega
+        impulse = impulse + torque
+        highest = max(highest, x)
+        lowest = min(lowest, x)
+        still = choose(abs(x - rest) < NEAR_REST, still + 1, 0)
+        store(batch_f64, own.TORQUE + at, torque)
+        store(batch_f64, own.OMEGA + at, omega)
+        store(batch_f64, own.PHASE + at, phase)
+        store(batch_f64, own.POSITION + at, x)
+        store(batch_f64, own.APPROACH + at, approach)
+        if traced:
+            store(batch_f64, own.SPEED + at, 2.0 * half)
+            store(batch_f64, own.THETA2 + at, y2)
+            store(batch_f64, own.FRICTION + at, friction)
+    store(batch_f64, X, x)
+    store(batch_f64, V, 2.0 * half)
+    store(batch_f64, SMOOTH_1, y1)
+    store(batch_f64, SMOOTH_2, y2)
+    store(batch_f64, PHASE, phase)
+    store(batch_f64, APPROACH, approach)
+    store(batch_f64, IMPULSE, impulse)
+    store(batch_f64, STILL, still)
+    store(batch_f64, LAST_TORQUE, torque)
+    store(batch_f64, LAST_FRICTION, friction)
+    store(batch_f64, own.HIGHEST, highest)
+    store(batch_f64, own.LOWEST, lowest)
+
+
+@outlined
+def shape_all(batch_f64, frames):
+    """`shape` for lanes; in two loops, whose chains a processor overlaps better."""
+    for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
+        torque = load(batch_f64, own.TORQUE + at)
+        amplitude = compress(
+            torque, load(batch_f64, C_TORQUE), load(batch_f64, C_GATE), load(batch_f64, C_EXPONENT)
+        )
+        store(batch_f64, own.AMPLITUDE + at, amplitude)
+    for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
+        omega = load(batch_f64, own.OMEGA + at)
+        level = grain_level(
+            load(batch_f64, own.TORQUE + at), omega, load(batch_f64, C_TEXTURE_GAIN)
+        )
+        store(batch_f64, own.SINE + at, sin_turns(load(batch_f64, own.PHASE + at)))
+        store(batch_f64, own.GRAIN + at, level)
+        store(batch_f64, own.COLOUR + at, brightness(omega, load(batch_f64, C_TEXTURE_CUTOFF)))
+
+
+@outlined
+def sound_all(batch_f64, batch_u64, frames, traced):
+    """`sound` for lanes, whose modes have rung already."""
+    follower = load(batch_f64, FOLLOWER)
+    e1 = load(batch_f64, ENVELOPE_1)
+    e2 = load(batch_f64, ENVELOPE_2)
+    tactor_in = load(batch_f64, TACTOR_DC_IN)
+    tactor_out = load(batch_f64, TACTOR_DC_OUT)
+    click_in = load(batch_f64, CLICK_DC_IN)
+    click_out = load(batch_f64, CLICK_DC_OUT)
+    level = load(batch_f64, GRAIN)
+    grain = load(batch_f64, TEXTURE)
+    noise = load_words(batch_f64, NOISE)
+    silent = load_words(batch_u64, SILENT)
+    envelope = load(batch_f64, LAST_ENVELOPE)
+    loudest_tactor = choose(level >= 0.0, 0.0, 0.0)
+    loudest_click = loudest_tactor
+    for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
+        amplitude = load(batch_f64, own.AMPLITUDE + at)
+        follower, e1, e2 = follow(
+            amplitude, follower, e1, e2, load(batch_f64, C_DECAY), load(batch_f64, C_RISE)
+        )
+        envelope = e2 * load(batch_f64, C_TACTOR_GAIN)
+        wave = envelope * load(batch_f64, own.SINE + at)
+        tactor_out = block_dc(wave, tactor_in, tactor_out, load(batch_f64, C_DC_POLE))
+        tactor_in = wave
+        level = spread(load(batch_f64, own.GRAIN + at), level, load(batch_f64, C_GRAIN))
+        rough = level > 0.0
+        following = next_state(noise)
+        noise = choose(rough, following, noise)
+        grain = colour(
+            choose(rough, level * white(following), 0.0), grain, load(batch_f64, own.COLOUR + at)
+        )
+        clicks = (grain + load(batch_f64, own.RING + at)) * load(batch_f64, C_CLICK_GAIN)
+        click_out = block_dc(clicks, click_in, click_out, load(batch_f64, C_DC_POLE))
+        click_in = clicks
+        store(batch_f64, own.TACTOR + at, tactor_out)
+        store(batch_f64, own.CLICK + at, click_out)
+        tactor_size = abs(tactor_out)
+        click_size = abs(click_out)
+        loudest_tactor = max(loudest_tactor, tactor_size)
+        loudest_click = max(loudest_click, click_size)
+        silent = choose(max(tactor_size, click_size) == 0.0, silent + 1, 0)
+        if traced:
+            store(batch_f64, own.ENVELOPE + at, envelope)
+    store(batch_f64, FOLLOWER, follower)
+    store(batch_f64, ENVELOPE_1, e1)
+    store(batch_f64, ENVELOPE_2, e2)
+    store(batch_f64, TACTOR_DC_IN, tactor_in)
+    store(batch_f64, TACTOR_DC_OUT, tactor_out)
+    store(batch_f64, CLICK_DC_IN, click_in)
+    store(batch_f64, CLICK_DC_OUT, click_out)
+    store(batch_f64, GRAIN, level)
+    store(batch_f64, TEXTURE, grain)
+    store(batch_f64, NOISE, noise)
+    store(batch_f64, SILENT, silent)
+    store(batch_f64, LAST_ENVELOPE, envelope)
+    store(batch_f64, own.LOUDEST_CLICK, loudest_click)
+    store(batch_f64, own.LOUDEST_TACTOR, loudest_tactor)
+
+
+@outlined
+def write_all(batch_f64, out, start, apart, frames):
+    """`write` for lanes, into two channels: from float `start` on, and lanes `apart` floats."""
+    for n in range(frames):
+        at = n * SIMD_WIDTH
+        click = load(batch_f64, own.CLICK + at)
+        tactor = load(batch_f64, own.TACTOR + at)
+        store_pairs(out, start + 2 * n, apart, click, tactor)
+    store(
+        batch_f64, PEAK_CLICK, max(load(batch_f64, PEAK_CLICK), load(batch_f64, own.LOUDEST_CLICK))
+    )
+    store(
+        batch_f64,
+        PEAK_TACTOR,
+        max(load(batch_f64, PEAK_TACTOR), load(batch_f64, own.LOUDEST_TACTOR)),
+    )
