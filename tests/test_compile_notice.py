@@ -5,8 +5,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp import compile_notice
 from overview_dsp.compile_notice import announce_compile
-
-from .examples import plain_preset, timeline_of
+from tests.examples import plain_preset, timeline_of
 
 
 @pytest.fixture(autouse=True)

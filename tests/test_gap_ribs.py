@@ -16,8 +16,7 @@ from overview_dsp.measure.felt import JUST_NOTICEABLE_DB, stroke_feel, strokes, 
 from overview_dsp.plots import plot_strokes, plot_timeline
 from overview_dsp.presets.library import bundled_names
 from overview_dsp.surface import CELLS
-
-from .examples import plain_preset, timeline_of
+from tests.examples import plain_preset, timeline_of
 
 SWEEPS = (2.0, 3.0, 4.0, 6.0)
 CASES = [(name, seconds) for name in bundled_names() for seconds in SWEEPS]

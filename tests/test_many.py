@@ -14,8 +14,7 @@ import overview_dsp as ov
 from overview_dsp import many, surface_cache
 from overview_dsp.gestures.model import Change
 from overview_dsp.surface_cache import SurfaceCache
-
-from .examples import plain_preset, preset_with, timeline_of
+from tests.examples import plain_preset, preset_with, timeline_of
 
 RATE = 8000
 

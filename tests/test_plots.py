@@ -20,8 +20,7 @@ from overview_dsp.plots import (
     save_figure,
     styles_of,
 )
-
-from .examples import preset_with, timeline_of
+from tests.examples import preset_with, timeline_of
 
 FIGURES = ("figure-4", "figure-5", "figure-6")
 

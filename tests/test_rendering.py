@@ -18,8 +18,7 @@ from overview_dsp import rendering
 from overview_dsp.engine import TRACE_COLUMNS
 from overview_dsp.kernels.motion import NEAR_REST
 from overview_dsp.surface import CELLS
-
-from .examples import preset_with, timeline_of
+from tests.examples import preset_with, timeline_of
 
 RATE = 8000
 TIMELINE = timeline_of(5.0, 30.0, 31.0, 62.5, 90.0)

@@ -14,9 +14,8 @@ import soundfile
 import overview_dsp as ov
 from overview_dsp.measure.felt import strokes, window_db
 from overview_dsp.timeline.moments import window_of
-
-from .cli.running import overview
-from .timeline.made_up_share import share
+from tests.cli.running import overview
+from tests.timeline.made_up_share import share
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 COMMANDS = [

@@ -13,10 +13,9 @@ import overview_dsp as ov
 from overview_dsp.presets.parameters import SHAPES
 from overview_dsp.profiles import profile
 from overview_dsp.surface import CELLS, MIN_WIDTH_CELLS
-
-from .examples import plain_preset, preset_with, timeline_of
-from .presets.strategies import presets
-from .timeline.strategies import timelines
+from tests.examples import plain_preset, preset_with, timeline_of
+from tests.presets.strategies import presets
+from tests.timeline.strategies import timelines
 
 PLACES = np.arange(CELLS + 1) / CELLS
 

@@ -12,8 +12,7 @@ from overview_dsp.measure.feel_report import character_steps, feel_report
 from overview_dsp.presets.parameters import PATTERNS
 from overview_dsp.surface import CELLS
 from overview_dsp.surface_pattern import pattern
-
-from .examples import plain_preset, timeline_of
+from tests.examples import plain_preset, timeline_of
 
 PERIOD_PERCENT = 2.0
 RIDGES = 50

@@ -12,8 +12,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.simd.block import FEWEST
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.voice_lanes import EngineBatch
-
-from .examples import plain_preset, preset_with, timeline_of
+from tests.examples import plain_preset, preset_with, timeline_of
 
 RATE = 48_000
 BLOCK = 3000

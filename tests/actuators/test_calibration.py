@@ -16,8 +16,7 @@ from overview_dsp.actuators.calibration import (
     save_threshold,
 )
 from overview_dsp.actuators.library import bundled_folder
-
-from .driving import burst, driven
+from tests.actuators.driving import burst, driven
 
 C2 = ov.load_actuator("c2")
 

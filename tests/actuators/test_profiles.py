@@ -14,9 +14,8 @@ from overview_dsp.actuators import actuator_names, load_actuator
 from overview_dsp.actuators.library import FOLDER_VARIABLE, bundled_folder
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS
 from overview_dsp.actuators.validation import parse_actuator
-
-from ..presets.strategies import toml_value
-from .strategies import actuators
+from tests.actuators.strategies import actuators
+from tests.presets.strategies import toml_value
 
 C2 = (bundled_folder() / "c2.toml").read_text(encoding="utf-8")
 

@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.actuators import actuator_names, load_actuator
 from overview_dsp.kernels import layout
-
-from ..presets.strategies import presets
-from .driving import RATE, ROUNDING, burst, changed, driven, highest_mean_square
-from .strategies import actuators, signals
+from tests.actuators.driving import RATE, ROUNDING, burst, changed, driven, highest_mean_square
+from tests.actuators.strategies import actuators, signals
+from tests.presets.strategies import presets
 
 KINDS = ("noise", "tone", "square", "bursts", "constant", "broken")
 

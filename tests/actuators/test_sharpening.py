@@ -13,8 +13,7 @@ import overview_dsp as ov
 from overview_dsp.actuators import Actuator, actuator_names, load_actuator
 from overview_dsp.actuators.stage import ActuatorStage
 from overview_dsp.skin import pacinian_db
-
-from .driving import (
+from tests.actuators.driving import (
     RATE,
     burst,
     changed,

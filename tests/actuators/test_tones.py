@@ -7,8 +7,7 @@ from scipy.signal import hilbert
 import overview_dsp as ov
 from overview_dsp.actuators import load_actuator
 from overview_dsp.actuators.tones import log_sweep
-
-from .driving import RATE, driven, motion
+from tests.actuators.driving import RATE, driven, motion
 
 
 def test_a_sweep_takes_the_same_time_for_each_octave_at_an_even_level():

@@ -9,9 +9,8 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.batch import run_study
-
-from ..cli.running import environment, overview, refused
-from .studies import CASES, JOBS, hashes, jobs_file, study_in
+from tests.batch.studies import CASES, JOBS, hashes, jobs_file, study_in
+from tests.cli.running import environment, overview, refused
 
 DASK_WORKER = (sys.executable, "-m", "distributed.cli.dask_worker")
 distributed = pytest.importorskip("distributed", reason="needs the extra cluster")

@@ -23,9 +23,8 @@ from overview_dsp.batch.manifest import PARTS
 from overview_dsp.batch.storage import UNFINISHED, Place
 from overview_dsp.measure.felt import event_levels
 from overview_dsp.presets.parameters import PARAMETERS
-
-from ..cli.running import end_of_group, environment, overview, refused
-from .studies import CASES, JOBS, hashes, jobs_file, study_in
+from tests.batch.studies import CASES, JOBS, hashes, jobs_file, study_in
+from tests.cli.running import end_of_group, environment, overview, refused
 
 pytestmark = pytest.mark.filterwarnings("ignore:preset 'heart' has no")
 pytest.importorskip("fsspec", reason="needs the extra batch")

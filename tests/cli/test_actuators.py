@@ -10,8 +10,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.actuators import actuator_names, calibration, load_actuator
-
-from .running import MATCH, QUICK, overview, refused
+from tests.cli.running import MATCH, QUICK, overview, refused
 
 
 @pytest.fixture(autouse=True)

@@ -12,8 +12,7 @@ import pytest
 from overview_dsp.presets.library import preset_path
 from overview_dsp.surface import MAX_EVENTS
 from overview_dsp.timeline import bundled_timeline, save_timeline
-
-from .running import MATCH, QUICK, Outcome, overview, overview_process, refused
+from tests.cli.running import MATCH, QUICK, Outcome, overview, overview_process, refused
 
 NATIVE = {
     "overview_timeline": 1,
@@ -220,7 +219,7 @@ def test_a_process_of_its_own_says_the_same(folder):
 def test_a_full_standard_output_is_one_line():
     import subprocess
 
-    from .running import environment
+    from tests.cli.running import environment
 
     with open("/dev/full", "w") as full:
         done = subprocess.run(
@@ -244,7 +243,7 @@ def test_a_title_no_terminal_knows_is_no_error(folder):
     save_timeline(replace(timeline, title="試合 ⚽"), folder / "t.json")
     import subprocess
 
-    from .running import environment
+    from tests.cli.running import environment
 
     done = subprocess.run(
         [sys.executable, "-m", "overview_dsp", "render", "t.json", *QUICK, "--json"],

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from .running import MATCH, Outcome, environment, overview, refused
+from tests.cli.running import MATCH, Outcome, environment, overview, refused
 
 LONG = ("--gesture", "sweep:9", "--sample-rate", "8000", "--tail", "none")
 OUTPUTS = {

@@ -11,9 +11,8 @@ import time
 
 import pytest
 
+from tests.cli.running import MATCH, ROOT, overview, refused
 from tests.controllers.osc_bytes import message
-
-from .running import MATCH, ROOT, overview, refused
 
 PLAY = ("play", MATCH, "--device", "none")
 

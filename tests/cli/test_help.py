@@ -5,8 +5,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.cli import COMMANDS, app
-
-from .running import overview, overview_process, refused
+from tests.cli.running import overview, overview_process, refused
 
 
 def commands(
@@ -48,7 +47,7 @@ def test_listing_the_commands_imports_none_of_them():
     import subprocess
     import sys
 
-    from .running import environment
+    from tests.cli.running import environment
 
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment()

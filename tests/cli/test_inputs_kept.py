@@ -7,8 +7,7 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-
-from .running import MATCH, QUICK, overview, refused
+from tests.cli.running import MATCH, QUICK, overview, refused
 
 TAKE = "time_s,theta2_rad,touching\n0,0,1\n0.2,1.5,1\n0.3,1.5,0\n"
 

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from .running import MATCH, end_of_group, environment
+from tests.cli.running import MATCH, end_of_group, environment
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")

@@ -7,8 +7,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.presets.library import preset_path
 from overview_dsp.presets.parameters import PARAMETERS
-
-from .running import overview, refused
+from tests.cli.running import overview, refused
 
 
 def test_list_names_every_bundled_preset_with_what_it_is_for():

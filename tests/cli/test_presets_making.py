@@ -7,7 +7,7 @@ import json
 import pytest
 import soundfile
 
-from .running import overview, refused
+from tests.cli.running import overview, refused
 
 
 @pytest.fixture(autouse=True)

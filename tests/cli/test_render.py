@@ -8,8 +8,7 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-
-from .running import MATCH, QUICK, overview, overview_process
+from tests.cli.running import MATCH, QUICK, overview, overview_process
 
 
 def test_render_writes_what_ov_render_gives(folder, match, football):

@@ -8,9 +8,14 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.timeline.loading import list_matches
-
-from ..timeline.football_files import GOALSCORERS, MINUTES, OPENFOOTBALL_TEXT, fixture, openfootball
-from .running import MATCH, QUICK, overview, refused
+from tests.cli.running import MATCH, QUICK, overview, refused
+from tests.timeline.football_files import (
+    GOALSCORERS,
+    MINUTES,
+    OPENFOOTBALL_TEXT,
+    fixture,
+    openfootball,
+)
 
 CUP = openfootball(fixture("France", "Australia"), fixture("France", "Croatia"))
 

@@ -15,8 +15,7 @@ import overview_dsp as ov
 from overview_dsp.errors import InputError
 from overview_dsp.export import FORMATS, export
 from overview_dsp.export.clip import clip_of
-
-from . import schemas
+from tests.export import schemas
 
 SCHEMAS = {
     ".ahap": schemas.AHAP,

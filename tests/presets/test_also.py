@@ -11,8 +11,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.presets.blending import morph
 from overview_dsp.presets.validation import parse_preset
-
-from ..examples import plain_preset
+from tests.examples import plain_preset
 
 STRONG = ov.Kind(height=20.0, width_percent=1.0, also=("goal", "highest"))
 LIGHT = ov.Kind(height=2.0, width_percent=1.0)

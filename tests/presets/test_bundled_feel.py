@@ -19,8 +19,7 @@ from overview_dsp.gestures import sweep
 from overview_dsp.measure.feel_report import character_steps, feel_report
 from overview_dsp.presets import library
 from overview_dsp.presets.parameters import PARAMETERS
-
-from .strategies import values
+from tests.presets.strategies import values
 
 NAMES = ov.bundled_names()
 ASKED = {

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS, parameter
-
-from .strategies import presets, values
+from tests.presets.strategies import presets, values
 
 TABLES = {
     f"{table}{id}": known

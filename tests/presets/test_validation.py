@@ -10,8 +10,7 @@ import overview_dsp as ov
 from overview_dsp.presets import library
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 from overview_dsp.presets.validation import parse_preset
-
-from .strategies import presets, toml_of, toml_value
+from tests.presets.strategies import presets, toml_of, toml_value
 
 FOOTBALL = (library.bundled_folder() / "football.toml").read_text(encoding="utf-8")
 SMALL = """schema = 1

@@ -20,8 +20,7 @@ from overview_dsp.presets.reference import json_schema, reference
 from overview_dsp.presets.validation import parse_preset
 from overview_dsp.presets.writing import preset_toml, save_preset, started_from
 from overview_dsp.saved_state import decode_state, encode_state
-
-from .strategies import presets
+from tests.presets.strategies import presets
 
 
 def same(first, second):

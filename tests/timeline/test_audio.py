@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import Timeline, load_timeline
 from overview_dsp.timeline.audio import decoding
-
-from .make_crowd import murmur, swelled, write_long
-from .outcome import timeline_or_one_line
+from tests.timeline.make_crowd import murmur, swelled, write_long
+from tests.timeline.outcome import timeline_or_one_line
 
 RATE = 44_100
 HYPOTHESIS = settings(

@@ -13,8 +13,7 @@ from overview_dsp.timeline.heart import detection, extra
 from overview_dsp.timeline.heart.detection import Detection, find_beats
 from overview_dsp.timeline.heart.signal import SilenceFinder
 from overview_dsp.timeline.heart.table_reader import Samples
-
-from .make_heart import agreement, beat_times, ecg, pulse_wave
+from tests.timeline.make_heart import agreement, beat_times, ecg, pulse_wave
 
 pytest.importorskip("sleepecg", reason="needs the extra [ecg]")
 

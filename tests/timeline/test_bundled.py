@@ -5,8 +5,7 @@ import pytest
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import FOOTBALL_KINDS, Timeline, bundled_timeline, load_timeline
-
-from .world_cup_final import final
+from tests.timeline.world_cup_final import final
 
 
 @pytest.fixture(scope="module")

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline
 from overview_dsp.timeline.events_csv import decode, encode
-
-from .outcome import timeline_or_one_line
-from .strategies import timelines
+from tests.timeline.outcome import timeline_or_one_line
+from tests.timeline.strategies import timelines
 
 SMALL = "time_s,kind,label,weight\n10,beat,one,2\n20.5,beat,,\n"
 

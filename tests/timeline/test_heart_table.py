@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import Timeline, load_timeline
-
-from .make_heart import agreement, beat_times, ecg
-from .outcome import timeline_or_one_line
+from tests.timeline.make_heart import agreement, beat_times, ecg
+from tests.timeline.outcome import timeline_or_one_line
 
 pytest.importorskip("sleepecg", reason="needs the extra [ecg]")
 

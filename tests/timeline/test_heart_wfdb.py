@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import Timeline, load_timeline
 from overview_dsp.timeline.heart.wfdb_header import looks_like_header, parse_header
-
-from .make_heart import agreement, annotate, beat_times, ecg, pulse_wave, write_record
-from .outcome import timeline_or_one_line
+from tests.timeline.make_heart import agreement, annotate, beat_times, ecg, pulse_wave, write_record
+from tests.timeline.outcome import timeline_or_one_line
 
 pytest.importorskip("wfdb", reason="needs the extra [ecg]")
 pytest.importorskip("sleepecg", reason="needs the extra [ecg]")

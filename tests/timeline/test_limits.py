@@ -22,9 +22,8 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import load_timeline, save_timeline, source, unpacking
 from overview_dsp.timeline.json_limits import MOST_DEPTH, extent
 from overview_dsp.timeline.unpacking import packing
-
-from .football_files import METRICA, MINUTES, OPENFOOTBALL_TEXT, WYSCOUT_TEXT
-from .statsbomb_match import full_match
+from tests.timeline.football_files import METRICA, MINUTES, OPENFOOTBALL_TEXT, WYSCOUT_TEXT
+from tests.timeline.statsbomb_match import full_match
 
 NATIVE = '{"overview_timeline": 1, "duration_s": 9, "events": [{"time_s": 1, "kind": "goal"}]}'
 TEXTS = {
@@ -215,7 +214,7 @@ def test_a_compressed_file_is_told_by_its_content_and_titled_by_its_name(tmp_pat
 
 
 def test_companions_lie_beside_the_compressed_file(tmp_path: Path) -> None:
-    from .football_files import companion
+    from tests.timeline.football_files import companion
 
     (tmp_path / "events.json.gz").write_bytes(gzip.compress(WYSCOUT_TEXT.encode(), mtime=0))
     (tmp_path / "matches.json").write_text(json.dumps([companion()]))
@@ -322,7 +321,7 @@ def test_xz_takes_no_memory_of_its_choice(tmp_path: Path) -> None:
 def test_any_change_of_an_archive_gives_a_timeline_or_one_line(
     suffix: str, at: int, length: int, put: bytes, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    from .outcome import timeline_or_one_line
+    from tests.timeline.outcome import timeline_or_one_line
 
     data = PACKERS[suffix](NATIVE.encode())
     path = tmp_path_factory.mktemp("a") / "x"

@@ -12,8 +12,7 @@ import pytest
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import FORMATS, Format, load_timeline, loading, source
-
-from .statsbomb_match import full_match
+from tests.timeline.statsbomb_match import full_match
 
 NATIVE = '{"overview_timeline": 1, "duration_s": 9, "events": [{"time_s": 1, "kind": "a"}]}'
 EVENT_LIST = "time_s,kind\n1,a\n"

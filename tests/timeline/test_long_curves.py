@@ -26,8 +26,7 @@ from overview_dsp.timeline.points import Points
 from overview_dsp.timeline.pyramid import BIN, RATIO, build_pyramid
 from overview_dsp.timeline.source import parse_json
 from overview_dsp.timeline.store import Store
-
-from ..examples import plain_preset
+from tests.examples import plain_preset
 
 N = 1_500_000
 STEP = 0.01

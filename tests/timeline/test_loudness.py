@@ -15,8 +15,7 @@ from overview_dsp.timeline.audio.loudness import (
     StepMeter,
     Steps,
 )
-
-from .make_crowd import murmur, swelled
+from tests.timeline.make_crowd import murmur, swelled
 
 STEREO = (1.0, 1.0)
 

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import load_timeline
 from overview_dsp.timeline.football.metrica import decode
-
-from .football_files import METRICA, METRICA_ROWS, metrica
-from .outcome import timeline_or_one_line
+from tests.timeline.football_files import METRICA, METRICA_ROWS, metrica
+from tests.timeline.outcome import timeline_or_one_line
 
 
 def found(text: str, *kinds: str) -> list[tuple[float, str]]:

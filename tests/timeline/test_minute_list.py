@@ -14,9 +14,8 @@ from overview_dsp.timeline.football.minute_words import meaning, words_of
 from overview_dsp.timeline.football.minutes import Clock, Minute, parse_minute
 from overview_dsp.timeline.loading import list_matches
 from overview_dsp.timeline.source import Source
-
-from .football_files import GOALSCORERS, MINUTES
-from .outcome import timeline_or_one_line
+from tests.timeline.football_files import GOALSCORERS, MINUTES
+from tests.timeline.outcome import timeline_or_one_line
 
 
 def told(timeline: Timeline) -> list[tuple[float, str, str]]:

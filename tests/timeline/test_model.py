@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import Event, Intensity, Timeline
-
-from .strategies import timelines
+from tests.timeline.strategies import timelines
 
 
 def curve(*points: tuple[float, float], unit: str = "") -> Intensity:

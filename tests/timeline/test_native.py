@@ -13,9 +13,8 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline, save_timeline
 from overview_dsp.timeline.native import decode, encode
 from overview_dsp.timeline.source import parse_json
-
-from .outcome import timeline_or_one_line
-from .strategies import timelines
+from tests.timeline.outcome import timeline_or_one_line
+from tests.timeline.strategies import timelines
 
 SMALL: dict[str, Any] = {
     "overview_timeline": 1,

@@ -13,10 +13,9 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import load_timeline
 from overview_dsp.timeline.football import openfootball as reader
 from overview_dsp.timeline.football.openfootball import decode
-
-from .football_files import fixture, openfootball
-from .mutations import mutated
-from .outcome import timeline_or_one_line
+from tests.timeline.football_files import fixture, openfootball
+from tests.timeline.mutations import mutated
+from tests.timeline.outcome import timeline_or_one_line
 
 
 def found(document: Any, match: str | None = None) -> list[tuple[float, str, str]]:

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import load_timeline
 from overview_dsp.timeline.statsbomb import GOOD_CHANCE_XG, decode
-
-from .outcome import timeline_or_one_line
-from .statsbomb_match import AWAY, HOME, foul, full_match, halves, match, record, shot
+from tests.timeline.outcome import timeline_or_one_line
+from tests.timeline.statsbomb_match import AWAY, HOME, foul, full_match, halves, match, record, shot
 
 FIRST_S = 46 * 60 + 0.5
 """Length of the made-up first half."""

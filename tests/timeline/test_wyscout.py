@@ -14,8 +14,7 @@ from overview_dsp.timeline import Timeline, load_timeline
 from overview_dsp.timeline.football import wyscout as reader
 from overview_dsp.timeline.football.wyscout import decode
 from overview_dsp.timeline.source import Source
-
-from .football_files import (
+from tests.timeline.football_files import (
     AWAY_ID,
     HOME_ID,
     companion,
@@ -23,8 +22,8 @@ from .football_files import (
     wyscout_match,
     wyscout_public,
 )
-from .mutations import mutated
-from .outcome import timeline_or_one_line
+from tests.timeline.mutations import mutated
+from tests.timeline.outcome import timeline_or_one_line
 
 
 def found(timeline: Timeline, *kinds: str) -> list[tuple[float, str]]:

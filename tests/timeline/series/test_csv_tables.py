@@ -10,8 +10,7 @@ import pytest
 
 from overview_dsp.timeline.series import table_csv
 from overview_dsp.timeline.source import Source
-
-from .made import DAILY, load, noted, refusal, times, values
+from tests.timeline.series.made import DAILY, load, noted, refusal, times, values
 
 DAY = 86_400.0
 

@@ -20,8 +20,7 @@ from overview_dsp.timeline.series.calendar_ticks import ticks
 from overview_dsp.timeline.series.crossings import MOST, crossings, round_levels
 from overview_dsp.timeline.series.events import KINDS
 from overview_dsp.timeline.series.turning import peaks
-
-from .made import load, noted
+from tests.timeline.series.made import load, noted
 
 DAY = 86_400.0
 

@@ -10,8 +10,7 @@ import pytest
 
 from overview_dsp.timeline.series.holes import find_holes
 from overview_dsp.timeline.series.missing import TOKENS
-
-from .made import load, noted, times, values
+from tests.timeline.series.made import load, noted, times, values
 
 DAY = 86_400.0
 

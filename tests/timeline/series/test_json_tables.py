@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from .made import load, noted, refusal, times, values
+from tests.timeline.series.made import load, noted, refusal, times, values
 
 DAY = 86_400.0
 DATES = ["2020-01-01", "2020-01-02", "2020-01-03", "2020-01-04"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from .made import load, values
+from tests.timeline.series.made import load, values
 
 DAYS = [datetime(2020, 1, 1) + timedelta(days=i) for i in range(40)]
 EPOCHS = [1577836800 + 86_400 * i for i in range(40)]

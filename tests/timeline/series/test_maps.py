@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from overview_dsp.timeline import Timeline
-
-from .made import load, noted, refusal, values
-from .test_events import daily
+from tests.timeline.series.made import load, noted, refusal, values
+from tests.timeline.series.test_events import daily
 
 LEVEL = [10.0, 12.0, 9.0, 9.0, 18.0, 15.0]
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.timeline.series.numbers import Style, looks_numeric, parse, told_style
-
-from .made import load, values
+from tests.timeline.series.made import load, values
 
 
 @pytest.mark.parametrize(

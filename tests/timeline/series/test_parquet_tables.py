@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .made import load, refusal, times, values
+from tests.timeline.series.made import load, refusal, times, values
 
 pa = pytest.importorskip("pyarrow", reason="needs pyarrow: pip install overview-dsp[parquet]")
 pq = pytest.importorskip("pyarrow.parquet")

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from overview_dsp.timeline import Timeline, load_timeline
-
-from .made import noted
+from tests.timeline.series.made import noted
 
 
 def only(timeline: Timeline, kind: str) -> tuple[str, float]:

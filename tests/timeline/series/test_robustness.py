@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 
 from overview_dsp.timeline import load_timeline, native
 from overview_dsp.timeline.source import parse_json
-
-from ..outcome import timeline_or_one_line
+from tests.timeline.outcome import timeline_or_one_line
 
 TABLES = (
     b"date,open,high,low,close,volume,adj close\n"

@@ -18,8 +18,7 @@ from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.series import streamed, table_csv
 from overview_dsp.timeline.series.thinning import Thinner, lows_and_highs
 from overview_dsp.timeline.series.turning import peaks
-
-from .made import load, noted, refusal
+from tests.timeline.series.made import load, noted, refusal
 
 COUNT = 5000
 

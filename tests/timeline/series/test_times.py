@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from .made import load, noted, refusal, times, values
+from tests.timeline.series.made import load, noted, refusal, times, values
 
 DAY = 86_400.0
 
