@@ -42,7 +42,8 @@ if TYPE_CHECKING:
     from overview_dsp.presets import PARAMETERS, Kind, Mode, Parameter, Preset, bundled_names
     from overview_dsp.presets.library import load_preset
     from overview_dsp.rendering import Result, Trace, render, render_to_file
-    from overview_dsp.surface import Surface, build_surface
+    from overview_dsp.surface.build import build_surface
+    from overview_dsp.surface.model import Surface
     from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline, save_timeline
 
 __version__ = "0.1.0"

@@ -29,7 +29,8 @@ from overview_dsp.parameter import Parameter, Value
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.saved_state import decode_state, encode_state, preset_to_dict
-from overview_dsp.surface import Surface, build_surface
+from overview_dsp.surface.build import build_surface
+from overview_dsp.surface.model import Surface
 from overview_dsp.surface_slot import struck_event, write_surface
 from overview_dsp.tail import tail_seconds
 

@@ -27,8 +27,8 @@ from overview_dsp.meters import Strikes
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering import Play, Tail, Trace, checked_tail, join_strikes
 from overview_dsp.sound_file import save_sound
-from overview_dsp.surface import Surface
-from overview_dsp.surface_cache import SurfaceCache
+from overview_dsp.surface.cache import SurfaceCache
+from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.voice_lanes import CHANNELS, EngineBatch
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.bristle_field import BARE, BristleField
 from overview_dsp.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
-from overview_dsp.surface import Surface
-from overview_dsp.well_field import DetentField
+from overview_dsp.surface.bristles import BARE, BristleField
+from overview_dsp.surface.detents import DetentField
+from overview_dsp.surface.model import Surface
 
 _STRIKES = {
     "viscous": layout.STRIKE_BY_APPROACH,

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
+from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.texture import QUIET
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface import CELLS, Surface
+from overview_dsp.surface.model import Surface
 from overview_dsp.units import db_to_gain
 
 _MARGIN = 1.25  # the estimate takes the disk for quasi-static; events add their inertia

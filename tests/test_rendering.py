@@ -16,8 +16,8 @@ import soundfile
 import overview_dsp as ov
 from overview_dsp import rendering
 from overview_dsp.engine import TRACE_COLUMNS
+from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.motion import NEAR_REST
-from overview_dsp.surface import CELLS
 from tests.examples import preset_with, timeline_of
 
 RATE = 8000

@@ -20,7 +20,7 @@ from overview_dsp.many import Voice, VoiceRenderer, VoiceResult
 from overview_dsp.parameter import Value
 from overview_dsp.presets.model import Preset
 from overview_dsp.sound_file import sound_bytes
-from overview_dsp.surface_cache import SurfaceCache
+from overview_dsp.surface.cache import SurfaceCache
 
 PART_S = 2.0
 """A part is written at least so often: what a crash takes with it is no more."""

@@ -18,7 +18,7 @@ from overview_dsp.bench.timing import DISK, VOICE, Contender, timed
 from overview_dsp.bench.work import RATE, SECONDS, SWEEP_S, Disk, prepared
 from overview_dsp.engine import Engine
 from overview_dsp.errors import OverviewError
-from overview_dsp.surface import CELLS
+from overview_dsp.kernels.layout import CELLS
 
 FAST = ("-Ofast", "-march=native")
 BUILDS = {"scalar": (), "-vec -lv 1": ("-vec", "-lv", "1")}

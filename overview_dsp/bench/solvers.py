@@ -17,7 +17,7 @@ from overview_dsp.bench.ours import disk_alone
 from overview_dsp.bench.timing import DISK, Contender, timed
 from overview_dsp.bench.work import RATE, SWEEP_S, Disk, prepared
 from overview_dsp.engine import Engine
-from overview_dsp.surface import CELLS
+from overview_dsp.kernels.layout import CELLS
 
 SOLVED_S = 0.5
 """Of the sweep, for the solvers."""

@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.bristle_field import BARE
 from overview_dsp.errors import InputError
 from overview_dsp.rendering import Result
-from overview_dsp.surface import Surface
+from overview_dsp.surface.bristles import BARE
+from overview_dsp.surface.model import Surface
 
 LEVELS_PER_S = 1000
 """Haptic formats count milliseconds or coarser."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.export.breakpoints import breakpoints
 from overview_dsp.export.clip import LEVELS_PER_S, STRIKE_S, Clip
-from overview_dsp.surface import CELLS
+from overview_dsp.kernels.layout import CELLS
 
 TICKS_PER_TURN = 18_000
 """Of the friction curve: half a turn in hundredths of a degree."""

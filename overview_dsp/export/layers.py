@@ -17,8 +17,9 @@ from overview_dsp.errors import InputError
 from overview_dsp.export.clip import DULL_HZ, SHARP_HZ, Transient
 from overview_dsp.export.reading import PlayedClip
 from overview_dsp.export.strikes import with_strikes
+from overview_dsp.kernels.layout import MAX_MODES
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
-from overview_dsp.presets.parameters import MAX_MODES, MODE_PARAMETERS
+from overview_dsp.presets.parameters import MODE_PARAMETERS
 
 POINTS = 64
 Layer = Literal["tactor", "click", "both"]

@@ -26,7 +26,7 @@ from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.recorder import Recorder
 from overview_dsp.live.stream_meters import StreamMeters, take_peaks
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface import Surface
+from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.zooming import Zoom
 from overview_dsp.units import HALF_TURN

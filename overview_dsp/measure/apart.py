@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.measure.felt import WINDOW_S, Stroke, window_db
-from overview_dsp.surface import Surface
+from overview_dsp.surface.model import Surface
 
 KNOCK_DB = 2.3
 """A step of amplitude that the skin notices (Israr and Tan 2006: 2.2 to 2.5 dB)."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.surface import Surface
+from overview_dsp.surface.model import Surface
 
 WINDOW_S = 0.010
 JUST_NOTICEABLE_DB = 2.5

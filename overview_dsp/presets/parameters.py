@@ -11,13 +11,11 @@ from types import MappingProxyType
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.parameter import Parameter, flag, number
 
-MAX_KINDS = 32
-MAX_MODES = 6
-"""Event kinds of a preset and modes of a kind: what the engine has room for."""
-
 MAX_POINTS = 256
-MAX_ALSO = 64
 """Points of a kind's own course."""
+
+MAX_ALSO = 64
+"""Other kinds that are felt as one."""
 
 PATTERNS = ("none", "waves", "ridges", "teeth", "grains")
 SURFACE_MODELS = ("viscous", "bristle", "detent")

@@ -12,6 +12,7 @@ from typing import Any, Literal
 import pydantic
 
 from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
 from overview_dsp.parameter import Parameter
 from overview_dsp.presets.expressions import FaultyValueError, work_out
 from overview_dsp.presets.layers import Find, Layer, layer_of, merged, read_layers
@@ -20,8 +21,6 @@ from overview_dsp.presets.model import DEFAULT_KIND, TAG_SCALES, Kind, Mode, Pre
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MAX_ALSO,
-    MAX_KINDS,
-    MAX_MODES,
     MAX_POINTS,
     MODE_PARAMETERS,
     PARAMETERS,

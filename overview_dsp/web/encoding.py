@@ -35,7 +35,7 @@ from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import connect
 from overview_dsp.mailbox import stamp_of
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface import Surface
+from overview_dsp.surface.model import Surface
 from overview_dsp.surface_slot import struck_event, write_surface
 
 HEAD = 5  # columns before the pairs

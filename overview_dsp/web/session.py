@@ -14,7 +14,7 @@ from overview_dsp.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.player import Input, Player
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface import build_surface
+from overview_dsp.surface.build import build_surface
 from overview_dsp.web.hands import RemoteHands
 
 

@@ -12,7 +12,8 @@ from typing import Any
 
 from overview_dsp.actuators import Actuator
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface import Surface, build_surface
+from overview_dsp.surface.build import build_surface
+from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.web.site_data import timeline_json, window_json
 from overview_dsp.web.site_sound import patch_of, whole_bytes, window_bytes

@@ -18,7 +18,7 @@ from overview_dsp.actuators import Actuator
 from overview_dsp.engine import Engine
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface import Surface
+from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.web.encoding import encode_change, encode_engine
 

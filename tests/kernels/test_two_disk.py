@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 
 import overview_dsp as ov
 from overview_dsp.kernels import elementary
+from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.two_disk import midpoint_speed
-from overview_dsp.surface import CELLS
 from tests.examples import INERTIA, K1, K2, plain_preset, timeline_of, with_friction
 
 step = elementary.plain(midpoint_speed)

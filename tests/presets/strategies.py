@@ -9,11 +9,10 @@ from typing import Any
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
 from overview_dsp.parameter import Parameter
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
-    MAX_KINDS,
-    MAX_MODES,
     MODE_PARAMETERS,
     PARAMETERS,
 )

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError, OutputError
-from overview_dsp.surface import CELLS
+from overview_dsp.kernels.layout import CELLS
 from overview_dsp.timeline import Intensity, Timeline
 from overview_dsp.timeline import store as store_module
 from overview_dsp.timeline.curve_builder import CurveBuilder

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.surface import build_surface
+from overview_dsp.surface.build import build_surface
 from overview_dsp.web.encoding import encode_change
 from overview_dsp.web.media import open_media
 from overview_dsp.web.site_data import window_json

@@ -12,7 +12,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.live.python_path import connect, run_block
-from overview_dsp.surface import build_surface
+from overview_dsp.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
 from overview_dsp.web.site_sound import patch_of, window_bytes
 from tests.web.driving import DESKTOP, PHONE, at, until, violations

@@ -11,7 +11,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.files import whole_folder
-from overview_dsp.surface import build_surface
+from overview_dsp.surface.build import build_surface
 from overview_dsp.web.assets import page_files
 from overview_dsp.web.encoding import encode_change, encode_engine
 from overview_dsp.web.site_windows import site_windows

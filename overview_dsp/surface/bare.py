@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.gap_ribs import ribs
-from overview_dsp.holding import warn_of_hold
-from overview_dsp.impacts import NONE, Impacts, impacts_of, troughs_of
-from overview_dsp.materials import louder, modes_of
 from overview_dsp.presets.model import Mode, Preset
-from overview_dsp.surface_pattern import pattern
-from overview_dsp.well_field import impedance
+from overview_dsp.surface.detents import impedance
+from overview_dsp.surface.gaps import ribs
+from overview_dsp.surface.lockup import warn_of_hold
+from overview_dsp.surface.materials import louder, modes_of
+from overview_dsp.surface.patterns import pattern
+from overview_dsp.surface.texture_strikes import NONE, Impacts, impacts_of, troughs_of
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline

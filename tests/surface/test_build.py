@@ -10,20 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.kernels.layout import CELLS
 from overview_dsp.presets.parameters import SHAPES
-from overview_dsp.profiles import profile
-from overview_dsp.surface import CELLS, MIN_WIDTH_CELLS
+from overview_dsp.surface.build import MIN_WIDTH_CELLS
+from overview_dsp.surface.profiles import profile
 from tests.examples import plain_preset, preset_with, timeline_of
 from tests.presets.strategies import presets
 from tests.timeline.strategies import timelines
 
 PLACES = np.arange(CELLS + 1) / CELLS
-
-
-def test_the_kernels_table_is_as_long_as_the_surfaces():
-    from overview_dsp.kernels import layout
-
-    assert layout.CELLS == CELLS == 65536
 
 
 @pytest.mark.filterwarnings("ignore::overview_dsp.OverviewWarning")

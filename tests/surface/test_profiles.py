@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from overview_dsp.presets.parameters import SHAPES
-from overview_dsp.profiles import REACH, SPAN_LEVEL, profile, span
+from overview_dsp.surface.profiles import REACH, SPAN_LEVEL, profile, span
 
 FINE = np.linspace(-4.0, 4.0, 80_001)  # steps of 1e-4 widths
 STEP = FINE[1] - FINE[0]

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.holding import warn_of_hold
 from overview_dsp.presets.model import Kind, Preset
-from overview_dsp.profiles import Points, profile, reach
+from overview_dsp.surface.lockup import warn_of_hold
+from overview_dsp.surface.profiles import Points, profile, reach
 
 Array = NDArray[np.float64]
 

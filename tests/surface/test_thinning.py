@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.errors import OverviewWarning
-from overview_dsp.merging import strongest_of_each
-from overview_dsp.surface import MAX_EVENTS, build_surface
+from overview_dsp.kernels.layout import MAX_EVENTS
+from overview_dsp.surface.build import build_surface
+from overview_dsp.surface.thinning import strongest_of_each
 from tests.examples import preset_with, timeline_of
 
 EVENTS = st.lists(st.tuples(st.floats(0.0, 65_536.0), st.integers(0, 5)), min_size=1, max_size=300)

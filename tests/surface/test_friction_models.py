@@ -315,7 +315,7 @@ INTERPRETED = """
 import sys, warnings
 warnings.simplefilter("ignore", RuntimeWarning)  # wrapping integers, as in machine code
 import numpy as np
-from tests.test_friction_models import played
+from tests.surface.test_friction_models import played
 out, trace, strikes = played([6000], 6000)
 assert len(strikes) > 1
 sys.stdout.buffer.write(out.tobytes() + trace.tobytes() + strikes.torque.tobytes())

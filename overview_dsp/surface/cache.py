@@ -11,7 +11,8 @@ from collections.abc import Hashable
 
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameters import PARAMETERS
-from overview_dsp.surface import Surface, build_surface
+from overview_dsp.surface.build import build_surface
+from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 
 MOST = 32

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.holding import warn_of_hold
 from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.surface.lockup import warn_of_hold
 
 BARE = -1
 """Owner of a place whose bristles are the bare surface's."""

@@ -1,0 +1,97 @@
+"""The surface that a disk runs over: friction, events, and what lies beside friction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.kernels.layout import CELLS
+from overview_dsp.presets.model import Mode
+from overview_dsp.surface.bristles import BristleField
+from overview_dsp.surface.detents import DetentField
+from overview_dsp.surface.texture_strikes import NONE as NO_IMPACTS
+from overview_dsp.surface.texture_strikes import Impacts
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface with friction, ready for the engine.
+
+    Attributes
+    ----------
+    friction : float64 (CELLS + 1,)
+        B at equal steps of the surface angle phi from 0 to pi, N m s/rad; > 0.
+    position : float64 (events,)
+        Cursor (0..1) at which each event strikes, ascending.
+    release : float64 (events,)
+        Friction that lets go there, N m s/rad.
+    kind : int64 (events,)
+        Index into `kind_names`.
+    event : int64 (events,)
+        Index into the timeline's events.
+    span : float64 (events, 2)
+        Cursor from and to: where the event's profile exceeds a tenth of its height; without end
+        (-inf, inf) where that reaches an end of the timeline.
+    kind_names, kind_modes : tuples
+        Event kinds with their clicks; a mode's gain includes its kind's.
+    left_out : mapping of kind to count
+        Events that lie too densely to be felt one by one.
+    own_modes : tuple of Mode
+        What the bare surface sounds like.
+    impacts : Impacts
+        Where it is struck, besides events.
+    kind_models, own_model : tuple of str, str
+        What friction the kinds are, and the bare surface.
+    bristles : BristleField or None
+        Where bristles grip, if anywhere.
+    detents : DetentField or None
+        Where detents and stops pull, if anywhere.
+    """
+
+    friction: NDArray[np.float64]
+    position: NDArray[np.float64]
+    release: NDArray[np.float64]
+    kind: NDArray[np.int64]
+    event: NDArray[np.int64]
+    span: NDArray[np.float64]
+    kind_names: tuple[str, ...]
+    kind_modes: tuple[tuple[Mode, ...], ...]
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    own_modes: tuple[Mode, ...] = ()
+    impacts: Impacts = NO_IMPACTS
+    kind_models: tuple[str, ...] = ()
+    own_model: str = "viscous"
+    bristles: BristleField | None = None
+    detents: DetentField | None = None
+
+    @property
+    def resistance(self) -> NDArray[np.float64]:
+        """What a disk at 1 rad/s is held with at the table's points, by all models, N m s/rad.
+
+        Viscous friction, the bristles' sliding torque and the detents' pull, whichever way it goes.
+        """
+        total = self.friction
+        if self.bristles is not None:
+            total = total + self.bristles.grip
+        if self.detents is not None:
+            total = total + np.abs(self.detents.pull)
+        return total
+
+    def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
+        """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
+        x = np.clip(np.asarray(phi, dtype=np.float64) / math.pi, 0.0, 1.0) * CELLS
+        return np.interp(x, np.arange(CELLS + 1, dtype=np.float64), self.friction)
+
+    def in_span(
+        self, cursor: NDArray[np.float64], events: NDArray[np.bool_] | None = None
+    ) -> NDArray[np.bool_]:
+        """Whether each cursor lies in the span of any event (or of any of the marked ones)."""
+        spans = self.span if events is None else self.span[events]
+        inside = np.zeros(np.shape(cursor), dtype=bool)
+        for first, last in spans:
+            inside |= (cursor >= first) & (cursor <= last)
+        return inside
