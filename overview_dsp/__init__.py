@@ -28,7 +28,8 @@ from overview_dsp.errors import (
 
 if TYPE_CHECKING:
     from overview_dsp.actuators import Actuator, load_actuator
-    from overview_dsp.engine import Engine, Meters, Setting, Strikes
+    from overview_dsp.engine.engine import Engine
+    from overview_dsp.engine.meters import Meters, Setting, Strikes
     from overview_dsp.gestures import (
         Gesture,
         load_gesture,

@@ -18,19 +18,20 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.engine import TRACE_COLUMNS, Engine
+from overview_dsp.engine.engine import Engine
+from overview_dsp.engine.meters import Strikes
+from overview_dsp.engine.simd_batch import CHANNELS, EngineBatch
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture
 from overview_dsp.growing_rows import GrowingRows
+from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.meters import Strikes
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering import Play, Tail, Trace, checked_tail, join_strikes
 from overview_dsp.sound_file import save_sound
 from overview_dsp.surface.cache import SurfaceCache
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
-from overview_dsp.voice_lanes import CHANNELS, EngineBatch
 
 BLOCK = 65536
 """Frames of each voice rendered at a time: of eight, with their traces, 42 MB."""

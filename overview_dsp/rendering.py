@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import ActuatorStage, Protected, warn_of_carrier
-from overview_dsp.changes import apply_change
-from overview_dsp.engine import TRACE_COLUMNS, Engine, Strikes
+from overview_dsp.engine.engine import Engine
+from overview_dsp.engine.meters import Strikes
+from overview_dsp.engine.replay import apply_change
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture
+from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.presets.model import Preset
 from overview_dsp.result_page import Row, result_page
 from overview_dsp.sound_file import save_sound

@@ -15,8 +15,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp import rendering
-from overview_dsp.engine import TRACE_COLUMNS
-from overview_dsp.kernels.layout import CELLS
+from overview_dsp.kernels.layout import CELLS, TRACE_COLUMNS
 from overview_dsp.kernels.motion import NEAR_REST
 from tests.examples import preset_with, timeline_of
 

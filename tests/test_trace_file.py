@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import overview_dsp as ov
-from overview_dsp.engine import TRACE_COLUMNS
+from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.trace_file import TraceWriter
 
 TABLES = hnp.arrays(

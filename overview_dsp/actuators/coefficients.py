@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.actuators.model import LOWEST_Q, Actuator
-from overview_dsp.coefficients import one_pole
+from overview_dsp.engine.coefficients import one_pole
 from overview_dsp.errors import InputError
 from overview_dsp.kernels import elementary, layout
 from overview_dsp.kernels.limiter import TOP

@@ -21,8 +21,8 @@ from overview_dsp.batch.extra import library
 from overview_dsp.batch.storage import Place
 from overview_dsp.batch.study import Study
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.parameters import PARAMETERS
-from overview_dsp.saved_state import preset_to_dict
 
 SOUNDS = "sounds"
 PARTS = "parts"

@@ -7,13 +7,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 from overview_dsp.bench.timing import BARE_CORES, CORES, VOICE, Contender, timed
 from overview_dsp.bench.work import RATE, SECONDS, fed, prepared, the_sweep
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
+from overview_dsp.engine.simd_batch import EngineBatch
 from overview_dsp.gestures import sweep
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.many import render_many, usable_cores, voices
 from overview_dsp.presets import load_preset
 from overview_dsp.timeline import bundled_timeline
-from overview_dsp.voice_lanes import EngineBatch
 
 Lanes = tuple[EngineBatch, list[Engine | None]]
 

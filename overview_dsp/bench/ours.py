@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from overview_dsp.bench.timing import DISK, VOICE, Contender, timed
 from overview_dsp.bench.work import RATE, SECONDS, SWEEP_S, Disk, fed, prepared, the_sweep
-from overview_dsp.engine import TRACE_COLUMNS, Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.live.output_settings import OutputSettings
 
 BLOCK = 64

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from overview_dsp.coefficients import APPROACH_S, GRAIN_S
-from overview_dsp.engine import Engine
+from overview_dsp.engine.coefficients import APPROACH_S, GRAIN_S
+from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.units import HALF_TURN, db_to_gain
 

@@ -16,7 +16,7 @@ from overview_dsp.bench.c_rows import held_hand, pointer
 from overview_dsp.bench.plain_settings import plain_settings, settings_names
 from overview_dsp.bench.timing import DISK, VOICE, Contender, timed
 from overview_dsp.bench.work import RATE, SECONDS, SWEEP_S, Disk, prepared
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewError
 from overview_dsp.kernels.layout import CELLS
 

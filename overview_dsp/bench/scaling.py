@@ -21,7 +21,7 @@ import numpy as np
 
 from overview_dsp.bench.table_sizes import SIZES, TableOf
 from overview_dsp.bench.work import Disk, feed, prepared
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.gestures import sweep
 from overview_dsp.gestures.scripts import ARRIVAL_S

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from overview_dsp.bench.ours import disk_alone
 from overview_dsp.bench.timing import DISK, Contender, timed
 from overview_dsp.bench.work import RATE, SWEEP_S, Disk, prepared
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels.layout import CELLS
 
 SOLVED_S = 0.5

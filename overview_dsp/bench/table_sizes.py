@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.bench.timing import timed
 from overview_dsp.bench.work import SWEEP_S, Disk
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 
 SIZES = (1_024, 4_096, 16_384, layout.CELLS)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.gestures import Gesture, sweep
 from overview_dsp.presets import Preset, load_preset
 from overview_dsp.timeline import Timeline, bundled_timeline

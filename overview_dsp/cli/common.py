@@ -21,7 +21,7 @@ BAR_AFTER_S = 1.0
 
 def announce_compile(*kernels: str) -> None:
     """Say so when the first use of the kernels on this machine is about to compile them."""
-    from overview_dsp.compile_notice import announce_compile
+    from overview_dsp.engine.compile_notice import announce_compile
 
     announce_compile("process", *kernels)
 

@@ -12,7 +12,7 @@ import click
 from overview_dsp.cli.common import read_gesture
 
 if TYPE_CHECKING:
-    from overview_dsp.engine import Engine
+    from overview_dsp.engine.engine import Engine
     from overview_dsp.live.controller_input import Reader
     from overview_dsp.live.inputs import LineInput
     from overview_dsp.live.player import Input

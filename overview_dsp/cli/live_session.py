@@ -17,7 +17,7 @@ from overview_dsp.cli.common import announce_compile
 from overview_dsp.cli.output_options import SILENT, device_named, output_options, output_settings
 
 if TYPE_CHECKING:
-    from overview_dsp.engine import Engine
+    from overview_dsp.engine.engine import Engine
     from overview_dsp.live.output_settings import OutputSettings
     from overview_dsp.live.player import Input, Player, Stream
     from overview_dsp.timeline import Timeline

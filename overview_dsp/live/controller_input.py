@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from overview_dsp.controllers.hand import ControllerHand
 from overview_dsp.controllers.moves import Asked, Counters, Dialled, Move, Turned
 from overview_dsp.controllers.parameters import PickUp, as_asked, find_parameter
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.hand_writer import HandWriter
 from overview_dsp.live.player import Input

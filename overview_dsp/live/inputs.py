@@ -8,8 +8,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from overview_dsp.changes import apply_change
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
+from overview_dsp.engine.replay import apply_change
 from overview_dsp.gestures import SOURCES, Gesture
 from overview_dsp.live.player import Input
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.portaudio import CallbackKind, OutputStream
 from overview_dsp.presets import load_preset

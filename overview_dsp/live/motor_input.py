@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.force.loop import MotorLoop
 from overview_dsp.force.mean_torque import MeanTorque
 from overview_dsp.force.watchdog import SILENT_S

@@ -6,7 +6,7 @@ import threading
 import time
 
 from overview_dsp.controllers.osc_report import OscReport
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.live.osc_port import OscSender
 from overview_dsp.timeline.event import Event
 

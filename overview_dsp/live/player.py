@@ -18,7 +18,7 @@ from typing import Any, Protocol
 
 from overview_dsp.actuators import Actuator
 from overview_dsp.actuators.stage import Protected, read_protected
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings

@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings

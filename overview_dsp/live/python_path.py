@@ -7,7 +7,7 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.output_stage import finish_block
 from overview_dsp.live.output_settings import OutputSettings

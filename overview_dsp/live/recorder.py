@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewError
 from overview_dsp.gestures import save_take
 

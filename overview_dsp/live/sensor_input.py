@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError
 from overview_dsp.live.hand_writer import HandWriter
 from overview_dsp.live.player import Input

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import compile_python_path, connect, run_block

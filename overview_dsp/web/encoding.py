@@ -27,16 +27,16 @@ import hashlib
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.coefficients import changes, check_carrier
-from overview_dsp.engine import Engine
+from overview_dsp.engine.coefficients import changes, check_carrier
+from overview_dsp.engine.engine import Engine
+from overview_dsp.engine.queues import stamp_of
+from overview_dsp.engine.surface_slots import struck_event, write_surface
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import connect
-from overview_dsp.mailbox import stamp_of
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.model import Surface
-from overview_dsp.surface_slot import struck_event, write_surface
 
 HEAD = 5  # columns before the pairs
 WHOLE, CHANGE = range(2)

@@ -13,6 +13,7 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.files import make_folder, whole_file
+from overview_dsp.presets.dicts import preset_from_dict, preset_to_dict
 from overview_dsp.presets.library import (
     bundled_names,
     load_preset,
@@ -23,7 +24,6 @@ from overview_dsp.presets.library import (
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.reference import reference_json
 from overview_dsp.presets.writing import preset_toml
-from overview_dsp.saved_state import preset_from_dict, preset_to_dict
 from overview_dsp.toml_files import SUFFIX
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)

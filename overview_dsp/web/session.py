@@ -9,8 +9,8 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.coefficients import check_carrier
-from overview_dsp.engine import Engine
+from overview_dsp.engine.coefficients import check_carrier
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.player import Input, Player
 from overview_dsp.presets.model import Preset

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.actuators import Actuator
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.model import Surface

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from overview_dsp.coefficients import one_pole
+from overview_dsp.engine.coefficients import one_pole
 from overview_dsp.kernels.dc_block import CORNER_HZ, block_dc
 from overview_dsp.kernels.envelope import compress, follow
 from overview_dsp.kernels.friction import friction_at

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.engine.state import decode_state, encode_state
 from overview_dsp.errors import InputError
 from overview_dsp.presets.blending import morph, randomized
 from overview_dsp.presets.comparing import differences
@@ -19,7 +20,6 @@ from overview_dsp.presets.library import bundled_folder, bundled_names
 from overview_dsp.presets.reference import json_schema, reference
 from overview_dsp.presets.validation import parse_preset
 from overview_dsp.presets.writing import preset_toml, save_preset, started_from
-from overview_dsp.saved_state import decode_state, encode_state
 from tests.presets.strategies import presets
 
 

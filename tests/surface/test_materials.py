@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.engine.surface_slots import struck_event
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.layout import MAX_MODES
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MATERIALS
 from overview_dsp.surface.materials import modes_of
-from overview_dsp.surface_slot import struck_event
 from tests.examples import plain_preset, preset_with, timeline_of
 
 PITCH = KIND_PARAMETERS["pitch_hz"]

@@ -21,7 +21,7 @@ from overview_dsp.kernels import layout
 _AS_SOON_AS_POSSIBLE = -1
 
 
-class Mailbox:
+class ControlQueues:
     """The writing ends of a memory block's rings."""
 
     def __init__(self, memory: NDArray[np.float64]) -> None:

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 import overview_dsp as ov
-from overview_dsp import compile_notice
-from overview_dsp.compile_notice import announce_compile
+from overview_dsp.engine import compile_notice
+from overview_dsp.engine.compile_notice import announce_compile
 from tests.examples import plain_preset, timeline_of
 
 

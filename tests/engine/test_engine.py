@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
+from tests.engine.test_bits import load
 from tests.examples import plain_preset, preset_with, timeline_of
-from tests.test_bits import load
 
 CLAP_RATES = [
     1000.0, 1234.5678, 8000.0, 12345.678, 22050.0, 44100.0, 45678.901, 48000.0, 88200.0, 96000.0,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.coefficients import mode_coefficients, ring_samples
+from overview_dsp.engine.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import PULSE_SPACING
 from overview_dsp.kernels.modal_bank import ring

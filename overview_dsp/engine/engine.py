@@ -10,41 +10,36 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.coefficients import (
+from overview_dsp.engine import reports
+from overview_dsp.engine.coefficients import (
     FADE_S,
     GLIDE_S,
     changes,
     check_carrier,
     coefficients,
 )
-from overview_dsp.compile_notice import announce_compile
-from overview_dsp.errors import InputError, NotPreparedError, OverviewError
-from overview_dsp.gestures import SOURCES
+from overview_dsp.engine.compile_notice import announce_compile
+from overview_dsp.engine.meters import Meters, Setting, Strikes
+from overview_dsp.engine.queues import ControlQueues, stamp_of
+from overview_dsp.engine.state import decode_state, encode_state
+from overview_dsp.engine.surface_slots import write_surface
+from overview_dsp.engine.tail import tail_seconds
+from overview_dsp.errors import InputError, NotPreparedError
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
-from overview_dsp.mailbox import Mailbox, stamp_of
-from overview_dsp.meters import Meters, Setting, Strikes
 from overview_dsp.parameter import Parameter, Value
+from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameters import PARAMETERS
-from overview_dsp.saved_state import decode_state, encode_state, preset_to_dict
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
-from overview_dsp.surface_slot import struck_event, write_surface
-from overview_dsp.tail import tail_seconds
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
 
 MIN_SAMPLE_RATE = 1_000.0
 MAX_SAMPLE_RATE = 768_000.0
-TRACE_COLUMNS = layout.TRACE_COLUMNS
-__all__ = ["SOURCES", "TRACE_COLUMNS", "Engine", "Meters", "Setting", "Strikes"]
-
-APPLIED_EVENT = np.dtype(
-    [("sample", np.int64), ("source", np.int64), ("theta2", np.float64), ("touching", np.bool_)]
-)
 
 _NO_TRACE = np.zeros(0)
 
@@ -117,7 +112,7 @@ class Engine:
         self._f64 = np.zeros(layout.TOTAL) if memory is None else memory
         self._i64 = self._f64.view(np.int64)
         self._u64 = self._f64.view(np.uint64)
-        self._mailbox = Mailbox(self._f64)
+        self._queues = ControlQueues(self._f64)
         self._i64[layout.S_GLIDE] = max(1, round(GLIDE_S * rate))
         self._i64[layout.S_FADE] = max(1, round(FADE_S * rate))
         self._i64[layout.S_CLICK_CHANNEL] = 0
@@ -161,7 +156,7 @@ class Engine:
             write_surface(self._f64, 0, self._surface, self._sample_rate)
             self._slot_surfaces[0] = self._surface
         block.reset(self._f64, self._i64, self._u64)
-        self._mailbox.dropped = 0
+        self._queues.dropped = 0
         self._journal.clear()
 
     # --- control thread -------------------------------------------------------------------------
@@ -180,7 +175,7 @@ class Engine:
         counts it.
         """
         self._require_prepared()
-        self._mailbox.control(theta2, touching, stamp_of(sample_time), source)
+        self._queues.control(theta2, touching, stamp_of(sample_time), source)
 
     def control_all(
         self,
@@ -197,7 +192,7 @@ class Engine:
             More than a ring has room for; none is taken.
         """
         self._require_prepared()
-        self._mailbox.control_all(theta2, touching, sample_times, sources)
+        self._queues.control_all(theta2, touching, sample_times, sources)
 
     def set(self, id: str, value: Value, sample_time: int | None = None) -> None:
         """Change a parameter; it glides for 20 ms from the stamped sample.
@@ -276,14 +271,14 @@ class Engine:
             check_carrier(preset, self._sample_rate)
             stamp = stamp_of(sample_time)
             told = changes(self._preset, preset, self._sample_rate)
-            self._mailbox.require_room(len(told) + 1)
+            self._queues.require_room(len(told) + 1)
             if surface is not None:
-                slot = self._mailbox.free_slot()
+                slot = self._queues.free_slot()
                 write_surface(self._f64, slot, surface, self._sample_rate)
                 self._slot_surfaces[slot] = surface
                 told.append((layout.COMMAND_SURFACE, float(slot)))
             if told:
-                self._journal.append((self._mailbox.push(told, stamp), note))
+                self._journal.append((self._queues.push(told, stamp), note))
         self._preset = preset
         if surface is not None:
             self._surface = surface
@@ -310,7 +305,7 @@ class Engine:
     def process(self, out: NDArray[np.float32], trace: NDArray[np.float64] | None = None) -> None:
         """Overwrite `out`, float32 (frames, channels), with the next block.
 
-        `trace`, float64 (frames, 9) if given, gets the columns of `TRACE_COLUMNS`.
+        `trace`, float64 (frames, 9) if given, gets the columns of `Trace`.
 
         Raises
         ------
@@ -387,19 +382,7 @@ class Engine:
             More came since than the log keeps.
         """
         self._require_prepared()
-        now = int(self._i64[layout.APPLIED])
-        if now - since > layout.APPLIED_LOG:
-            raise OverviewError(
-                f"{now - since} control events since the last look; the log keeps "
-                f"{layout.APPLIED_LOG}: look more often"
-            )
-        at = np.arange(since, now) % layout.APPLIED_LOG
-        events = np.empty(len(at), dtype=APPLIED_EVENT)
-        events["sample"] = self._i64[layout.APPLIED_TIME + at]
-        events["source"] = self._i64[layout.APPLIED_SOURCE + at]
-        events["theta2"] = self._f64[layout.APPLIED_THETA2 + at]
-        events["touching"] = self._i64[layout.APPLIED_TOUCHING + at]
-        return events, now
+        return reports.read_applied(self._f64, since)
 
     @property
     def memory(self) -> NDArray[np.float64]:
@@ -433,26 +416,7 @@ class Engine:
     def meters(self) -> Meters:
         """Counters and levels as of the last block."""
         self._require_prepared()
-        m, w = self._f64, self._i64
-        return Meters(
-            blocks=int(w[layout.M_BLOCKS]),
-            late_events=int(w[layout.M_LATE]),
-            rejected_events=int(w[layout.M_REJECTED]),
-            clamped_events=int(w[layout.M_CLAMPED]),
-            dropped_events=self._mailbox.dropped,
-            resets=int(w[layout.M_RESETS]),
-            limited_samples=int(w[layout.M_LIMITED]),
-            strikes=int(w[layout.M_STRIKES]),
-            peak_click=float(m[layout.M_PEAK_CLICK]),
-            peak_tactor=float(m[layout.M_PEAK_TACTOR]),
-            torque=float(m[layout.M_TORQUE]),
-            friction=float(m[layout.M_FRICTION]),
-            envelope=float(m[layout.M_ENVELOPE]),
-            cursor=float(m[layout.X]) / layout.CELLS,
-            touching=bool(w[layout.TOUCHING]),
-            silent_samples=int(w[layout.M_SILENT]),
-            still_samples=int(w[layout.M_STILL]),
-        )
+        return reports.read_meters(self._f64, self._queues.dropped)
 
     @property
     def impulse(self) -> tuple[float, float]:
@@ -462,21 +426,14 @@ class Engine:
         long the blocks are. Thread: any.
         """
         self._require_prepared()
-        m, w = self._f64, self._i64
-        while True:  # the audio thread may write between the two
-            summed = int(w[layout.M_SUMMED])
-            impulse = float(m[layout.M_IMPULSE])
-            if summed == w[layout.M_SUMMED]:
-                return summed / self._sample_rate, impulse / self._sample_rate
+        summed, impulse = reports.read_impulse(self._f64)
+        return summed / self._sample_rate, impulse / self._sample_rate
 
     @property
     def holder(self) -> tuple[str, float] | None:
         """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
         self._require_prepared()
-        source = int(self._i64[layout.HOLDER])
-        if source < 0:
-            return None
-        return SOURCES[source], float(self._f64[layout.SOURCE_THETA2 + source])
+        return reports.read_holder(self._f64)
 
     @property
     def latency_samples(self) -> int:
@@ -492,18 +449,9 @@ class Engine:
     def take_strikes(self) -> Strikes:
         """The strikes since the last call (up to the log's 16384 latest)."""
         self._require_prepared()
-        total = int(self._i64[layout.M_STRIKES])
-        first = max(int(self._i64[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
-        self._i64[layout.STRIKES_READ] = total
-        at = np.arange(first, total) % layout.STRIKE_LOG
         surface = self._slot_surfaces[int(self._i64[layout.ACTIVE_SLOT])]
         assert surface is not None
-        return Strikes(
-            time_s=self._f64[layout.LOG_TIME + at] / self._sample_rate,
-            event=struck_event(surface, self._i64[layout.LOG_EVENT + at]),
-            torque=self._f64[layout.LOG_TORQUE + at],
-            level=self._f64[layout.LOG_LEVEL + at],
-        )
+        return reports.take_strikes(self._f64, surface, self._sample_rate)
 
     def take_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
         """The parameter and surface changes applied since the last call, each with its sample.
@@ -513,7 +461,7 @@ class Engine:
         self._require_prepared()
         taken = []
         while self._journal:
-            applied = self._mailbox.applied_at(self._journal[0][0])
+            applied = self._queues.applied_at(self._journal[0][0])
             if applied is None:
                 break
             taken.append((applied, self._journal.popleft()[1]))
@@ -522,9 +470,7 @@ class Engine:
     def tactor_of(self, torque: NDArray[np.float64]) -> NDArray[np.float32]:
         """The tactor channel that a torque signal (N m, one value a frame) gives from rest."""
         self._require_prepared()
-        out = np.zeros(len(torque), dtype=np.float32)
-        block.tactor_stage(self._f64, np.ascontiguousarray(torque, dtype=np.float64), out)
-        return out
+        return reports.tactor_of(self._f64, torque)
 
     # --- state ------------------------------------------------------------------------------------
 

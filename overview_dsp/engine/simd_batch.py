@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.compile_notice import announce_compile
-from overview_dsp.engine import Engine
+from overview_dsp.engine.compile_notice import announce_compile
+from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import runs_as_python
 from overview_dsp.kernels.simd import memory as lane_memory

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.engine.simd_batch import EngineBatch
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.simd.block import FEWEST
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.voice_lanes import EngineBatch
 from tests.examples import plain_preset, preset_with, timeline_of
 
 RATE = 48_000

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.engine import Engine
+from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError
-from overview_dsp.saved_state import preset_from_dict
+from overview_dsp.presets.dicts import preset_from_dict
 from overview_dsp.timeline import Timeline
 
 

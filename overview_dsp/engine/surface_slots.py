@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.coefficients import mode_coefficients, ring_samples
+from overview_dsp.engine.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
 from overview_dsp.surface.bristles import BARE, BristleField
 from overview_dsp.surface.detents import DetentField

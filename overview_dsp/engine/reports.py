@@ -1,0 +1,108 @@
+"""What a prepared engine's memory block says: meters, logs and levels, read by the control thread.
+
+Each function takes the block of `kernels.layout`, float64; the audio thread may be writing it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.engine.meters import Meters, Strikes
+from overview_dsp.engine.surface_slots import struck_event
+from overview_dsp.errors import OverviewError
+from overview_dsp.gestures import SOURCES
+from overview_dsp.kernels import block, layout
+from overview_dsp.surface import Surface
+
+APPLIED_EVENT = np.dtype(
+    [("sample", np.int64), ("source", np.int64), ("theta2", np.float64), ("touching", np.bool_)]
+)
+
+
+def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
+    """Counters and levels as of the last block."""
+    f64, i64 = memory, memory.view(np.int64)
+    return Meters(
+        blocks=int(i64[layout.M_BLOCKS]),
+        late_events=int(i64[layout.M_LATE]),
+        rejected_events=int(i64[layout.M_REJECTED]),
+        clamped_events=int(i64[layout.M_CLAMPED]),
+        dropped_events=dropped_events,
+        resets=int(i64[layout.M_RESETS]),
+        limited_samples=int(i64[layout.M_LIMITED]),
+        strikes=int(i64[layout.M_STRIKES]),
+        peak_click=float(f64[layout.M_PEAK_CLICK]),
+        peak_tactor=float(f64[layout.M_PEAK_TACTOR]),
+        torque=float(f64[layout.M_TORQUE]),
+        friction=float(f64[layout.M_FRICTION]),
+        envelope=float(f64[layout.M_ENVELOPE]),
+        cursor=float(f64[layout.X]) / layout.CELLS,
+        touching=bool(i64[layout.TOUCHING]),
+        silent_samples=int(i64[layout.M_SILENT]),
+        still_samples=int(i64[layout.M_STILL]),
+    )
+
+
+def read_impulse(memory: NDArray[np.float64]) -> tuple[int, float]:
+    """The samples summed since reset, and the sum of the torque over them (N m samples)."""
+    i64 = memory.view(np.int64)
+    while True:  # the audio thread may write between the two
+        summed = int(i64[layout.M_SUMMED])
+        impulse = float(memory[layout.M_IMPULSE])
+        if summed == i64[layout.M_SUMMED]:
+            return summed, impulse
+
+
+def read_holder(memory: NDArray[np.float64]) -> tuple[str, float] | None:
+    """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
+    source = int(memory.view(np.int64)[layout.HOLDER])
+    if source < 0:
+        return None
+    return SOURCES[source], float(memory[layout.SOURCE_THETA2 + source])
+
+
+def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.void], int]:
+    """The control events applied after the first `since` ones, and how many there are by now.
+
+    Raises
+    ------
+    OverviewError
+        More came since than the log keeps.
+    """
+    i64 = memory.view(np.int64)
+    now = int(i64[layout.APPLIED])
+    if now - since > layout.APPLIED_LOG:
+        raise OverviewError(
+            f"{now - since} control events since the last look; the log keeps "
+            f"{layout.APPLIED_LOG}: look more often"
+        )
+    at = np.arange(since, now) % layout.APPLIED_LOG
+    events = np.empty(len(at), dtype=APPLIED_EVENT)
+    events["sample"] = i64[layout.APPLIED_TIME + at]
+    events["source"] = i64[layout.APPLIED_SOURCE + at]
+    events["theta2"] = memory[layout.APPLIED_THETA2 + at]
+    events["touching"] = i64[layout.APPLIED_TOUCHING + at]
+    return events, now
+
+
+def take_strikes(memory: NDArray[np.float64], surface: Surface, sample_rate: float) -> Strikes:
+    """The strikes since the last call (up to the log's latest), by the surface they fell on."""
+    i64 = memory.view(np.int64)
+    total = int(i64[layout.M_STRIKES])
+    first = max(int(i64[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
+    i64[layout.STRIKES_READ] = total
+    at = np.arange(first, total) % layout.STRIKE_LOG
+    return Strikes(
+        time_s=memory[layout.LOG_TIME + at] / sample_rate,
+        event=struck_event(surface, i64[layout.LOG_EVENT + at]),
+        torque=memory[layout.LOG_TORQUE + at],
+        level=memory[layout.LOG_LEVEL + at],
+    )
+
+
+def tactor_of(memory: NDArray[np.float64], torque: NDArray[np.float64]) -> NDArray[np.float32]:
+    """The tactor channel that a torque signal (N m, one value a frame) gives from rest."""
+    out = np.zeros(len(torque), dtype=np.float32)
+    block.tactor_stage(memory, np.ascontiguousarray(torque, dtype=np.float64), out)
+    return out
