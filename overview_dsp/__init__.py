@@ -39,10 +39,11 @@ if TYPE_CHECKING:
         sweep,
         tap,
     )
-    from overview_dsp.many import Voice, VoiceResult, render_many, voices
     from overview_dsp.presets import PARAMETERS, Kind, Mode, Parameter, Preset, bundled_names
     from overview_dsp.presets.library import load_preset
-    from overview_dsp.rendering import Result, Trace, render, render_to_file
+    from overview_dsp.rendering.many import Voice, VoiceResult, render_many, voices
+    from overview_dsp.rendering.offline import Result, render, render_to_file
+    from overview_dsp.rendering.trace import Trace
     from overview_dsp.surface.build import build_surface
     from overview_dsp.surface.model import Surface
     from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline, save_timeline
@@ -61,10 +62,18 @@ _ROOMS = {
         "sweep",
         "tap",
     ),
-    "many": ("Voice", "VoiceResult", "render_many", "voices"),
     "presets": ("PARAMETERS", "Kind", "Mode", "Parameter", "Preset", "bundled_names"),
     "presets.library": ("load_preset",),
-    "rendering": ("Result", "Trace", "render", "render_to_file"),
+    "rendering": (
+        "Result",
+        "Trace",
+        "Voice",
+        "VoiceResult",
+        "render",
+        "render_many",
+        "render_to_file",
+        "voices",
+    ),
     "surface": ("Surface", "build_surface"),
     "timeline": ("Event", "Intensity", "Timeline", "load_timeline", "save_timeline"),
 }

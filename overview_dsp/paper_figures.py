@@ -8,7 +8,7 @@ from overview_dsp.files import make_folder
 from overview_dsp.gestures import sweep, tap
 from overview_dsp.plots import plot_strokes, plot_timeline, save_figure
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Result, render
+from overview_dsp.rendering.offline import Result, render
 from overview_dsp.timeline import Timeline
 
 FAST_S, SLOW_S = 1.0, 4.0

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.files import require_writable, whole_file
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Result
+from overview_dsp.rendering.offline import Result
 from overview_dsp.timeline import FOOTBALL_KINDS, Timeline
 from overview_dsp.timeline.gaps import in_gap
 from overview_dsp.units import HALF_TURN

@@ -117,10 +117,10 @@ def test_an_unknown_name_is_an_attribute_error():
 
 
 def test_render_is_the_function_after_its_module_was_imported():
-    importlib.import_module("overview_dsp.rendering")
+    importlib.import_module("overview_dsp.rendering.offline")
     importlib.import_module("overview_dsp.engine.engine")
     assert callable(ov.render)
-    assert ov.render.__module__ == "overview_dsp.rendering"
+    assert ov.render.__module__ == "overview_dsp.rendering.offline"
     assert ov.Engine.__module__ == "overview_dsp.engine.engine"
 
 

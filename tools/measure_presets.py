@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.audition import pages
 from overview_dsp.measure.feel_report import feel_report
+from overview_dsp.rendering.audition import pages
 
 FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 

@@ -40,7 +40,7 @@ from overview_dsp.gestures import Gesture, load_gesture, parse_gesture
 from overview_dsp.parameter import Value
 from overview_dsp.presets.library import fitting, load_preset
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Tail, checked_tail, tail_of
+from overview_dsp.rendering.schedule import Tail, checked_tail, tail_of
 from overview_dsp.sound_file import check_sound
 from overview_dsp.timeline import Timeline, load_timeline
 from overview_dsp.timeline.loading import BUNDLED

@@ -109,7 +109,8 @@ def command(
     from overview_dsp.export import export
     from overview_dsp.files import require_writable
     from overview_dsp.presets import load_preset
-    from overview_dsp.rendering import render, tail_of
+    from overview_dsp.rendering.offline import render
+    from overview_dsp.rendering.schedule import tail_of
 
     data = open_timeline(timeline, load)
     part = part_of(data, window, zoom_to)

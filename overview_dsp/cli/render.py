@@ -65,7 +65,8 @@ def command(
     """
     from overview_dsp.actuators.stage import protected_report
     from overview_dsp.presets import load_preset
-    from overview_dsp.rendering import render_to_file, tail_of
+    from overview_dsp.rendering.offline import render_to_file
+    from overview_dsp.rendering.schedule import tail_of
     from overview_dsp.units import clock_text, gain_to_db
 
     data = open_timeline(timeline, load)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.rendering import Result
+from overview_dsp.rendering.offline import Result
 from overview_dsp.surface.bristles import BARE
 from overview_dsp.surface.model import Surface
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.rendering import Result
+from overview_dsp.rendering.offline import Result
 
 CHANNELS = 4
 

@@ -31,7 +31,8 @@ from overview_dsp.gestures import Gesture, sweep, tap
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Result, Tail, render
+from overview_dsp.rendering.offline import Result, render
+from overview_dsp.rendering.schedule import Tail
 from overview_dsp.skin import pacinian_db
 from overview_dsp.timeline import Timeline
 

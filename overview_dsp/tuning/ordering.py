@@ -15,11 +15,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.audition import SECONDS_EACH
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.gestures import sweep
 from overview_dsp.measure.feel_report import STEP_DB, FeelReport, feel_report
 from overview_dsp.presets.model import Preset
+from overview_dsp.rendering.audition import SECONDS_EACH
 from overview_dsp.timeline import Event, Timeline
 from overview_dsp.tuning.moves import RATE, Tuned, limits, moved
 

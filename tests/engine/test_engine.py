@@ -329,14 +329,14 @@ def float_state(engine):
         column for column in range(layout.STATE, layout.RINGING) if column not in INTEGER_COLUMNS
     ]
     bank = [*range(layout.BANK, layout.PULSE_KEY), *range(layout.PULSE_REST, layout.METERS)]
-    return engine._m[np.concatenate([columns, bank])]
+    return engine.memory[np.concatenate([columns, bank])]
 
 
 def test_a_state_that_is_not_finite_is_reset_silenced_and_counted(match, football):
     engine = prepared(football, match)
     engine.control(1.0, True, 0)
     run(engine, 1000)
-    engine._m[layout.V] = math.nan
+    engine.memory[layout.V] = math.nan
     out, _ = run(engine, 256, 256)
     assert np.all(out == 0.0)
     assert engine.meters.resets == 1
@@ -410,9 +410,9 @@ def test_mute_is_exact_silence_on_its_channel_alone(match, football):
 def test_a_parameter_glides_without_a_step_and_arrives_exactly(match, football):
     engine = prepared(football, match)
     engine.set("tactor.gain_db", -40.0, sample_time=100)
-    assert engine._m[layout.C_TACTOR_GAIN] == 1.0
+    assert engine.memory[layout.C_TACTOR_GAIN] == 1.0
     run(engine, 5000)
-    assert engine._m[layout.C_TACTOR_GAIN] == 10 ** (-40.0 / 20)
+    assert engine.memory[layout.C_TACTOR_GAIN] == 10 ** (-40.0 / 20)
 
 
 def test_return_keeps_shaft_2_and_takes_the_hand_back_to_the_start():

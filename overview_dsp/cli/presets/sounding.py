@@ -31,9 +31,9 @@ def audition(preset: str, out: str | None, seed: int, as_json: bool) -> None:
 
     Left is what is heard, right what is felt.
     """
-    from overview_dsp.audition import audition as sound
     from overview_dsp.plots import plot_gallery, save_figure
     from overview_dsp.presets import load_preset
+    from overview_dsp.rendering.audition import audition as sound
 
     loaded = load_preset(preset)
     path = Path(out) if out is not None else Path(f"{loaded.name}-audition.wav")
@@ -78,10 +78,10 @@ def feel(
     On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
     told apart, which are masked or merged, and what to change.
     """
-    from overview_dsp.audition import pages
     from overview_dsp.measure.feel_report import feel_report
     from overview_dsp.plots import plot_feel, require_picture, save_picture
     from overview_dsp.presets import load_preset
+    from overview_dsp.rendering.audition import pages
 
     loaded = load_preset(preset)
     timelines = pages(loaded)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 
-class GrowingRows:
+class GrowableArray:
     """An array (rows, columns) to add to; what is reserved in time is never copied again."""
 
     def __init__(self, columns: int, dtype: DTypeLike, reserved: int) -> None:

@@ -23,11 +23,13 @@ from overview_dsp.engine.meters import Strikes
 from overview_dsp.engine.simd_batch import CHANNELS, EngineBatch
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture
-from overview_dsp.growing_rows import GrowingRows
 from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Play, Tail, Trace, checked_tail, join_strikes
+from overview_dsp.rendering.growable_array import GrowableArray
+from overview_dsp.rendering.offline import join_strikes
+from overview_dsp.rendering.schedule import GesturePlayer, Tail, checked_tail
+from overview_dsp.rendering.trace import Trace
 from overview_dsp.sound_file import save_sound
 from overview_dsp.surface.cache import SurfaceCache
 from overview_dsp.surface.model import Surface
@@ -105,9 +107,9 @@ class _Playing:
     number: int
     voice: Voice
     surface: Surface
-    play: Play
-    samples: GrowingRows
-    trace: GrowingRows
+    play: GesturePlayer
+    samples: GrowableArray
+    trace: GrowableArray
     strikes: list[Strikes] = field(default_factory=list)
 
 
@@ -165,14 +167,14 @@ class VoiceRenderer:
             self._engines[lane] = engine
         else:
             engine.restart(voice.preset, voice.timeline, seed=voice.seed, surface=surface)
-        play = Play(engine, voice.gesture, tail, BLOCK)
+        play = GesturePlayer(engine, voice.gesture, tail, BLOCK)
         return _Playing(
             number,
             voice,
             surface,
             play,
-            GrowingRows(CHANNELS, np.float32, play.least),
-            GrowingRows(columns, np.float64, play.least if columns else 0),
+            GrowableArray(CHANNELS, np.float32, play.least),
+            GrowableArray(columns, np.float64, play.least if columns else 0),
         )
 
     def _step(

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp import many
 from overview_dsp.gestures.model import Change
+from overview_dsp.rendering import many
 from overview_dsp.surface import cache as surface_cache
 from overview_dsp.surface.cache import SurfaceCache
 from tests.examples import plain_preset, preset_with, timeline_of

@@ -14,9 +14,9 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-from overview_dsp import rendering
 from overview_dsp.kernels.layout import CELLS, TRACE_COLUMNS
 from overview_dsp.kernels.motion import NEAR_REST
+from overview_dsp.rendering import offline as rendering
 from tests.examples import preset_with, timeline_of
 
 RATE = 8000

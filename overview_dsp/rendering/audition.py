@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from overview_dsp.gestures import sweep
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering import Result, render
+from overview_dsp.rendering.offline import Result, render
 from overview_dsp.timeline import Event, Timeline
 
 REPEATS = 2

@@ -1,0 +1,56 @@
+"""What the disk did, column by column."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.kernels.layout import TRACE_COLUMNS
+
+
+class Trace(Mapping[str, NDArray[np.float64]]):
+    """The trace's columns, float64, one value a frame: `trace.torque` or `trace["torque"]`.
+
+    time (s, frame end), theta2 (rad, the smoothed value used), touching (0 or 1), theta1 (rad) and
+    omega1 (rad/s) at the frame's end, cursor, friction (N m s/rad, the B used), torque (N m,
+    friction times the step's mean omega1, and what bristles and detents add), envelope (the
+    tactor's amplitude).
+    """
+
+    time: NDArray[np.float64]
+    theta2: NDArray[np.float64]
+    touching: NDArray[np.float64]
+    theta1: NDArray[np.float64]
+    omega1: NDArray[np.float64]
+    cursor: NDArray[np.float64]
+    friction: NDArray[np.float64]
+    torque: NDArray[np.float64]
+    envelope: NDArray[np.float64]
+
+    def __init__(self, table: NDArray[np.float64], names: tuple[str, ...] = TRACE_COLUMNS) -> None:
+        """`table` is float64 (frames, columns), the columns those of `names`."""
+        self._table = table
+        self._names = names
+
+    def __getattr__(self, name: str) -> NDArray[np.float64]:
+        # a column is made when it is first asked for
+        if name not in self._names:
+            raise AttributeError(name)
+        column = np.ascontiguousarray(self._table[:, self._names.index(name)])
+        setattr(self, name, column)
+        return column
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """A column by its name."""
+        if name not in self._names:
+            raise KeyError(name)
+        column: NDArray[np.float64] = getattr(self, name)
+        return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
