@@ -16,7 +16,8 @@ from scipy.signal import cont2discrete, lfilter
 
 import overview_dsp as ov
 from overview_dsp.actuators.stage import ActuatorStage
-from overview_dsp.plots import BLUE, GREY, VERMILION, save_figure
+from overview_dsp.plots.saving import save_figure
+from overview_dsp.plots.style import BLUE, GREY, VERMILION
 
 FOLDER = Path(__file__).parent.parent / "docs" / "pictures"
 RATE = 48_000

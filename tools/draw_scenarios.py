@@ -17,7 +17,9 @@ from matplotlib.figure import Figure
 
 import overview_dsp as ov
 from overview_dsp.measure.felt import WINDOW_S, strokes, window_db
-from overview_dsp.plots import BLUE, GREY, VERMILION, draw_timeline, save_figure
+from overview_dsp.plots.saving import save_figure
+from overview_dsp.plots.style import BLUE, GREY, VERMILION
+from overview_dsp.plots.timeline import draw_timeline
 from overview_dsp.timeline.moments import window_of, zoom_window
 
 FOLDER = Path(__file__).parent.parent / "docs" / "pictures"

@@ -16,7 +16,7 @@ import platformdirs
 from overview_dsp.actuators.library import load_actuator, reference
 from overview_dsp.actuators.model import MAX_CALIBRATION_DB, Actuator
 from overview_dsp.errors import InputError
-from overview_dsp.files import make_folder, whole_file
+from overview_dsp.files.atomic import make_folder, whole_file
 
 REFERENCE_DB = -40.0
 """The threshold that needs no gain (our own choice: 40 dB from just felt to the nominal drive)."""

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, LOWEST_Q, Actuator
-from overview_dsp.toml_files import read_text
+from overview_dsp.files.toml import read_text
 from overview_dsp.units import gain_to_db
 
 _IN_DRIVE_UNITS = ("drive.rated_rms", "drive.peak", "drive.full_scale")

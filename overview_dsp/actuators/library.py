@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from overview_dsp import toml_files
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.validation import parse_actuator
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.toml_files import SUFFIX, names_in, read_text
+from overview_dsp.files import toml as toml_files
+from overview_dsp.files.toml import SUFFIX, names_in, read_text
 
 FOLDER_VARIABLE = "OVERVIEW_ACTUATORS"
 """Environment variable that names the folder of own profiles."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.parameter import Parameter, Value
+from overview_dsp.presets.parameter import Parameter, Value
 
 LOWEST_Q, HIGHEST_Q = 0.6, 100.0
 MAX_CALIBRATION_DB = 30.0

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from overview_dsp.actuators.coefficients import write_actuator
 from overview_dsp.actuators.model import Actuator
+from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
-from overview_dsp.skin import pacinian_db
 from overview_dsp.units import gain_to_db
 
 FAINT_DB = -12.0

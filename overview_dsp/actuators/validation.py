@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, Actuator
-from overview_dsp.parameter import Value
-from overview_dsp.toml_files import check_head, faults_at_their_line, given_in, parse_toml
+from overview_dsp.files.toml import check_head, faults_at_their_line, given_in, parse_toml
+from overview_dsp.presets.parameter import Value
 
 SCHEMA = 1
 _SECTIONS = tuple(dict.fromkeys(id.split(".")[0] for id in ACTUATOR_PARAMETERS))

@@ -36,17 +36,17 @@ from overview_dsp.batch.extra import library
 from overview_dsp.batch.storage import is_address, local_copy, read_text
 from overview_dsp.batch.study import Settings, Study
 from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.files.sound import check_sound
+from overview_dsp.files.toml import SUFFIX, line_of
 from overview_dsp.gestures import Gesture, load_gesture, parse_gesture
-from overview_dsp.parameter import Value
 from overview_dsp.presets.library import fitting, load_preset
 from overview_dsp.presets.model import Preset
+from overview_dsp.presets.parameter import Value
 from overview_dsp.rendering.schedule import Tail, checked_tail, tail_of
-from overview_dsp.sound_file import check_sound
 from overview_dsp.timeline import Timeline, load_timeline
 from overview_dsp.timeline.loading import BUNDLED
 from overview_dsp.timeline.moments import window_of, zoom_window
 from overview_dsp.timeline.source import LoadOptions
-from overview_dsp.toml_files import SUFFIX, line_of
 
 KEYS = (
     "out", "timelines", "presets", "gestures", "seeds",

@@ -17,7 +17,7 @@ from typing import Any
 
 from overview_dsp.batch.extra import library
 from overview_dsp.errors import InputError
-from overview_dsp.files import output_error
+from overview_dsp.files.atomic import output_error
 
 UNFINISHED = ".unfinished"
 """The folder of files that are being written; what lies there after a crash is thrown away."""

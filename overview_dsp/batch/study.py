@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from overview_dsp.gestures import Gesture
-from overview_dsp.parameter import Value
 from overview_dsp.presets.model import Preset
+from overview_dsp.presets.parameter import Value
 from overview_dsp.rendering.schedule import Tail
 from overview_dsp.timeline import Timeline
 

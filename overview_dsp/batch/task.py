@@ -16,10 +16,10 @@ from overview_dsp.batch.measuring import MEASURED_COLUMNS, measures
 from overview_dsp.batch.storage import Place
 from overview_dsp.batch.study import Case, Study
 from overview_dsp.errors import OutputError, OverviewError
-from overview_dsp.parameter import Value
+from overview_dsp.files.sound import sound_bytes
 from overview_dsp.presets.model import Preset
+from overview_dsp.presets.parameter import Value
 from overview_dsp.rendering.many import Voice, VoiceRenderer, VoiceResult
-from overview_dsp.sound_file import sound_bytes
 from overview_dsp.surface.cache import SurfaceCache
 
 PART_S = 2.0

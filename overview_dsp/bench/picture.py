@@ -6,7 +6,7 @@ import os
 
 from overview_dsp.bench.report import Report
 from overview_dsp.bench.timing import BARE_CORES, CORES
-from overview_dsp.plots import save_picture
+from overview_dsp.plots.saving import save_picture
 
 OURS, THEIRS = "#0072B2", "#999999"
 

@@ -60,7 +60,7 @@ def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> No
 
     from overview_dsp.bench.picture import draw
     from overview_dsp.bench.report import lines, measure
-    from overview_dsp.files import require_writable
+    from overview_dsp.files.atomic import require_writable
 
     if plot is not None:
         require_writable(plot)
@@ -79,7 +79,7 @@ def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> No
 def _live(rounds: int, device: str | None, seconds: float, as_json: bool) -> None:
     from dataclasses import asdict
 
-    from overview_dsp.live.live_bench import latency_table, load_table, measure_live
+    from overview_dsp.bench.live.table import latency_table, load_table, measure_live
 
     announce_compile()
     where = int(device) if device is not None and device.isdecimal() else device

@@ -53,7 +53,7 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
 
 def keep_input(path: str) -> None:
     """Let no output of the command take the place of a file that it reads."""
-    from overview_dsp.files import keep, release
+    from overview_dsp.files.atomic import keep, release
 
     keep(path)
     click.get_current_context().call_on_close(release)

@@ -25,8 +25,8 @@ def command(out: str, as_json: bool) -> None:
     Writes a fast sweep, a slow sweep and a tap as WAV files (left = clicks for the ear, right =
     the vibration for a tactor; headphones held in the hand work too) and the paper's figures.
     """
-    from overview_dsp.files import make_folder
-    from overview_dsp.paper_figures import draw, renders
+    from overview_dsp.files.atomic import make_folder
+    from overview_dsp.plots.paper import draw, renders
     from overview_dsp.presets import load_preset
     from overview_dsp.timeline import bundled_timeline
 

@@ -107,7 +107,7 @@ def command(
     from overview_dsp.actuators.stage import protected_report
     from overview_dsp.errors import InputError
     from overview_dsp.export import export
-    from overview_dsp.files import require_writable
+    from overview_dsp.files.atomic import require_writable
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering.offline import render
     from overview_dsp.rendering.schedule import tail_of

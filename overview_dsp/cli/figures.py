@@ -25,7 +25,7 @@ def command(
     out: str, timeline: str, preset: str | None, load: dict[str, Any], as_json: bool
 ) -> None:
     """Draw the paper's figures 4 (timeline), 5 (sweeps) and 6 (tap), as PNG and SVG."""
-    from overview_dsp.paper_figures import draw, renders
+    from overview_dsp.plots.paper import draw, renders
     from overview_dsp.presets import load_preset
 
     data = open_timeline(timeline, load)

@@ -155,7 +155,7 @@ def _device(
 def _serial(
     where: str, sensor: str | None, baud: int | None, force: bool
 ) -> Callable[[Engine], Input]:
-    from overview_dsp.force.loop import require_motor
+    from overview_dsp.force_feedback.loop import require_motor
     from overview_dsp.live.motor_input import MotorInput
     from overview_dsp.live.sensor_input import SensorInput
     from overview_dsp.sensors.profile import Sensor

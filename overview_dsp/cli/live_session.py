@@ -62,7 +62,7 @@ def opened_player(
     """
     from overview_dsp.actuators.stage import warn_of_carrier
     from overview_dsp.errors import InputError
-    from overview_dsp.files import require_writable
+    from overview_dsp.files.atomic import require_writable
     from overview_dsp.live.output_settings import save_settings
     from overview_dsp.live.player import Player
     from overview_dsp.live.preset_watch import PresetWatch

@@ -61,7 +61,7 @@ def learn(
         write_map,
     )
     from overview_dsp.controllers.parameters import find_parameter
-    from overview_dsp.files import require_writable, whole_file
+    from overview_dsp.files.atomic import require_writable, whole_file
     from overview_dsp.presets.library import load_preset
 
     if target not in (THETA2, TOUCH, TAPS) and not target.startswith("kinds."):

@@ -33,7 +33,7 @@ def show(file: str, load: dict[str, Any], events: bool, plot: str | None, as_jso
     from overview_dsp.timeline.source import LoadOptions
 
     if plot is not None:
-        from overview_dsp.plots import require_picture
+        from overview_dsp.plots.saving import require_picture
 
         require_picture(plot)
     if "match" not in load and plot is None:
@@ -43,7 +43,8 @@ def show(file: str, load: dict[str, Any], events: bool, plot: str | None, as_jso
             return
     data = open_timeline(file, load)
     if plot is not None:
-        from overview_dsp.plots import plot_timeline, save_picture
+        from overview_dsp.plots.saving import save_picture
+        from overview_dsp.plots.timeline import plot_timeline
 
         save_picture(plot_timeline(data), plot)
     if as_json:
@@ -67,7 +68,7 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
     Reading the native file back gives the same timeline.
     """
     from overview_dsp.errors import InputError
-    from overview_dsp.files import require_writable
+    from overview_dsp.files.atomic import require_writable
     from overview_dsp.timeline import save_timeline
     from overview_dsp.timeline.events_csv import save_events
     from overview_dsp.units import clock_text

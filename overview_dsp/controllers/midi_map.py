@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.errors import InputError, did_you_mean, shown
-from overview_dsp.toml_files import parse_toml, read_text
+from overview_dsp.files.toml import parse_toml, read_text
 
 SCHEMA = 1
 THETA2, TOUCH, TAPS = "theta2", "touch", "taps"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from overview_dsp.parameter import Value
+from overview_dsp.presets.parameter import Value
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from overview_dsp.controllers.midi_map import TAPS, THETA2, TOUCH, Control
 from overview_dsp.controllers.moves import Dialled
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.parameter import Parameter, Value
 from overview_dsp.presets.model import Preset
+from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS
 
 NEAR = 1.0 / 64.0

@@ -28,9 +28,9 @@ from overview_dsp.errors import InputError, NotPreparedError
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
-from overview_dsp.parameter import Parameter, Value
 from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import Preset
+from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.parameter import Parameter, Value
+from overview_dsp.presets.parameter import Parameter, Value
 
 
 @dataclass(frozen=True)

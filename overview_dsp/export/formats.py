@@ -18,9 +18,9 @@ from overview_dsp.export import ahap, android, haptic, hjif
 from overview_dsp.export.clip import Clip, clip_of
 from overview_dsp.export.felt_error import FeltError, felt_error
 from overview_dsp.export.pad_wav import pad_samples
-from overview_dsp.files import whole_file
+from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.sound import save_sound
 from overview_dsp.rendering.offline import Result
-from overview_dsp.sound_file import save_sound
 
 POINTS_PER_S = 50.0
 """Amplitude points a second by default (Meta's studio has 40; a sweep of a second needs more)."""

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.files import whole_file
+from overview_dsp.files.atomic import whole_file
 from overview_dsp.gestures.model import LONGEST_S, SOURCES, Change
 
 COLUMNS = ("time_s", "theta2_rad", "touching", "sample", "sample_rate", "source")

@@ -16,7 +16,7 @@ from typing import TextIO
 import numpy as np
 
 from overview_dsp.errors import InputError
-from overview_dsp.files import whole_file
+from overview_dsp.files.atomic import whole_file
 from overview_dsp.gestures.model import LONGEST_S, SOURCES, Gesture
 from overview_dsp.gestures.recorded_take import load_changes
 

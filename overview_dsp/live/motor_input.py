@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from overview_dsp.engine.engine import Engine
-from overview_dsp.force.loop import MotorLoop
-from overview_dsp.force.mean_torque import MeanTorque
-from overview_dsp.force.watchdog import SILENT_S
+from overview_dsp.force_feedback.loop import MotorLoop
+from overview_dsp.force_feedback.mean_torque import MeanTorque
+from overview_dsp.force_feedback.watchdog import SILENT_S
 from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.sensor_input import Port, SensorInput
 from overview_dsp.live.serial_port import SerialPort

@@ -22,7 +22,7 @@ from overview_dsp.actuators import Actuator
 from overview_dsp.actuators.coefficients import write_actuator
 from overview_dsp.actuators.library import reference
 from overview_dsp.errors import InputError
-from overview_dsp.files import whole_file
+from overview_dsp.files.atomic import whole_file
 from overview_dsp.kernels import layout
 from overview_dsp.units import db_to_gain
 

@@ -27,13 +27,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import Gesture, sweep, tap
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.offline import Result, render
 from overview_dsp.rendering.schedule import Tail
-from overview_dsp.skin import pacinian_db
 from overview_dsp.timeline import Timeline
 
 STEP_DB = 2.3

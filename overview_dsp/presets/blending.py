@@ -14,8 +14,8 @@ import numpy as np
 
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_KINDS
-from overview_dsp.parameter import Parameter, Value
 from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
+from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 
 MAX_STEPS = 1000

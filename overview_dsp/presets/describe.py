@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from overview_dsp.parameter import Value, is_close_default
 from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.parameter import Value, is_close_default
 from overview_dsp.presets.parameters import PARAMETERS
 
 

@@ -6,11 +6,11 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from overview_dsp import toml_files
 from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.files import toml as toml_files
+from overview_dsp.files.toml import MAX_BYTES, SUFFIX, names_in, read_text
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.validation import parse_preset
-from overview_dsp.toml_files import MAX_BYTES, SUFFIX, names_in, read_text
 
 FOR_DATA = ("football", "series", "heart", "crowd")
 """The bundled presets made for a sort of data; the first one is for what none of them names."""

@@ -9,7 +9,7 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
-from overview_dsp.parameter import Value
+from overview_dsp.presets.parameter import Value
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MAX_ALSO,

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.parameter import Parameter, flag, number
+from overview_dsp.presets.parameter import Parameter, flag, number
 
 MAX_POINTS = 256
 """Points of a kind's own course."""

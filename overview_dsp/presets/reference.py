@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from overview_dsp.parameter import Parameter
 from overview_dsp.presets.migrations import SCHEMA
 from overview_dsp.presets.model import TAG_SCALES
+from overview_dsp.presets.parameter import Parameter
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 from overview_dsp.presets.validation import preset_model
 

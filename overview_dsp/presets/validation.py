@@ -12,12 +12,13 @@ from typing import Any, Literal
 import pydantic
 
 from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.files.toml import line_of
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
-from overview_dsp.parameter import Parameter
 from overview_dsp.presets.expressions import FaultyValueError, work_out
 from overview_dsp.presets.layers import Find, Layer, layer_of, merged, read_layers
 from overview_dsp.presets.migrations import SCHEMA
 from overview_dsp.presets.model import DEFAULT_KIND, TAG_SCALES, Kind, Mode, Preset, Tags
+from overview_dsp.presets.parameter import Parameter
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MAX_ALSO,
@@ -25,7 +26,6 @@ from overview_dsp.presets.parameters import (
     MODE_PARAMETERS,
     PARAMETERS,
 )
-from overview_dsp.toml_files import line_of
 
 HEADER_KEYS = ("schema", "extends", "title", "description", "authors", "tags", "variables")
 _STRICT = pydantic.ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.files import whole_file
+from overview_dsp.files.atomic import whole_file
 from overview_dsp.presets.migrations import SCHEMA
 from overview_dsp.presets.model import TAG_SCALES, Kind, Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS

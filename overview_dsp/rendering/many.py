@@ -22,6 +22,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
 from overview_dsp.engine.simd_batch import CHANNELS, EngineBatch
 from overview_dsp.errors import InputError
+from overview_dsp.files.sound import save_sound
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
@@ -30,7 +31,6 @@ from overview_dsp.rendering.growable_array import GrowableArray
 from overview_dsp.rendering.offline import join_strikes
 from overview_dsp.rendering.schedule import GesturePlayer, Tail, checked_tail
 from overview_dsp.rendering.trace import Trace
-from overview_dsp.sound_file import save_sound
 from overview_dsp.surface.cache import SurfaceCache
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline

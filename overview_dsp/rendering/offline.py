@@ -14,13 +14,13 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import ActuatorStage, Protected, warn_of_carrier
 from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
+from overview_dsp.files.sound import save_sound
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail
 from overview_dsp.rendering.trace import Trace
-from overview_dsp.sound_file import save_sound
 from overview_dsp.timeline import Timeline
 
 BLOCK = 4096
@@ -207,8 +207,8 @@ def render_to_file(
     InputError, OutputError
         As `render`; an unknown format, an unwritable place, a full disk.
     """
+    from overview_dsp.files.sound import SoundWriter
     from overview_dsp.rendering.trace_file import TraceWriter
-    from overview_dsp.sound_file import SoundWriter
 
     engine = Engine(preset, timeline, seed=seed)
     engine.prepare(sample_rate, BLOCK)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.files import output_error, whole_file
+from overview_dsp.files.atomic import output_error, whole_file
 from overview_dsp.kernels.layout import TRACE_COLUMNS
 
 SUFFIXES = (".npz", ".csv")

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.parameter import Parameter, Value
+from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.sensors.reading import COLUMNS
 
 TOLD = "told"

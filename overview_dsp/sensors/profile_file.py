@@ -6,9 +6,7 @@ import os
 from pathlib import Path
 
 from overview_dsp.errors import InputError, did_you_mean, shown
-from overview_dsp.parameter import Value
-from overview_dsp.sensors.profile import SENSOR_PARAMETERS, Sensor
-from overview_dsp.toml_files import (
+from overview_dsp.files.toml import (
     SUFFIX,
     TEXTS,
     check_head,
@@ -18,6 +16,8 @@ from overview_dsp.toml_files import (
     parse_toml,
     read_text,
 )
+from overview_dsp.presets.parameter import Value
+from overview_dsp.sensors.profile import SENSOR_PARAMETERS, Sensor
 
 SCHEMA = 1
 _SECTIONS = tuple(dict.fromkeys(id.split(".")[0] for id in SENSOR_PARAMETERS))

@@ -28,7 +28,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from overview_dsp.errors import InputError
-from overview_dsp.files import whole_file
+from overview_dsp.files.atomic import whole_file
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.excitement import derive_intensity

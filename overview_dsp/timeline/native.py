@@ -29,7 +29,7 @@ from datetime import datetime
 import numpy as np
 
 from overview_dsp.errors import InputError
-from overview_dsp.files import whole_file
+from overview_dsp.files.atomic import whole_file
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.intensity import EXTREMES

@@ -20,7 +20,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from overview_dsp.errors import InputError
-from overview_dsp.files import make_folder, whole_file
+from overview_dsp.files.atomic import make_folder, whole_file
 
 DAYS = 397
 """Longer ones are refused by some phones."""

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.files import make_folder, whole_file
+from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.files.toml import SUFFIX
 from overview_dsp.presets.dicts import preset_from_dict, preset_to_dict
 from overview_dsp.presets.library import (
     bundled_names,
@@ -24,7 +25,6 @@ from overview_dsp.presets.library import (
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.reference import reference_json
 from overview_dsp.presets.writing import preset_toml
-from overview_dsp.toml_files import SUFFIX
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
 WINDOWS_DEVICES = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)")

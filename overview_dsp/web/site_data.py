@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.plots import KIND_STYLE
+from overview_dsp.plots.style import KIND_STYLE
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline

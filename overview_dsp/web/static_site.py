@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable
 
 from overview_dsp.actuators import Actuator
-from overview_dsp.files import whole_folder
+from overview_dsp.files.atomic import whole_folder
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
 from overview_dsp.web.assets import page_files

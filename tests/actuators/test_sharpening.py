@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.actuators import Actuator, actuator_names, load_actuator
+from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.actuators.stage import ActuatorStage
-from overview_dsp.skin import pacinian_db
 from tests.actuators.driving import (
     RATE,
     burst,

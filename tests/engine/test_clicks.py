@@ -15,7 +15,7 @@ from overview_dsp.kernels.click import PULSE_SPACING
 from overview_dsp.kernels.modal_bank import ring
 from overview_dsp.measure.onsets import find_onsets
 from tests.examples import preset_with, timeline_of
-from tests.test_feel import MATCHES, SWEEPS, busy_match, timeline_named  # noqa: F401
+from tests.feel.test_football import MATCHES, SWEEPS, busy_match, timeline_named  # noqa: F401
 
 
 @numba.njit

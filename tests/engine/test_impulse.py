@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.kernels import layout
 
 RATE = 48_000
 
@@ -18,9 +19,9 @@ def played(match, football, blocks):
         engine.control(np.pi * n / 400, True, sample_time=60 * n)
     torque, looks = [], [engine.impulse]
     for frames in blocks:
-        trace = np.zeros((frames, len(ov.engine.TRACE_COLUMNS)))
+        trace = np.zeros((frames, len(layout.TRACE_COLUMNS)))
         engine.process(np.zeros((frames, 2), dtype=np.float32), trace)
-        torque.append(trace[:, ov.engine.TRACE_COLUMNS.index("torque")])
+        torque.append(trace[:, layout.TRACE_COLUMNS.index("torque")])
         looks.append(engine.impulse)
     return np.concatenate(torque), looks
 

@@ -11,8 +11,8 @@ import os
 import numpy as np
 import pytest
 
-from overview_dsp.live.latency_test import LatencyResult
-from overview_dsp.live.live_bench import BLOCKS, LoadRow, Report, latency_table, load_table
+from overview_dsp.bench.live.latency import LatencyResult
+from overview_dsp.bench.live.table import BLOCKS, LoadRow, Report, latency_table, load_table
 from tests.live import jack_server
 from tests.live.test_portaudio import OPEN_AND_CLOSE
 
@@ -37,7 +37,7 @@ def test_200_openings_leak_no_descriptor_thread_or_memory():
 PLAY = """
 import json, os, random, sys, time
 import overview_dsp as ov
-from overview_dsp.live.load_test import edge
+from overview_dsp.bench.live.load import edge
 from overview_dsp.live.portaudio import OutputStream
 
 seconds = float(sys.argv[1])
@@ -166,7 +166,7 @@ def test_no_native_callback_is_late_under_load_and_next_to_nothing_is_lost():
 LATENCY = """
 import json, sys
 from dataclasses import asdict
-from overview_dsp.live.latency_test import measure_latency
+from overview_dsp.bench.live.latency import measure_latency
 print(json.dumps(asdict(measure_latency("system", int(sys.argv[1]), float(sys.argv[2])))))
 """
 

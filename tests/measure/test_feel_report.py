@@ -7,10 +7,10 @@ import json
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import sweep
 from overview_dsp.measure.feel_report import GESTURES, feel_report
 from overview_dsp.rendering.audition import pages
-from overview_dsp.skin import pacinian_db
 from overview_dsp.tuning import separated, tuned
 from overview_dsp.tuning.ordering import SPEEDS, WANTED_STEPS
 

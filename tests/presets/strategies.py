@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
-from overview_dsp.parameter import Parameter
+from overview_dsp.presets.parameter import Parameter
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
     MODE_PARAMETERS,

@@ -16,7 +16,6 @@ import soundfile
 import overview_dsp as ov
 from overview_dsp.kernels.layout import CELLS, TRACE_COLUMNS
 from overview_dsp.kernels.motion import NEAR_REST
-from overview_dsp.rendering import offline as rendering
 from tests.examples import preset_with, timeline_of
 
 RATE = 8000
@@ -89,7 +88,7 @@ def test_the_same_arguments_give_the_same_bits_and_another_seed_another_grain():
 def test_no_peak_passes_the_ceiling_and_the_end_is_exact_silence(match, football):
     result = ov.render(match, football, ov.sweep(0.3), RATE, trace=False)
     assert np.abs(result.samples).max() <= 10.0 ** (-1.0 / 20.0)
-    assert not result.samples[-round(rendering.REST_S * RATE) :].any()
+    assert not result.samples[-round(schedule.REST_S * RATE) :].any()
 
 
 # --- tails ---------------------------------------------------------------------------------------
@@ -116,7 +115,7 @@ def test_without_a_tail_the_render_stops_with_the_gesture():
 def test_the_tail_ends_when_the_disk_has_rested_in_silence_and_no_frame_earlier():
     result = ov.render(TIMELINE, PRESET, GESTURE, RATE)
     longer = ov.render(TIMELINE, PRESET, GESTURE, RATE, tail=10.0)
-    frames, quiet = len(result.samples), round(rendering.REST_S * RATE)
+    frames, quiet = len(result.samples), round(schedule.REST_S * RATE)
     assert np.array_equal(result.samples, longer.samples[:frames])
     assert not longer.samples[frames:].any()
     assert len(longer.strikes) == len(result.strikes)
@@ -130,7 +129,7 @@ def test_a_gesture_that_ends_at_rest_is_rendered_to_its_end():
     gesture = ov.tap(0.3, 0.1) + ov.rest(8.0)
     result = ov.render(TIMELINE, PRESET, gesture, RATE, trace=False)
     assert not result.samples[-RATE:].any()
-    assert len(result.samples) == round((8.1 + rendering.REST_S) * RATE)
+    assert len(result.samples) == round((8.1 + schedule.REST_S) * RATE)
 
 
 def test_a_disk_that_takes_for_ever_is_left_after_thirty_seconds():
@@ -154,12 +153,12 @@ def test_a_bad_tail_is_one_line_with_the_range(tail):
         ov.render(TIMELINE, PRESET, GESTURE, RATE, tail=tail)
     if isinstance(tail, str):
         with pytest.raises(ov.InputError, match=r"rest, none or seconds, 0 to 86400"):
-            rendering.tail_of(tail)
+            schedule.tail_of(tail)
 
 
 def test_a_tail_is_read_from_text():
     given = ["rest", "none", "0", "1.5"]
-    assert [rendering.tail_of(text) for text in given] == ["rest", "none", 0.0, 1.5]
+    assert [schedule.tail_of(text) for text in given] == ["rest", "none", 0.0, 1.5]
 
 
 # --- blocks --------------------------------------------------------------------------------------
@@ -169,7 +168,7 @@ def test_a_tail_is_read_from_text():
 def test_any_block_size_gives_the_same_bits_and_ends_at_the_same_frame(monkeypatch, size):
     gesture = ov.sweep(0.05, 0.0, 0.4)
     whole = ov.render(TIMELINE, PRESET, gesture, 2000)
-    monkeypatch.setattr(rendering, "BLOCK", size)
+    monkeypatch.setattr(offline, "BLOCK", size)
     assert equal(whole, ov.render(TIMELINE, PRESET, gesture, 2000))
 
 
@@ -189,7 +188,7 @@ def test_a_take_denser_than_the_engines_ring_loses_no_event(monkeypatch):
         result = ov.render(TIMELINE, PRESET, gesture, RATE)
     assert result.engine.meters.dropped_events == 0
     assert result.engine.meters.late_events == 0
-    monkeypatch.setattr(rendering, "BLOCK", 50)
+    monkeypatch.setattr(offline, "BLOCK", 50)
     assert equal(result, ov.render(TIMELINE, PRESET, gesture, RATE))
 
 

@@ -13,7 +13,8 @@ import overview_dsp as ov
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.measure.apart import KNOCK_DB
 from overview_dsp.measure.felt import JUST_NOTICEABLE_DB, stroke_feel, strokes, window_db
-from overview_dsp.plots import plot_strokes, plot_timeline
+from overview_dsp.plots.strokes import plot_strokes
+from overview_dsp.plots.timeline import plot_timeline
 from overview_dsp.presets.library import bundled_names
 from overview_dsp.surface.gaps import GROOVE, MIN_GAP_CELLS, ribs
 from tests.examples import plain_preset, timeline_of

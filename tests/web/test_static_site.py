@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.files import whole_folder
+from overview_dsp.files.atomic import whole_folder
 from overview_dsp.surface.build import build_surface
 from overview_dsp.web.assets import page_files
 from overview_dsp.web.encoding import encode_change, encode_engine

@@ -44,7 +44,7 @@ def sweep(
     from overview_dsp.actuators import load_actuator
     from overview_dsp.actuators.stage import ActuatorStage, protected_report
     from overview_dsp.actuators.tones import log_sweep
-    from overview_dsp.sound_file import save_sound
+    from overview_dsp.files.sound import save_sound
 
     actuator = load_actuator(name)
     if not shaped:

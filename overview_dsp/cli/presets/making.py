@@ -20,10 +20,10 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def new(name: str, base: str, out: str | None, as_json: bool) -> None:
     """A new preset that extends another, with every parameter in it to be changed."""
-    from overview_dsp.files import make_folder, whole_file
+    from overview_dsp.files.atomic import make_folder, whole_file
+    from overview_dsp.files.toml import SUFFIX
     from overview_dsp.presets.library import bundled_names, load_preset, own_folder
     from overview_dsp.presets.writing import started_from
-    from overview_dsp.toml_files import SUFFIX
 
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
@@ -76,11 +76,11 @@ def edit(preset: str, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
     """Presets on the way from FIRST to SECOND."""
-    from overview_dsp.files import make_folder
+    from overview_dsp.files.atomic import make_folder
+    from overview_dsp.files.toml import SUFFIX
     from overview_dsp.presets import load_preset
     from overview_dsp.presets.blending import morph as blend
     from overview_dsp.presets.writing import save_preset
-    from overview_dsp.toml_files import SUFFIX
 
     found = blend(load_preset(first), load_preset(second), steps)
     folder = make_folder(out)
@@ -96,10 +96,10 @@ def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def randomize(preset: str, seed: int, amount: float, out: str | None, as_json: bool) -> None:
     """A preset near PRESET, by chance."""
+    from overview_dsp.files.toml import SUFFIX
     from overview_dsp.presets import load_preset
     from overview_dsp.presets.blending import randomized
     from overview_dsp.presets.writing import save_preset
-    from overview_dsp.toml_files import SUFFIX
 
     if seed < 0:
         raise InputError(f"seed {seed} is out of range; it is 0 or more")

@@ -31,7 +31,8 @@ def audition(preset: str, out: str | None, seed: int, as_json: bool) -> None:
 
     Left is what is heard, right what is felt.
     """
-    from overview_dsp.plots import plot_gallery, save_figure
+    from overview_dsp.plots.presets import plot_gallery
+    from overview_dsp.plots.saving import save_figure
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering.audition import audition as sound
 
@@ -79,7 +80,8 @@ def feel(
     told apart, which are masked or merged, and what to change.
     """
     from overview_dsp.measure.feel_report import feel_report
-    from overview_dsp.plots import plot_feel, require_picture, save_picture
+    from overview_dsp.plots.presets import plot_feel
+    from overview_dsp.plots.saving import require_picture, save_picture
     from overview_dsp.presets import load_preset
     from overview_dsp.rendering.audition import pages
 
@@ -121,9 +123,9 @@ def tune(
     With --apart until no two kinds of PRESET feel alike; a target's kinds are then a step above the
     next.
     """
+    from overview_dsp.files.toml import SUFFIX
     from overview_dsp.presets import load_preset
     from overview_dsp.presets.writing import save_preset
-    from overview_dsp.toml_files import SUFFIX
     from overview_dsp.tuning import separated, tuned
 
     if target is None and not apart:

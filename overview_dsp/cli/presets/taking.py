@@ -33,9 +33,9 @@ def import_(clip: str, kind: str, into: str, layer: str, out: str | None, as_jso
     """Lay a haptic CLIP (AHAP or .haptic) into a preset: the hand plays it where the event is."""
     from overview_dsp.export.layers import with_layer
     from overview_dsp.export.reading import read_clip
+    from overview_dsp.files.toml import SUFFIX
     from overview_dsp.presets import load_preset
     from overview_dsp.presets.writing import save_preset
-    from overview_dsp.toml_files import SUFFIX
 
     keep_input(clip)
     base = load_preset(into)

@@ -11,15 +11,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import overview_dsp as ov
-from overview_dsp.paper_figures import draw, renders
-from overview_dsp.plots import (
-    KIND_STYLE,
-    extremes,
-    plot_strokes,
-    plot_timeline,
-    save_figure,
-    styles_of,
-)
+from overview_dsp.plots.paper import draw, renders
+from overview_dsp.plots.saving import save_figure
+from overview_dsp.plots.strokes import plot_strokes
+from overview_dsp.plots.style import KIND_STYLE, extremes, styles_of
+from overview_dsp.plots.timeline import plot_timeline
 from tests.examples import preset_with, timeline_of
 
 FIGURES = ("figure-4", "figure-5", "figure-6")

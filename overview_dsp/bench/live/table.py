@@ -1,6 +1,6 @@
 """The live figures of this machine: load test and control latency, in one report.
 
-Each run is a process of its own, `python -m overview_dsp.live.live_bench RUN`, with RUN one JSON
+Each run is a process of its own, `python -m overview_dsp.bench.live.table RUN`, with RUN one JSON
 object, which prints its result as one JSON object: PortAudio and the interpreter start fresh, and
 the runs of a round are interleaved, so that the machine's drift falls on all alike.
 """
@@ -15,9 +15,9 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from overview_dsp.bench.live.latency import LatencyResult, measure_latency, probe
+from overview_dsp.bench.live.load import RATE, LoadResult, measure_load
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.latency_test import LatencyResult, measure_latency, probe
-from overview_dsp.live.load_test import RATE, LoadResult, measure_load
 from overview_dsp.live.portaudio import outputs
 
 BLOCK = 256
@@ -187,7 +187,7 @@ def latency_table(report: Report) -> list[str]:
 
 def _in_own_process(what: dict[str, Any]) -> dict[str, Any]:
     limit = START_WITHIN_S + 3.0 * what["seconds"]
-    command = [sys.executable, "-m", "overview_dsp.live.live_bench", json.dumps(what)]
+    command = [sys.executable, "-m", "overview_dsp.bench.live.table", json.dumps(what)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired:

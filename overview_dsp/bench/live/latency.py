@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from overview_dsp.bench.live.load import MAX_BLOCK, RATE, SETTLE_S, SILENT_S
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewError
-from overview_dsp.live.load_test import MAX_BLOCK, RATE, SETTLE_S, SILENT_S
 from overview_dsp.live.portaudio import OutputStream
 from overview_dsp.presets import load_preset
 from overview_dsp.timeline import Event, Timeline

@@ -17,7 +17,7 @@ from overview_dsp.timeline.moments import window_of
 from tests.cli.running import overview
 from tests.timeline.made_up_share import share
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 COMMANDS = [
     line
     for block in re.findall(r"```\n(.*?)```", README.partition("## Two looks")[2], re.S)[:2]

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from overview_dsp.force.ledger import ENOUGH_J
+from overview_dsp.force_feedback.ledger import ENOUGH_J
 from overview_dsp.sensors.profile_file import load_sensor
-from tests.force.simulation import sim, simulate
+from tests.force_feedback.simulation import sim, simulate
 
 SENSOR = load_sensor("simplefoc")
 FRICTION = 3.1e-4

@@ -6,7 +6,7 @@ import os
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.files import make_folder, whole_file
+from overview_dsp.files.atomic import make_folder, whole_file
 
 
 def write(path, text="new") -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import overview_dsp as ov
-from overview_dsp.force.loop import MotorLoop
-from overview_dsp.force.mean_torque import MeanTorque
+from overview_dsp.force_feedback.loop import MotorLoop
+from overview_dsp.force_feedback.mean_torque import MeanTorque
 from overview_dsp.sensors.hand import Hand
 from overview_dsp.sensors.touching import TouchRules
 

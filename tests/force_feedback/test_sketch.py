@@ -8,8 +8,8 @@ import subprocess
 
 import pytest
 
-from overview_dsp.force.commander import Commander
-from tests.force.simulation import ROOT
+from overview_dsp.force_feedback.commander import Commander
+from tests.force_feedback.simulation import ROOT
 
 PAGE = ROOT / "docs" / "motors.md"
 LIBRARY = """

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from overview_dsp.files import make_folder
+from overview_dsp.files.atomic import make_folder
 from overview_dsp.gestures import sweep, tap
-from overview_dsp.plots import plot_strokes, plot_timeline, save_figure
+from overview_dsp.plots.saving import save_figure
+from overview_dsp.plots.strokes import plot_strokes
+from overview_dsp.plots.timeline import plot_timeline
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.offline import Result, render
 from overview_dsp.timeline import Timeline

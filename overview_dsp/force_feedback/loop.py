@@ -7,14 +7,14 @@ from collections.abc import Iterable
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.force.commander import TARGET_STEP, Commander
-from overview_dsp.force.delay import LoopDelay
-from overview_dsp.force.ledger import EnergyLedger
-from overview_dsp.force.motion import Motion, SpeedEstimator
-from overview_dsp.force.passivity import PassivityController
-from overview_dsp.force.rate import Rate
-from overview_dsp.force.report_check import ReportCheck
-from overview_dsp.force.watchdog import Watchdog
+from overview_dsp.force_feedback.commander import TARGET_STEP, Commander
+from overview_dsp.force_feedback.delay import LoopDelay
+from overview_dsp.force_feedback.ledger import EnergyLedger
+from overview_dsp.force_feedback.motion import Motion, SpeedEstimator
+from overview_dsp.force_feedback.passivity import PassivityController
+from overview_dsp.force_feedback.rate import Rate
+from overview_dsp.force_feedback.report_check import ReportCheck
+from overview_dsp.force_feedback.watchdog import Watchdog
 from overview_dsp.sensors.profile import MOTOR_COLUMNS, Sensor
 from overview_dsp.sensors.stream import Sample
 

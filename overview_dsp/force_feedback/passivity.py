@@ -17,7 +17,7 @@ speed's age, the time to the next command):
 
 from __future__ import annotations
 
-from overview_dsp.force.motion import Motion
+from overview_dsp.force_feedback.motion import Motion
 
 MARGIN = 0.75
 """Rule 2's factor: half of what would swing."""

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.sound_file import SoundWriter, check_sound, save_sound, sound_bytes
+from overview_dsp.files.sound import SoundWriter, check_sound, save_sound, sound_bytes
 
 RATE = 8000
 

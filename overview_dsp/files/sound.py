@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, OutputError
-from overview_dsp.files import output_error, whole_file
-from overview_dsp.wav_bytes import PACKED, with_samples
+from overview_dsp.files.atomic import output_error, whole_file
+from overview_dsp.files.wav import PACKED, with_samples
 
 DEFAULT_SUBTYPE = "PCM_24"
 _BITS = {"PCM_S8": 8, "PCM_U8": 8, "PCM_16": 16, "ALAC_16": 16, "PCM_24": 24, "PCM_32": 32}

@@ -7,7 +7,8 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.plots import plot_timeline, save_picture
+from overview_dsp.plots.saving import save_picture
+from overview_dsp.plots.timeline import plot_timeline
 
 
 def axis_of(duration_s: float, start: datetime | None, kind: str = "day"):

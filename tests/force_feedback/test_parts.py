@@ -11,19 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.force.commander import Commander
-from overview_dsp.force.delay import FORGOTTEN_S, UNKNOWN_S, LoopDelay
-from overview_dsp.force.ledger import ENOUGH_J, EnergyLedger
-from overview_dsp.force.loop import MotorLoop
-from overview_dsp.force.mean_torque import STALE_S, MeanTorque
-from overview_dsp.force.motion import LONGEST_S, Motion, SpeedEstimator
-from overview_dsp.force.passivity import PassivityController
-from overview_dsp.force.rate import Rate
-from overview_dsp.force.report_check import IN_A_ROW, ReportCheck
-from overview_dsp.force.watchdog import SILENT_S, Watchdog
+from overview_dsp.force_feedback.commander import Commander
+from overview_dsp.force_feedback.delay import FORGOTTEN_S, UNKNOWN_S, LoopDelay
+from overview_dsp.force_feedback.ledger import ENOUGH_J, EnergyLedger
+from overview_dsp.force_feedback.loop import MotorLoop
+from overview_dsp.force_feedback.mean_torque import STALE_S, MeanTorque
+from overview_dsp.force_feedback.motion import LONGEST_S, Motion, SpeedEstimator
+from overview_dsp.force_feedback.passivity import PassivityController
+from overview_dsp.force_feedback.rate import Rate
+from overview_dsp.force_feedback.report_check import IN_A_ROW, ReportCheck
+from overview_dsp.force_feedback.watchdog import SILENT_S, Watchdog
 from overview_dsp.sensors.profile import Sensor
 from overview_dsp.sensors.profile_file import load_sensor, parse_sensor
-from tests.force.simulation import sim
+from tests.force_feedback.simulation import sim
 
 STEP = 2.0 * math.pi / 4096
 finite = st.floats(-1e3, 1e3)

@@ -1,0 +1,1 @@
+"""The pictures: timelines, sweeps and taps, presets."""

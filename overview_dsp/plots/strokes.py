@@ -1,0 +1,117 @@
+"""What the disk did in sweeps and taps (the paper's figures 5 and 6)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.plots.style import (
+    BLACK,
+    BLUE,
+    GAP_HATCH,
+    GREEN,
+    GREY,
+    VERMILION,
+    extremes,
+    new_figure,
+    styles_of,
+    tidy,
+)
+from overview_dsp.rendering.offline import Result
+from overview_dsp.timeline import Timeline
+from overview_dsp.units import HALF_TURN
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: str) -> Figure:
+    """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6).
+
+    Where data is missing, the surface under disk 1 is hatched.
+    """
+    figure = new_figure(5.2 * len(results) + 0.6, 7.6)
+    grid: Any = figure.subplots(4, len(results), sharex="col", sharey="row", squeeze=False)
+    for column, (name, result) in enumerate(results):
+        trace = result.trace
+        assert trace is not None
+        # the last part of the recoil is all alike
+        shown = trace.time <= _end_of_interest(trace.time, trace.cursor)
+        time, held = trace.time[shown], trace.touching[shown] > 0.5
+        axes: list[Axes] = list(grid[:, column])
+        rows = (
+            (trace.torque[shown] * 1e3, "(a) torque\nmN·m", BLUE),
+            (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", VERMILION),
+            (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", BLACK),
+            (np.where(held, trace.theta2[shown], 0.0), "(d) disk 2, the hand\nrad", GREEN),
+        )
+        for ax, (values, label, colour) in zip(axes, rows, strict=True):
+            ax.plot(*extremes(time, values), color=colour, linewidth=1.0)
+            if column == 0:
+                ax.set_ylabel(label)
+            tidy(ax)
+            if held.any() and not held.all():
+                release = float(time[np.flatnonzero(held)[-1]])
+                ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
+        _mark_strikes(axes[0], result, timeline, float(time[-1]))
+        for start, end in timeline.gaps:
+            axes[2].axhspan(
+                start / timeline.duration_s * HALF_TURN,
+                end / timeline.duration_s * HALF_TURN,
+                facecolor="none",
+                edgecolor="#b0b0b0",
+                hatch=GAP_HATCH,
+                linewidth=0.0,
+            )
+        axes[0].set_title(name, fontsize=10, pad=14)
+        # linear within 1 mN·m, logarithmic beyond: the surface and its goals in one view
+        axes[0].set_yscale("symlog", linthresh=1.0)
+        # plain numbers: powers of ten would go through the slow setting of formulas
+        axes[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        axes[-1].set_xlabel("time, s (dashed: the finger lets go)")
+    # margins by hand: finding them takes longer than drawing
+    inch = 1.0 / (5.2 * len(results) + 0.6)
+    figure.subplots_adjust(
+        left=0.95 * inch, right=1.0 - 0.15 * inch, top=0.89, bottom=0.1, wspace=0.06, hspace=0.12
+    )
+    figure.align_ylabels(grid[:, 0])
+    figure.suptitle(title, x=0.1 * inch, ha="left", fontsize=11)
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    if handles:
+        figure.legend(handles, labels, loc="lower center", ncols=6, frameon=False, fontsize=8)
+    return figure
+
+
+def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> float:
+    away = np.flatnonzero(cursor > 0.01)
+    return float(time[away[-1]]) + 0.3 if len(away) else float(time[-1])
+
+
+def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) -> None:
+    # a row of marks just above the axes
+    above = axes.get_xaxis_transform()
+    strikes = result.strikes.of_events()
+    for kind, (marker, colour, words) in styles_of(timeline).items():
+        at = [
+            time
+            for time, event in zip(strikes.time_s, strikes.event, strict=True)
+            if timeline.events[event].kind == kind and time <= end
+        ]
+        if not at or kind in ("foul", "period", "touch", "shot"):
+            continue
+        axes.scatter(
+            at,
+            np.full(len(at), 1.03),
+            transform=above,
+            s=26,
+            marker=marker,
+            color=colour,
+            edgecolors=BLACK,
+            linewidths=0.5,
+            label=words,
+            clip_on=False,
+            zorder=4,
+        )
