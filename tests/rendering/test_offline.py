@@ -16,6 +16,7 @@ import soundfile
 import overview_dsp as ov
 from overview_dsp.kernels.layout import CELLS, TRACE_COLUMNS
 from overview_dsp.kernels.motion import NEAR_REST
+from overview_dsp.rendering import offline, schedule
 from tests.examples import preset_with, timeline_of
 
 RATE = 8000
