@@ -41,12 +41,13 @@ if TYPE_CHECKING:
     )
     from overview_dsp.presets import PARAMETERS, Kind, Mode, Parameter, Preset, bundled_names
     from overview_dsp.presets.library import load_preset
+    from overview_dsp.readers import load_timeline, save_timeline
     from overview_dsp.rendering.many import Voice, VoiceResult, render_many, voices
     from overview_dsp.rendering.offline import Result, render, render_to_file
     from overview_dsp.rendering.trace import Trace
     from overview_dsp.surface.build import build_surface
     from overview_dsp.surface.model import Surface
-    from overview_dsp.timeline import Event, Intensity, Timeline, load_timeline, save_timeline
+    from overview_dsp.timeline import Event, Intensity, Timeline
 
 __version__ = "0.1.0"
 
@@ -75,7 +76,8 @@ _ROOMS = {
         "voices",
     ),
     "surface": ("Surface", "build_surface"),
-    "timeline": ("Event", "Intensity", "Timeline", "load_timeline", "save_timeline"),
+    "readers": ("load_timeline", "save_timeline"),
+    "timeline": ("Event", "Intensity", "Timeline"),
 }
 _ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}
 

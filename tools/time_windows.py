@@ -14,7 +14,7 @@ import numpy as np
 
 import overview_dsp as ov
 from overview_dsp.timeline.curve_builder import CurveBuilder
-from overview_dsp.timeline.pyramid import CHUNK
+from overview_dsp.timeline.minmax_pyramid import CHUNK
 
 STEP_S = 1e-3
 ROUNDS = 21

@@ -42,11 +42,12 @@ from overview_dsp.gestures import Gesture, load_gesture, parse_gesture
 from overview_dsp.presets.library import fitting, load_preset
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameter import Value
+from overview_dsp.readers import load_timeline
+from overview_dsp.readers.registry import BUNDLED
+from overview_dsp.readers.source import LoadOptions
 from overview_dsp.rendering.schedule import Tail, checked_tail, tail_of
-from overview_dsp.timeline import Timeline, load_timeline
-from overview_dsp.timeline.loading import BUNDLED
+from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.moments import window_of, zoom_window
-from overview_dsp.timeline.source import LoadOptions
 
 KEYS = (
     "out", "timelines", "presets", "gestures", "seeds",

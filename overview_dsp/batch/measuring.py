@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.measure.felt import event_levels
+from overview_dsp.readers.audio.k_weighting import MIN_RATE
+from overview_dsp.readers.audio.loudness import StepMeter
 from overview_dsp.rendering.many import VoiceResult
-from overview_dsp.timeline.audio.k_weighting import MIN_RATE
-from overview_dsp.timeline.audio.loudness import StepMeter
 from overview_dsp.units import gain_to_db
 
 MEASURED_COLUMNS = ("touching", "cursor")

@@ -19,8 +19,8 @@ from overview_dsp.gestures import rest
 from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets.library import load_preset
+from overview_dsp.readers import bundled_timeline
 from overview_dsp.rendering.many import Voice, render_many, usable_cores
-from overview_dsp.timeline import bundled_timeline
 
 TASKS_A_WORKER = 16
 MOST_A_TASK = 256

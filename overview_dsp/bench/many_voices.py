@@ -12,8 +12,8 @@ from overview_dsp.engine.simd_batch import EngineBatch
 from overview_dsp.gestures import sweep
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets import load_preset
+from overview_dsp.readers import bundled_timeline
 from overview_dsp.rendering.many import render_many, usable_cores, voices
-from overview_dsp.timeline import bundled_timeline
 
 Lanes = tuple[EngineBatch, list[Engine | None]]
 

@@ -28,9 +28,9 @@ def show(file: str, load: dict[str, Any], events: bool, plot: str | None, as_jso
     FILE is any supported file, told by its content, or the bundled match (world-cup-final-2018). A
     file of several matches is listed unless --match chooses one.
     """
+    from overview_dsp.readers.registry import list_matches
+    from overview_dsp.readers.source import LoadOptions
     from overview_dsp.timeline.describe import describe, describe_json
-    from overview_dsp.timeline.loading import list_matches
-    from overview_dsp.timeline.source import LoadOptions
 
     if plot is not None:
         from overview_dsp.plots.saving import require_picture
@@ -69,8 +69,8 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
     """
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable
-    from overview_dsp.timeline import save_timeline
-    from overview_dsp.timeline.events_csv import save_events
+    from overview_dsp.readers import save_timeline
+    from overview_dsp.readers.events_csv import save_events
     from overview_dsp.units import clock_text
 
     suffix = Path(out).suffix.lower()

@@ -65,7 +65,7 @@ def open_timeline(path: str, load: dict[str, Any]) -> Timeline:
     InputError
         As `load_timeline`.
     """
-    from overview_dsp.timeline import load_timeline
+    from overview_dsp.readers import load_timeline
 
     keep_input(path)
     with progress_bar(f"reading {path}") as tell:

@@ -17,7 +17,8 @@ from overview_dsp.plots.style import (
     styles_of,
     tidy,
 )
-from overview_dsp.timeline import FOOTBALL_KINDS, Timeline
+from overview_dsp.readers.excitement import FOOTBALL_KINDS
+from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.gaps import in_gap
 
 if TYPE_CHECKING:

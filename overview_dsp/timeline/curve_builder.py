@@ -9,6 +9,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.gaps import Gaps
+from overview_dsp.timeline.growable_array import Store
 from overview_dsp.timeline.intensity import (
     EXTREMES,
     MAX_VALUE,
@@ -16,9 +17,8 @@ from overview_dsp.timeline.intensity import (
     require_increasing,
     require_values,
 )
-from overview_dsp.timeline.points import Points, Times
-from overview_dsp.timeline.pyramid import CHUNK, PyramidBuilder, Values
-from overview_dsp.timeline.store import Store
+from overview_dsp.timeline.minmax_pyramid import CHUNK, PyramidBuilder, Values
+from overview_dsp.timeline.samples import Points, Times
 
 
 class CurveBuilder:

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
-from overview_dsp.timeline.detail import with_peaks
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.gaps import Gaps, in_gap
-from overview_dsp.timeline.points import Points, Times
-from overview_dsp.timeline.pyramid import CHUNK, Values
+from overview_dsp.timeline.minmax_pyramid import CHUNK, Values
+from overview_dsp.timeline.peaks import with_peaks
+from overview_dsp.timeline.samples import Points, Times
 
 MAX_VALUE = 1e300
 """Largest magnitude of an intensity value: the difference of any two stays finite."""

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
-from overview_dsp.timeline.details import shown_details
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
+from overview_dsp.timeline.fine_events import shown_details
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.units import clock_text

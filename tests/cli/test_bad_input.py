@@ -11,7 +11,7 @@ import pytest
 
 from overview_dsp.kernels.layout import MAX_EVENTS
 from overview_dsp.presets.library import preset_path
-from overview_dsp.timeline import bundled_timeline, save_timeline
+from overview_dsp.readers import bundled_timeline, save_timeline
 from tests.cli.running import MATCH, QUICK, Outcome, overview, overview_process, refused
 
 NATIVE = {

@@ -15,7 +15,7 @@ import overview_dsp as ov
 from overview_dsp.measure.felt import strokes, window_db
 from overview_dsp.timeline.moments import window_of
 from tests.cli.running import overview
-from tests.timeline.made_up_share import share
+from tests.readers.made_up_share import share
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 COMMANDS = [

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
+from overview_dsp.readers.native import decode, encode
+from overview_dsp.readers.source import parse_json
 from overview_dsp.timeline import Event, Timeline
-from overview_dsp.timeline.details import APART, MOST, shown_details
-from overview_dsp.timeline.native import decode, encode
-from overview_dsp.timeline.source import parse_json
+from overview_dsp.timeline.fine_events import APART, MOST, shown_details
 
 
 def touches(*times: float, weight: float = 1.0) -> tuple[Event, ...]:

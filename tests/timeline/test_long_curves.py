@@ -15,17 +15,17 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.errors import InputError, OutputError
 from overview_dsp.kernels.layout import CELLS
+from overview_dsp.readers.native import MAX_POINTS, decode, encode
+from overview_dsp.readers.source import parse_json
 from overview_dsp.timeline import Intensity, Timeline
-from overview_dsp.timeline import store as store_module
+from overview_dsp.timeline import growable_array as store_module
 from overview_dsp.timeline.curve_builder import CurveBuilder
-from overview_dsp.timeline.detail import WIDENED, with_peaks
 from overview_dsp.timeline.even_times import EvenTimes
+from overview_dsp.timeline.growable_array import Store
 from overview_dsp.timeline.intensity import LONG, Part
-from overview_dsp.timeline.native import MAX_POINTS, decode, encode
-from overview_dsp.timeline.points import Points
-from overview_dsp.timeline.pyramid import BIN, RATIO, build_pyramid
-from overview_dsp.timeline.source import parse_json
-from overview_dsp.timeline.store import Store
+from overview_dsp.timeline.minmax_pyramid import BIN, RATIO, build_pyramid
+from overview_dsp.timeline.peaks import WIDENED, with_peaks
+from overview_dsp.timeline.samples import Points
 from tests.examples import plain_preset
 
 N = 1_500_000
@@ -102,7 +102,7 @@ def test_even_times_are_found_as_in_an_array(
 def test_every_bin_has_the_extremes_and_the_mean_of_its_values(
     count: int, chunk: int, dtype: type
 ) -> None:
-    from overview_dsp.timeline.pyramid import PyramidBuilder
+    from overview_dsp.timeline.minmax_pyramid import PyramidBuilder
 
     value = np.random.default_rng(count).standard_normal(count).astype(dtype)
     builder = PyramidBuilder(dtype)

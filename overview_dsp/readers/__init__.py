@@ -1,0 +1,23 @@
+"""Files in, one Timeline out: a registry of formats, one reader each, the bundled timelines."""
+
+from __future__ import annotations
+
+from overview_dsp.readers.native import save_timeline
+from overview_dsp.readers.registry import (
+    BUNDLED,
+    FORMATS,
+    Format,
+    bundled_timeline,
+    list_matches,
+    load_timeline,
+)
+
+__all__ = [
+    "BUNDLED",
+    "FORMATS",
+    "Format",
+    "bundled_timeline",
+    "list_matches",
+    "load_timeline",
+    "save_timeline",
+]

@@ -1,0 +1,122 @@
+"""WFDB records (PhysioNet): a header (.hea), signal files (.dat) and annotations (.atr).
+
+Any of the three may be given. Where the record has annotations (`.atr`, or the file given), their
+beats and kinds are taken; where not, beats are found in the signal. `value` names the signal,
+`map` chooses heart rate or its variability as the curve. Stretches without signal (missing samples,
+a lead that is off) are gaps.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from overview_dsp.errors import InputError
+from overview_dsp.readers.cardiac.annotations import Annotations, read_annotations
+from overview_dsp.readers.cardiac.build import (
+    About,
+    check_map,
+    detected,
+    heart_timeline,
+    in_seconds,
+)
+from overview_dsp.readers.cardiac.detection import find_beats, silent_parts
+from overview_dsp.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
+from overview_dsp.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
+from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.timeline import checks
+from overview_dsp.timeline.gaps import Gaps
+from overview_dsp.timeline.model import Timeline
+
+_ANNOTATIONS = ".atr"
+
+
+def sniff(source: Source) -> bool:
+    """Tell whether the file is a WFDB header, or binary data with its record's header beside it."""
+    if source.head_text is not None and not source.looks_like_json:
+        # a header lists its own record; a note that happens to begin likewise has another name
+        return looks_like_header(source.head_text)
+    return source.head_text is None and _header_beside(source.path) is not None
+
+
+def read(source: Source, options: LoadOptions) -> Timeline:
+    """Read a record (takes `value`, `map`, `progress`).
+
+    Raises
+    ------
+    InputError
+        A broken header (which line), a signal file that is missing, too short or elsewhere, an
+        unknown signal or map, no heartbeat; wfdb or SleepECG isn't installed.
+    """
+    with checks.located(f"{source.where}: "):
+        check_map(options)
+    is_header = source.head_text is not None
+    path = source.path if is_header else _header_beside(source.path)
+    assert path is not None  # sniffed
+    header = read_header(path)
+    signal = signal_of(header, options.value)
+    given = not is_header and not _is_signal_file(source.path, header)
+    noted = source.path if given else path.with_suffix(_ANNOTATIONS)
+    frames = header.frames
+    duration_s = None if frames is None else frames / header.rate
+    if signal is not None:
+        duration_s = signal.length / signal.rate
+    notes: tuple[str, ...] = ()
+    said: Annotations | None = None
+    if noted.exists():
+        said = read_annotations(noted, header.rate, duration_s)
+        notes = said.notes
+    if said is not None and not len(said.beats.time_s):
+        notes = (*notes, f"{noted.name} names no beat: they were found in the signal")
+    with checks.located(f"{header.where}: "):
+        return _timeline(header, signal, said, noted.name, duration_s, notes, options)
+
+
+def _timeline(
+    header: Header,
+    signal: RecordSignal | JoinedSignal | None,
+    said: Annotations | None,
+    noted: str,
+    duration_s: float | None,
+    notes: tuple[str, ...],
+    options: LoadOptions,
+) -> Timeline:
+    told = said is not None and len(said.beats.time_s) > 0
+    gaps: Gaps = ()
+    beats = said.beats if said is not None else None
+    source = f"{noted}: its beats and kinds"
+    if signal is None:
+        if not told or beats is None:
+            raise InputError("the record has neither signals nor annotated beats")
+        duration_s = duration_s or float(beats.time_s[-1])
+    else:
+        assert duration_s is not None  # of the signal
+        if told:
+            silent, lost = silent_parts(signal, options.tell)
+        else:
+            detection = find_beats(signal, None, options.tell)
+            silent, lost = detection.silent, detection.lost
+            beats = detected(detection, signal.rate)
+            source = f"beats found in {signal.name} ({detection.what})"
+        gaps = in_seconds(silent, signal.rate, duration_s)
+        if lost:
+            notes = (*notes, f"{lost} single samples of {signal.name} are missing")
+    assert beats is not None
+    length = "" if signal is None else f" ({signal.name} at {signal.rate:g} Hz)"
+    about = About(
+        header.name, duration_s, f"WFDB record {header.name}{length}; {source}", notes, header.start
+    )
+    return heart_timeline(about, beats, gaps, said.others if said else (), options)
+
+
+def _header_beside(path: Path) -> Path | None:
+    """Return the header of a signal or annotation file's record, None if there is none."""
+    header = path.with_suffix(".hea")
+    if header == path or not header.is_file():
+        return None
+    with open(header, "rb") as stream:
+        head = stream.read(65_536).decode("ascii", "replace")
+    return header if looks_like_header(head) else None
+
+
+def _is_signal_file(path: Path, header: Header) -> bool:
+    return path.suffix == ".dat" or any(signal.file == path.name for signal in header.signals)

@@ -1,0 +1,293 @@
+"""Event lists as CSV: one row an event.
+
+::
+
+    # title: Home 1-0 Away
+    # duration_s: 5640
+    time_s,kind,label,weight
+    786.2,goal,1-0 Parris (pen),1
+    2571,foul,,
+
+A header names the columns in any order: `time_s` and `kind` are required, `label` (empty) and
+`weight` (1) optional, others an error. Fields are separated by commas, semicolons or tabs,
+whichever the header uses, and may be quoted. Numbers have a decimal point. Blank lines are skipped,
+and so are lines that begin with `#`, except for two that are read: `# title:` (else the file's
+name) and `# duration_s:` (else the last event's time: the timeline ends with it). In a file whose
+first column is `label`, lines after the header that begin with `#` are rows.
+
+A list with football kinds gets a crowd-excitement curve (`excitement.py`).
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import whole_file
+from overview_dsp.readers.excitement import derive_intensity
+from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.timeline import checks
+from overview_dsp.timeline.event import MAX_EVENTS
+from overview_dsp.timeline.model import Event, Timeline
+
+COLUMNS = ("time_s", "kind", "label", "weight")
+"""The columns an event list may have; the first two it must have."""
+
+_DELIMITERS = (",", ";", "\t")
+# Python's float() also takes "1_000" and other scripts' digits; a file means neither
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_SPECIAL = re.compile(r'[",\r\n]')
+_COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTALL)
+
+
+def sniff(source: Source) -> bool:
+    """Tell whether the file is text whose first row (comments skipped) has a column `kind`."""
+    if source.head_text is None or source.looks_like_json:
+        return False
+    for line in io.StringIO(source.head_text, newline=""):
+        if line.strip() and not line.startswith("#"):
+            return "kind" in _split_header(line, _delimiter(line))
+    return False
+
+
+def read(source: Source, options: LoadOptions) -> Timeline:
+    """Read an event list (takes `duration_s`, which outranks the file's own); InputError if bad."""
+    text = source.text  # its errors name the file themselves
+    with checks.located(f"{source.where}: "):
+        return decode(text, source.stem, options.duration_s)
+
+
+def decode(text: str, default_title: str = "", duration_s: float | None = None) -> Timeline:
+    """Make a Timeline of the text of an event list.
+
+    Parameters
+    ----------
+    text
+        The file's text.
+    default_title
+        The title if no `# title:` line gives one.
+    duration_s
+        Length in s; None = the file's `# duration_s:`, else the last event's time.
+
+    Raises
+    ------
+    InputError
+        Names line and column: an unknown or missing column, a word for a number, NaN, a negative
+        time, no kind, a row given twice, an event after the end.
+    """
+    rows = _Rows(text)
+    events: dict[tuple[float, str, str], tuple[Event, int]] = {}
+    for line, row in rows:
+        event = _event(row, line)
+        key = (event.time_s, event.kind, event.label)
+        if key in events:
+            raise InputError(
+                f"line {line} repeats line {events[key][1]} ({event.kind} at {event.time_s!r} s, "
+                f"label {checks.shown(event.label)}); remove one or change its label"
+            )
+        if len(events) == MAX_EVENTS:
+            raise InputError(
+                f"line {line}: more than the {MAX_EVENTS} events that are read; cut the file into "
+                "parts, or make a curve of them"
+            )
+        events[key] = (event, line)
+    if not events:
+        raise InputError("no events below the header; add one row for each event")
+    if duration_s is None:
+        duration_s = rows.duration_s
+    if duration_s is None:
+        duration_s = max(event.time_s for event, _ in events.values())
+        if duration_s == 0.0:
+            raise InputError(
+                "all events are at 0 s, so the duration is unknown; give it (a line "
+                "'# duration_s: 5400' before the header, or the option duration_s)"
+            )
+    duration_s = checks.positive(
+        duration_s, "duration_s", "a duration is a finite number of seconds above 0"
+    )
+    for event, line in events.values():
+        if event.time_s > duration_s:
+            raise InputError(
+                f"line {line}, column 'time_s': {event.time_s!r} s is after the end of the "
+                f"timeline (duration_s {duration_s!r}); correct one of them"
+            )
+    listed = tuple(event for event, _ in events.values())
+    intensity, derived, notes = derive_intensity(listed, duration_s)
+    return Timeline(
+        title=rows.title if rows.title is not None else default_title,
+        duration_s=duration_s,
+        events=listed,
+        intensity=intensity,
+        provenance="; ".join(part for part in ("events: a CSV event list", derived) if part),
+        notes=notes,
+    )
+
+
+def encode(timeline: Timeline) -> bytes:
+    """Return the events as an event list, UTF-8; the curve, the gaps and the notes stay behind.
+
+    Reading it gives the same events (blanks around a label trimmed), title and duration.
+
+    Raises
+    ------
+    InputError
+        The timeline has no events.
+    """
+    if not timeline.events:
+        raise InputError(
+            "the timeline has no events, which is all an event list holds; write the native "
+            "format (.json)"
+        )
+    title = " ".join(timeline.title.split())
+    lines = [f"# title: {title}", f"# duration_s: {timeline.duration_s!r}", ",".join(COLUMNS)]
+    for event in timeline.events:
+        label = event.label
+        if _SPECIAL.search(label):  # the csv module leaves a lone carriage return unquoted
+            label = '"' + label.replace('"', '""') + '"'
+        lines.append(f"{event.time_s!r},{event.kind},{label},{event.weight!r}")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def save_events(timeline: Timeline, path: str | os.PathLike[str]) -> None:
+    """Write the events as an event list, whole or not at all; errors as `encode` and a write's."""
+    data = encode(timeline)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(data)
+
+
+@dataclass
+class _Rows:
+    """Iterates over (line number, {column: field}); the comments' values are there afterwards."""
+
+    text: str
+    title: str | None = None
+    duration_s: float | None = None
+    _line: int = field(default=0, init=False)
+    _between_rows: bool = field(default=True, init=False)
+    _comments: bool = field(default=True, init=False)
+
+    def __iter__(self) -> Iterator[tuple[int, dict[str, str]]]:
+        lines = self._lines()
+        header: list[str] | None = None
+        reader = None
+        while True:
+            self._between_rows = True
+            start = self._line
+            try:
+                if reader is None:
+                    first = next(lines)
+                    delimiter = _delimiter(first)
+                    header = _checked_header(_split_header(first, delimiter), self._line)
+                    self._comments = header[0] != "label"
+                    reader = csv.reader(lines, delimiter=delimiter, strict=True)
+                    continue
+                row = next(reader)
+            except StopIteration:
+                break
+            except csv.Error as error:
+                raise InputError(
+                    f"line {start + 1}: {error}; check the quotes from there on"
+                ) from error
+            assert header is not None  # set together with the reader
+            # a quoted field may span lines: the row is where it ends, less what it spans
+            line = self._line - sum(entry.count("\n") for entry in row)
+            if any(entry.strip() for entry in row):
+                if len(row) > len(header):
+                    raise InputError(
+                        f"line {line}: {len(row)} fields for {len(header)} columns; put quotes "
+                        "around a label that holds the separator"
+                    )
+                yield line, dict(zip(header, row, strict=False))
+        if header is None:
+            raise InputError(f"no header; the first row names the columns {', '.join(COLUMNS)}")
+
+    def _lines(self) -> Iterator[str]:
+        for number, line in enumerate(io.StringIO(self.text, newline=""), start=1):
+            self._line = number
+            if self._between_rows and not line.strip():
+                continue
+            if self._between_rows and self._comments and line.startswith("#"):
+                self._comment(line)
+                continue
+            self._between_rows = False
+            yield line
+
+    def _comment(self, line: str) -> None:
+        found = _COMMENT.match(line)
+        if found is None:
+            return
+        key, value = found[1].lower(), found[2].strip()
+        if getattr(self, key) is not None:
+            raise InputError(f"line {self._line}: '# {key}:' is given twice; remove one")
+        if key == "title":
+            self.title = value
+        else:
+            hint = "a duration is a finite number of seconds above 0"
+            duration = _number(value, f"line {self._line}, '# duration_s:'", hint)
+            self.duration_s = checks.positive(duration, f"line {self._line}, duration_s", hint)
+
+
+def _delimiter(header: str) -> str:
+    """Return the separator that finds most known columns in the header line."""
+    return max(
+        _DELIMITERS, key=lambda mark: sum(name in COLUMNS for name in _split_header(header, mark))
+    )
+
+
+def _split_header(line: str, delimiter: str) -> list[str]:
+    try:
+        row = next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error:  # a line of more than 131072 characters
+        return []
+    return [name.strip().lower() for name in row]
+
+
+def _checked_header(names: list[str], line: int) -> list[str]:
+    known = f"columns are {', '.join(COLUMNS)}"
+    for number, name in enumerate(names, start=1):
+        if name not in COLUMNS:
+            raise InputError(
+                f"line {line}, column {number}: unknown column {checks.shown(name)}; {known}"
+            )
+        if names.index(name) != number - 1:
+            raise InputError(f"line {line}, column {number}: '{name}' is there twice; {known}")
+    for name in COLUMNS[:2]:
+        if name not in names:
+            raise InputError(f"line {line}: no column '{name}' in the header; {known}")
+    return names
+
+
+def _event(row: dict[str, str], line: int) -> Event:
+    time_place = f"line {line}, column 'time_s'"
+    time_hint = "times are seconds from 0 up, such as 750.5"
+    time_s = _number(row.get("time_s", "").strip(), time_place, time_hint)
+    if time_s < 0.0:
+        raise InputError(f"{time_place}: {time_s!r} is before the start; {time_hint}")
+    kind = row.get("kind", "").strip()
+    if not kind:
+        raise InputError(f"line {line}, column 'kind': is missing; name one, such as goal")
+    weight = 1.0
+    if row.get("weight", "").strip():
+        place, hint = f"line {line}, column 'weight'", "weights are above 0, 1 = ordinary"
+        weight = checks.positive(_number(row["weight"].strip(), place, hint), place, hint)
+    with checks.located(f"line {line}, column 'kind': "):
+        checks.kind(kind)
+    with checks.located(f"line {line}: "):
+        return Event(time_s, kind, row.get("label", "").strip(), weight)
+
+
+def _number(field_text: str, place: str, hint: str) -> float:
+    if not field_text:
+        raise InputError(f"{place}: is missing; {hint}")
+    if _NOT_FINITE.fullmatch(field_text):
+        raise InputError(f"{place}: {field_text} isn't a finite number; {hint}")
+    if not _NUMBER.fullmatch(field_text):
+        comma = " with a decimal point" if re.fullmatch(r"\d+,\d+", field_text) else ""
+        raise InputError(f"{place}: {checks.shown(field_text)} isn't a number{comma}; {hint}")
+    return checks.number(float(field_text), place, hint)

@@ -1,0 +1,322 @@
+"""Any supported file, told by its content, into a Timeline.
+
+A new format is one module with `sniff(source) -> bool` and `read(source, options) -> Timeline`, and
+one entry in `FORMATS`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from importlib import resources
+
+from overview_dsp.errors import InputError
+from overview_dsp.readers import events_csv, native
+from overview_dsp.readers.audio import reader as audio
+from overview_dsp.readers.cardiac import table_reader as heart_table
+from overview_dsp.readers.cardiac import wfdb_reader
+from overview_dsp.readers.compression import opened
+from overview_dsp.readers.football import metrica, minute_list, openfootball, statsbomb, wyscout
+from overview_dsp.readers.json_limits import MOST_DEPTH
+from overview_dsp.readers.source import LoadOptions, Source, decode_text, parse_json
+from overview_dsp.readers.tables import reading as series
+from overview_dsp.timeline import checks
+from overview_dsp.timeline.model import Timeline
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format and its reader.
+
+    Parameters
+    ----------
+    name
+        What an error line calls it.
+    sniff
+        Tells from the source whether it is this format; cheap, never by the file's name.
+    read
+        Makes the Timeline; errors begin with the file's path.
+    options
+        The names of the `LoadOptions` it takes.
+    matches
+        For files of several matches: gives a line on each, in the order of their numbers.
+    """
+
+    name: str
+    sniff: Callable[[Source], bool]
+    read: Callable[[Source, LoadOptions], Timeline]
+    options: frozenset[str] = frozenset()
+    matches: Callable[[Source], list[str]] | None = None
+
+
+FORMATS: tuple[Format, ...] = (
+    # before the formats of whole JSON documents, which lines of them are not
+    Format(
+        "series (one JSON object a line)",
+        series.sniff_json_lines,
+        series.read_json_lines,
+        series.OPTIONS,
+    ),
+    Format(
+        'native timeline (JSON with the key "overview_timeline")',
+        native.sniff,
+        native.read,
+    ),
+    Format(
+        "StatsBomb events (JSON list with period, timestamp and type)",
+        statsbomb.sniff,
+        statsbomb.read,
+    ),
+    Format(
+        "Metrica raw events (CSV with Team, Type, Subtype and Start Time [s])",
+        metrica.sniff,
+        metrica.read,
+    ),
+    Format(
+        "Wyscout v2 events (JSON with matchPeriod, eventSec and tags)",
+        wyscout.sniff,
+        wyscout.read,
+        frozenset({"match"}),
+        wyscout.matches,
+    ),
+    Format(
+        "openfootball matches (JSON with team1, team2 and goals)",
+        openfootball.sniff,
+        openfootball.read,
+        frozenset({"match"}),
+        openfootball.matches,
+    ),
+    Format(
+        "list of minutes (CSV with minute and type or scorer)",
+        minute_list.sniff,
+        minute_list.read,
+        frozenset({"match"}),
+        minute_list.matches,
+    ),
+    Format(
+        "event list (CSV with the columns time_s and kind)",
+        events_csv.sniff,
+        events_csv.read,
+        frozenset({"duration_s"}),
+    ),
+    Format(
+        "WFDB record (.hea, with .dat and .atr beside it)",
+        wfdb_reader.sniff,
+        wfdb_reader.read,
+        frozenset({"value", "map"}),
+    ),
+    Format(
+        "ECG or pulse wave (table of samples, with rate or a column of times)",
+        heart_table.sniff,
+        heart_table.read,
+        frozenset({"rate", "value", "time", "map", "max_mb"}),
+    ),
+    Format(
+        "recording (WAV, FLAC, Ogg, MP3, AIFF and what else libsndfile opens)",
+        audio.sniff,
+        audio.read,
+        frozenset({"map", "max_mb"}),
+    ),
+    Format(
+        "series (CSV, TSV: a table with a column of times and one of values)",
+        series.sniff_csv,
+        series.read_csv,
+        series.OPTIONS,
+    ),
+    Format(
+        "series (JSON: records, columns or pairs of times and values)",
+        series.sniff_json,
+        series.read_json,
+        series.OPTIONS,
+    ),
+    Format(
+        "series (Parquet, with the extra `parquet`)",
+        series.sniff_parquet,
+        series.read_parquet,
+        series.OPTIONS,
+    ),
+)
+"""The formats that can be read, asked in this order."""
+
+LIMITS = frozenset({"max_mb", "max_depth"})
+"""The options every format takes."""
+
+BUNDLED: dict[str, str] = {
+    "world-cup-final-2018": "world_cup_final_2018.json",
+    "made-up-share": "made_up_share.json",
+}
+"""Timelines that come with the package: name and file."""
+
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+
+
+def load_timeline(
+    path: str | os.PathLike[str],
+    duration_s: float | None = None,
+    *,
+    value: str | None = None,
+    time: str | None = None,
+    map: str | None = None,
+    rate: float | None = None,
+    match: str | None = None,
+    max_mb: float | None = None,
+    progress: Callable[[float], None] | None = None,
+    max_depth: int | None = None,
+) -> Timeline:
+    """Load a timeline from any supported file, or a bundled one by its name.
+
+    Parameters
+    ----------
+    path
+        A file, told by its content; or a name of `BUNDLED` (for a file of that name, write
+        `./world-cup-final-2018`).
+    duration_s
+        Length in s, for a format that takes it (event lists).
+    value, time, map, rate, match
+        As `LoadOptions` says, each for the formats that take it.
+    max_mb, max_depth
+        As `LoadOptions` says, for all formats.
+    progress
+        Called with the part of the file that is read, 0 to 1, by formats that may take long.
+
+    Raises
+    ------
+    InputError
+        One line: what is wrong, where, what is known, what to try.
+    """
+    options = _checked(
+        LoadOptions(
+            duration_s, value, time, map, rate, match, max_mb, progress, max_depth=max_depth
+        )
+    )
+    try:
+        name = os.fspath(path)
+    except TypeError as error:
+        raise InputError(
+            f"{checks.shown(path)} is neither a path nor a bundled name ({_bundled_names()})"
+        ) from error
+    if name in BUNDLED:
+        _refuse_options(options, name, LIMITS)
+        return bundled_timeline(name)
+    with _opened(path, options) as source:
+        candidate = _format_of(source)
+        taken = candidate.options | LIMITS
+        _refuse_options(options, f"{source.where}: {candidate.name}", taken)
+        return candidate.read(source, options)
+
+
+@contextlib.contextmanager
+def _opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Source]:
+    with contextlib.ExitStack() as stack:
+        try:
+            source = stack.enter_context(opened(path, options))
+        except InputError as error:
+            missing = isinstance(error.__cause__, FileNotFoundError)
+            hint = f", or use a bundled name ({_bundled_names()})" if missing else ""
+            raise InputError(f"{error}{hint}") from error
+        yield source
+
+
+def _format_of(source: Source) -> Format:
+    """Return the first format that claims the file; InputError describes one that none does."""
+    for candidate in FORMATS:
+        if candidate.sniff(source):
+            return candidate
+    known = "; ".join(candidate.name for candidate in FORMATS)
+    raise InputError(
+        f"{source.where}: {_described(source)}, not a format that can be read. Known: {known}. "
+        "Convert the data to one of these"
+    )
+
+
+def list_matches(
+    path: str | os.PathLike[str], options: LoadOptions | None = None
+) -> tuple[str, ...]:
+    """Return a line on each match of a file, in the order of their numbers (`match`).
+
+    Empty for a file of a format that holds one timeline.
+
+    Raises
+    ------
+    InputError
+        As `load_timeline`.
+    """
+    if os.fspath(path) in BUNDLED:
+        return ()
+    with _opened(path, _checked(options or LoadOptions())) as source:
+        candidate = _format_of(source)
+        return tuple(candidate.matches(source)) if candidate.matches is not None else ()
+
+
+def bundled_timeline(name: str = "world-cup-final-2018") -> Timeline:
+    """Load a timeline that comes with the package; InputError names the known ones."""
+    if name not in BUNDLED:
+        raise InputError(
+            f"no bundled timeline is called {checks.shown(name)}; there is {_bundled_names()}"
+        )
+    data = (resources.files("overview_dsp.readers") / "bundled" / BUNDLED[name]).read_bytes()
+    return native.decode(parse_json(decode_text(data, name), name), name)
+
+
+def _bundled_names() -> str:
+    return ", ".join(BUNDLED)
+
+
+def _checked(options: LoadOptions) -> LoadOptions:
+    """Return options as the readers take them; InputError names one out of its range."""
+    return replace(
+        options,
+        duration_s=_positive(options.duration_s, "duration_s", "a duration is seconds"),
+        value=_words(options.value, "value"),
+        time=_words(options.time, "time"),
+        map=_words(options.map, "map"),
+        rate=_positive(options.rate, "rate", "a rate is samples a second"),
+        match=_words(options.match, "match"),
+        max_mb=_positive(options.max_mb, "max_mb", "a limit is megabytes"),
+        max_depth=_depth(options.max_depth),
+    )
+
+
+def _positive(given: float | None, name: str, meaning: str) -> float | None:
+    if given is None:
+        return None
+    return checks.positive(given, name, f"{meaning}, a finite number above 0")
+
+
+def _depth(given: int | None) -> int | None:
+    if given is None:
+        return None
+    if isinstance(given, bool) or not isinstance(given, int) or not 1 <= given <= MOST_DEPTH:
+        raise InputError(
+            f"max_depth is {checks.shown(given)}; give a whole number, 1 to {MOST_DEPTH}"
+        )
+    return given
+
+
+def _words(given: str | None, name: str) -> str | None:
+    return None if given is None else checks.text(given, name)
+
+
+def _refuse_options(options: LoadOptions, what: str, taken: frozenset[str]) -> None:
+    for option in sorted(options.given() - taken):
+        raise InputError(f"{what}: {option} can't be given, the format holds it; leave it out")
+
+
+def _described(source: Source) -> str:
+    """Say what an unknown file seems to be."""
+    if source.head_text is None:
+        binary = _CONTROL.search(source.head) is not None
+        return "binary data" if binary else "text that isn't UTF-8 (save it as UTF-8)"
+    if not source.head_text.strip():
+        return "a text file of blanks only"
+    if not source.looks_like_json:
+        first = source.head_text.strip().splitlines()[0]
+        return f"text that begins {checks.shown(first)}"
+    document = source.json
+    if isinstance(document, dict):
+        keys = ", ".join(checks.shown(key) for key in list(document)[:6])
+        return f"a JSON object with the keys {keys or '(none)'}"
+    return f"a JSON list of {len(document) if isinstance(document, list) else 0} entries"

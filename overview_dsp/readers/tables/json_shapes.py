@@ -1,0 +1,247 @@
+"""The shapes in which a JSON document holds a series.
+
+- a list of records: `[{"date": "2012-09-19", "close": 702.1}, ...]`
+- columns: `{"time": [...], "temperature_2m": [...]}`
+- rows with their names: `{"columns": [...], "index": [...], "data": [[...], ...]}`
+- pairs: `[[1347926400000, 702.1], ...]`
+- by time: `{"2012-09-19": 702.1, ...}` or `{"2012-09-19": {"close": 702.1}, ...}`
+- columns by row: `{"date": {"0": ...}, "close": {"0": ...}}`
+
+wherever in the document such a table lies. Units from a neighbour `NAME_units` (`{"hourly": {...},
+"hourly_units": {...}}`) are taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from overview_dsp.errors import InputError
+from overview_dsp.readers.tables.numbers import looks_numeric
+from overview_dsp.timeline import checks
+from overview_dsp.timeline.written_times import WAYS
+
+MAX_DEPTH = 8
+"""How deep in a document a table is looked for."""
+
+MAX_WIDTH = 64
+"""Longest list that may be a row."""
+
+_MAX_KEYS, _MAX_ENTRIES = 1000, 10
+_SAMPLE = 50
+_TIME_WORDS = ("date", "time", "timestamp", "day", "month", "year", "period", "epoch", "unix")
+
+Cut = Callable[[int, int, int], list[Any]]
+"""Takes the index of a column and the rows from and to; returns its cells."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A table in a document.
+
+    Parameters
+    ----------
+    names
+        Of its columns.
+    rows
+        How many it has.
+    cut
+        Gives part of a column; InputError names a record unlike the ones before it.
+    place
+        Where in the document it is: `hourly`, `chart.result[0]`; empty for the document itself.
+    units
+        Of columns by name.
+    """
+
+    names: tuple[str, ...]
+    rows: int
+    cut: Cut
+    place: str = ""
+    units: dict[str, str] = field(default_factory=dict)
+
+
+def series_in(document: Any) -> list[Shape]:
+    """Return all tables of a document that have a column of times and one of numbers."""
+    return [shape for shape in _shapes(document, "", 0, {}) if _is_series(shape)]
+
+
+def is_single(value: Any) -> bool:
+    """Tell whether a value may be a cell: text, a number, true, false or null."""
+    return value is None or isinstance(value, str | int | float)
+
+
+def _shapes(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterator[Shape]:
+    found = None
+    if isinstance(value, list) and value:
+        found = _record_list(value) or _row_list(value)
+    elif isinstance(value, dict):
+        found = next(filter(None, (shape(value) for shape in _OBJECT_SHAPES)), None)
+    if found is not None:
+        yield Shape(found.names, found.rows, found.cut, place, units)
+    if depth >= MAX_DEPTH:
+        return
+    if isinstance(value, dict):
+        for key, item in list(value.items())[:_MAX_KEYS]:
+            if isinstance(item, dict | list):
+                below = f"{place}.{key}" if place else key
+                yield from _shapes(item, below, depth + 1, _units(value, key))
+    elif isinstance(value, list) and found is None:
+        for i, item in enumerate(value[:_MAX_ENTRIES]):
+            if isinstance(item, dict | list):
+                yield from _shapes(item, f"{place}[{i}]", depth + 1, {})
+
+
+def _units(value: dict[str, Any], key: str) -> dict[str, str]:
+    near = value.get(f"{key}_units")
+    if not isinstance(near, dict):
+        return {}
+    return {name: unit for name, unit in near.items() if isinstance(unit, str)}
+
+
+def _record_list(entries: list[Any]) -> Shape | None:
+    """A list of objects."""
+    sample = entries[:_SAMPLE]
+    if not all(isinstance(entry, dict) for entry in sample):
+        return None
+    names = tuple(dict.fromkeys(k for e in sample for k, v in e.items() if is_single(v)))
+    return _of_records(entries, names) if len(names) >= 2 else None
+
+
+def _row_list(entries: list[Any]) -> Shape | None:
+    """A list of equally long lists of single values, with or without a row of names."""
+    sample = entries[:_SAMPLE]
+    head = entries[0]
+    if not isinstance(head, list) or not 2 <= len(head) <= MAX_WIDTH:
+        return None
+    if not _all_rows(sample, len(head)):
+        return None
+    named = all(isinstance(cell, str) for cell in head)
+    if named and len(entries) > 1 and not all(isinstance(cell, str) for cell in entries[1]):
+        return _of_rows(entries[1:], tuple(head))
+    return _of_rows(entries, ("time", *(f"column {i}" for i in range(2, len(head) + 1))))
+
+
+def _named_rows(value: dict[str, Any]) -> Shape | None:
+    """`columns`, `data` and maybe `index`, as pandas writes with orient="split"."""
+    names, rows, index = value.get("columns"), value.get("data"), value.get("index")
+    if not (isinstance(names, list) and isinstance(rows, list) and rows):
+        return None
+    if not all(map(is_single, names)) or not _all_rows(rows[:_SAMPLE], len(names)):
+        return None
+    shape = _of_rows(rows, tuple(map(str, names)))
+    if not isinstance(index, list) or len(index) != len(rows):
+        return shape
+
+    def cut(i: int, begin: int, end: int) -> list[Any]:
+        return index[begin:end] if i == 0 else shape.cut(i - 1, begin, end)
+
+    return Shape(("index", *shape.names), shape.rows, cut)
+
+
+def _columns(value: dict[str, Any]) -> Shape | None:
+    """Two or more lists of one length."""
+    lists = {
+        key: item
+        for key, item in value.items()
+        if isinstance(item, list) and item and all(map(is_single, item[:_SAMPLE]))
+    }
+    longest = max(map(len, lists.values()), default=0)
+    same = {key: item for key, item in lists.items() if len(item) == longest}
+    return _of_lists(tuple(same), list(same.values())) if len(same) >= 2 else None
+
+
+def _by_time(value: dict[str, Any]) -> Shape | None:
+    """Dates as keys, of a value each or of an object of values each."""
+    if len(value) < 2 or not all(_is_date(key) for key in list(value)[:_SAMPLE]):
+        return None
+    times, entries = list(value), list(value.values())
+    sample = entries[:_SAMPLE]
+    if all(map(is_single, sample)):
+        return _of_lists(("time", "value"), [times, entries])
+    if not all(isinstance(entry, dict) for entry in sample):
+        return None
+    names = tuple(dict.fromkeys(k for e in sample for k, v in e.items() if is_single(v)))
+    records = _of_records(entries, names)
+
+    def cut(i: int, begin: int, end: int) -> list[Any]:
+        return times[begin:end] if i == 0 else records.cut(i - 1, begin, end)
+
+    return Shape(("time", *names), len(entries), cut)
+
+
+def _columns_by_row(value: dict[str, Any]) -> Shape | None:
+    """Objects of the same keys, which name the rows, as pandas writes them."""
+    columns = [item for item in value.values() if isinstance(item, dict)]
+    if len(columns) != len(value) or len(columns) < 2 or not columns[0]:
+        return None
+    rows = tuple(columns[0])
+    if any(tuple(column) != rows for column in columns):
+        return None
+    cells = [list(column.values()) for column in columns]
+    if not all(is_single(cell) for column in cells for cell in column[:_SAMPLE]):
+        return None
+    if all(_is_date(row) for row in rows[:_SAMPLE]):
+        return _of_lists(("time", *value), [list(rows), *cells])
+    return _of_lists(tuple(value), cells)
+
+
+_OBJECT_SHAPES = (_named_rows, _columns, _by_time, _columns_by_row)
+
+
+def _all_rows(rows: Sequence[Any], width: int) -> bool:
+    return all(
+        isinstance(row, list) and len(row) == width and all(map(is_single, row)) for row in rows
+    )
+
+
+def _of_lists(names: tuple[str, ...], columns: list[list[Any]]) -> Shape:
+    return Shape(names, len(columns[0]), lambda i, begin, end: columns[i][begin:end])
+
+
+def _of_records(records: list[Any], names: tuple[str, ...]) -> Shape:
+    def cut(i: int, begin: int, end: int) -> list[Any]:
+        name = names[i]
+        part = records[begin:end]
+        for number, record in enumerate(part, begin + 1):
+            if not isinstance(record, dict):
+                raise InputError(_unlike(number, record, "an object {...}"))
+        return [record.get(name) for record in part]
+
+    return Shape(names, len(records), cut)
+
+
+def _of_rows(rows: list[Any], names: tuple[str, ...]) -> Shape:
+    width = len(names)
+
+    def cut(i: int, begin: int, end: int) -> list[Any]:
+        part = rows[begin:end]
+        for number, row in enumerate(part, begin + 1):
+            if not isinstance(row, list) or len(row) != width:
+                raise InputError(_unlike(number, row, f"a list of {width}"))
+        return [row[i] for row in part]
+
+    return Shape(names, len(rows), cut)
+
+
+def _unlike(number: int, entry: Any, words: str) -> str:
+    return f"record {number}: {checks.shown(entry)} isn't {words}, as those before it"
+
+
+def _is_date(text: str) -> bool:
+    return any(way(text.strip()) is not None for way in WAYS.values()) and not text.isdigit()
+
+
+def _is_series(shape: Shape) -> bool:
+    """Tell whether a table has a column of times by name or by look, and one of numbers."""
+    end = min(shape.rows, _SAMPLE)
+    cells = [shape.cut(i, 0, end) for i in range(len(shape.names))]
+    if not any(looks_numeric(column) for column in cells):
+        return False
+    for name, column in zip(shape.names, cells, strict=True):
+        if any(word in name.lower() for word in _TIME_WORDS):
+            return True
+        texts = [cell for cell in column if isinstance(cell, str)]
+        if texts and len(texts) == len(column) and all(_is_date(text) for text in texts):
+            return True
+    return False

@@ -1,0 +1,109 @@
+"""What is read from a table: as asked for, or told from its first rows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from overview_dsp.errors import InputError
+from overview_dsp.readers.source import LoadOptions
+from overview_dsp.readers.tables import prices
+from overview_dsp.readers.tables.choosing import TimeChoice, choose_time, choose_value
+from overview_dsp.readers.tables.mapping import Map
+from overview_dsp.readers.tables.numbers import Style, told_style
+from overview_dsp.readers.tables.rows import settled
+from overview_dsp.readers.tables.table import Column, Table, column_named, first_rows
+
+HEAD_ROWS = 500
+"""Rows that tell what columns hold."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Which columns are read, and as what.
+
+    Parameters
+    ----------
+    table
+        The table.
+    time
+        Its times.
+    value, mapped
+        Indices of the columns of values and of what becomes friction.
+    map
+        How the mapped column becomes friction.
+    columns
+        All columns that are read besides the times: the value first, then the mapped one if it is
+        another, then what tells share splits.
+    style
+        How numbers are written.
+    notes
+        What was decided.
+    """
+
+    table: Table
+    time: TimeChoice
+    value: int
+    mapped: int
+    map: Map
+    columns: tuple[int, ...]
+    style: Style
+    notes: tuple[str, ...]
+
+    @property
+    def value_column(self) -> Column:
+        """The column of values."""
+        return self.table.columns[self.value]
+
+    @property
+    def mapped_column(self) -> Column:
+        """The column that becomes friction."""
+        return self.table.columns[self.mapped]
+
+
+def plan_of(table: Table, options: LoadOptions) -> Plan:
+    """Decide what is read.
+
+    Raises
+    ------
+    InputError
+        No such column, columns to choose from, an unknown map, rate and time both given.
+    """
+    head = first_rows(table, HEAD_ROWS)
+    time = choose_time(table, head, options.time, options.rate is not None)
+    if options.rate is not None and time.columns:
+        raise InputError("rate and time are both given; leave one out")
+    time = settled(table, time)
+    value = choose_value(table, head, options.value, time.columns)
+    headers = frozenset(
+        word for c in table.columns for word in (c.header.lower(), c.name.lower()) if word
+    )
+    wanted = Map.of(options.map, headers)
+    mapped = value.column
+    if wanted.name == "column":
+        found = column_named(table.columns, wanted.argument)
+        assert found is not None  # Map.of saw it
+        mapped = found
+    columns = [value.column]
+    if mapped != value.column:
+        columns.append(mapped)
+    if prices.is_price(table.columns[value.column]):
+        for find in (prices.adjusted, prices.opening, prices.volume):
+            beside = find(table.columns)
+            if beside is not None and beside not in (*columns, *time.columns):
+                columns.append(beside)
+    notes = tuple(note for note in (*table.notes, *time.notes, value.note) if note)
+    style = _style(table, head, columns)
+    return Plan(table, time, value.column, mapped, wanted, tuple(columns), style, notes)
+
+
+def _style(table: Table, head: Sequence[list[object]], columns: Sequence[int]) -> Style:
+    """The way numbers are written: told by the columns that are read, else by any other."""
+    told = told_style(cell for i in columns for cell in head[i])
+    if told is None:
+        told = told_style(cell for cells in head for cell in cells)
+    if told is None and getattr(table, "separator", ",") not in (",", None):
+        # nothing tells 1,234 from 1.234: semicolons come from where a comma is the decimal mark
+        has_comma = any(isinstance(c, str) and "," in c for i in columns for c in head[i])
+        told = Style(",") if has_comma else None
+    return told or Style()

@@ -1,0 +1,178 @@
+"""Series: a table with a column of times and one of values becomes a Timeline.
+
+The times of samples stay exact: time 0 is the first row's, the duration reaches to the last row's,
+and no step is added for what the last sample covers. The curve is the mapped column (`mapping`) in
+its own unit; its percentiles say what becomes 0 and 1. Events are found by rule in the value column
+(`events`), gaps are missing values and holes (`holes`).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from overview_dsp.errors import InputError
+from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.readers.tables import (
+    streamed,
+    table_csv,
+    table_json,
+    table_json_lines,
+    table_parquet,
+    whole,
+)
+from overview_dsp.readers.tables.events import find_events
+from overview_dsp.readers.tables.found import Found
+from overview_dsp.readers.tables.grouping import chosen_group, refuse_groups
+from overview_dsp.readers.tables.mapping import PERCENTILES
+from overview_dsp.readers.tables.plan import Plan, plan_of
+from overview_dsp.readers.tables.rows import RowReader, Rows, joined
+from overview_dsp.readers.tables.samples import in_order
+from overview_dsp.readers.tables.table import Table
+from overview_dsp.readers.tables.words import value_text
+from overview_dsp.timeline import checks
+from overview_dsp.timeline.intensity import LONG
+from overview_dsp.timeline.model import Timeline
+
+OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
+"""The load options a series takes."""
+
+MAX_MB = 8192.0
+"""Largest table that is read, MB (2**20 bytes), unless `max_mb` says otherwise."""
+
+MANY_REPEATS = 0.02
+"""Share of rows with the time of another from which a table may hold several series."""
+
+sniff_csv = table_csv.sniff
+sniff_json = table_json.sniff
+sniff_json_lines = table_json_lines.sniff
+sniff_parquet = table_parquet.sniff
+
+
+def read_csv(source: Source, options: LoadOptions) -> Timeline:
+    """Read text with separated fields; InputError names file, line and column."""
+    return _read(source, options, table_csv.open_table)
+
+
+def read_json(source: Source, options: LoadOptions) -> Timeline:
+    """Read a JSON document; InputError names file, record and column."""
+    return _read(source, options, table_json.open_table)
+
+
+def read_json_lines(source: Source, options: LoadOptions) -> Timeline:
+    """Read one JSON object a line; InputError names file, line and column."""
+    return _read(source, options, table_json_lines.open_table)
+
+
+def read_parquet(source: Source, options: LoadOptions) -> Timeline:
+    """Read Parquet; InputError names file, row and column, or says how to install pyarrow."""
+    return _read(source, options, table_parquet.open_table)
+
+
+def _read(source: Source, options: LoadOptions, open_table: Callable[[Source], Table]) -> Timeline:
+    limit = options.max_mb if options.max_mb is not None else MAX_MB
+    if source.size > limit * 2**20:
+        raise InputError(
+            f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit:g} MB that are "
+            "read; keep fewer columns or rows, or raise the limit with max_mb (--max-mb)"
+        )
+    with checks.located(f"{source.where}: "):
+        return series_of(open_table(source), options, source.stem)
+
+
+def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
+    """Make a Timeline of a table.
+
+    Parameters
+    ----------
+    table
+        Any `Table`.
+    options
+        `value`, `time`, `map`, `rate`, `match`.
+    title
+        Words for a person; the value column's name is added.
+
+    Raises
+    ------
+    InputError
+        A column to choose, a bad cell (its row and column named), too little data.
+    """
+    if options.match is not None:
+        table = chosen_group(table, options.match)
+    plan = plan_of(table, options)
+    reader = RowReader(table, plan.time, plan.columns, plan.style, options.rate, options.tell)
+    rows = iter(reader)
+    head = _up_to(rows, streamed.LONG_ROWS)
+    if not head:
+        raise InputError("no rows with a time; a series has one row a time")
+    following = next(rows, None)
+    if following is None:
+        samples = in_order(reader, joined(head))
+        found = whole.look_at(plan, samples)
+    else:
+        found = streamed.look_at(plan, reader, itertools.chain(head, (following,), rows))
+    repeats = reader.rows - found.count
+    if options.match is None and repeats > MANY_REPEATS * reader.rows:
+        refuse_groups(table, plan.time.columns, plan.value)
+    return _timeline(plan, found, title)
+
+
+def _up_to(rows: Iterator[Rows], most: int) -> list[Rows]:
+    """Take rows until there are `most`."""
+    taken: list[Rows] = []
+    count = 0
+    for part in rows:
+        taken.append(part)
+        count += len(part)
+        if count >= most:
+            break
+    return taken
+
+
+def _timeline(plan: Plan, found: Found, title: str) -> Timeline:
+    column = plan.value_column
+    events, event_notes = find_events(found.series, found.duration_s)
+    notes = [*plan.notes, *found.notes]
+    if found.missing:
+        notes.append(f"{found.missing} of {found.count} values are missing: gaps")
+    notes += [_gap_note(found), _scale_note(found), *event_notes]
+    names = " and ".join(checks.shown(plan.table.columns[i].header) for i in plan.time.columns)
+    times = f"over {names} ({plan.time.format.words})" if names else "evenly spaced"
+    return Timeline(
+        title=f"{title}: {column.name}" if column.name else title,
+        duration_s=found.duration_s,
+        events=tuple(events),
+        intensity=found.intensity,
+        gaps=found.gaps,
+        provenance=(
+            f"a {plan.table.kind} table, column {checks.shown(column.header)} {times}; "
+            "events by rule"
+        ),
+        notes=tuple(notes),
+        start=found.series.calendar.start,
+    )
+
+
+def _scale_note(found: Found) -> str:
+    curve = found.intensity
+    if curve.count > LONG:
+        low, high = curve.scale_outside(found.gaps)
+    else:
+        low, high = curve.scale(np.ones(curve.count, np.bool_))
+    return (
+        f"friction follows {found.words}: 0 at {value_text(low, curve.unit)} and 1 at "
+        f"{value_text(high, curve.unit)} (percentiles {PERCENTILES[0]:g} and {PERCENTILES[1]:g}); "
+        "values beyond are clipped in that scale alone"
+    )
+
+
+def _gap_note(found: Found) -> str:
+    if not found.gaps:
+        return f"no gaps ({found.gap_rule})"
+    longest = max(end - start for start, end in found.gaps)
+    total = sum(end - start for start, end in found.gaps)
+    days = f"{longest / 86_400:.4g} days" if longest >= 2 * 86_400 else f"{longest:.6g} s"
+    share = f"{len(found.gaps)} gap{'s' if len(found.gaps) > 1 else ''}, the longest {days}"
+    return f"{share}, {total:.6g} s in all, from the last value to the next ({found.gap_rule})"

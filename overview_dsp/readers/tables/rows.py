@@ -1,0 +1,165 @@
+"""Rows of a table as numbers: seconds and values, chunk by chunk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
+from overview_dsp.readers.tables.numbers import NumberColumn, Style
+from overview_dsp.readers.tables.table import Chunk, Column, Table
+from overview_dsp.readers.tables.time_column import Format, TimeColumn, settle_order
+from overview_dsp.timeline import checks
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Some rows that have a time.
+
+    Parameters
+    ----------
+    seconds
+        Shape (n,).
+    values
+        Shape (n,) for each column asked for, NaN = missing.
+    number
+        Of each row as a person counts, shape (n,).
+    """
+
+    seconds: NDArray[np.float64]
+    values: list[NDArray[np.float64]]
+    number: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.seconds)
+
+    def cut(self, begin: int, end: int) -> Rows:
+        """Return the rows from and to these indices."""
+        values = [value[begin:end] for value in self.values]
+        return Rows(self.seconds[begin:end], values, self.number[begin:end])
+
+
+def joined(parts: Sequence[Rows]) -> Rows:
+    """Return rows after each other, at least one part."""
+    return Rows(
+        np.concatenate([part.seconds for part in parts]),
+        [np.concatenate(column) for column in zip(*(p.values for p in parts), strict=True)],
+        np.concatenate([part.number for part in parts]),
+    )
+
+
+@dataclass
+class RowReader:
+    """Reads the chosen columns of a table, chunk by chunk, into seconds and values.
+
+    `time` and `numbers` are the columns' parsers, whose findings stand after the last chunk.
+    """
+
+    table: Table
+    choice: TimeChoice
+    columns: Sequence[int]
+    style: Style
+    rate: float | None = None
+    progress: Callable[[float], None] = lambda part: None
+    time: TimeColumn = field(init=False)
+    numbers: list[NumberColumn] = field(init=False)
+    skipped: int = field(default=0, init=False)
+    rows: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        zoned = any(self.table.columns[i].zoned for i in self.choice.columns)
+        self.time = TimeColumn(self.choice.format, offset_min=0 if zoned else None)
+        self.numbers = [
+            NumberColumn(self.table.columns[i].header, self.style) for i in self.columns
+        ]
+
+    def __iter__(self) -> Iterator[Rows]:
+        count = len(self.choice.columns)
+        seen = 0
+        for chunk in self.table.chunks((*self.choice.columns, *self.columns)):
+            self.progress(chunk.part)
+            values = [
+                number.values(cells, _place(self.table, chunk, self.table.columns[index]))
+                for number, cells, index in zip(
+                    self.numbers, chunk.cells[count:], self.columns, strict=True
+                )
+            ]
+            if count:
+                cells = chunk.cells[0]
+                if count > 1:
+                    cells = joined_cells(chunk.cells[:count], self.choice.joint)
+                header = self.table.columns[self.choice.columns[0]]
+                place = _place(self.table, chunk, header)
+                seconds = self.time.seconds(cells, place)
+            else:
+                assert self.rate is not None
+                seconds = (seen + np.arange(len(chunk))) / self.rate
+            seen += len(chunk)
+            if chunk.numbers is None:
+                rows = np.arange(chunk.first, chunk.first + len(chunk))
+            else:
+                rows = np.array(chunk.numbers, dtype=np.int64)
+            timeless = np.isnan(seconds)
+            if timeless.any():
+                valued = timeless & ~np.all([np.isnan(value) for value in values], axis=0)
+                if valued.any():
+                    i = int(np.flatnonzero(valued)[0])
+                    raise InputError(
+                        f"{place(i)}: the time is missing; give it, or leave the row out"
+                    )
+                self.skipped += int(timeless.sum())
+                seconds, rows = seconds[~timeless], rows[~timeless]
+                values = [value[~timeless] for value in values]
+            self.rows += len(seconds)
+            yield Rows(seconds, values, rows)
+
+
+def _place(table: Table, chunk: Chunk, column: Column) -> Callable[[int], str]:
+    def words(i: int) -> str:
+        return f"{table.row_word} {chunk.number(i)}, column {checks.shown(column.header)}"
+
+    return words
+
+
+def settled(table: Table, choice: TimeChoice) -> TimeChoice:
+    """Tell day from month where the head left it open, by the whole column.
+
+    Raises
+    ------
+    InputError
+        It can't be told; the line says how to give it.
+    """
+    if choice.format.name != "dmy or mdy":
+        return choice
+    column = table.columns[choice.columns[0]]
+    example = ""
+
+    def texts() -> Iterator[tuple[int, str]]:
+        nonlocal example
+        for chunk in table.chunks(choice.columns):
+            cells: Any = chunk.cells[0]
+            if len(choice.columns) > 1:
+                cells = joined_cells(chunk.cells, choice.joint)
+            for i, cell in enumerate(cells):
+                if isinstance(cell, str) and cell.strip():
+                    example = example or cell.strip()
+                    yield chunk.number(i), cell.strip()
+
+    name, row = settle_order(texts())
+    header = checks.shown(column.header)
+    if not name:
+        raise InputError(
+            f"column {header}: {checks.shown(example)} may be day/month or month/day, and no row "
+            f"tells; say which with time (--time): '{column.header}:dmy' or '{column.header}:mdy'"
+        )
+    words = Format(name).words
+    told = (
+        f"{table.row_word} {row}" if row is not None else "the order of rows (only so do they rise)"
+    )
+    note = f"column {header} is read as {words}, told by {told}"
+    return TimeChoice(choice.columns, Format(name, note), choice.joint, (*choice.notes, note))

@@ -1,0 +1,484 @@
+"""A time column into seconds: how its cells are written, told from them or given.
+
+`--time COLUMN`, `--time COLUMN:FORMAT` or `--time :FORMAT`, where FORMAT is one of `FORMATS`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta, timezone
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError
+from overview_dsp.readers.tables.missing import is_missing
+from overview_dsp.readers.tables.table import Cells, Column, as_list
+from overview_dsp.timeline import checks, written_times
+from overview_dsp.timeline.written_times import DAY_NS, NS, WAYS
+
+EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
+"""Units of time since 1970-01-01T00:00Z, ns."""
+
+PLAIN = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0}
+"""Units of plain time, s."""
+
+FORMATS = ("iso", "dmy", "mdy", *EPOCHS, *PLAIN, "clock", "year", "excel")
+"""What may be given as the way times are written."""
+
+_EXCEL_ZERO = -25_569
+"""Day 0 of a spreadsheet (1899-12-30), days from 1970-01-01."""
+
+_UNIT_NS = {
+    "W": 7 * DAY_NS, "D": DAY_NS, "h": 3600 * NS, "m": 60 * NS, "s": NS, "ms": 1_000_000,
+    "us": 1_000, "ns": 1,
+}  # fmt: skip
+_FIRST_S, _LAST_S = -62_135_596_800.0, 253_402_300_799.999999
+"""The calendar's first and last moment, s from 1970."""
+
+_YEARS = (1500.0, 2200.0)
+_UNIT_WORDS = {
+    "nanoseconds": "ns", "µs": "us", "microseconds": "us", "msec": "ms", "milliseconds": "ms",
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "mins": "min", "minute": "min",
+    "minutes": "min", "hr": "h", "hrs": "h", "hour": "h", "hours": "h", "day": "d", "days": "d",
+}  # fmt: skip
+_DIGITS = re.compile(r"[+-]?\d{1,19}", re.ASCII)
+_DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+_ISO_SHAPE = re.compile(r"dddd-dd-dd([T ]dd:dd(:dd(\.d{1,9})?)?)?Z?")
+_AS_SHAPE = str.maketrans("0123456789", "dddddddddd")
+
+
+@dataclass(frozen=True)
+class Format:
+    """How a column's times are written.
+
+    Parameters
+    ----------
+    name
+        One of `FORMATS`, or a key of `written_times.WAYS`.
+    note
+        What a person should know about the choice, or empty.
+    """
+
+    name: str
+    note: str = ""
+
+    @property
+    def calendar(self) -> bool:
+        """True if times are moments of the calendar, False if they are plain seconds."""
+        return self.name not in PLAIN and self.name != "clock"
+
+    @property
+    def words(self) -> str:
+        """What the column holds, in words for a person."""
+        names = {
+            "iso": "ISO dates", "dmy": "dates d/m/y", "mdy": "dates m/d/y",
+            "yyyymm": "months", "month names": "dates with names of months",
+            "quarters or months": "quarters or months",
+            "epoch": "seconds since 1970", "epoch_ms": "milliseconds since 1970",
+            "epoch_us": "microseconds since 1970", "epoch_ns": "nanoseconds since 1970",
+            "clock": "h:mm:ss", "year": "years", "excel": "spreadsheet days",
+        }  # fmt: skip
+        return names.get(self.name, f"plain time in {self.name}")
+
+
+def split_wish(wish: str, columns: tuple[Column, ...]) -> tuple[str | None, str | None]:
+    """Return the column and the format of a `--time` value; a header with a colon outranks.
+
+    Raises
+    ------
+    InputError
+        The words after the last colon are no format.
+    """
+    asked = " ".join(wish.split())
+    if any(asked.lower() in (column.header.lower(), column.name.lower()) for column in columns):
+        return wish, None
+    name, colon, written = wish.rpartition(":")
+    if not colon:
+        return wish, None
+    written = written.strip().lower()
+    if written not in FORMATS:
+        raise InputError(
+            f"time {checks.shown(wish)}: {checks.shown(written)} is no way of writing times; "
+            f"known are {', '.join(FORMATS)}"
+        )
+    return name.strip() or None, written
+
+
+def told_format(column: Column, cells: list[Any]) -> Format | None:
+    """Tell how times are written from a column's first cells; None if they are no times.
+
+    Day or month first is left as `dmy or mdy` where both fit all cells.
+    """
+    known = [cell for cell in cells if not is_missing(cell)]
+    if not known or any(isinstance(cell, bool) for cell in known):
+        return None
+    if all(isinstance(cell, np.datetime64) for cell in known):
+        return Format("iso")
+
+    def most(count: int) -> bool:
+        # one in three may be a mistake, to be named when it is read
+        return 3 * count >= 2 * len(known)
+
+    numbers = [(cell, number) for cell in known if (number := _number(cell)) is not None]
+    if most(len(numbers)):
+        return _numeric_format(column, *map(list, zip(*numbers, strict=True)))
+    texts = [cell.strip() for cell in known if isinstance(cell, str)]
+    if not most(len(texts)):
+        return None
+    ways = [name for name in WAYS if name != "yyyymm"]
+    fits = {name: sum(WAYS[name](text) is not None for text in texts) for name in ways}
+    best = max(fits, key=fits.__getitem__)
+    if most(fits[best]):
+        if not fits["dmy"] == fits["mdy"] == fits[best]:
+            return Format(best)
+        # points between the parts: day first wherever they are used
+        return Format("dmy" if all("." in text.split()[0] for text in texts) else "dmy or mdy")
+    if most(sum(written_times.clock_seconds(text) is not None for text in texts)):
+        return Format("clock")
+    return None
+
+
+def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
+    """Tell `dmy` from `mdy` by all cells of a column, (row number, text) each.
+
+    A part above 12 is the day. Where there is none in the whole column, the order in which the
+    times increase (or decrease) throughout is taken if just one does.
+
+    Returns
+    -------
+    tuple
+        `dmy` or `mdy` and the number of the row that proves it (None: the order of rows does), or
+        an empty text if it can't be told.
+    """
+    order = {"dmy": [True, True], "mdy": [True, True]}  # still increasing, still decreasing
+    last: dict[str, int] = {}
+    moved = False
+    for number, text in texts:
+        both = {name: WAYS[name](text) for name in order}
+        possible = [name for name, moment in both.items() if moment is not None]
+        if len(possible) == 1:
+            return possible[0], number
+        for name in possible:
+            moment = both[name]
+            assert moment is not None
+            if name in last and moment.ns != last[name]:
+                moved = True
+                order[name][0] &= moment.ns > last[name]
+                order[name][1] &= moment.ns < last[name]
+            last[name] = moment.ns
+    steady = [name for name, ways in order.items() if any(ways)]
+    return (steady[0], None) if moved and len(steady) == 1 else ("", None)
+
+
+@dataclass
+class TimeColumn:
+    """Makes seconds of a column, chunk by chunk, counted from its first time.
+
+    After the first chunk `anchor_ns` is that time (None for plain time, which counts from 0) and
+    `offset_min` its zone's offset from UTC, None where times name no zone.
+    """
+
+    format: Format
+    anchor_ns: int | None = None
+    offset_min: int | None = None
+    _zoned: bool | None = field(default=None, init=False)
+
+    def seconds(self, cells: Cells, place: Callable[[int], str]) -> NDArray[np.float64]:
+        """Return float64 of the cells' length, NaN where there is no time.
+
+        Parameters
+        ----------
+        cells
+            A chunk's column.
+        place
+            Called with the index of a wrong cell, gives how the error line begins.
+
+        Raises
+        ------
+        InputError
+            A cell that isn't written this way, a moment outside the years 1 to 9999, or a mixture
+            of times with and without a zone.
+        """
+        seconds = self._seconds(cells, place)
+        if self.anchor_ns is not None:
+            since = seconds + self.anchor_ns / NS
+            outside = np.flatnonzero((since < _FIRST_S) | (since > _LAST_S))
+            if outside.size:
+                raise InputError(
+                    f"{place(int(outside[0]))}: the time lies outside the years 1 to 9999; say how "
+                    "times are written with time (--time COLUMN:FORMAT)"
+                )
+        return seconds
+
+    def _seconds(self, cells: Cells, place: Callable[[int], str]) -> NDArray[np.float64]:
+        if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
+            return self._of_datetimes(cells, place)
+        listed = as_list(cells)
+        name, fast = self.format.name, None
+        if name == "iso":
+            datetimes = self._fast_iso(listed)
+            fast = None if datetimes is None else self._of_datetimes(datetimes, place)
+        elif name in EPOCHS:
+            fast = self._fast_whole(listed, EPOCHS[name])
+        elif name in PLAIN:
+            plain = self._fast_plain(listed)
+            fast = None if plain is None else plain * PLAIN[name]
+        if fast is not None:
+            return fast
+        return np.array([self._one(cell, i, place) for i, cell in enumerate(listed)], np.float64)
+
+    def start(self, first_s: float) -> datetime | None:
+        """Return the calendar moment `first_s` seconds after the anchor; None for plain time.
+
+        Raises
+        ------
+        InputError
+            It lies outside the years 1 to 9999.
+        """
+        if self.anchor_ns is None:
+            return None
+        # a datetime holds microseconds: the anchor is cut to them
+        micros = (self.anchor_ns + round(first_s * NS)) // 1000
+        try:
+            moment = datetime(1970, 1, 1) + timedelta(microseconds=micros)
+            if self.offset_min is not None:
+                zone = timezone(timedelta(minutes=self.offset_min)) if self.offset_min else UTC
+                moment = moment.replace(tzinfo=UTC).astimezone(zone)
+        except OverflowError as error:
+            raise InputError("the times lie outside the years 1 to 9999") from error
+        return moment
+
+    def _since(self, ns: int) -> float:
+        if self.anchor_ns is None:
+            self.anchor_ns = ns
+        return (ns - self.anchor_ns) / NS
+
+    def _one(self, cell: Any, i: int, place: Callable[[int], str]) -> float:
+        if is_missing(cell):
+            return math.nan
+        name = self.format.name
+        if isinstance(cell, np.datetime64):
+            return float(self._of_datetimes(np.array([cell]), place)[0])
+        if name in WAYS:
+            moment = WAYS[name](_written(cell))
+            if moment is None:
+                raise InputError(self._wrong(cell, place(i)))
+            self._check_zone(moment.offset_min, cell, place(i))
+            return self._since(moment.ns)
+        if name == "clock":
+            seconds = written_times.clock_seconds(cell.strip()) if isinstance(cell, str) else None
+            if seconds is None:
+                raise InputError(self._wrong(cell, place(i)))
+            return seconds
+        return self._one_number(cell, i, place)
+
+    def _one_number(self, cell: Any, i: int, place: Callable[[int], str]) -> float:
+        name = self.format.name
+        number = _number(cell)
+        if number is None or not math.isfinite(number) or abs(number) > 1e25:
+            raise InputError(self._wrong(cell, place(i)))
+        if name in PLAIN:
+            return float(number) * PLAIN[name]
+        if name in EPOCHS:
+            self._check_zone(0, cell, place(i))
+            return self._since(round(number * EPOCHS[name]))
+        if name == "excel":
+            return self._since(round((number + _EXCEL_ZERO) * DAY_NS))
+        year = math.floor(number)
+        if not 1 <= year <= 9998:
+            raise InputError(self._wrong(cell, place(i)))
+        begin, end = (written_times.iso(f"{y:04d}") for y in (year, year + 1))
+        assert begin is not None
+        assert end is not None
+        return self._since(begin.ns + round((number - year) * (end.ns - begin.ns)))
+
+    def _check_zone(self, offset_min: int | None, cell: Any, place: str) -> None:
+        zoned = offset_min is not None
+        if self._zoned is None:
+            self._zoned, self.offset_min = zoned, offset_min
+        elif self._zoned != zoned:
+            has, others = ("a", "none") if zoned else ("no", "one")
+            raise InputError(
+                f"{place}: {checks.shown(cell)} has {has} time zone, times before it have "
+                f"{others}; write all of them in one way"
+            )
+
+    def _wrong(self, cell: Any, place: str) -> str:
+        return (
+            f"{place}: {checks.shown(cell)} isn't a time as the column's others "
+            f"({self.format.words}); correct it, or say how times are written "
+            f"with time (--time COLUMN:FORMAT; {', '.join(FORMATS)})"
+        )
+
+    def _of_datetimes(
+        self, cells: NDArray[Any], place: Callable[[int], str]
+    ) -> NDArray[np.float64]:
+        """Seconds of datetime64 cells, exact whatever their unit."""
+        missing = np.isnat(cells)
+        known = cells[~missing]
+        seconds = np.full(cells.shape, np.nan)
+        if not known.size:
+            return seconds
+        unit, count = np.datetime_data(cells.dtype)
+        if unit in ("Y", "M"):
+            cells, unit, count = cells.astype("datetime64[D]"), "D", 1
+            known = cells[~missing]
+        if unit not in _UNIT_NS:
+            raise InputError(f"{place(0)}: times finer than a nanosecond; round them")
+        step_ns = _UNIT_NS[unit] * count
+        if self.anchor_ns is None:
+            self.anchor_ns = int(known.astype(np.int64)[0]) * step_ns
+        whole, rest = divmod(self.anchor_ns, step_ns)
+        span = known.astype(np.int64)
+        # the difference is what has to fit an int64, and a float after it
+        wide = abs(int(span.max()) - whole) >= 2**62 or abs(int(span.min()) - whole) >= 2**62
+        if wide:
+            raise InputError(f"{place(0)}: times lie outside the years 1 to 9999")
+        # a division is exact to the last place, a factor of 1e-9 isn't
+        since = (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * step_ns / NS
+        seconds[~missing] = since - rest / NS
+        return seconds
+
+    def _fast_iso(self, cells: list[Any]) -> NDArray[Any] | None:
+        """The cells as datetime64 if all are plain ISO of one shape, zone none or Z."""
+        if not cells or not isinstance(cells[0], str):
+            return None
+        shape = cells[0].translate(_AS_SHAPE)
+        if not _ISO_SHAPE.fullmatch(shape):
+            return None
+        try:
+            if set(map(len, cells)) != {len(shape)}:
+                return None
+            letters = np.array(cells, dtype=f"U{len(shape)}").view(np.uint32)
+        except (TypeError, ValueError):
+            return None
+        letters = letters.reshape(len(cells), len(shape))
+        for at, mark in enumerate(shape):
+            column = letters[:, at]
+            if mark == "d":
+                if not bool(((column >= 48) & (column <= 57)).all()):
+                    return None
+            elif not bool((column == ord(mark)).all()):
+                return None
+        zoned = shape.endswith("Z")
+        if self._zoned is None:
+            self._zoned, self.offset_min = zoned, 0 if zoned else None
+        elif self._zoned != zoned:
+            return None  # the slow way names the cell
+        texts = np.ascontiguousarray(letters).view(f"U{len(shape)}").reshape(-1)
+        if zoned:
+            texts = texts.astype(f"U{len(shape) - 1}")
+        fine = "ns" if len(shape.rstrip("Z").partition(".")[2]) > 6 else "us"
+        years = letters[:, 0] * 10 + letters[:, 1] - 528  # centuries
+        if fine == "ns" and not bool(((years >= 17) & (years <= 22)).all()):
+            return None
+        try:
+            return texts.astype(f"datetime64[{fine}]")
+        except ValueError:  # the 30th of February
+            return None
+
+    def _fast_whole(self, cells: list[Any], unit_ns: int) -> NDArray[np.float64] | None:
+        """Seconds of cells that are all whole numbers."""
+        try:
+            if isinstance(cells[0], str):
+                if not set("".join(cells)) <= set("0123456789"):
+                    return None
+                cells = list(map(int, cells))
+            elif not all(type(cell) is int for cell in cells):
+                return None
+            whole = np.array(cells, dtype=np.int64)
+        except (TypeError, ValueError, IndexError, OverflowError):
+            return None
+        if abs(int(whole.max())) >= 2**62 or abs(int(whole.min())) >= 2**62:
+            return None
+        self._check_zone(0, cells[0], "")
+        if self.anchor_ns is None:
+            self.anchor_ns = int(whole[0]) * unit_ns
+        begin, rest = divmod(self.anchor_ns, unit_ns)
+        return (whole - begin) / (NS // unit_ns) - rest / NS
+
+    def _fast_plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
+        try:
+            if isinstance(cells[0], str):
+                if not set("".join(cells)) <= set("0123456789.+-e"):
+                    return None
+                return np.array(list(map(float, cells)))
+            if not all(type(cell) in (int, float) for cell in cells):
+                return None
+            found = np.array(cells, dtype=np.float64)
+        except (TypeError, ValueError, IndexError, OverflowError):
+            return None
+        return None if np.isinf(found).any() else found
+
+
+def _written(cell: Any) -> str:
+    """A cell as text: 20120919 may be a number, with a fraction of 0 too."""
+    if isinstance(cell, float) and cell.is_integer():
+        cell = int(cell)
+    return str(cell).strip()
+
+
+def _number(cell: Any) -> int | float | None:
+    """The number a cell is, exact if it is whole."""
+    if isinstance(cell, bool):
+        return None
+    if isinstance(cell, int | float):
+        return cell
+    if not isinstance(cell, str):
+        return None
+    text = cell.strip()
+    if _DIGITS.fullmatch(text):
+        return int(text)
+    if not _DECIMAL.fullmatch(text) or len(text) > 40:
+        return None
+    value = float(text)
+    return value if math.isfinite(value) else None
+
+
+_CALENDAR_NAMES = ("date", "year", "yr", "jahr", "period", "datum", "month", "yyyymm", "decimal")
+_EPOCH_NAMES = ("epoch", "unix", "timestamp", "posix")
+
+
+def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]) -> Format | None:
+    """Tell what numbers a time column's may be by their size, and by its name."""
+    name, size = column.plain, max(abs(number) for number in numbers)
+    low = min(numbers)
+    whole = all(isinstance(n, int) or float(n).is_integer() for n in numbers)
+    dated = any(word in name for word in _CALENDAR_NAMES)
+    if whole and _all_dates(cells, 8):
+        return Format("iso")
+    if dated and whole and _all_dates(cells, 6):
+        return Format("yyyymm")
+    if dated and _YEARS[0] <= low and size <= _YEARS[1]:
+        return Format("year")
+    unit = _UNIT_WORDS.get(column.unit.lower(), column.unit.lower())
+    tail = re.search(r"_(ns|us|ms|s|sec|seconds|min|h)$", column.name.lower())
+    if unit not in PLAIN and tail:
+        unit = _UNIT_WORDS.get(tail[1], tail[1])
+    # by size: between 1990 and 2100 in just one of the units
+    for epoch, unit_ns in EPOCHS.items():
+        per_second = NS // unit_ns
+        if 631_152_000 * per_second <= low and size < 4_102_444_800 * per_second:
+            return Format(epoch, f"times {_of(epoch)} were told by their size")
+    if any(word in name for word in _EPOCH_NAMES) and low >= 0 and size < 2**62:
+        per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
+        return Format(per, f"times {_of(per)} were told by the column's name and their size")
+    return Format(unit if unit in PLAIN else _UNIT_WORDS.get(name, "s"))
+
+
+def _of(epoch: str) -> str:
+    return f"in {Format(epoch).words}"
+
+
+def _all_dates(cells: list[Any], length: int) -> bool:
+    texts = [_written(cell) for cell in itertools.islice(cells, 1000)]
+    if not all(len(text) == length and text.isdigit() for text in texts):
+        return False
+    days = [text if length == 8 else text + "01" for text in texts]
+    return all(1000 <= int(day[:4]) <= 2500 and written_times.iso(day) is not None for day in days)

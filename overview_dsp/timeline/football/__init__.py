@@ -1,1 +1,0 @@
-"""Football from other vendors and lists: Metrica, Wyscout, openfootball, minutes."""
