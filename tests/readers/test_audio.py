@@ -405,7 +405,7 @@ def test_a_real_whistle_over_a_real_murmur_is_a_burst(data_folder: Path, tmp_pat
 
 MEASURE = """
 import sys, time
-from overview_dsp.timeline import load_timeline
+from overview_dsp.readers import load_timeline
 started = time.perf_counter()
 timeline = load_timeline(sys.argv[1])
 seconds = time.perf_counter() - started
