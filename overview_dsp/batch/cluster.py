@@ -12,9 +12,9 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
+from overview_dsp.batch.cache_keys import PROGRAM
 from overview_dsp.batch.extra import library
-from overview_dsp.batch.identity import PROGRAM
-from overview_dsp.batch.study import Study
+from overview_dsp.batch.grid import Study
 from overview_dsp.batch.task import Done, Job, Worker
 from overview_dsp.errors import OverviewError
 

@@ -33,8 +33,8 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from overview_dsp.batch.extra import library
+from overview_dsp.batch.grid import Settings, Study
 from overview_dsp.batch.storage import is_address, local_copy, read_text
-from overview_dsp.batch.study import Settings, Study
 from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.files.sound import check_sound
 from overview_dsp.files.toml import SUFFIX, line_of

@@ -15,7 +15,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import connection, get_context, parent_process
 
-from overview_dsp.batch.study import Study
+from overview_dsp.batch.grid import Study
 from overview_dsp.batch.task import Done, Job, Worker
 from overview_dsp.errors import OverviewError, OverviewWarning
 

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from overview_dsp.batch import manifest
-from overview_dsp.batch.identity import Keys
+from overview_dsp.batch.cache_keys import Keys
+from overview_dsp.batch.grid import Study
 from overview_dsp.batch.local import run_here, run_in_processes
 from overview_dsp.batch.storage import Place, is_address
-from overview_dsp.batch.study import Study
 from overview_dsp.batch.task import Done, Job
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import rest

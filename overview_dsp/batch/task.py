@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from overview_dsp.batch.grid import Case, Study
 from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
 from overview_dsp.batch.measuring import MEASURED_COLUMNS, measures
 from overview_dsp.batch.storage import Place
-from overview_dsp.batch.study import Case, Study
 from overview_dsp.errors import OutputError, OverviewError
 from overview_dsp.files.sound import sound_bytes
 from overview_dsp.presets.model import Preset

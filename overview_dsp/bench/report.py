@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from overview_dsp.bench import c_rows, many_voices, ours, programs, scaling, solvers
+from overview_dsp.bench import c_rows, many_voices, overview_rows, programs, scaling, solvers
 from overview_dsp.bench.building import MissingError
 from overview_dsp.bench.scaling import Cost, Memory
 from overview_dsp.bench.timing import Contender, Row, interleaved
@@ -33,7 +33,7 @@ def measure(
 ) -> Report:
     """Measure speeds, then costs; streams of up to `longest_s` of sound."""
     tell = progress or (lambda part: None)
-    contenders: list[Contender] = ours.contenders() + many_voices.contenders()
+    contenders: list[Contender] = overview_rows.contenders() + many_voices.contenders()
     left_out = []
     for add in NEIGHBOURS:
         try:

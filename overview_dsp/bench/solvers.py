@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.bench.ours import disk_alone
+from overview_dsp.bench.overview_rows import disk_alone
 from overview_dsp.bench.timing import DISK, Contender, timed
 from overview_dsp.bench.work import RATE, SWEEP_S, Disk, prepared
 from overview_dsp.engine.engine import Engine

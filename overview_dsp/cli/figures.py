@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from overview_dsp.cli.common import announce_compile, print_json
-from overview_dsp.cli.timeline_options import (
+from overview_dsp.cli.options.timeline import (
     open_timeline,
     preset_for,
     preset_option,

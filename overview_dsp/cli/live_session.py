@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.actuator_option import actuator_option
 from overview_dsp.cli.common import announce_compile
-from overview_dsp.cli.output_options import SILENT, device_named, output_options, output_settings
+from overview_dsp.cli.options.actuator import actuator_option
+from overview_dsp.cli.options.output import SILENT, device_named, output_options, output_settings
 
 if TYPE_CHECKING:
     from overview_dsp.engine.engine import Engine

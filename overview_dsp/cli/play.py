@@ -9,7 +9,6 @@ from typing import Any
 import click
 
 from overview_dsp.cli.common import part_of, window_options
-from overview_dsp.cli.hands import choose_force_block, input_options, parse_hands
 from overview_dsp.cli.live_session import (
     exit_if_stopped,
     live_options,
@@ -17,13 +16,14 @@ from overview_dsp.cli.live_session import (
     opened_player,
     print_lines,
 )
-from overview_dsp.cli.server_options import (
+from overview_dsp.cli.options.server import (
     open_server,
     refuse_server_options,
     require_server,
     server_options,
 )
-from overview_dsp.cli.timeline_options import (
+from overview_dsp.cli.options.sources import choose_force_block, input_options, parse_hands
+from overview_dsp.cli.options.timeline import (
     open_timeline,
     preset_for,
     preset_option,

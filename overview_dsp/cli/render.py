@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.actuator_option import actuator_option, calibrated, told
 from overview_dsp.cli.common import (
     announce_compile,
     part_of,
@@ -16,7 +15,8 @@ from overview_dsp.cli.common import (
     read_gesture,
     window_options,
 )
-from overview_dsp.cli.timeline_options import (
+from overview_dsp.cli.options.actuator import actuator_option, calibrated, told
+from overview_dsp.cli.options.timeline import (
     open_timeline,
     preset_for,
     preset_option,

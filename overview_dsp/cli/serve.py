@@ -16,14 +16,14 @@ from overview_dsp.cli.live_session import (
     opened_player,
     print_lines,
 )
-from overview_dsp.cli.server_options import (
+from overview_dsp.cli.options.server import (
     Opened,
     open_server,
     refuse_given,
     require_server,
     server_options,
 )
-from overview_dsp.cli.timeline_options import (
+from overview_dsp.cli.options.timeline import (
     open_timeline,
     preset_for,
     preset_option,

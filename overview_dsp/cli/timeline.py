@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from overview_dsp.cli.common import print_json
-from overview_dsp.cli.timeline_options import open_timeline, timeline_options
+from overview_dsp.cli.options.timeline import open_timeline, timeline_options
 
 
 @click.group(name="timeline", epilog="Example: overview timeline show match.json")

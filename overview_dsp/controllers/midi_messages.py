@@ -8,8 +8,8 @@ on at its place of the timeline until it is let go.
 
 from __future__ import annotations
 
+from overview_dsp.controllers.control_messages import Counters, Dialled, LetGo, Move, Place, Touched
 from overview_dsp.controllers.midi_map import DEFAULT, TAPS, THETA2, TOUCH, Control
-from overview_dsp.controllers.moves import Counters, Dialled, LetGo, Move, Place, Touched
 from overview_dsp.units import HALF_TURN
 
 FINE = 32

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from overview_dsp.controllers.moves import Asked, Counters, Move, Place
+from overview_dsp.controllers.control_messages import Asked, Counters, Move, Place
 from overview_dsp.controllers.osc_packets import decode_packet
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN

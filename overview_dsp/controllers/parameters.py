@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from overview_dsp.controllers.control_messages import Dialled
 from overview_dsp.controllers.midi_map import TAPS, THETA2, TOUCH, Control
-from overview_dsp.controllers.moves import Dialled
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameter import Parameter, Value

@@ -25,14 +25,14 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     base = layout.SURFACES + slot * layout.SLOT_SIZE
     table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
     _write_table(table, surface.friction)
-    position = np.concatenate([surface.position, surface.impacts.position])
+    position = np.concatenate([surface.position, surface.texture_strikes.position])
     order = _strike_order(surface)
     count = len(order)
     w[base + layout.SLOT_EVENTS] = count
     m[base + layout.SLOT_POSITION :][:count] = position[order] * layout.CELLS
-    release = np.concatenate([surface.release, surface.impacts.release])
+    release = np.concatenate([surface.release, surface.texture_strikes.release])
     m[base + layout.SLOT_RELEASE :][:count] = release[order]
-    own = np.full(len(surface.impacts.position), layout.MAX_KINDS)
+    own = np.full(len(surface.texture_strikes.position), layout.MAX_KINDS)
     w[base + layout.SLOT_KIND :][:count] = np.concatenate([surface.kind, own])[order]
     w[base + layout.SLOT_MODELS] = 0
     for bank, model in [*enumerate(surface.kind_models), (layout.MAX_KINDS, surface.own_model)]:
@@ -60,14 +60,14 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
 
 def struck_event(surface: Surface, number: NDArray[np.int64]) -> NDArray[np.int64]:
     """The timeline's events by the kernel's numbers for them; -1 = the bare surface (as BARE)."""
-    own = np.full(len(surface.impacts.position), BARE)
+    own = np.full(len(surface.texture_strikes.position), BARE)
     events = np.concatenate([surface.event, own])[_strike_order(surface)]
     return np.append(events, BARE)[number]
 
 
 def _strike_order(surface: Surface) -> NDArray[np.int64]:
-    """The surface's events, then its impacts, in the order of their positions."""
-    position = np.concatenate([surface.position, surface.impacts.position])
+    """The surface's events, then its texture strikes, in the order of their positions."""
+    position = np.concatenate([surface.position, surface.texture_strikes.position])
     return np.argsort(position, kind="stable")
 
 

@@ -8,9 +8,9 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from overview_dsp.controllers.hand import ControllerHand
-from overview_dsp.controllers.moves import Asked, Counters, Dialled, Move, Turned
+from overview_dsp.controllers.control_messages import Asked, Counters, Dialled, Move, Turned
 from overview_dsp.controllers.parameters import PickUp, as_asked, find_parameter
+from overview_dsp.controllers.source import ControllerHand
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.hand_writer import HandWriter

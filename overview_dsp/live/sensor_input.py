@@ -15,10 +15,10 @@ from overview_dsp.live.player import Input
 from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.serial_port import SerialPort, find_again, identity_of
 from overview_dsp.presets.model import Preset
-from overview_dsp.sensors.hand import Hand
+from overview_dsp.sensors.diagnostics import Trouble
 from overview_dsp.sensors.profile import Sensor
+from overview_dsp.sensors.source import Hand
 from overview_dsp.sensors.touching import TouchRules
-from overview_dsp.sensors.trouble import Trouble
 from overview_dsp.units import HALF_TURN
 
 MOST = 16_384

@@ -12,7 +12,7 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.live.port_lost import PortLostError
-from overview_dsp.sensors.telling import Told, tell
+from overview_dsp.sensors.detect_format import Told, tell
 
 BAUD = 115_200
 WAIT_S = 0.05

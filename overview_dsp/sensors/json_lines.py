@@ -10,7 +10,7 @@ import json
 import math
 from typing import Any
 
-from overview_dsp.sensors.lines import LineSplitter
+from overview_dsp.sensors.line_splitter import LineSplitter
 from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, COLUMNS, Counters, Reading
 
 _THREES = {"acc": ACCELERATION, "gyr": ANGULAR_VELOCITY}

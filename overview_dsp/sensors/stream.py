@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from overview_dsp.sensors.clock import ArrivalClock, StampClock
+from overview_dsp.sensors.detect_format import ENOUGH, Decoder, Told, tell
 from overview_dsp.sensors.profile import TOLD, Sensor
 from overview_dsp.sensors.reading import STAMPS, Counters, Reading
 from overview_dsp.sensors.sequence import SequenceCheck
-from overview_dsp.sensors.telling import ENOUGH, Decoder, Told, tell
 
 Sample = tuple[float, Reading]
 """Time, s, and what was said then."""

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Sequence
 
-from overview_dsp.sensors.lines import LineSplitter
+from overview_dsp.sensors.line_splitter import LineSplitter
 from overview_dsp.sensors.reading import COLUMNS, Counters, Reading
 
 _APART = re.compile(r"\s*[,;]\s*|\s+")

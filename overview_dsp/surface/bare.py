@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from overview_dsp.presets.model import Mode, Preset
 from overview_dsp.surface.detents import impedance
 from overview_dsp.surface.gaps import ribs
-from overview_dsp.surface.lockup import warn_of_hold
+from overview_dsp.surface.lockup import warn_of_lockup
 from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.patterns import pattern
-from overview_dsp.surface.texture_strikes import NONE, Impacts, impacts_of, troughs_of
+from overview_dsp.surface.texture_strikes import NONE, TextureStrikes, crests_of, troughs_of
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
@@ -42,14 +42,14 @@ class BareSurface:
         Of its detents, N m cells (`well_field`).
     modes : tuple of Mode
         What it sounds like.
-    impacts : Impacts
+    texture_strikes : TextureStrikes
         Where it is struck.
     """
 
     friction: NDArray[np.float64]
     energy: NDArray[np.float64]
     modes: tuple[Mode, ...]
-    impacts: Impacts
+    texture_strikes: TextureStrikes
 
 
 def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
@@ -83,18 +83,18 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
     free = modes_of(material, number("surface.pitch_hz"), number("surface.ring"))
     modes = louder(free, number("surface.gain_db"))
     energy = np.zeros(cells + 1)
-    impacts = NONE
+    strikes = NONE
     if model == "detent":
         pull = number("surface.grip") * bare
-        warn_of_hold(preset, "surface.grip", pull * loud.max(), "it")
+        warn_of_lockup(preset, "surface.grip", pull * loud.max(), "it")
         width = period / 100.0 * cells
         energy = _detents(course, pull, width, loud * known)
         if modes and pull > 0.0:
-            impacts = troughs_of(course * known, impedance(preset, pull, width / 4.0, cells))
+            strikes = troughs_of(course * known, impedance(preset, pull, width / 4.0, cells))
     elif modes:
         grip = number("surface.grip") if model == "bristle" else 1.0
-        impacts = impacts_of(course * known, grip * top)
-    return BareSurface(friction, energy, modes, impacts)
+        strikes = crests_of(course * known, grip * top)
+    return BareSurface(friction, energy, modes, strikes)
 
 
 def _detents(course: Array, pull: float, period: float, loud: Array) -> Array:

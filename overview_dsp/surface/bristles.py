@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.presets.model import Kind, Preset
-from overview_dsp.surface.lockup import warn_of_hold
+from overview_dsp.surface.lockup import warn_of_lockup
 
 BARE = -1
 """Owner of a place whose bristles are the bare surface's."""
@@ -87,7 +87,7 @@ class BristleLayer:
         if preset.values["surface.model"] == "bristle":
             self._grip = preset.number("surface.grip") * ambient
             static = self._grip.max() * preset.number("surface.static_ratio")
-            warn_of_hold(preset, "surface.grip", static, "it or surface.static_ratio")
+            warn_of_lockup(preset, "surface.grip", static, "it or surface.static_ratio")
         self._owner = np.full(len(ambient), BARE)
 
     def raise_to(self, event: int, first: int, bump: NDArray[np.float64]) -> None:
@@ -100,7 +100,7 @@ class BristleLayer:
     def check(self, name: str, height: NDArray[np.float64]) -> None:
         """Warn (OverviewWarning) if events of a kind can never be passed."""
         static = height.max() * self._preset.kinds[name].static_ratio
-        warn_of_hold(self._preset, f"kinds.{name}", static, "its height or static_ratio")
+        warn_of_lockup(self._preset, f"kinds.{name}", static, "its height or static_ratio")
 
     def field(self, number: NDArray[np.int64]) -> BristleField:
         """The field; `number` gives the events the numbers they have in the surface."""

@@ -40,7 +40,7 @@ from overview_dsp.surface.detents import (
 from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.model import Surface
 from overview_dsp.surface.profiles import bumps, profile, span
-from overview_dsp.surface.thinning import strongest_of_each
+from overview_dsp.surface.thinning import thin_events
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Event, Timeline
@@ -151,11 +151,12 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     by_kind, left_out = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     under = bare_surface(timeline, preset, CELLS)
-    room = MAX_EVENTS - len(under.impacts.position)
+    crests = len(under.texture_strikes.position)
+    room = MAX_EVENTS - crests
     if room < min(len(felt), 1):
         raise InputError(
-            f"{len(under.impacts.position)} crests of the bare surface; with events it holds up to "
-            f"{MAX_EVENTS}: make surface.pattern_period_percent longer"
+            f"{crests} crests of the bare surface; with events it holds up to {MAX_EVENTS}: "
+            "make surface.pattern_period_percent longer"
         )
     _warn_of_unknown(timeline, preset)
     placed = _Placed.of(felt, timeline)
@@ -182,7 +183,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
         left_out=left_out,
         own_modes=under.modes,
-        impacts=under.impacts,
+        texture_strikes=under.texture_strikes,
         kind_models=tuple(kind.model for kind in preset.kinds.values()),
         own_model=str(preset.values["surface.model"]),
         detents=layers.detents.field() if layers.detents is not None else None,
@@ -250,7 +251,7 @@ def _thinned(placed: _Placed, room: int, title: str) -> tuple[NDArray[np.int64],
     if len(placed.event) <= room:
         order = np.argsort(placed.position, kind="stable")
         return order, np.argsort(order)
-    order, stands_for = strongest_of_each(placed.position, placed.release, room)
+    order, stands_for = thin_events(placed.position, placed.release, room)
     warnings.warn(
         f"{title}: {len(placed.event)} events, of which the surface tells "
         f"{len(order)} apart; where several fall together the strongest strikes, and friction "

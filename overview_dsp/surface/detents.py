@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.presets.model import Kind, Preset
-from overview_dsp.surface.lockup import warn_of_hold
+from overview_dsp.surface.lockup import warn_of_lockup
 from overview_dsp.surface.profiles import Points, profile, reach
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ class DetentLayer:
 
     def check(self, name: str, height: Array) -> None:
         """Warn (OverviewWarning) if events of a kind, whose pull is given, hold for good."""
-        warn_of_hold(self._preset, f"kinds.{name}", height.max(), "its height")
+        warn_of_lockup(self._preset, f"kinds.{name}", height.max(), "its height")
 
     def lay(self, model: str, start: int, bump: Array) -> None:
         """Lay an event's well or stop (N m cells) from the point `start` on."""

@@ -9,7 +9,7 @@ from overview_dsp.errors import OverviewWarning
 from overview_dsp.presets.model import Preset
 
 
-def warn_of_hold(preset: Preset, name: str, torque: float, lower: str) -> None:
+def warn_of_lockup(preset: Preset, name: str, torque: float, lower: str) -> None:
     """Warn (OverviewWarning) if a torque (N m) can never be overcome by the finger's shaft.
 
     `name` is what holds, `lower` what to lower.

@@ -13,8 +13,8 @@ from overview_dsp.kernels.layout import CELLS
 from overview_dsp.presets.model import Mode
 from overview_dsp.surface.bristles import BristleField
 from overview_dsp.surface.detents import DetentField
-from overview_dsp.surface.texture_strikes import NONE as NO_IMPACTS
-from overview_dsp.surface.texture_strikes import Impacts
+from overview_dsp.surface.texture_strikes import NONE as NO_TEXTURE_STRIKES
+from overview_dsp.surface.texture_strikes import TextureStrikes
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Surface:
         Events that lie too densely to be felt one by one.
     own_modes : tuple of Mode
         What the bare surface sounds like.
-    impacts : Impacts
+    texture_strikes : TextureStrikes
         Where it is struck, besides events.
     kind_models, own_model : tuple of str, str
         What friction the kinds are, and the bare surface.
@@ -62,7 +62,7 @@ class Surface:
     kind_modes: tuple[tuple[Mode, ...], ...]
     left_out: Mapping[str, int] = field(default_factory=dict)
     own_modes: tuple[Mode, ...] = ()
-    impacts: Impacts = NO_IMPACTS
+    texture_strikes: TextureStrikes = NO_TEXTURE_STRIKES
     kind_models: tuple[str, ...] = ()
     own_model: str = "viscous"
     bristles: BristleField | None = None

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class Impacts:
+class TextureStrikes:
     """Crests or troughs: `position` (cursor, ascending), `release` (N m s/rad); float64 (n,)."""
 
     position: NDArray[np.float64]
     release: NDArray[np.float64]
 
 
-NONE = Impacts(np.zeros(0), np.zeros(0))
+NONE = TextureStrikes(np.zeros(0), np.zeros(0))
 
 
 def crests(course: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -30,13 +30,13 @@ def crests(course: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.flatnonzero((inner > course[:-2]) & (inner >= course[2:])) + 1
 
 
-def impacts_of(course: NDArray[np.float64], top: float) -> Impacts:
+def crests_of(course: NDArray[np.float64], top: float) -> TextureStrikes:
     """The crests of a pattern (0 to 1 at the table's points), whose 1 is `top` N m s/rad."""
     at = crests(course)
-    return Impacts(at / (len(course) - 1), top * course[at])
+    return TextureStrikes(at / (len(course) - 1), top * course[at])
 
 
-def troughs_of(course: NDArray[np.float64], impedance: float) -> Impacts:
+def troughs_of(course: NDArray[np.float64], impedance: float) -> TextureStrikes:
     """The troughs of a pattern of detents, which take `impedance` N m s/rad from the disk."""
     at = crests(-course)
-    return Impacts(at / (len(course) - 1), np.full(len(at), impedance))
+    return TextureStrikes(at / (len(course) - 1), np.full(len(at), impedance))

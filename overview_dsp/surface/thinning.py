@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def strongest_of_each(
+def thin_events(
     position: NDArray[np.float64], release: NDArray[np.float64], most: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """The events to keep, at most `most` (1 or more) of them, in the order of their positions.

@@ -32,7 +32,6 @@ from overview_dsp.presets.library import load_preset
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
 from overview_dsp.web import sound_data
-from overview_dsp.web.asked import answering, json_object
 from overview_dsp.web.media import Media
 from overview_dsp.web.preset_data import (
     as_toml,
@@ -41,6 +40,7 @@ from overview_dsp.web.preset_data import (
     preset_names,
     save_own,
 )
+from overview_dsp.web.security.request_body import answering, json_object
 from overview_dsp.web.site_content import SiteContent
 
 BINARY, JSON = "application/octet-stream", "application/json"

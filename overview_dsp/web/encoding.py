@@ -129,7 +129,7 @@ def event_numbers(surface: Surface) -> list[int]:
 
     -1 is the bare surface, which is struck as number -1 too.
     """
-    count = len(surface.position) + len(surface.impacts.position)
+    count = len(surface.position) + len(surface.texture_strikes.position)
     return [int(event) for event in struck_event(surface, np.arange(count))]
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.batch import Study, load_study
-from overview_dsp.batch.study import Settings
+from overview_dsp.batch.grid import Settings
 from tests.batch.studies import CASES, JOBS, study_in
 
 REST = 'out = "o"\ntimelines = ["world-cup-final-2018"]\ngestures = ["tap:1"]\n'

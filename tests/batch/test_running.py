@@ -18,7 +18,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.batch import run_study, storage, task
-from overview_dsp.batch.identity import Keys
+from overview_dsp.batch.cache_keys import Keys
 from overview_dsp.batch.manifest import PARTS
 from overview_dsp.batch.storage import UNFINISHED, Place
 from overview_dsp.measure.felt import event_levels

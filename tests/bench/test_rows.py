@@ -9,7 +9,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from overview_dsp.bench import c_rows, ours, programs, solvers
+from overview_dsp.bench import c_rows, overview_rows, programs, solvers
 from overview_dsp.bench.building import MissingError, built, source
 from overview_dsp.bench.picture import draw
 from overview_dsp.bench.plain_settings import plain_scene, plain_settings
@@ -34,7 +34,7 @@ def disk(engine):
 
 @pytest.fixture(scope="module")
 def torque(engine, disk):
-    return ours.disk_alone(engine, disk)
+    return overview_rows.disk_alone(engine, disk)
 
 
 @pytest.fixture(scope="module")

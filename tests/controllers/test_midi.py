@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.controllers.control_messages import Dialled, LetGo, Touched, Turned
 from overview_dsp.controllers.midi_learn import Learner
 from overview_dsp.controllers.midi_map import (
     DEFAULT,
@@ -22,7 +23,6 @@ from overview_dsp.controllers.midi_map import (
     write_map,
 )
 from overview_dsp.controllers.midi_messages import MidiReader
-from overview_dsp.controllers.moves import Dialled, LetGo, Touched, Turned
 
 
 def read(reader, *messages, at=0.0):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.controllers.moves import Asked, LetGo, Touched, Turned
+from overview_dsp.controllers.control_messages import Asked, LetGo, Touched, Turned
 from overview_dsp.controllers.osc_messages import OscReader
 from overview_dsp.controllers.osc_packets import encode_message, require_osc
 from overview_dsp.controllers.osc_report import OscReport

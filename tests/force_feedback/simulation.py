@@ -11,7 +11,7 @@ import numpy as np
 import overview_dsp as ov
 from overview_dsp.force_feedback.loop import MotorLoop
 from overview_dsp.force_feedback.mean_torque import MeanTorque
-from overview_dsp.sensors.hand import Hand
+from overview_dsp.sensors.source import Hand
 from overview_dsp.sensors.touching import TouchRules
 
 RATE, BLOCK = 48_000, 128

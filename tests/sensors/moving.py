@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from overview_dsp.sensors.frames import encode_frame
-from overview_dsp.sensors.hand import Hand
 from overview_dsp.sensors.profile import Sensor
+from overview_dsp.sensors.source import Hand
 from overview_dsp.sensors.touching import TouchRules
 
 G = 9.80665

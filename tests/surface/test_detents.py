@@ -180,7 +180,7 @@ def test_each_well_clicks_as_the_disk_falls_into_it():
     # as hard as the depth that it fell, or harder
     depth = 8e-3 * 0.05 / math.pi * math.pi * 0.05 / 0.051
     fallen = math.sqrt(2.0 * depth / J)
-    release = result.engine.surface.impacts.release[0]
+    release = result.engine.surface.texture_strikes.release[0]
     assert release == pytest.approx(math.sqrt(8e-3 * J / (math.pi / 80 * 0.05 / 0.051)))
     assert 0.3 * fallen < np.median(strikes.torque) / release < 1.5 * fallen
 
@@ -190,7 +190,7 @@ def test_a_well_is_struck_as_fast_as_the_disk_is_there():
     strikes, trace = result.strikes, result.trace
     assert len(strikes) > 60  # it swings about in each
     speed = np.abs(np.interp(strikes.time_s, trace.time, trace.omega1))
-    release = result.engine.surface.impacts.release[0]
+    release = result.engine.surface.texture_strikes.release[0]
     far = speed > 0.05 * speed.max()
     assert strikes.torque[far] == pytest.approx(release * speed[far], rel=0.02)
 

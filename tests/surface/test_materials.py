@@ -90,7 +90,7 @@ def test_events_among_crests_keep_their_numbers():
     timeline = timeline_of(70.0, 20.0, 50.0)
     preset = replace(rough(), kinds=preset_with(width=0.5).kinds)
     surface = ov.build_surface(timeline, preset)
-    count = len(surface.position) + len(surface.impacts.position)
+    count = len(surface.position) + len(surface.texture_strikes.position)
     events = struck_event(surface, np.arange(count))
     assert events[events >= 0].tolist() == surface.event.tolist()
     assert struck_event(surface, np.array([-1])).tolist() == [-1]
@@ -113,8 +113,8 @@ def test_gaps_have_no_crests():
     whole = ov.build_surface(timeline_of(), rough())
     gapped = replace(timeline_of(), gaps=((40.0, 60.0),))
     surface = ov.build_surface(gapped, rough())
-    assert len(whole.impacts.position) == 20
-    assert len(surface.impacts.position) == 16
+    assert len(whole.texture_strikes.position) == 20
+    assert len(surface.texture_strikes.position) == 16
 
 
 def test_events_that_crests_leave_no_room_for_fall_together():
@@ -122,7 +122,7 @@ def test_events_that_crests_leave_no_room_for_fall_together():
     preset = rough(surface__pattern_period_percent=0.05)
     with pytest.warns(ov.OverviewWarning, match="16000 events"):
         surface = ov.build_surface(timeline_of(*times), preset)
-    crests = len(surface.impacts.position)
+    crests = len(surface.texture_strikes.position)
     assert crests == 2000
     assert 0 < len(surface.position) <= layout.MAX_EVENTS - crests
 

@@ -11,7 +11,7 @@ import overview_dsp as ov
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.kernels.layout import MAX_EVENTS
 from overview_dsp.surface.build import build_surface
-from overview_dsp.surface.thinning import strongest_of_each
+from overview_dsp.surface.thinning import thin_events
 from tests.examples import preset_with, timeline_of
 
 EVENTS = st.lists(st.tuples(st.floats(0.0, 65_536.0), st.integers(0, 5)), min_size=1, max_size=300)
@@ -21,7 +21,7 @@ EVENTS = st.lists(st.tuples(st.floats(0.0, 65_536.0), st.integers(0, 5)), min_si
 def test_the_strongest_of_each_stretch_is_kept_and_stands_for_the_others(events, most):
     place = np.array([at for at, _ in events])
     release = np.array([strength for _, strength in events], dtype=np.float64)
-    kept, stands_for = strongest_of_each(place, release, most)
+    kept, stands_for = thin_events(place, release, most)
     assert 1 <= len(kept) <= most
     assert np.all(np.diff(place[kept]) >= 0.0)
     assert np.array_equal(stands_for[kept], np.arange(len(kept)))
@@ -35,7 +35,7 @@ def test_the_strongest_of_each_stretch_is_kept_and_stands_for_the_others(events,
 
 def test_events_in_cells_of_their_own_are_all_kept():
     place = np.array([5.5, 0.2, 3.9, 4.0])
-    kept, stands_for = strongest_of_each(place, np.ones(4), 4)
+    kept, stands_for = thin_events(place, np.ones(4), 4)
     assert list(kept) == [1, 2, 3, 0]
     assert list(stands_for) == [3, 0, 1, 2]
 

@@ -15,9 +15,9 @@ from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
-from overview_dsp.web.access import Access
 from overview_dsp.web.app import make_app
 from overview_dsp.web.data import data_routes
+from overview_dsp.web.security.auth_token import Access
 from overview_dsp.web.server import WebServer, listen
 from overview_dsp.web.session import HostSession
 

@@ -12,11 +12,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from overview_dsp.web import connections, guard
-from overview_dsp.web.access import MAX_WRONG, WRONG_WITHIN_S, Access, Verdict
+from overview_dsp.web import connections
 from overview_dsp.web.assets import served_paths
 from overview_dsp.web.media import open_media
-from overview_dsp.web.origin import host_is_ours, origin_is_ours
+from overview_dsp.web.security import middleware
+from overview_dsp.web.security.auth_token import MAX_WRONG, WRONG_WITHIN_S, Access, Verdict
+from overview_dsp.web.security.origin_check import host_is_ours, origin_is_ours
 from tests.web.serving import served
 
 DATA = "/data/timeline.json"
@@ -224,7 +225,9 @@ def test_addresses_with_wrong_tokens_dont_fill_the_memory():
     assert len(access._wrong) <= 1024
 
 
-@pytest.mark.parametrize("length", [str(guard.MAX_BODY + 1), "99999999999999999999", "-1", "+5"])
+@pytest.mark.parametrize(
+    "length", [str(middleware.MAX_BODY + 1), "99999999999999999999", "-1", "+5"]
+)
 def test_a_body_said_to_be_too_large_is_refused_unread(server, length):
     request = (
         f"POST /session HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nOrigin: {server.origin}\r\n"
@@ -263,7 +266,7 @@ def test_what_is_no_request_is_refused(server, request_bytes):
 def test_slow_requests_and_bodies_are_closed(match, monkeypatch):
     monkeypatch.setattr(connections, "REQUEST_WITHIN_S", 0.3)
     monkeypatch.setattr(connections, "LINGER_S", 0.3)
-    monkeypatch.setattr(guard, "BODY_WITHIN_S", 0.3)
+    monkeypatch.setattr(middleware, "BODY_WITHIN_S", 0.3)
     with served(match, plays=False) as server:
         head = (
             f"GET {DATA} HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"

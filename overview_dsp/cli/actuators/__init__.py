@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.actuators import calibrating, reading, sweeping
+from overview_dsp.cli.actuators import calibrate, inspect, sweep
 
 
 @click.group(name="actuators", epilog="Example: overview actuators show c2")
@@ -12,5 +12,5 @@ def command() -> None:
     """Show, measure and calibrate what the tactor's signal drives."""
 
 
-for _one in (reading.list_, reading.show, sweeping.sweep, calibrating.calibrate):
+for _one in (inspect.list_, inspect.show, sweep.sweep, calibrate.calibrate):
     command.add_command(_one)

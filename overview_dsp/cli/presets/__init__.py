@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.presets import making, reading, sounding, taking
+from overview_dsp.cli.presets import create, import_clip, inspect, measure
 
 
 @click.group(name="presets", epilog="Example: overview presets show football")
@@ -13,19 +13,19 @@ def command() -> None:
 
 
 for _one in (
-    reading.list_,
-    reading.show,
-    reading.check,
-    reading.diff,
-    making.new,
-    making.edit,
-    making.morph,
-    making.randomize,
-    taking.import_,
-    sounding.audition,
-    sounding.feel,
-    sounding.tune,
-    reading.docs,
-    reading.schema,
+    inspect.list_,
+    inspect.show,
+    inspect.check,
+    inspect.diff,
+    create.new,
+    create.edit,
+    create.morph,
+    create.randomize,
+    import_clip.import_,
+    measure.audition,
+    measure.feel,
+    measure.tune,
+    inspect.docs,
+    inspect.schema,
 ):
     command.add_command(_one)

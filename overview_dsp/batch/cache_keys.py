@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import __version__
-from overview_dsp.batch.study import Case, Study
+from overview_dsp.batch.grid import Case, Study
 from overview_dsp.kernels.compiling import sources_digest
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.actuator_option import calibrated
+from overview_dsp.cli.options.actuator import calibrated
 
 if TYPE_CHECKING:
     from overview_dsp.actuators import Actuator

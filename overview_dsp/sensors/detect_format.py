@@ -7,7 +7,7 @@ from typing import Literal, Protocol
 
 from overview_dsp.sensors.frames import FrameDecoder
 from overview_dsp.sensors.json_lines import JsonDecoder, reading_of
-from overview_dsp.sensors.lines import LineSplitter
+from overview_dsp.sensors.line_splitter import LineSplitter
 from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters, Reading
 from overview_dsp.sensors.text_lines import TextDecoder, columns_of, numbers_of
 

@@ -180,9 +180,9 @@ def _osc(where: str) -> Callable[[Engine], Input]:
 
 
 def _midi(where: str, midi_map: str | None) -> Callable[[Engine], Input]:
+    from overview_dsp.controllers.control_messages import Counters
     from overview_dsp.controllers.midi_map import DEFAULT, load_map
     from overview_dsp.controllers.midi_messages import MidiReader
-    from overview_dsp.controllers.moves import Counters
     from overview_dsp.controllers.parameters import require_parameters
     from overview_dsp.live.controller_input import ControllerInput
     from overview_dsp.live.midi_port import MidiPort

@@ -12,7 +12,7 @@ Takeover, the one rule: **the last to touch holds the disk, until it lets go or 
 
 from __future__ import annotations
 
-from overview_dsp.controllers.moves import LetGo, Touched, Turned
+from overview_dsp.controllers.control_messages import LetGo, Touched, Turned
 from overview_dsp.sensors.angles import Turn
 from overview_dsp.sensors.touching import Event, TouchRules, TwistTouch
 

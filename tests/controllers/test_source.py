@@ -9,8 +9,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from overview_dsp.controllers.hand import ControllerHand
-from overview_dsp.controllers.moves import LetGo, Touched, Turned
+from overview_dsp.controllers.control_messages import LetGo, Touched, Turned
+from overview_dsp.controllers.source import ControllerHand
 from tests.sensors.moving import RULES
 
 TICK = 0.005

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
+from overview_dsp.sensors.detect_format import ENOUGH, Told, tell
 from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters
 from overview_dsp.sensors.sequence import SequenceCheck
-from overview_dsp.sensors.telling import ENOUGH, Told, tell
 from tests.sensors.streams import frame_stream
 
 

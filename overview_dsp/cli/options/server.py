@@ -106,9 +106,9 @@ def open_server(
     """
     from overview_dsp.errors import InputError
     from overview_dsp.web import address
-    from overview_dsp.web.access import Access
     from overview_dsp.web.app import make_app
     from overview_dsp.web.certificate import fingerprint, own_certificate, secure_context
+    from overview_dsp.web.security.auth_token import Access
     from overview_dsp.web.server import WebServer, listen
 
     host, port, cert, key = (server[name] for name in _NAMES)

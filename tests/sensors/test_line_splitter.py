@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.sensors.json_lines import JsonDecoder, reading_of
-from overview_dsp.sensors.lines import LONGEST, LineSplitter
+from overview_dsp.sensors.line_splitter import LONGEST, LineSplitter
 from overview_dsp.sensors.reading import Counters
 from overview_dsp.sensors.text_lines import TextDecoder, columns_of, numbers_of
 from tests.sensors.streams import cut, damages, harm, places

@@ -14,7 +14,7 @@ from overview_dsp.cli.common import (
     progress_bar,
     window_options,
 )
-from overview_dsp.cli.timeline_options import open_timeline, timeline_options
+from overview_dsp.cli.options.timeline import open_timeline, timeline_options
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from http.cookies import CookieError, SimpleCookie
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from overview_dsp.web.access import WRONG_WITHIN_S, Access, Verdict
 from overview_dsp.web.headers import SECURITY
-from overview_dsp.web.origin import host_is_ours, origin_is_ours
+from overview_dsp.web.security.auth_token import WRONG_WITHIN_S, Access, Verdict
+from overview_dsp.web.security.origin_check import host_is_ours, origin_is_ours
 
 MAX_BODY = 1_000_000
 """Bytes of a request's body: as large as a preset file may be."""

@@ -73,7 +73,7 @@ def _run_disk(engine: Engine, cells: NDArray[np.float64], torque: NDArray[np.flo
 def interpreted() -> float:
     """The same source as plain Python, in a process of its own."""
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    command = [sys.executable, "-m", "overview_dsp.bench.ours"]
+    command = [sys.executable, "-m", "overview_dsp.bench.overview_rows"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     return float(done.stdout)
 

@@ -1,0 +1,1 @@
+"""The server's door: who may ask, from where, how much."""
