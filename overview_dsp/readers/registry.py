@@ -16,13 +16,13 @@ from importlib import resources
 from overview_dsp.errors import InputError
 from overview_dsp.readers import events_csv, native
 from overview_dsp.readers.audio import reader as audio
-from overview_dsp.readers.cardiac import table_reader as heart_table
+from overview_dsp.readers.cardiac import table as heart_table
 from overview_dsp.readers.cardiac import wfdb_reader
 from overview_dsp.readers.compression import opened
 from overview_dsp.readers.football import metrica, minute_list, openfootball, statsbomb, wyscout
 from overview_dsp.readers.json_limits import MOST_DEPTH
 from overview_dsp.readers.source import LoadOptions, Source, decode_text, parse_json
-from overview_dsp.readers.tables import reading as series
+from overview_dsp.readers.tables import pipeline as series
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 

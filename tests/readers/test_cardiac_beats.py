@@ -12,7 +12,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.cardiac import detection, extra
 from overview_dsp.readers.cardiac.detection import Detection, find_beats
 from overview_dsp.readers.cardiac.signal import SilenceFinder
-from overview_dsp.readers.cardiac.table_reader import Samples
+from overview_dsp.readers.cardiac.table import Samples
 from tests.readers.make_cardiac import agreement, beat_times, ecg, pulse_wave
 
 pytest.importorskip("sleepecg", reason="needs the extra [ecg]")

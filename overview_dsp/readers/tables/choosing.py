@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables import prices
-from overview_dsp.readers.tables.missing import is_missing
-from overview_dsp.readers.tables.numbers import looks_numeric
+from overview_dsp.readers.tables import share_splits
+from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, Table, as_list, column_named, listed
 from overview_dsp.readers.tables.time_column import Format, split_wish, told_format
 from overview_dsp.timeline import checks, written_times
@@ -251,9 +250,9 @@ def choose_value(
             "values with value (--value)"
         )
     offered = [columns[i] for i in numeric]
-    price = prices.preferred(offered)
+    price = share_splits.preferred(offered)
     if price is not None and len(numeric) > 1:
-        adjusted = prices.is_adjusted(offered[price])
+        adjusted = share_splits.is_adjusted(offered[price])
         why = "the close adjusted for splits and dividends" if adjusted else "the last price"
         return ValueChoice(
             numeric[price],

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables.missing import is_missing
+from overview_dsp.readers.tables.cells import is_missing
 from overview_dsp.readers.tables.table import (
     Cells,
     Chunk,

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables import prices
+from overview_dsp.readers.tables import share_splits
 from overview_dsp.timeline import checks
 
 MAPS = ("level", "change", "activity", "volatility")
@@ -237,6 +237,6 @@ def grows_like_a_price(value: NDArray[np.float64], unit: str) -> bool:
     known = value[~np.isnan(value)]
     if len(known) < 20 or float(known.min()) <= 0.0:
         return False
-    if unit not in prices.CURRENCIES and float(known.max()) < 5.0 * float(known.min()):
+    if unit not in share_splits.CURRENCIES and float(known.max()) < 5.0 * float(known.min()):
         return False
     return float(np.percentile(np.abs(np.diff(np.log(known))), 90.0)) <= 0.06

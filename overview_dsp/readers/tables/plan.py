@@ -1,4 +1,4 @@
-"""What is read from a table: as asked for, or told from its first rows."""
+"""What is read from a table, as asked for or told from its first rows; and what was found."""
 
 from __future__ import annotations
 
@@ -7,15 +7,17 @@ from dataclasses import dataclass
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import LoadOptions
-from overview_dsp.readers.tables import prices
+from overview_dsp.readers.tables import share_splits
+from overview_dsp.readers.tables.cells import Style, told_style
 from overview_dsp.readers.tables.choosing import TimeChoice, choose_time, choose_value
+from overview_dsp.readers.tables.events import Series
 from overview_dsp.readers.tables.mapping import Map
-from overview_dsp.readers.tables.numbers import Style, told_style
 from overview_dsp.readers.tables.rows import settled
 from overview_dsp.readers.tables.table import Column, Table, column_named, first_rows
+from overview_dsp.timeline.gaps import Gaps
+from overview_dsp.timeline.model import Intensity
 
 HEAD_ROWS = 500
-"""Rows that tell what columns hold."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +89,8 @@ def plan_of(table: Table, options: LoadOptions) -> Plan:
     columns = [value.column]
     if mapped != value.column:
         columns.append(mapped)
-    if prices.is_price(table.columns[value.column]):
-        for find in (prices.adjusted, prices.opening, prices.volume):
+    if share_splits.is_price(table.columns[value.column]):
+        for find in (share_splits.adjusted, share_splits.opening, share_splits.volume):
             beside = find(table.columns)
             if beside is not None and beside not in (*columns, *time.columns):
                 columns.append(beside)
@@ -107,3 +109,47 @@ def _style(table: Table, head: Sequence[list[object]], columns: Sequence[int]) -
         has_comma = any(isinstance(c, str) and "," in c for i in columns for c in head[i])
         told = Style(",") if has_comma else None
     return told or Style()
+
+
+MAX_GAPS = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What becomes a Timeline.
+
+    Parameters
+    ----------
+    series
+        Samples in which events are found, and the calendar.
+    intensity
+        The mapped curve.
+    words
+        What it is.
+    gaps, gap_rule
+        Where there is no data, and by which rule steps between samples are gaps.
+    missing, count
+        Samples without a value, and all.
+    duration_s
+        The last sample's time.
+    notes
+        What was done on the way.
+    """
+
+    series: Series
+    intensity: Intensity
+    words: str
+    gaps: Gaps
+    gap_rule: str
+    missing: int
+    count: int
+    duration_s: float
+    notes: tuple[str, ...]
+
+
+def require_few_gaps(gaps: int) -> None:
+    """Refuse a series of more gaps than `MAX_GAPS`."""
+    if gaps > MAX_GAPS:
+        raise InputError(
+            f"more than {MAX_GAPS} gaps; keep the rows that have a value, or name another column"
+        )

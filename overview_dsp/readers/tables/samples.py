@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables.missing import sentinel
+from overview_dsp.readers.tables.cells import sentinel
 from overview_dsp.readers.tables.rows import RowReader, Rows
 from overview_dsp.timeline import checks
 

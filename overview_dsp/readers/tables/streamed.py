@@ -14,17 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables import mapping, prices
+from overview_dsp.readers.tables import mapping, share_splits
+from overview_dsp.readers.tables.cells import Calendar, sentinel
+from overview_dsp.readers.tables.event_rules import Thinner
 from overview_dsp.readers.tables.events import Series
-from overview_dsp.readers.tables.found import Found, require_few_gaps
-from overview_dsp.readers.tables.holes import find_holes, gaps_of
+from overview_dsp.readers.tables.gaps import find_holes, gaps_of
 from overview_dsp.readers.tables.mapping import PERCENTILES
-from overview_dsp.readers.tables.missing import sentinel
-from overview_dsp.readers.tables.plan import Plan
+from overview_dsp.readers.tables.plan import Found, Plan, require_few_gaps
 from overview_dsp.readers.tables.rows import RowReader, Rows, joined
 from overview_dsp.readers.tables.samples import last_of_each_time
-from overview_dsp.readers.tables.thinning import Thinner
-from overview_dsp.readers.tables.words import Calendar
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.curve_builder import CurveBuilder
 from overview_dsp.timeline.growable_array import Store
@@ -104,7 +102,7 @@ class _Stream:
         self._absent = [sentinel(value) for value in block.values]
         value = self._known(block, 0)
         unit = self.plan.value_column.unit or self.reader.numbers[0].unit or ""
-        price = prices.is_price(self.plan.value_column)
+        price = share_splits.is_price(self.plan.value_column)
         self.relative = price or mapping.grows_like_a_price(value, unit)
         if self.relative and not price:
             self.notes.append(mapping.GROWS)

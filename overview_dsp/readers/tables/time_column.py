@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables.missing import is_missing
+from overview_dsp.readers.tables.cells import is_missing
 from overview_dsp.readers.tables.table import Cells, Column, as_list
 from overview_dsp.timeline import checks, written_times
 from overview_dsp.timeline.written_times import DAY_NS, NS, WAYS

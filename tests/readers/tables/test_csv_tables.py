@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.readers.source import Source
-from overview_dsp.readers.tables import table_csv
+from overview_dsp.readers.tables.formats import csv as csv_format
 from tests.readers.tables.made import DAILY, load, noted, refusal, times, values
 
 DAY = 86_400.0
@@ -221,4 +221,4 @@ def test_progress_is_told_from_0_to_1(tmp_path: Path) -> None:
 def test_what_is_no_series_is_left_to_others(tmp_path: Path, text: str) -> None:
     path = tmp_path / "other.csv"
     path.write_text(text)
-    assert not table_csv.sniff(Source.open(path))
+    assert not csv_format.sniff(Source.open(path))

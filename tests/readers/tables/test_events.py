@@ -14,11 +14,15 @@ from hypothesis.extra import numpy as hnp
 from scipy import signal
 
 from overview_dsp.presets import load_preset
-from overview_dsp.readers.tables.calendar_ticks import MOST as MOST_TICKS
-from overview_dsp.readers.tables.calendar_ticks import ticks
-from overview_dsp.readers.tables.crossings import MOST, crossings, round_levels
+from overview_dsp.readers.tables.event_rules import (
+    MOST_CROSSINGS,
+    MOST_TICKS,
+    crossings,
+    peaks,
+    round_levels,
+    ticks,
+)
 from overview_dsp.readers.tables.events import KINDS
-from overview_dsp.readers.tables.turning import peaks
 from overview_dsp.timeline import Timeline
 from tests.readers.tables.made import load, noted
 
@@ -144,7 +148,7 @@ def test_levels_are_crossed_with_hysteresis(tmp_path: Path) -> None:
 def test_crossings_alternate_and_are_where_the_level_is_passed(value: np.ndarray) -> None:
     low, high = np.percentile(value, (10, 90))
     events, levels, _ = crossings(value, float(low), float(high))
-    assert len(events) <= MOST
+    assert len(events) <= MOST_CROSSINGS
     for level in levels:
         way = [c for c in events if c.level == level]
         assert all(a.up != b.up for a, b in itertools.pairwise(way))

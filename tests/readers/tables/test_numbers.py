@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from overview_dsp.readers.tables.numbers import Style, looks_numeric, parse, told_style
+from overview_dsp.readers.tables.cells import Style, looks_numeric, parse, told_style
 from tests.readers.tables.made import load, values
 
 

@@ -1,8 +1,14 @@
-"""Cells into float64, by one way of writing numbers for the whole file.
+"""The words and numbers of a table's cells.
+
+Cells into float64, by one way of writing numbers for the whole file.
 
 Decimal point or comma, thousands in groups of three, a currency sign, a per cent sign or a unit
 after the number, K, M and B for thousand, million and milliard (10^9), brackets for less than zero.
 Which of point and comma is the decimal mark is told from cells in which only one can be.
+
+Which cells say that there is no value.
+
+Values and times as a person reads them in a label.
 """
 
 from __future__ import annotations
@@ -11,16 +17,17 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables.missing import is_missing
 from overview_dsp.readers.tables.table import Cells
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.intensity import MAX_VALUE
+from overview_dsp.units import clock_text
 
 _CURRENCIES = "$€£¥₹₽₩"
 _MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
@@ -213,3 +220,88 @@ def looks_numeric(cells: Iterable[Any]) -> bool:
     """
     found = [is_number(cell) for cell in cells if not is_missing(cell)]
     return any(found) and 3 * sum(found) >= 2 * len(found)
+
+
+TOKENS = frozenset(
+    {"", ".", "..", "...", "-", "--", "---", "–", "—", "?", "*", "m", "na", "n/a", "#n/a", "n.a."}
+    | {"#na", "#n/a n/a", "<na>", "nan", "-nan", "nat", "nil", "none", "null", "missing", "\\n"}
+    | {"#value!", "#ref!", "#div/0!", "no data", "nodata", "unavailable", "unknown"}
+)
+"""Cells that mean "no value", in small letters, without the blanks around them."""
+
+SENTINELS = (-99.0, -99.9, -99.99, -999.0, -999.9, -999.99, -9999.0, -9999.9, -99999.0, -32768.0)
+"""Numbers that loggers and archives write where they have none."""
+
+
+def is_missing(cell: Any) -> bool:
+    """Tell whether a cell holds no value: None, NaN, NaT or a word of `TOKENS`."""
+    if cell is None:
+        return True
+    if isinstance(cell, str):
+        return cell.strip().lower() in TOKENS
+    if isinstance(cell, float):
+        return math.isnan(cell)
+    return isinstance(cell, np.datetime64) and bool(np.isnat(cell))
+
+
+def sentinel(value: NDArray[np.float64]) -> float | None:
+    """Return the number that stands for "no value" in a column, if there is one.
+
+    It is the column's smallest value, one of `SENTINELS`, and further below all others than these
+    spread: -9999 among temperatures is one, -99 among depths from 0 to -120 isn't.
+
+    Parameters
+    ----------
+    value
+        Shape (n,), NaN = missing.
+    """
+    known = value[~np.isnan(value)]
+    if not known.size:
+        return None
+    low = float(known.min())
+    if low not in SENTINELS:
+        return None
+    rest = known[known != low]
+    if not rest.size:
+        return None
+    spread = float(rest.max()) - float(rest.min())
+    return low if float(rest.min()) - low > max(spread, 0.5 * abs(low)) else None
+
+
+def value_text(value: float, unit: str = "") -> str:
+    """Return `702.1`, `35.6 °C`, `1251000`, `3.5 %`."""
+    figures = f"{value:.6g}"
+    if "e" in figures and abs(value) < 1e15:
+        figures = f"{value:.0f}"
+    return f"{figures} {unit}" if unit else figures
+
+
+@dataclass(frozen=True)
+class Calendar:
+    """Names the times of a series: a date where it has only those, else a date and a clock.
+
+    Parameters
+    ----------
+    start
+        The moment of time 0; None gives clock times from 0.
+    dates_only
+        All samples are at the same time of day.
+    """
+
+    start: datetime | None
+    dates_only: bool
+
+    def text(self, time_s: float) -> str:
+        """Return `2012-09-19`, `2012-09-19 16:00`, `12:30.5`."""
+        if self.start is None:
+            return clock_text(time_s)
+        try:
+            moment = self.start + timedelta(seconds=time_s)
+        except OverflowError:  # rounding took the calendar's last moment past it
+            moment = datetime.max
+        if self.dates_only:
+            return f"{moment.date().isoformat()}"
+        whole = moment.replace(tzinfo=None)
+        if whole.microsecond:
+            return whole.isoformat(" ", "milliseconds")
+        return whole.isoformat(" ", "seconds" if whole.second else "minutes")

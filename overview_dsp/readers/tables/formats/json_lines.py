@@ -9,8 +9,8 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import Source
-from overview_dsp.readers.tables import delimited
-from overview_dsp.readers.tables.json_shapes import is_single
+from overview_dsp.readers.tables.formats import delimited
+from overview_dsp.readers.tables.formats.json import is_single
 from overview_dsp.readers.tables.table import (
     CHUNK_ROWS,
     MAX_COLUMNS,

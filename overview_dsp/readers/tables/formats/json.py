@@ -1,4 +1,8 @@
-"""The shapes in which a JSON document holds a series.
+"""Tables as JSON and as JSON lines.
+
+JSON as a table: the series with the most rows that its document holds (`json_shapes`).
+
+The shapes in which a JSON document holds a series.
 
 - a list of records: `[{"date": "2012-09-19", "close": 702.1}, ...]`
 - columns: `{"time": [...], "temperature_2m": [...]}`
@@ -9,6 +13,8 @@
 
 wherever in the document such a table lies. Units from a neighbour `NAME_units` (`{"hourly": {...},
 "hourly_units": {...}}`) are taken.
+
+JSON lines as a table: one object a line, streamed.
 """
 
 from __future__ import annotations
@@ -18,9 +24,51 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables.numbers import looks_numeric
+from overview_dsp.readers.source import Source
+from overview_dsp.readers.tables.cells import looks_numeric
+from overview_dsp.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Chunk, Column, check_single
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.written_times import WAYS
+
+
+class JsonTable:
+    """A table in a JSON document."""
+
+    kind = "JSON"
+    row_word = "record"
+
+    def __init__(self, shape: Shape, others: int = 0) -> None:
+        if len(shape.names) > MAX_COLUMNS:
+            raise InputError(f"{len(shape.names)} columns, more than {MAX_COLUMNS}; keep fewer")
+        self._shape = shape
+        self.columns = tuple(Column.of(name, shape.units.get(name, "")) for name in shape.names)
+        notes = [f"the table is at {checks.shown(shape.place)}"] if shape.place else []
+        if others:
+            notes.append(f"{others} other tables in the file were left out")
+        self.notes: tuple[str, ...] = tuple(notes)
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read these columns; InputError names a record unlike the others or a nested value."""
+        rows = self._shape.rows
+        for begin in range(0, rows, CHUNK_ROWS):
+            end = min(begin + CHUNK_ROWS, rows)
+            cells = tuple(self._shape.cut(i, begin, end) for i in columns)
+            chunk = Chunk(cells, begin + 1, None, end / rows)
+            check_single(self, chunk, columns)
+            yield chunk
+
+
+def sniff(source: Source) -> bool:
+    """Tell whether the file is JSON that holds a series in one of the known shapes."""
+    return source.looks_like_json and bool(series_in(source.json))
+
+
+def open_table(source: Source) -> JsonTable:
+    """Return the largest series of the document."""
+    series = series_in(source.json)
+    largest = max(series, key=lambda shape: shape.rows)
+    return JsonTable(largest, sum(shape.rows > 1 for shape in series if shape is not largest))
+
 
 MAX_DEPTH = 8
 """How deep in a document a table is looked for."""

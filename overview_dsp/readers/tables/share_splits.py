@@ -1,4 +1,6 @@
-"""Share splits in prices that weren't adjusted for them: a jump that is none of the share's worth.
+"""Share splits: found in prices and taken out of them.
+
+Share splits in prices that weren't adjusted for them: a jump that is none of the share's worth.
 
 Where an adjusted column is there, it tells: the factor between it and the price jumps at a split
 (and a little at a dividend), and at nothing else. A step of at least a fifth whose factor jumps as
@@ -12,15 +14,21 @@ Without one, a step counts as a split only if all of these hold
   with no opening prices, the close within 1 %;
 - it lasts: the median of ten samples after it is nearer to the new price than to the old one;
 - it isn't a day of alarm: price times volume stays below 3 times the median of the 20 days before.
+
+What a table of prices (open, high, low, close, volume, adjusted close) looks like.
 """
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from overview_dsp.readers.tables.table import Column
 
 RATIOS = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 50.0)
 """New shares for an old one; a reverse split has the inverse."""
@@ -141,3 +149,77 @@ def _alarm(
     before = turnover[max(0, at - _BEFORE) : at]
     before = before[before > 0.0]
     return bool(before.size and turnover[at] > _ALARM * float(np.median(before)))
+
+
+CURRENCIES = frozenset("$€£¥₹₽₩")
+"""Signs that make a number a price."""
+
+_CLOSE = (
+    "close", "closelast", "closeprice", "last", "lastprice", "closing", "settle", "price",
+    "schlusskurs", "schluss", "zuletzt", "cierre", "dernier", "c",
+)  # fmt: skip
+_OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
+_HIGH_LOW = (
+    "high", "low", "highprice", "lowprice", "dayhigh", "daylow", "hoch", "tief", "h", "l",
+)  # fmt: skip
+_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
+
+
+def _key(column: Column) -> str:
+    # Alpha Vantage numbers its columns: "5. adjusted close"
+    return re.sub(r"^\d+", "", column.plain)
+
+
+def is_adjusted(column: Column) -> bool:
+    """Tell whether a column is a price adjusted for splits (and mostly dividends)."""
+    name = _key(column)
+    return name in ("adj", "adjusted") or ("adj" in name and ("clos" in name or "pric" in name))
+
+
+def is_price(column: Column) -> bool:
+    """Tell by its name whether a column is a price."""
+    name = _key(column)
+    return (
+        is_adjusted(column)
+        or name in (*_CLOSE[:-1], *_OPEN[:-1], *_HIGH_LOW[:-2])
+        or name.endswith(("price", "close", "quote"))
+        or name.startswith("price")
+    )
+
+
+def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
+    return next((i for name in names for i, c in enumerate(columns) if _key(c) == name), None)
+
+
+def is_table(columns: Sequence[Column]) -> bool:
+    """Tell whether these columns are a table of prices: a close, and an open, high or low."""
+    return _first(columns, _CLOSE) is not None and (
+        _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
+    )
+
+
+def adjusted(columns: Sequence[Column]) -> int | None:
+    """Return the adjusted column."""
+    return next((i for i, column in enumerate(columns) if is_adjusted(column)), None)
+
+
+def preferred(columns: Sequence[Column]) -> int | None:
+    """Return the column of a table of prices that is the value: adjusted close, else close."""
+    if is_table(columns):
+        found = adjusted(columns)
+        return found if found is not None else _first(columns, _CLOSE)
+    # a close and its volume alone
+    rest = [column for column in columns if _key(column) not in _VOLUME]
+    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0]):
+        return columns.index(rest[0])
+    return None
+
+
+def opening(columns: Sequence[Column]) -> int | None:
+    """Return the opening price."""
+    return _first(columns, _OPEN)
+
+
+def volume(columns: Sequence[Column]) -> int | None:
+    """Return the shares traded."""
+    return _first(columns, _VOLUME)

@@ -1,4 +1,6 @@
-"""Series: a table with a column of times and one of values becomes a Timeline.
+"""From a table to a timeline: what is read, how, and what came of it.
+
+Series: a table with a column of times and one of values becomes a Timeline.
 
 The times of samples stay exact: time 0 is the first row's, the duration reaches to the last row's,
 and no step is added for what the last sample covers. The curve is the mapped column (`mapping`) in
@@ -12,29 +14,30 @@ import itertools
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import (
-    streamed,
-    table_csv,
-    table_json,
-    table_json_lines,
-    table_parquet,
-    whole,
-)
-from overview_dsp.readers.tables.events import find_events
-from overview_dsp.readers.tables.found import Found
+from overview_dsp.readers.tables import mapping, share_splits, streamed
+from overview_dsp.readers.tables.cells import Calendar, value_text
+from overview_dsp.readers.tables.events import Series, find_events
+from overview_dsp.readers.tables.formats import csv, json, json_lines, parquet
+from overview_dsp.readers.tables.gaps import find_holes, gaps_of
 from overview_dsp.readers.tables.grouping import chosen_group, refuse_groups
 from overview_dsp.readers.tables.mapping import PERCENTILES
-from overview_dsp.readers.tables.plan import Plan, plan_of
+from overview_dsp.readers.tables.plan import (
+    Found,
+    Plan,
+    plan_of,
+    require_few_gaps,
+)
 from overview_dsp.readers.tables.rows import RowReader, Rows, joined
-from overview_dsp.readers.tables.samples import in_order
+from overview_dsp.readers.tables.samples import Samples, in_order
+from overview_dsp.readers.tables.share_splits import Split, find_splits
 from overview_dsp.readers.tables.table import Table
-from overview_dsp.readers.tables.words import value_text
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.intensity import LONG
-from overview_dsp.timeline.model import Timeline
+from overview_dsp.timeline.model import Intensity, Timeline
 
 OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
 """The load options a series takes."""
@@ -45,30 +48,30 @@ MAX_MB = 8192.0
 MANY_REPEATS = 0.02
 """Share of rows with the time of another from which a table may hold several series."""
 
-sniff_csv = table_csv.sniff
-sniff_json = table_json.sniff
-sniff_json_lines = table_json_lines.sniff
-sniff_parquet = table_parquet.sniff
+sniff_csv = csv.sniff
+sniff_json = json.sniff
+sniff_json_lines = json_lines.sniff
+sniff_parquet = parquet.sniff
 
 
 def read_csv(source: Source, options: LoadOptions) -> Timeline:
     """Read text with separated fields; InputError names file, line and column."""
-    return _read(source, options, table_csv.open_table)
+    return _read(source, options, csv.open_table)
 
 
 def read_json(source: Source, options: LoadOptions) -> Timeline:
     """Read a JSON document; InputError names file, record and column."""
-    return _read(source, options, table_json.open_table)
+    return _read(source, options, json.open_table)
 
 
 def read_json_lines(source: Source, options: LoadOptions) -> Timeline:
     """Read one JSON object a line; InputError names file, line and column."""
-    return _read(source, options, table_json_lines.open_table)
+    return _read(source, options, json_lines.open_table)
 
 
 def read_parquet(source: Source, options: LoadOptions) -> Timeline:
     """Read Parquet; InputError names file, row and column, or says how to install pyarrow."""
-    return _read(source, options, table_parquet.open_table)
+    return _read(source, options, parquet.open_table)
 
 
 def _read(source: Source, options: LoadOptions, open_table: Callable[[Source], Table]) -> Timeline:
@@ -110,7 +113,7 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
     following = next(rows, None)
     if following is None:
         samples = in_order(reader, joined(head))
-        found = whole.look_at(plan, samples)
+        found = look_at(plan, samples)
     else:
         found = streamed.look_at(plan, reader, itertools.chain(head, (following,), rows))
     repeats = reader.rows - found.count
@@ -176,3 +179,125 @@ def _gap_note(found: Found) -> str:
     days = f"{longest / 86_400:.4g} days" if longest >= 2 * 86_400 else f"{longest:.6g} s"
     share = f"{len(found.gaps)} gap{'s' if len(found.gaps) > 1 else ''}, the longest {days}"
     return f"{share}, {total:.6g} s in all, from the last value to the next ({found.gap_rule})"
+
+
+"""Rows that tell what columns hold."""
+
+
+"""Most gaps: beyond, rows without a value are the rule."""
+
+
+def look_at(plan: Plan, samples: Samples) -> Found:
+    """Find gaps, steps, share splits and the mapped curve of samples in order.
+
+    Raises
+    ------
+    InputError
+        The mapped column has no value, or there are too many gaps.
+    """
+    by_column = dict(zip(plan.columns, samples.values, strict=True))
+    units = dict(zip(plan.columns, samples.units, strict=True))
+    value, level = by_column[plan.value], by_column[plan.mapped]
+    unit = plan.value_column.unit or units[plan.value]
+    time_s = samples.time_s
+
+    holes = find_holes(time_s, samples.start)
+    gaps = gaps_of(time_s, np.where(np.isnan(level), np.nan, value), holes.after)
+    require_few_gaps(len(gaps))
+
+    price = share_splits.is_price(plan.value_column)
+    relative = price or mapping.grows_like_a_price(value, unit)
+    splits = _splits(plan, by_column) if relative else []
+    calendar = Calendar(samples.start, _dates_only(samples))
+    notes = [*samples.notes, *_split_notes(plan, value, time_s, splits, calendar)]
+    if relative and not price:
+        notes.append(mapping.GROWS)
+
+    factors = {split.index: split.factor for split in splits}
+    step = mapping.steps(value, holes.after, relative, factors)
+    known = ~np.isnan(value)
+    index = np.cumsum(known) - 1
+    series = Series(
+        time_s[known],
+        value[known],
+        step[known],
+        relative,
+        unit,
+        calendar,
+        tuple(Split(int(index[s.index]), s.ratio, s.factor) for s in splits),
+    )
+    if plan.map.in_per_cent(relative) != relative:
+        relative = not relative
+        step = mapping.steps(level, holes.after, relative, factors)
+    curve = mapping.curve(plan.map, level, step, time_s)
+    kept = ~np.isnan(curve)
+    if not kept.any():
+        raise InputError("the mapped column has no value in any row; name another")
+    mapped_unit = plan.mapped_column.unit or units[plan.mapped]
+    return Found(
+        series=series,
+        intensity=Intensity(
+            time_s[kept], curve[kept], plan.map.unit(mapped_unit, relative), PERCENTILES
+        ),
+        words=plan.map.words(checks.shown(plan.mapped_column.header)),
+        gaps=gaps,
+        gap_rule=holes.rule,
+        missing=int((~known).sum()),
+        count=len(value),
+        duration_s=float(time_s[-1]),
+        notes=tuple(notes),
+    )
+
+
+def _dates_only(samples: Samples) -> bool:
+    """Tell whether all samples are at midnight."""
+    start = samples.start
+    if start is None or (start.hour, start.minute, start.second) != (0, 0, 0):
+        return False
+    return not np.any(np.mod(np.round(samples.time_s, 6), 86_400.0))
+
+
+def _splits(plan: Plan, by_column: dict[int, NDArray[np.float64]]) -> list[Split]:
+    columns = plan.table.columns
+    if share_splits.is_adjusted(plan.value_column):
+        return []
+
+    def beside(found: int | None) -> NDArray[np.float64] | None:
+        return None if found is None or found == plan.value else by_column.get(found)
+
+    return find_splits(
+        by_column[plan.value],
+        beside(share_splits.adjusted(columns)),
+        beside(share_splits.opening(columns)),
+        beside(share_splits.volume(columns)),
+    )
+
+
+def _split_notes(
+    plan: Plan,
+    value: NDArray[np.float64],
+    time_s: NDArray[np.float64],
+    splits: list[Split],
+    calendar: Calendar,
+) -> list[str]:
+    if not splits:
+        return []
+    adjusted = share_splits.adjusted(plan.table.columns)
+    if adjusted is not None:
+        header = checks.shown(plan.table.columns[adjusted].header)
+        advice = f"take {header} with value (--value), which is"
+    else:
+        advice = "the table has no adjusted column; get prices that are"
+    shown = []
+    known = np.flatnonzero(~np.isnan(value))
+    for split in splits[:6]:
+        before = value[known[np.searchsorted(known, split.index) - 1]]
+        shown.append(
+            f"{split.ratio} on {calendar.text(float(time_s[split.index]))} "
+            f"({value_text(float(before))} to {value_text(float(value[split.index]))})"
+        )
+    more = f" and {len(splits) - 6} more" if len(splits) > 6 else ""
+    return [
+        f"column {checks.shown(plan.value_column.header)} isn't adjusted for share splits: "
+        f"{', '.join(shown)}{more}; these steps are no moves, but the level jumps: {advice}"
+    ]

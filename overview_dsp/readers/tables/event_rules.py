@@ -1,0 +1,386 @@
+"""Rules that find events in a series.
+
+Crossings of round levels, with hysteresis.
+
+Levels are the one to three round numbers (1, 2, 2.5 or 5 times a power of ten apart) nearest to the
+middle of the series' central 80 %. A level is crossed when the series, having been more than the
+hysteresis below it, gets more than that above it (or the reverse); the event is at the first sample
+past the level on that way. The hysteresis is 3 % of the central range, and doubles, up to 24 %,
+while there are more than `MOST_CROSSINGS` crossings; if there still are, only the middle level is
+kept, and none if that isn't enough.
+
+Peaks and troughs by prominence, in linear time.
+
+The prominence of a peak is how far one must go down from it on the way to higher ground (or to the
+end of the series), the smaller of both sides.
+
+Long series by their lowest and highest samples: few enough to find events among.
+
+Ticks of the calendar, so that a hand knows where it is.
+
+The finest of century, decade, year, month, week, day, hour, quarter of an hour and minute that
+gives at most `MOST_TICKS` ticks; one that begins a coarser span too is a tick of that (1 January:
+`year`), but weeks stay weeks. Series without a calendar get hours, minutes and so on from their
+beginning.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.timeline.event import Event
+
+MOST_CROSSINGS = 16
+"""Most crossings: more would be a texture, not places."""
+
+_LEVELS = 3
+_HYSTERESIS = (0.03, 0.06, 0.12, 0.24)
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """The sample after which the series stays across `level`; `up` or down."""
+
+    index: int
+    level: float
+    up: bool
+
+
+def round_levels(low: float, high: float) -> list[float]:
+    """Return one to three round numbers strictly between two values; none where no room is."""
+    span = high - low
+    if not math.isfinite(span) or span <= 0.0 or span < 1e-9 * max(abs(low), abs(high)):
+        return []
+    power = 10.0 ** math.floor(math.log10(span))
+    for step in (power * m for m in (0.1, 0.2, 0.25, 0.5, 1.0, 2.0, 2.5, 5.0)):
+        if step <= 0.0:
+            return []
+        first, last = math.floor(low / step) + 1, math.ceil(high / step) - 1
+        if 1 <= last - first + 1 <= _LEVELS:
+            found = range(first, last + 1)
+            levels = [round(k * step, 12) if step < 1e3 else k * step for k in found]
+            return [level for level in levels if low < level < high]  # rounding may miss
+    return []
+
+
+def crossings(
+    value: NDArray[np.float64], low: float, high: float
+) -> tuple[list[Crossing], list[float], float]:
+    """Find the crossings of a series.
+
+    Parameters
+    ----------
+    value
+        Shape (n,), finite.
+    low, high
+        The ends of its central 80 %.
+
+    Returns
+    -------
+    tuple
+        Crossings by index, the levels that were used (none: too many crossings), the hysteresis.
+    """
+    levels = round_levels(low, high)
+    if not levels:
+        return [], [], 0.0
+    middle = min(levels, key=lambda level: abs(level - (low + high) / 2.0))
+    for chosen in (levels, [middle]):
+        for share in _HYSTERESIS:
+            margin = share * (high - low)
+            found = [c for level in chosen for c in _of_level(value, level, margin)]
+            if len(found) <= MOST_CROSSINGS:
+                return sorted(found, key=lambda c: (c.index, c.level)), chosen, margin
+    return [], [], 0.0
+
+
+def _of_level(value: NDArray[np.float64], level: float, margin: float) -> list[Crossing]:
+    state = np.where(value > level + margin, 1, np.where(value < level - margin, -1, 0))
+    decided = np.flatnonzero(state)
+    turned = np.flatnonzero(np.diff(state[decided])) + 1
+    found = []
+    for k in turned.tolist():
+        before, here = int(decided[k - 1]), int(decided[k])
+        up = bool(state[here] > 0)
+        way = value[before : here + 1]
+        behind = np.flatnonzero(way < level if up else way > level)
+        found.append(Crossing(before + int(behind[-1]) + 1, level, up))
+    return found
+
+
+MAX_EXTREMA = 200_000
+"""Extrema looked at one by one; more are thinned to the lowest and highest of equal stretches,
+which keeps every prominent one."""
+
+
+def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the peaks of a series and their prominences.
+
+    Parameters
+    ----------
+    value
+        Shape (n,), finite.
+
+    Returns
+    -------
+    tuple
+        Indices (first sample of a flat top), ascending, and prominences, > 0. The ends are none.
+    """
+    turns = _turns(value)
+    if len(turns) > MAX_EXTREMA:
+        turns = _thinned(value, turns)
+    levels = value[turns]
+    left = _bases(levels.tolist())
+    right = _bases(levels[::-1].tolist())[::-1]
+    inner = np.arange(1, len(turns) - 1)
+    tops = inner[(levels[inner] > levels[inner - 1]) & (levels[inner] > levels[inner + 1])]
+    prominence = np.array([levels[i] - max(left[i], right[i]) for i in tops.tolist()])
+    return turns[tops], prominence
+
+
+def _turns(value: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Both ends and every sample where the series turns; of a flat stretch its first."""
+    moved = np.flatnonzero(np.diff(value)) + 1
+    distinct = np.concatenate(([0], moved)).astype(np.int64)
+    if len(distinct) < 3:
+        return distinct
+    sign = np.sign(np.diff(value[distinct]))
+    turning = np.flatnonzero(sign[1:] != sign[:-1]) + 1
+    return np.concatenate((distinct[:1], distinct[turning], distinct[-1:]))
+
+
+def _thinned(value: NDArray[np.float64], turns: NDArray[np.int64]) -> NDArray[np.int64]:
+    run = math.ceil(len(turns) / (MAX_EXTREMA // 2))
+    kept = turns[lows_and_highs(value[turns], run)]
+    inside = np.unique(np.concatenate((turns[:1], kept, turns[-1:])))
+    return inside[_turns(value[inside])]
+
+
+def _bases(levels: list[float]) -> list[float]:
+    """For each turn the lowest level between it and higher ground on its left."""
+    bases: list[float] = []
+    stack: list[tuple[float, float]] = []  # height, lowest since higher ground
+    for level in levels:
+        low = level
+        while stack and stack[-1][0] <= level:
+            low = min(low, stack.pop()[1])
+        stack.append((level, low))
+        bases.append(low)
+    return bases
+
+
+MOST_SAMPLES = 400_000
+"""Samples that are kept; beyond, every two runs become one."""
+
+RUN = 64
+"""Samples in a run at first."""
+
+STEPS = 16
+"""How many of the largest steps up, and down, are kept besides."""
+
+
+def lows_and_highs(value: NDArray[np.float64], run: int) -> NDArray[np.int64]:
+    """Return where the lowest and the highest of each `run` values are (the first of equal ones).
+
+    Parameters
+    ----------
+    value
+        Shape (n,), finite.
+
+    Returns
+    -------
+    ndarray
+        Indices, ascending.
+    """
+    whole = len(value) // run * run
+    rows = value[:whole].reshape(-1, run)
+    begins = np.arange(0, whole, run)
+    found = [begins + rows.argmin(axis=1), begins + rows.argmax(axis=1)]
+    if whole < len(value):
+        rest = value[whole:]
+        found.append(np.array([whole + rest.argmin(), whole + rest.argmax()]))
+    return np.unique(np.concatenate(found))
+
+
+@dataclass
+class Thinner:
+    """Takes samples block by block and keeps the lowest and highest of equal runs.
+
+    Every prominent turning point, both extremes and the largest steps are among those kept, at
+    their own times.
+    """
+
+    run: int = RUN
+    count: int = 0
+    _parts: list[NDArray[np.float64]] = field(default_factory=list)
+    _kept: int = 0
+    _steps: NDArray[np.float64] = field(default_factory=lambda: np.empty((3, 0)))
+
+    def add(
+        self, time_s: NDArray[np.float64], value: NDArray[np.float64], step: NDArray[np.float64]
+    ) -> None:
+        """Take samples with a value, in order, shape (n,); `step` NaN = none."""
+        if not len(value):
+            return
+        self.count += len(value)
+        samples = np.stack((time_s, value, step))
+        self._steps = _largest(np.concatenate((self._steps, _largest(samples)), axis=1))
+        part = samples[:, lows_and_highs(value, self.run)]
+        self._parts.append(part)
+        self._kept += part.shape[1]
+        while self._kept > MOST_SAMPLES:
+            whole = np.concatenate(self._parts, axis=1)
+            whole = whole[:, lows_and_highs(whole[1], 4)]
+            self._parts, self._kept = [whole], whole.shape[1]
+            self.run *= 2
+
+    def finish(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return times, values and steps of the samples kept, in order."""
+        whole = np.concatenate((*self._parts, self._steps), axis=1)
+        _, first = np.unique(whole[0], return_index=True)
+        time_s, value, step = whole[:, first]
+        return time_s, value, step
+
+
+def _largest(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The samples with the largest steps up and down."""
+    known = np.flatnonzero(~np.isnan(samples[2]))
+    step = samples[2, known]
+    if len(known) > 2 * STEPS:
+        order = np.argpartition(step, (STEPS, len(step) - STEPS))
+        known = known[np.concatenate((order[:STEPS], order[-STEPS:]))]
+    return samples[:, np.sort(known)]
+
+
+MOST_TICKS = 26
+"""Most ticks: a mark every four hundredths of a turn can still be counted."""
+
+KINDS = ("century", "decade", "year", "month", "week", "day", "hour", "quarter_hour", "minute")
+"""All kinds of ticks, coarse to fine."""
+
+_PLAIN = (("day", 86_400.0), ("hour", 3600.0), ("quarter_hour", 900.0), ("minute", 60.0))
+_ABOUT_S = {
+    "century": 3.156e9, "decade": 3.156e8, "year": 3.156e7, "month": 2.63e6, "week": 604_800.0,
+    "day": 86_400.0, "hour": 3600.0, "quarter_hour": 900.0, "minute": 60.0,
+}  # fmt: skip
+_MONTHS = (
+    "January", "February", "March", "April", "May", "June", "July", "August", "September",
+    "October", "November", "December",
+)  # fmt: skip
+
+
+def ticks(start: datetime | None, duration_s: float) -> tuple[Event, ...]:
+    """Return the ticks strictly inside a timeline.
+
+    Parameters
+    ----------
+    start
+        The moment of time 0 (its own clock counts, whatever zone it is in), or None.
+    duration_s
+        Length in s.
+    """
+    for unit in reversed(KINDS):
+        if duration_s / _ABOUT_S[unit] > MOST_TICKS + 2:
+            continue
+        if start is None:
+            found = list(_plain(unit, duration_s))
+        else:
+            found = list(_calendar(unit, start.replace(tzinfo=None), duration_s))
+        if len(found) <= MOST_TICKS:
+            return tuple(found)
+    return ()
+
+
+def _plain(unit: str, duration_s: float) -> Iterator[Event]:
+    sizes = dict(_PLAIN)
+    if unit not in sizes:
+        return
+    count = 1
+    while (time_s := count * sizes[unit]) < duration_s:
+        kind = next(name for name, size in _PLAIN if time_s % size == 0.0)
+        number = round(time_s / sizes[kind])
+        words = {"quarter_hour": f"{number * 15} minutes"}.get(kind, f"{kind} {number}")
+        yield Event(time_s, kind, words)
+        count += 1
+
+
+def _calendar(unit: str, start: datetime, duration_s: float) -> Iterator[Event]:
+    moment = _floor(unit, start)
+    while (following := _next(unit, moment)) is not None:
+        moment = following
+        time_s = (moment - start).total_seconds()
+        if time_s >= duration_s:
+            return
+        kind = _kind(unit, moment)
+        yield Event(time_s, kind, _label(kind, moment))
+
+
+def _floor(unit: str, at: datetime) -> datetime:
+    day = at.replace(hour=0, minute=0, second=0, microsecond=0)
+    if unit in ("century", "decade"):
+        size = 100 if unit == "century" else 10
+        return datetime(max(1, at.year - at.year % size), 1, 1)
+    if unit == "year":
+        return datetime(at.year, 1, 1)
+    if unit == "month":
+        return datetime(at.year, at.month, 1)
+    if unit == "week":
+        # not before the calendar's first day, which was a Monday
+        return day - timedelta(days=day.weekday())
+    if unit == "day":
+        return day
+    minute = {"hour": 0, "quarter_hour": at.minute - at.minute % 15}.get(unit, at.minute)
+    return at.replace(minute=minute, second=0, microsecond=0)
+
+
+def _next(unit: str, at: datetime) -> datetime | None:
+    """The next tick; None after the calendar's end."""
+    try:
+        if unit in ("century", "decade", "year"):
+            size = {"century": 100, "decade": 10, "year": 1}[unit]
+            return datetime(at.year - at.year % size + size, 1, 1)
+        if unit == "month":
+            return datetime(at.year + at.month // 12, at.month % 12 + 1, 1)
+        spans = {"week": 7 * 1440, "day": 1440, "hour": 60, "quarter_hour": 15, "minute": 1}
+        return at + timedelta(minutes=spans[unit])
+    except (ValueError, OverflowError):
+        return None
+
+
+def _kind(unit: str, at: datetime) -> str:
+    """The coarsest span that begins here, years at the most for ticks of months and finer."""
+    if unit == "century":
+        return unit
+    if unit == "decade":
+        return "century" if at.year % 100 == 0 else unit
+    midnight = (at.hour, at.minute) == (0, 0)
+    if unit in ("year", "week"):  # months begin between weeks
+        return unit
+    if midnight and (at.month, at.day) == (1, 1):
+        return "year"
+    if midnight and at.day == 1:
+        return "month"
+    if unit == "day":
+        return unit if at.weekday() else "week"
+    if midnight:
+        return "day"
+    return "hour" if at.minute == 0 else unit
+
+
+def _label(kind: str, at: datetime) -> str:
+    if kind in ("century", "decade"):
+        return f"{at.year}s"
+    if kind == "year":
+        return f"{at.year}"
+    if kind == "month":
+        return f"{_MONTHS[at.month - 1]} {at.year}"
+    if kind == "week":
+        return f"week of {at.date().isoformat()}"
+    if kind == "day":
+        return f"{at.date().isoformat()}"
+    return f"{at:%H:%M}" if at.year >= 1000 else at.time().isoformat("minutes")
