@@ -9,12 +9,16 @@ its torque is heard as friction clicks and felt as a 250 Hz vibration.
     result = ov.render(timeline, ov.load_preset("football"), ov.sweep(4.0))
     result.save("out.wav")
 
+`ov.presets`, `ov.measure`, `ov.export`, `ov.live` and `ov.actuators` hold what designers, sound
+people and performers need besides. What isn't in the reference is private.
+
 Importing this package compiles nothing and needs no sound card: each name is imported when it is
 first used.
 """
 
 from __future__ import annotations
 
+import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -27,113 +31,141 @@ from overview_dsp.errors import (
 )
 
 if TYPE_CHECKING:
+    from overview_dsp import actuators, export, live, measure, presets
     from overview_dsp.actuators import Actuator, load_actuator
-    from overview_dsp.engine.engine import Engine
-    from overview_dsp.engine.meters import Meters, Setting, Strikes
+    from overview_dsp.engine import Engine, EngineParameter, Meters, Strikes
     from overview_dsp.gestures import (
         Gesture,
         load_gesture,
         parse_gesture,
-        rest,
+        pause,
         save_gesture,
         sweep,
         tap,
     )
-    from overview_dsp.presets import PARAMETERS, Kind, Mode, Parameter, Preset, bundled_names
-    from overview_dsp.presets.library import load_preset
+    from overview_dsp.presets import ClickMode, EventKind, Preset, bundled_presets, load_preset
     from overview_dsp.readers import load_timeline, save_timeline
-    from overview_dsp.rendering.many import Voice, VoiceResult, render_many, voices
-    from overview_dsp.rendering.offline import Result, render, render_to_file
-    from overview_dsp.rendering.trace import Trace
-    from overview_dsp.surface.build import build_surface
-    from overview_dsp.surface.model import Surface
+    from overview_dsp.rendering import (
+        RenderedJob,
+        RenderJob,
+        Result,
+        Trace,
+        render,
+        render_jobs,
+        render_many,
+        render_to_file,
+    )
+    from overview_dsp.surface import Surface, build_surface
     from overview_dsp.timeline import Event, Intensity, Timeline
 
 __version__ = "0.1.0"
 
-_ROOMS = {
+_EXPORTS = {
     "actuators": ("Actuator", "load_actuator"),
-    "engine": ("Engine", "Meters", "Setting", "Strikes"),
+    "engine": ("Engine", "EngineParameter", "Meters", "Strikes"),
     "gestures": (
         "Gesture",
         "load_gesture",
         "parse_gesture",
-        "rest",
+        "pause",
         "save_gesture",
         "sweep",
         "tap",
     ),
-    "presets": ("PARAMETERS", "Kind", "Mode", "Parameter", "Preset", "bundled_names"),
-    "presets.library": ("load_preset",),
+    "presets": ("ClickMode", "EventKind", "Preset", "bundled_presets", "load_preset"),
+    "readers": ("load_timeline", "save_timeline"),
     "rendering": (
+        "RenderJob",
+        "RenderedJob",
         "Result",
         "Trace",
-        "Voice",
-        "VoiceResult",
         "render",
+        "render_jobs",
         "render_many",
         "render_to_file",
-        "voices",
     ),
     "surface": ("Surface", "build_surface"),
-    "readers": ("load_timeline", "save_timeline"),
     "timeline": ("Event", "Intensity", "Timeline"),
 }
-_ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}
+_FACES = ("actuators", "export", "live", "measure", "presets")
+_PACKAGE_OF = {name: package for package, names in _EXPORTS.items() for name in names}
+# old name: where it is now; to go with the release after 0.2
+_RENAMED = {
+    "Kind": "EventKind",
+    "Mode": "ClickMode",
+    "PARAMETERS": "presets.PARAMETERS",
+    "Parameter": "presets.Parameter",
+    "Setting": "EngineParameter",
+    "Voice": "RenderJob",
+    "VoiceResult": "RenderedJob",
+    "bundled_names": "bundled_presets",
+    "rest": "pause",
+    "voices": "render_jobs",
+}
 
 __all__ = [
-    "PARAMETERS",
     "Actuator",
+    "ClickMode",
     "Engine",
+    "EngineParameter",
     "Event",
+    "EventKind",
     "Gesture",
     "InputError",
     "Intensity",
-    "Kind",
     "Meters",
-    "Mode",
     "NotPreparedError",
     "OutputError",
     "OverviewError",
     "OverviewWarning",
-    "Parameter",
     "Preset",
+    "RenderJob",
+    "RenderedJob",
     "Result",
-    "Setting",
     "Strikes",
     "Surface",
     "Timeline",
     "Trace",
-    "Voice",
-    "VoiceResult",
+    "actuators",
     "build_surface",
-    "bundled_names",
+    "bundled_presets",
+    "export",
+    "live",
     "load_actuator",
     "load_gesture",
     "load_preset",
     "load_timeline",
+    "measure",
     "parse_gesture",
+    "pause",
+    "presets",
     "render",
+    "render_jobs",
     "render_many",
     "render_to_file",
-    "rest",
     "save_gesture",
     "save_timeline",
     "sweep",
     "tap",
-    "voices",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    if name in _ROOMS:
+    if name in _EXPORTS or name in _FACES:
         return import_module(f"{__name__}.{name}")
-    if name not in _ROOM_OF:
+    if name in _RENAMED:
+        now = _RENAMED[name]
+        warnings.warn(f"ov.{name} is ov.{now} now", DeprecationWarning, stacklevel=2)
+        value: Any = import_module(__name__)
+        for part in now.split("."):
+            value = getattr(value, part)
+        return value
+    if name not in _PACKAGE_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_ROOM_OF[name]}"), name)
+    value = getattr(import_module(f"{__name__}.{_PACKAGE_OF[name]}"), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return list(__all__)

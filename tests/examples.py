@@ -21,7 +21,7 @@ def plain_preset(**values):
         "surface.ambience": 0.0,
         **{key.replace("__", "."): value for key, value in values.items()},
     }
-    kind = ov.Kind(height=0.0, width_percent=1.0)
+    kind = ov.EventKind(height=0.0, width_percent=1.0)
     return ov.Preset("plain", "Plain", "A bare surface.", given, {"default": kind})
 
 
@@ -29,8 +29,8 @@ def preset_with(height=20.0, width=1.0, shape="gaussian", modes=None, **values):
     """The plain preset, whose every event has this profile and click."""
     preset = plain_preset(**values)
     if modes is None:
-        modes = (ov.Mode(1500.0, 20.0), ov.Mode(3700.0, 12.0, -6.0))
-    kind = ov.Kind(height=height, width_percent=width, shape=shape, modes=tuple(modes))
+        modes = (ov.ClickMode(1500.0, 20.0), ov.ClickMode(3700.0, 12.0, -6.0))
+    kind = ov.EventKind(height=height, width_percent=width, shape=shape, modes=tuple(modes))
     return replace(preset, kinds={"default": kind})
 
 

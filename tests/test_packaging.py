@@ -41,7 +41,7 @@ warnings.simplefilter("error")
 timeline = ov.load_timeline("world-cup-final-2018")
 preset = ov.load_preset("football")
 surface = ov.build_surface(timeline, preset)
-print(json.dumps([ov.__file__, ov.bundled_names(), timeline.title, surface.friction.sum()]))
+print(json.dumps([ov.__file__, ov.bundled_presets(), timeline.title, surface.friction.sum()]))
 """
 
 

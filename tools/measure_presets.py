@@ -26,7 +26,7 @@ def lines_of(report: dict[str, Any]) -> str:
 
 def main(names: list[str]) -> None:
     FOLDER.mkdir(exist_ok=True)
-    for name in names or ov.bundled_names():
+    for name in names or ov.bundled_presets():
         preset = ov.load_preset(name)
         report = feel_report(preset, pages(preset))
         text = lines_of(report.to_json())

@@ -15,12 +15,12 @@ from overview_dsp.batch.local import run_here, run_in_processes
 from overview_dsp.batch.storage import Place, is_address
 from overview_dsp.batch.task import Done, Job
 from overview_dsp.errors import InputError
-from overview_dsp.gestures import rest
+from overview_dsp.gestures import pause
 from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets.library import load_preset
 from overview_dsp.readers import bundled_timeline
-from overview_dsp.rendering.many import Voice, render_many, usable_cores
+from overview_dsp.rendering.many import RenderJob, render_many, usable_cores
 
 TASKS_A_WORKER = 16
 MOST_A_TASK = 256
@@ -153,6 +153,6 @@ def _runner(study: Study, workers: int | None, scheduler: str | None) -> Iterato
 def _compile() -> None:
     """Have the kernels compiled once, and said so, before processes need them."""
     if not (is_compiled() and is_compiled("process_lanes")):
-        voice = Voice(bundled_timeline(), load_preset("football"), rest(0.001))
+        voice = RenderJob(bundled_timeline(), load_preset("football"), pause(0.001))
         for _ in render_many([voice] * SIMD_WIDTH, tail="none", threads=1):
             pass

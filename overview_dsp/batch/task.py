@@ -19,7 +19,7 @@ from overview_dsp.errors import OutputError, OverviewError
 from overview_dsp.files.sound import sound_bytes
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameter import Value
-from overview_dsp.rendering.many import Voice, VoiceRenderer, VoiceResult
+from overview_dsp.rendering.many import RenderedJob, RenderJob, VoiceRenderer
 from overview_dsp.surface.cache import SurfaceCache
 
 PART_S = 2.0
@@ -71,7 +71,7 @@ class Worker:
             failed.append((index, what))
             rows.append({"key": key, "error": what})
 
-        def voices() -> Iterator[tuple[int, Voice]]:
+        def voices() -> Iterator[tuple[int, RenderJob]]:
             for number, (index, _) in enumerate(jobs):
                 try:
                     voice = self._voice(self.study.case(index))
@@ -105,12 +105,12 @@ class Worker:
             self.place.put(name, encode_part(rows))
             rows.clear()
 
-    def _voice(self, case: Case) -> Voice:
+    def _voice(self, case: Case) -> RenderJob:
         timeline = list(self.study.timelines.values())[case.timeline]
         gesture = list(self.study.gestures.values())[case.gesture]
-        return Voice(timeline, self._preset(case), gesture, case.seed)
+        return RenderJob(timeline, self._preset(case), gesture, case.seed)
 
-    def _measured(self, result: VoiceResult, key: str) -> tuple[str, bytes, dict[str, Any]]:
+    def _measured(self, result: RenderedJob, key: str) -> tuple[str, bytes, dict[str, Any]]:
         settings = self.study.settings
         name = sound_name(key, settings.format)
         data = sound_bytes(name, result.samples, result.sample_rate, settings.subtype)

@@ -13,7 +13,7 @@ from overview_dsp.gestures import sweep
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets import load_preset
 from overview_dsp.readers import bundled_timeline
-from overview_dsp.rendering.many import render_many, usable_cores, voices
+from overview_dsp.rendering.many import render_jobs, render_many, usable_cores
 
 Lanes = tuple[EngineBatch, list[Engine | None]]
 
@@ -39,7 +39,7 @@ def side_by_side(lanes: EngineBatch, engines: list[Engine | None]) -> float:
 def rendered(threads: int) -> float:
     """Voices by `render_many`; seconds of sound in one second of the wall clock."""
     gesture = sweep(SWEEP_S)
-    made = voices([bundled_timeline()], [load_preset("football")], [gesture], range(SEEDS))
+    made = render_jobs([bundled_timeline()], [load_preset("football")], [gesture], range(SEEDS))
     started = time.perf_counter()
     done = sum(1 for _ in render_many(list(made), RATE, tail="none", threads=threads))
     return done * gesture.duration_s / (time.perf_counter() - started)

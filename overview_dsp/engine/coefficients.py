@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.kernels import elementary, layout
 from overview_dsp.kernels.dc_block import CORNER_HZ
-from overview_dsp.presets.model import Mode, Preset
+from overview_dsp.presets.model import ClickMode, Preset
 from overview_dsp.units import db_to_gain
 
 _exp2 = elementary.plain(elementary.exp2)
@@ -115,7 +115,7 @@ def check_carrier(preset: Preset, sample_rate: float) -> None:
 
 
 @functools.lru_cache(maxsize=1024)
-def mode_coefficients(mode: Mode, sample_rate: float) -> NDArray[np.float64] | None:
+def mode_coefficients(mode: ClickMode, sample_rate: float) -> NDArray[np.float64] | None:
     """A modal resonator's columns in a surface slot, read-only; None if it folds back."""
     turns = mode.frequency_hz / sample_rate
     if turns > MODE_LIMIT:
@@ -141,6 +141,6 @@ def mode_coefficients(mode: Mode, sample_rate: float) -> NDArray[np.float64] | N
     return columns
 
 
-def ring_samples(mode: Mode, sample_rate: float) -> int:
+def ring_samples(mode: ClickMode, sample_rate: float) -> int:
     """Samples until a mode has fallen by `RING_DB`."""
     return max(1, math.ceil(RING_DB / 60.0 * mode.decay_ms * 1e-3 * sample_rate))

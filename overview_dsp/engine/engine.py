@@ -19,7 +19,7 @@ from overview_dsp.engine.coefficients import (
     coefficients,
 )
 from overview_dsp.engine.compile_notice import announce_compile
-from overview_dsp.engine.meters import Meters, Setting, Strikes
+from overview_dsp.engine.meters import EngineParameter, Meters, Strikes
 from overview_dsp.engine.queues import ControlQueues, stamp_of
 from overview_dsp.engine.state import decode_state, encode_state
 from overview_dsp.engine.surface_slots import write_surface
@@ -402,10 +402,10 @@ class Engine:
         return int(self._i64[layout.CLOCK])
 
     @property
-    def parameters(self) -> Mapping[str, Setting]:
+    def parameters(self) -> Mapping[str, EngineParameter]:
         """Every parameter with its range, unit, default, sentence and present value, by id."""
         return {
-            id: Setting(
+            id: EngineParameter(
                 **{item.name: getattr(known, item.name) for item in fields(Parameter)},
                 value=self._preset.values[id],
             )

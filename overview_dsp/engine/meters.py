@@ -11,7 +11,7 @@ from overview_dsp.presets.parameter import Parameter, Value
 
 
 @dataclass(frozen=True)
-class Setting(Parameter):
+class EngineParameter(Parameter):
     """A parameter with the value it has now."""
 
     value: Value = 0.0

@@ -14,8 +14,6 @@ from overview_dsp.kernels.compiling import runs_as_python
 from overview_dsp.kernels.simd import memory as lane_memory
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 
-CHANNELS = 2
-
 
 class EngineBatch:
     """Up to `SIMD_WIDTH` engines that are processed at once, with the bits they have alone.
@@ -29,7 +27,7 @@ class EngineBatch:
         self._f64 = np.zeros(lane_memory.MEMORY)
         self._i64 = self._f64.view(np.int64)
         self._u64 = self._f64.view(np.uint64)
-        self._out = np.zeros(SIMD_WIDTH * block * CHANNELS, np.float32)
+        self._out = np.zeros(SIMD_WIDTH * block * layout.SIGNALS, np.float32)
         self._trace = np.zeros(0)
         self._block = block
         self._announced = False
@@ -47,11 +45,11 @@ class EngineBatch:
         Returns float32 (SIMD_WIDTH, frames, 2) and, if asked for, the traces, float64 (SIMD_WIDTH,
         frames, 9); both are overwritten by the next call.
         """
-        out = self._out[: SIMD_WIDTH * frames * CHANNELS]
+        out = self._out[: SIMD_WIDTH * frames * layout.SIGNALS]
         if trace and not len(self._trace):
             self._trace = np.zeros(SIMD_WIDTH * self._block * layout.TRACE)
         table = self._trace[: SIMD_WIDTH * frames * layout.TRACE]
-        samples = out.reshape(SIMD_WIDTH, frames, CHANNELS)
+        samples = out.reshape(SIMD_WIDTH, frames, layout.SIGNALS)
         traces = table.reshape(SIMD_WIDTH, frames, layout.TRACE) if trace else None
         together = self._together(engines, out, frames, table, trace)
         for lane, engine in enumerate(engines):

@@ -18,7 +18,7 @@ from overview_dsp.export.clip import DULL_HZ, SHARP_HZ, Transient
 from overview_dsp.export.reading import PlayedClip
 from overview_dsp.export.strikes import with_strikes
 from overview_dsp.kernels.layout import MAX_MODES
-from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
+from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.presets.parameters import MODE_PARAMETERS
 
 POINTS = 64
@@ -39,7 +39,7 @@ def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
     return tuple(round(float(value), 4) for value in highest / highest.max())
 
 
-def modes(clip: PlayedClip) -> tuple[Mode, ...]:
+def modes(clip: PlayedClip) -> tuple[ClickMode, ...]:
     """The clip's strikes as modes, the strongest first, a pitch once."""
     found: list[Transient] = []
     for strike in sorted(clip.transients, key=lambda strike: -strike.amplitude):
@@ -52,18 +52,18 @@ def modes(clip: PlayedClip) -> tuple[Mode, ...]:
     return tuple(_mode(strike, found[0].amplitude) for strike in found[:MAX_MODES])
 
 
-def _mode(strike: Transient, loudest: float) -> Mode:
+def _mode(strike: Transient, loudest: float) -> ClickMode:
     ratio = strike.sharpness
     hz = DULL_HZ * (SHARP_HZ / DULL_HZ) ** ratio
     decay = _DULL_MS * (_SHARP_MS / _DULL_MS) ** ratio
     lowest = MODE_PARAMETERS["gain_db"].low
     gain = max(lowest, 20.0 * math.log10(strike.amplitude / loudest))
-    return Mode(round(hz, 1), round(decay, 1), round(gain, 1))
+    return ClickMode(round(hz, 1), round(decay, 1), round(gain, 1))
 
 
 def with_layer(preset: Preset, kind: str, clip: PlayedClip, layer: Layer) -> Preset:
     """The preset with a clip laid into one of its kinds, which is made from `default` if new."""
-    base: Kind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], also=())
+    base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], also=())
     if layer in ("tactor", "both"):
         base = replace(base, points=course(clip))
     if layer in ("click", "both"):

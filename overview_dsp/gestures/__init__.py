@@ -2,7 +2,7 @@
 
 from overview_dsp.gestures.model import SOURCES, Change, Gesture
 from overview_dsp.gestures.recorded_take import save_take
-from overview_dsp.gestures.scripts import rest, sweep, tap
+from overview_dsp.gestures.scripts import pause, sweep, tap
 from overview_dsp.gestures.spec import parse_gesture
 from overview_dsp.gestures.take import load_gesture, save_gesture
 
@@ -12,7 +12,7 @@ __all__ = [
     "Gesture",
     "load_gesture",
     "parse_gesture",
-    "rest",
+    "pause",
     "save_gesture",
     "save_take",
     "sweep",

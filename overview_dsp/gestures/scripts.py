@@ -61,7 +61,7 @@ def tap(position: float, hold_seconds: float = 1.0) -> Gesture:
     )
 
 
-def rest(seconds: float) -> Gesture:
+def pause(seconds: float) -> Gesture:
     """Nothing for `seconds`: between two gestures, time to recoil."""
     _seconds(seconds, "a rest", zero=True)
     return Gesture(np.empty(0), np.empty(0), np.empty(0, dtype=bool), float(seconds))

@@ -9,13 +9,13 @@ from pathlib import Path
 
 from overview_dsp.errors import InputError
 from overview_dsp.gestures.model import Gesture
-from overview_dsp.gestures.scripts import rest, sweep, tap
+from overview_dsp.gestures.scripts import pause, sweep, tap
 from overview_dsp.gestures.take import load_gesture
 
 FORMS = (
     "sweep:SECONDS[:FROM:TO], tap:POSITION[:HOLD_SECONDS], rest:SECONDS, or a take's path (.csv)"
 )
-_MAKERS: dict[str, Callable[..., Gesture]] = {"sweep": sweep, "tap": tap, "rest": rest}
+_MAKERS: dict[str, Callable[..., Gesture]] = {"sweep": sweep, "tap": tap, "rest": pause}
 _COUNTS = {"sweep": (1, 3), "tap": (1, 2), "rest": (1,)}
 
 

@@ -31,6 +31,8 @@ DELAY_LINE = 131072  # frames of the outputs' delay: 100 ms at the highest rate 
 SLOTS = 3  # surfaces: active, fading from, being written
 COEFFS = 32
 CHUNK = 64  # samples that pass from one stage to the next at a time
+SIGNALS = 2
+CLICK, TACTOR = range(SIGNALS)  # the order of the signals
 
 # --- coefficients that glide (float64), see coefficients.py ----------------------------------
 COEFF = 0
@@ -199,7 +201,6 @@ LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
 ) = range(LIVE, LIVE + 11)
 BUSY_BINS = 96
 # what the device does to each of click and tactor after the engine: one column a signal
-SIGNALS = 2
 L_GAIN = LIVE + 16  # in use, linear
 L_CEILING = L_GAIN + SIGNALS
 L_LIMITED = L_CEILING + SIGNALS  # part of the limited signal in the output, 0 to 1

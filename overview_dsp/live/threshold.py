@@ -18,6 +18,7 @@ from overview_dsp.actuators.calibration import HIGHEST_DB, LOWEST_DB
 from overview_dsp.actuators.stage import ActuatorStage
 from overview_dsp.actuators.tones import EDGE_S, edges
 from overview_dsp.errors import InputError
+from overview_dsp.kernels.layout import TACTOR
 from overview_dsp.live.output_settings import SignalSettings
 from overview_dsp.live.sample_output import Playback
 from overview_dsp.units import db_to_gain
@@ -27,8 +28,6 @@ SLOWEST, FASTEST = 0.5, 60.0
 
 SILENCE_S = (1.0, 3.0)
 """Before a tone; of any length between these."""
-
-TACTOR = 1
 
 
 @dataclass(frozen=True)

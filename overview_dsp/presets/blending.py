@@ -14,7 +14,7 @@ import numpy as np
 
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_KINDS
-from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
+from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 
@@ -72,7 +72,9 @@ def _mix(known: Parameter, first: Value | None, second: Value | None, part: floa
     return chosen
 
 
-def _mixed_kind(first: Kind, second: Kind, part: float, also: tuple[str, ...]) -> Kind:
+def _mixed_kind(
+    first: EventKind, second: EventKind, part: float, also: tuple[str, ...]
+) -> EventKind:
     near = first if part < 0.5 else second
     values: dict[str, Any] = {}
     for key, known in KIND_PARAMETERS.items():
@@ -81,12 +83,12 @@ def _mixed_kind(first: Kind, second: Kind, part: float, also: tuple[str, ...]) -
         values[key] = getattr(near, key) if None in pair else _mix(known, *pair, part)
     modes = _mixed_modes(first.modes, second.modes, part)
     # a course by hand can't be mixed: the nearer preset's stays
-    return Kind(modes=modes, points=near.points, also=also, **values)
+    return EventKind(modes=modes, points=near.points, also=also, **values)
 
 
 def _mixed_modes(
-    first: tuple[Mode, ...], second: tuple[Mode, ...], part: float
-) -> tuple[Mode, ...]:
+    first: tuple[ClickMode, ...], second: tuple[ClickMode, ...], part: float
+) -> tuple[ClickMode, ...]:
     count = max(len(first), len(second))
     found = []
     for i in range(count):
@@ -100,7 +102,7 @@ def _mixed_modes(
             for key, known in MODE_PARAMETERS.items()
         }
         if mixed["gain_db"] != quiet:
-            found.append(Mode(**mixed))  # type: ignore[arg-type]
+            found.append(ClickMode(**mixed))  # type: ignore[arg-type]
     return tuple(found)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.model import EventKind, Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS
 
 
@@ -46,11 +46,11 @@ def differences(first: Preset, second: Preset) -> list[Difference]:
     return found
 
 
-def _has(kind: Kind | None) -> str:
+def _has(kind: EventKind | None) -> str:
     return "named" if kind is not None else "felt as default"
 
 
-def _modes(kind: Kind) -> str:
+def _modes(kind: EventKind) -> str:
     return (
         ", ".join(f"{mode.frequency_hz:g} {mode.decay_ms:g}" for mode in kind.modes) or "no click"
     )

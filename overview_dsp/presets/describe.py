@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.model import EventKind, Preset
 from overview_dsp.presets.parameter import Value, is_close_default
 from overview_dsp.presets.parameters import PARAMETERS
 
@@ -34,7 +34,7 @@ def character(preset: Preset) -> dict[str, float]:
     }
 
 
-def _kind_line(name: str, kind: Kind) -> str:
+def _kind_line(name: str, kind: EventKind) -> str:
     width = f"{kind.width_percent:g} %" if kind.width_percent else f"{kind.width_ms:g} ms"
     modes = ", ".join(f"{mode.frequency_hz:g} Hz {mode.decay_ms:g} ms" for mode in kind.modes)
     also = f"; also {', '.join(kind.also)}" if kind.also else ""

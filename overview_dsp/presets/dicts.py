@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.presets.model import Kind, Mode, Preset, Tags
+from overview_dsp.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
 
 
@@ -59,7 +59,7 @@ def _preset_of(data: Any) -> Preset:
     )
 
 
-def _kind_of(name: str, data: dict[str, Any]) -> Kind:
+def _kind_of(name: str, data: dict[str, Any]) -> EventKind:
     values = {}
     for key, known in KIND_PARAMETERS.items():
         # a key that is newer than the state
@@ -67,7 +67,7 @@ def _kind_of(name: str, data: dict[str, Any]) -> Kind:
         absent = value is None and key.startswith("width_")
         values[key] = None if absent else replace(known, id=f"kinds.{name}.{key}").check(value)
     modes = tuple(
-        Mode(
+        ClickMode(
             **{
                 key: replace(known, id=f"kinds.{name}.modes.{key}").check(mode[key])
                 for key, known in MODE_PARAMETERS.items()
@@ -75,7 +75,7 @@ def _kind_of(name: str, data: dict[str, Any]) -> Kind:
         )
         for mode in data["modes"]
     )
-    return Kind(
+    return EventKind(
         modes=modes,
         points=tuple(data.get("points", ())),
         also=tuple(data.get("also", ())),

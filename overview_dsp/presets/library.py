@@ -26,7 +26,7 @@ def bundled_folder() -> Path:
     return installed if installed.is_dir() else here.parent.parent / "presets"
 
 
-def bundled_names() -> tuple[str, ...]:
+def bundled_presets() -> tuple[str, ...]:
     """Names of the bundled presets, sorted."""
     return names_in(bundled_folder())
 
@@ -38,7 +38,7 @@ def own_folder() -> Path:
 
 def own_names() -> tuple[str, ...]:
     """Names of a person's own presets, sorted; a bundled name stays the bundled preset's."""
-    return tuple(sorted(set(names_in(own_folder())) - set(bundled_names())))
+    return tuple(sorted(set(names_in(own_folder())) - set(bundled_presets())))
 
 
 def preset_path(name: str | Path) -> Path:
@@ -50,7 +50,7 @@ def preset_path(name: str | Path) -> Path:
         There is no such preset or file.
     """
     text = str(name)
-    if text in bundled_names():
+    if text in bundled_presets():
         return bundled_folder() / (text + SUFFIX)
     if text in own_names():
         return own_folder() / (text + SUFFIX)
@@ -61,7 +61,7 @@ def preset_path(name: str | Path) -> Path:
             return path
         what = "is a folder" if os.path.isdir(path) else "no such file"
         raise InputError(f"{path}: {what}; give a preset's .toml file or one of the bundled names")
-    known = (*bundled_names(), *own_names())
+    known = (*bundled_presets(), *own_names())
     raise InputError(
         f"no preset is called {text!r}{did_you_mean(text, known)} "
         "(or give the path of a .toml file)"

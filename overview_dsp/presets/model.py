@@ -29,7 +29,7 @@ def _default(key: str) -> float:
 
 
 @dataclass(frozen=True)
-class Mode:
+class ClickMode:
     """A modal resonator of a click: frequency (Hz), time to -60 dB (ms), level (dB)."""
 
     frequency_hz: float
@@ -38,7 +38,7 @@ class Mode:
 
 
 @dataclass(frozen=True)
-class Kind:
+class EventKind:
     """What an event kind does to the surface, and how it clicks.
 
     `height` is in bare surfaces (x `surface.friction`); exactly one of the widths is given, at half
@@ -56,7 +56,7 @@ class Kind:
     points: tuple[float, ...] = ()
     spacing_percent: float = 0.0
     gain_db: float = 0.0
-    modes: tuple[Mode, ...] = ()
+    modes: tuple[ClickMode, ...] = ()
     also: tuple[str, ...] = ()
     model: str = "viscous"
     stiffness: float = _default("stiffness")
@@ -127,7 +127,7 @@ class Preset:
     name, title, description : str
     values : mapping of parameter id to value
         Complete: every id of the parameter table.
-    kinds : mapping of event kind to Kind
+    kinds : mapping of event kind to EventKind
         Always has `default`, which serves kinds the preset doesn't name.
     tags : Tags
     authors : tuple of str
@@ -137,7 +137,7 @@ class Preset:
     title: str
     description: str
     values: Mapping[str, Value]
-    kinds: Mapping[str, Kind] = field(default_factory=dict)
+    kinds: Mapping[str, EventKind] = field(default_factory=dict)
     tags: Tags = field(default_factory=Tags)
     authors: tuple[str, ...] = ()
     _served: Mapping[str, str] = field(init=False, repr=False, compare=False)

@@ -17,7 +17,7 @@ from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
 from overview_dsp.presets.expressions import FaultyValueError, work_out
 from overview_dsp.presets.layers import Find, Layer, layer_of, merged, read_layers
 from overview_dsp.presets.migrations import SCHEMA
-from overview_dsp.presets.model import DEFAULT_KIND, TAG_SCALES, Kind, Mode, Preset, Tags
+from overview_dsp.presets.model import DEFAULT_KIND, TAG_SCALES, ClickMode, EventKind, Preset, Tags
 from overview_dsp.presets.parameter import Parameter
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
@@ -195,11 +195,11 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
         place = _place(layers, faults[0]["loc"])
         raise InputError(f"{place}: {_explain(faults[0])}{more}") from None
     dumped = checked.model_dump()
-    kinds: dict[str, Kind] = {}
+    kinds: dict[str, EventKind] = {}
     for kind_name, members in dumped["kinds"].items():
-        modes = tuple(Mode(**mode) for mode in members.pop("modes"))
+        modes = tuple(ClickMode(**mode) for mode in members.pop("modes"))
         try:
-            kinds[kind_name] = Kind(modes=modes, **members)
+            kinds[kind_name] = EventKind(modes=modes, **members)
         except InputError as error:
             place = _place(layers, ("kinds", kind_name))
             raise InputError(f"{place}: kinds.{kind_name}: {error}") from None

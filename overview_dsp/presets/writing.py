@@ -9,7 +9,7 @@ from typing import Any
 
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.presets.migrations import SCHEMA
-from overview_dsp.presets.model import TAG_SCALES, Kind, Preset
+from overview_dsp.presets.model import TAG_SCALES, EventKind, Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 
 
@@ -41,7 +41,7 @@ def preset_toml(preset: Preset) -> str:
     return tomli_w.dumps(data)
 
 
-def _kind(kind: Kind) -> dict[str, Any]:
+def _kind(kind: EventKind) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, known in KIND_PARAMETERS.items():
         value = getattr(kind, key)

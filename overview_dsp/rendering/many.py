@@ -1,7 +1,7 @@
-"""Many voices: each rendered as if alone, side by side and on all cores.
+"""Many render jobs: each rendered as if alone, side by side and on all cores.
 
-A thread renders as many voices at once as the kernels have lanes, without the interpreter's lock.
-What a voice needs beside the kernel is kept small: memory and surfaces are used again.
+A thread renders as many jobs at once as the kernels have lanes, without the interpreter's lock.
+What a job needs beside the kernel is kept small: memory and surfaces are used again.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
-from overview_dsp.engine.simd_batch import CHANNELS, EngineBatch
+from overview_dsp.engine.simd_batch import EngineBatch
 from overview_dsp.errors import InputError
 from overview_dsp.files.sound import save_sound
 from overview_dsp.gestures import Gesture
-from overview_dsp.kernels.layout import TRACE_COLUMNS
+from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.growable_array import GrowableArray
@@ -36,20 +36,20 @@ from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 
 BLOCK = 65536
-"""Frames of each voice rendered at a time: of eight, with their traces, 42 MB."""
+"""Frames of each job rendered at a time: of eight, with their traces, 42 MB."""
 
 GROUP = 4 * SIMD_WIDTH
 """Voices that a thread renders in one go: a lane that is free early gets another one."""
 
 GROUP_BYTES = 2**28
-"""Long voices come in smaller groups: their results wait for each other in memory."""
+"""Long jobs come in smaller groups: their results wait for each other in memory."""
 
 WAITING = 2
 """Groups a thread that are rendered before their turn: memory stays bounded."""
 
 
 @dataclass(frozen=True)
-class Voice:
+class RenderJob:
     """One of many independent renders: the arguments of `render`."""
 
     timeline: Timeline
@@ -59,12 +59,12 @@ class Voice:
 
 
 @dataclass(frozen=True, eq=False)
-class VoiceResult:
-    """A rendered voice.
+class RenderedJob:
+    """A rendered job.
 
     Attributes
     ----------
-    voice : Voice
+    job : RenderJob
     surface : Surface
         What the disk moved on.
     samples : float32 (frames, 2)
@@ -77,7 +77,7 @@ class VoiceResult:
         The events passed.
     """
 
-    voice: Voice
+    job: RenderJob
     surface: Surface
     samples: NDArray[np.float32]
     sample_rate: float
@@ -89,23 +89,23 @@ class VoiceResult:
         save_sound(path, self.samples, self.sample_rate, subtype)
 
 
-def voices(
+def render_jobs(
     timelines: Iterable[Timeline],
     presets: Iterable[Preset],
     gestures: Iterable[Gesture],
     seeds: Iterable[int] = (0,),
-) -> Iterator[Voice]:
+) -> Iterator[RenderJob]:
     """Every combination, seeds fastest, then gestures, presets, timelines."""
     for parts in itertools.product(timelines, presets, gestures, seeds):
-        yield Voice(*parts)
+        yield RenderJob(*parts)
 
 
 @dataclass(eq=False)
 class _Playing:
-    """A voice in its lane."""
+    """A job in its lane."""
 
     number: int
-    voice: Voice
+    job: RenderJob
     surface: Surface
     play: GesturePlayer
     samples: GrowableArray
@@ -113,38 +113,38 @@ class _Playing:
     strikes: list[Strikes] = field(default_factory=list)
 
 
-Rendered = VoiceResult | Exception
-"""A voice as rendered, or why it can't be."""
+Rendered = RenderedJob | Exception
+"""A job as rendered, or why it can't be."""
 
 
 class VoiceRenderer:
-    """Renders voices side by side in one memory. One thread at a time."""
+    """Renders jobs side by side in one memory. One thread at a time."""
 
     def __init__(self, sample_rate: float, surfaces: SurfaceCache) -> None:
-        """Nothing is allocated until the first voice."""
+        """Nothing is allocated until the first job."""
         self._rate = sample_rate
         self._surfaces = surfaces
         self._lanes: EngineBatch | None = None
         self._engines: list[Engine | None] = [None] * SIMD_WIDTH
 
     def render(
-        self, voices: Iterable[tuple[int, Voice]], tail: Tail, trace: tuple[str, ...]
+        self, jobs: Iterable[tuple[int, RenderJob]], tail: Tail, trace: tuple[str, ...]
     ) -> Iterator[tuple[int, Rendered]]:
-        """Render voices, each with the bits of `render`; results come as voices end.
+        """Render jobs, each with the bits of `render`; results come as jobs end.
 
-        Each voice has a number, which its result has too; it is taken when a lane is free. `trace`
+        Each job has a number, which its result has too; it is taken when a lane is free. `trace`
         names the columns to keep, of `TRACE_COLUMNS`.
         """
-        waiting = iter(voices)
+        waiting = iter(jobs)
         playing: list[_Playing | None] = [None] * SIMD_WIDTH
         while True:
             for lane in range(SIMD_WIDTH):
                 while playing[lane] is None:
-                    number, voice = next(waiting, (-1, None))
-                    if voice is None:
+                    number, job = next(waiting, (-1, None))
+                    if job is None:
                         break
                     try:
-                        started = self._started(lane, number, voice, tail, len(trace))
+                        started = self._started(lane, number, job, tail, len(trace))
                     except Exception as error:
                         yield number, error
                         continue
@@ -156,31 +156,33 @@ class VoiceRenderer:
                 return
             yield from self._step(playing, trace)
 
-    def _started(self, lane: int, number: int, voice: Voice, tail: Tail, columns: int) -> _Playing:
-        surface = self._surfaces.surface(voice.timeline, voice.preset)
+    def _started(
+        self, lane: int, number: int, job: RenderJob, tail: Tail, columns: int
+    ) -> _Playing:
+        surface = self._surfaces.surface(job.timeline, job.preset)
         if self._lanes is None:
             self._lanes = EngineBatch(BLOCK)
         engine = self._engines[lane]
         if engine is None:
-            engine = Engine(voice.preset, voice.timeline, seed=voice.seed, surface=surface)
+            engine = Engine(job.preset, job.timeline, seed=job.seed, surface=surface)
             engine.prepare(self._rate, BLOCK, memory=self._lanes.memory(lane))
             self._engines[lane] = engine
         else:
-            engine.restart(voice.preset, voice.timeline, seed=voice.seed, surface=surface)
-        play = GesturePlayer(engine, voice.gesture, tail, BLOCK)
+            engine.restart(job.preset, job.timeline, seed=job.seed, surface=surface)
+        play = GesturePlayer(engine, job.gesture, tail, BLOCK)
         return _Playing(
             number,
-            voice,
+            job,
             surface,
             play,
-            GrowableArray(CHANNELS, np.float32, play.least),
+            GrowableArray(SIGNALS, np.float32, play.least),
             GrowableArray(columns, np.float64, play.least if columns else 0),
         )
 
     def _step(
         self, playing: list[_Playing | None], trace: tuple[str, ...]
     ) -> Iterator[tuple[int, Rendered]]:
-        """A block of every voice; those that end with it, or can't go on."""
+        """A block of every job; those that end with it, or can't go on."""
         assert self._lanes is not None
         frames = BLOCK
         for lane, one in enumerate(playing):
@@ -213,13 +215,13 @@ class VoiceRenderer:
                 playing[lane] = None
                 yield one.number, self._result(lane, one, trace)
 
-    def _result(self, lane: int, one: _Playing, trace: tuple[str, ...]) -> VoiceResult:
+    def _result(self, lane: int, one: _Playing, trace: tuple[str, ...]) -> RenderedJob:
         engine = self._engines[lane]
         assert engine is not None
         if not one.strikes:
             one.strikes.append(engine.take_strikes())
-        return VoiceResult(
-            one.voice,
+        return RenderedJob(
+            one.job,
             one.surface,
             one.samples.rows,
             engine.sample_rate,
@@ -229,32 +231,32 @@ class VoiceRenderer:
 
 
 def render_many(
-    voices: Iterable[Voice],
+    jobs: Iterable[RenderJob],
     sample_rate: float = 48_000,
     *,
     tail: Tail = "rest",
     trace: bool = False,
     threads: int | None = None,
-) -> Iterator[VoiceResult]:
-    """Render independent voices, on all cores; results come in the order of the voices.
+) -> Iterator[RenderedJob]:
+    """Render independent jobs, on all cores; results come in the order of the jobs.
 
     Each has the bits of `render` with the same arguments, whatever the others are. Voices are taken
     and rendered as results are asked for, a few ahead, so memory stays bounded.
 
     Parameters
     ----------
-    voices : of `Voice`
+    jobs : of `RenderJob`
         May be endless.
     sample_rate : float
         Hz.
     tail, trace : as in `render`
     threads : int or None
-        How many voices at a time; None is one a core.
+        How many jobs at a time; None is one a core.
 
     Raises
     ------
     InputError
-        A tail or a number of threads that isn't one, at once; as `render`, when a voice's result
+        A tail or a number of threads that isn't one, at once; as `render`, when a job's result
         is asked for.
     """
     tail = checked_tail(tail)
@@ -263,23 +265,23 @@ def render_many(
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
         raise InputError(f"threads = {threads!r}; it is a whole number from 1, or None: all cores")
     most = GROUP
-    if isinstance(voices, Sized):
-        # few voices: some for each thread
-        most = min(most, max(1, math.ceil(len(voices) / threads)))
-    frame = CHANNELS * np.dtype(np.float32).itemsize
+    if isinstance(jobs, Sized):
+        # few jobs: some for each thread
+        most = min(most, max(1, math.ceil(len(jobs) / threads)))
+    frame = SIGNALS * np.dtype(np.float32).itemsize
     if trace:
         frame += len(TRACE_COLUMNS) * np.dtype(np.float64).itemsize
-    groups = _groups(voices, most, GROUP_BYTES / (frame * sample_rate))
+    groups = _groups(jobs, most, GROUP_BYTES / (frame * sample_rate))
     return _rendered(groups, sample_rate, tail, trace, threads)
 
 
-def _groups(voices: Iterable[Voice], most: int, longest_s: float) -> Iterator[list[Voice]]:
+def _groups(jobs: Iterable[RenderJob], most: int, longest_s: float) -> Iterator[list[RenderJob]]:
     """Voices that one thread renders: up to `most`, fewer if they last longer together."""
-    group: list[Voice] = []
+    group: list[RenderJob] = []
     seconds = 0.0
-    for voice in voices:
-        group.append(voice)
-        seconds += voice.gesture.duration_s
+    for job in jobs:
+        group.append(job)
+        seconds += job.gesture.duration_s
         if len(group) >= most or seconds >= longest_s:
             yield group
             group, seconds = [], 0.0
@@ -288,26 +290,26 @@ def _groups(voices: Iterable[Voice], most: int, longest_s: float) -> Iterator[li
 
 
 def _rendered(
-    groups: Iterator[list[Voice]], sample_rate: float, tail: Tail, trace: bool, threads: int
-) -> Iterator[VoiceResult]:
+    groups: Iterator[list[RenderJob]], sample_rate: float, tail: Tail, trace: bool, threads: int
+) -> Iterator[RenderedJob]:
     surfaces = SurfaceCache()
     own = threading.local()
 
-    def render_group(group: list[Voice]) -> list[Rendered]:
+    def render_group(group: list[RenderJob]) -> list[Rendered]:
         if not hasattr(own, "renderer"):
             own.renderer = VoiceRenderer(sample_rate, surfaces)
         renderer: VoiceRenderer = own.renderer
         done = dict(renderer.render(enumerate(group), tail, TRACE_COLUMNS if trace else ()))
         return [done[number] for number in range(len(group))]
 
-    def results(future: Future[list[Rendered]]) -> Iterator[VoiceResult]:
+    def results(future: Future[list[Rendered]]) -> Iterator[RenderedJob]:
         for result in future.result():
             if isinstance(result, Exception):
                 raise result
             yield result
 
     waiting: deque[Future[list[Rendered]]] = deque()
-    pool = ThreadPoolExecutor(threads, thread_name_prefix="voices")
+    pool = ThreadPoolExecutor(threads, thread_name_prefix="jobs")
     try:
         for group in groups:
             waiting.append(pool.submit(render_group, group))

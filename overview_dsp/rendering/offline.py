@@ -16,7 +16,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
 from overview_dsp.files.sound import save_sound
 from overview_dsp.gestures import Gesture
-from overview_dsp.kernels.layout import TRACE_COLUMNS
+from overview_dsp.kernels.layout import TACTOR, TRACE_COLUMNS
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail
@@ -24,9 +24,6 @@ from overview_dsp.rendering.trace import Trace
 from overview_dsp.timeline import Timeline
 
 BLOCK = 4096
-TACTOR = 1
-"""The tactor's channel."""
-
 Progress = Callable[[float], None]
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.presets.model import Mode, Preset
+from overview_dsp.presets.model import ClickMode, Preset
 from overview_dsp.surface.detents import impedance
 from overview_dsp.surface.gaps import ribs
 from overview_dsp.surface.lockup import warn_of_lockup
@@ -40,7 +40,7 @@ class BareSurface:
         Viscous friction at the table's points, N m s/rad.
     energy : float64 (cells + 1,)
         Of its detents, N m cells (`well_field`).
-    modes : tuple of Mode
+    modes : tuple of ClickMode
         What it sounds like.
     texture_strikes : TextureStrikes
         Where it is struck.
@@ -48,7 +48,7 @@ class BareSurface:
 
     friction: NDArray[np.float64]
     energy: NDArray[np.float64]
-    modes: tuple[Mode, ...]
+    modes: tuple[ClickMode, ...]
     texture_strikes: TextureStrikes
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.model import EventKind, Preset
 from overview_dsp.surface.lockup import warn_of_lockup
 
 BARE = -1
@@ -33,7 +33,7 @@ class Bristles:
     break_away: float
 
     @classmethod
-    def of_kind(cls, kind: Kind) -> Bristles:
+    def of_kind(cls, kind: EventKind) -> Bristles:
         """A kind's."""
         return cls(
             kind.stiffness,

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
-from overview_dsp.presets.model import DEFAULT_KIND, Kind, Mode, Preset
+from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.surface.bare import BareSurface, bare_surface
 from overview_dsp.surface.bristles import BristleLayer, has_bristles
 from overview_dsp.surface.detents import (
@@ -88,7 +88,7 @@ class _Layers:
 
     def lay(
         self,
-        kind: Kind,
+        kind: EventKind,
         name: str,
         members: NDArray[np.int64],
         centre: NDArray[np.float64],
@@ -120,7 +120,7 @@ class _Layers:
             np.maximum(there, bump, out=there)
 
 
-def _width_cells(kind: Kind, name: str, duration_s: float) -> float:
+def _width_cells(kind: EventKind, name: str, duration_s: float) -> float:
     if kind.width_percent is not None:
         return kind.width_percent / 100.0 * CELLS
     assert kind.width_ms is not None
@@ -222,7 +222,7 @@ def _warn_of_unknown(timeline: Timeline, preset: Preset) -> None:
 def _place(
     placed: _Placed,
     members: NDArray[np.int64],
-    kind: Kind,
+    kind: EventKind,
     preset: Preset,
     height: NDArray[np.float64],
     width: float,
@@ -279,5 +279,5 @@ def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.floa
     return np.array(heights)
 
 
-def _modes(kind: Kind) -> tuple[Mode, ...]:
+def _modes(kind: EventKind) -> tuple[ClickMode, ...]:
     return louder(kind.modes or modes_of(kind.material, kind.pitch_hz, kind.ring), kind.gain_db)

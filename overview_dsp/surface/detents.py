@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.model import EventKind, Preset
 from overview_dsp.surface.lockup import warn_of_lockup
 from overview_dsp.surface.profiles import Points, profile, reach
 
@@ -89,7 +89,7 @@ def has_detents(preset: Preset) -> bool:
     return not models.isdisjoint(DETENT_MODELS) or preset.number("surface.end_stiffness") > 0.0
 
 
-def shape_of(kind: Kind) -> tuple[str, Points]:
+def shape_of(kind: EventKind) -> tuple[str, Points]:
     """The shape and the points of a kind's profile: of its friction, or of its energy."""
     return ("stop", ()) if kind.model == "end_stop" else (kind.shape, kind.points)
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from overview_dsp.presets.model import Mode
+from overview_dsp.presets.model import ClickMode
 from overview_dsp.presets.parameters import MODE_PARAMETERS
 
 
@@ -42,7 +42,7 @@ _MATERIALS = {
 }
 
 
-def modes_of(material: str, pitch_hz: float, ring: float = 1.0) -> tuple[Mode, ...]:
+def modes_of(material: str, pitch_hz: float, ring: float = 1.0) -> tuple[ClickMode, ...]:
     """The modes of a thing of some material whose lowest mode is `pitch_hz`; none for "none".
 
     `ring` shortens the decays: a thing that is held loses more than the material alone.
@@ -57,10 +57,12 @@ def modes_of(material: str, pitch_hz: float, ring: float = 1.0) -> tuple[Mode, .
         if hz <= frequency.high:
             ms = ring * 1000.0 * math.log(1000.0) / (math.pi * hz * made_of.loss)
             ms = min(max(ms, decay.low), decay.high)
-            found.append(Mode(hz, ms, made_of.fall_db * index))
+            found.append(ClickMode(hz, ms, made_of.fall_db * index))
     return tuple(found)
 
 
-def louder(modes: tuple[Mode, ...], gain_db: float) -> tuple[Mode, ...]:
+def louder(modes: tuple[ClickMode, ...], gain_db: float) -> tuple[ClickMode, ...]:
     """Modes with their levels raised."""
-    return tuple(Mode(mode.frequency_hz, mode.decay_ms, mode.gain_db + gain_db) for mode in modes)
+    return tuple(
+        ClickMode(mode.frequency_hz, mode.decay_ms, mode.gain_db + gain_db) for mode in modes
+    )

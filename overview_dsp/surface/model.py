@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.presets.model import Mode
+from overview_dsp.presets.model import ClickMode
 from overview_dsp.surface.bristles import BristleField
 from overview_dsp.surface.detents import DetentField
 from overview_dsp.surface.texture_strikes import NONE as NO_TEXTURE_STRIKES
@@ -40,7 +40,7 @@ class Surface:
         Event kinds with their clicks; a mode's gain includes its kind's.
     left_out : mapping of kind to count
         Events that lie too densely to be felt one by one.
-    own_modes : tuple of Mode
+    own_modes : tuple of ClickMode
         What the bare surface sounds like.
     texture_strikes : TextureStrikes
         Where it is struck, besides events.
@@ -59,9 +59,9 @@ class Surface:
     event: NDArray[np.int64]
     span: NDArray[np.float64]
     kind_names: tuple[str, ...]
-    kind_modes: tuple[tuple[Mode, ...], ...]
+    kind_modes: tuple[tuple[ClickMode, ...], ...]
     left_out: Mapping[str, int] = field(default_factory=dict)
-    own_modes: tuple[Mode, ...] = ()
+    own_modes: tuple[ClickMode, ...] = ()
     texture_strikes: TextureStrikes = NO_TEXTURE_STRIKES
     kind_models: tuple[str, ...] = ()
     own_model: str = "viscous"

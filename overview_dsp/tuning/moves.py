@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.presets.model import Kind, Preset
+from overview_dsp.presets.model import EventKind, Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS
 
 MOST_HEIGHT = 8.0
@@ -48,7 +48,7 @@ def moved(preset: Preset, names: Sequence[str], moves: NDArray[np.float64]) -> P
     return replace(preset, kinds=kinds)
 
 
-def _moved_kind(kind: Kind, height: float, width: float) -> Kind:
+def _moved_kind(kind: EventKind, height: float, width: float) -> EventKind:
     key = "width_percent" if kind.width_percent is not None else "width_ms"
     changes: dict[str, Any] = {
         "height": _within("height", kind.height * height),

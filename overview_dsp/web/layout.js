@@ -17,6 +17,9 @@ export const L = Object.freeze({
   SLOTS: 3,
   COEFFS: 32,
   CHUNK: 64,
+  SIGNALS: 2,
+  CLICK: 0,
+  TACTOR: 1,
   COEFF: 0,
   C_SPRING_HELD: 0,
   C_SPRING_FREE: 1,
@@ -162,7 +165,6 @@ export const L = Object.freeze({
   L_NANOSECONDS: 213882,
   L_LINE: 213883,
   BUSY_BINS: 96,
-  SIGNALS: 2,
   L_GAIN: 213889,
   L_CEILING: 213891,
   L_LIMITED: 213893,
@@ -273,4 +275,4 @@ export const ENCODING = Object.freeze({
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([2138514580, 51905945]);
+export const DIGEST = Object.freeze([1146073257, 1182649400]);

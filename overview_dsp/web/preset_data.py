@@ -16,7 +16,7 @@ from overview_dsp.files.atomic import make_folder, whole_file
 from overview_dsp.files.toml import SUFFIX
 from overview_dsp.presets.dicts import preset_from_dict, preset_to_dict
 from overview_dsp.presets.library import (
-    bundled_names,
+    bundled_presets,
     load_preset,
     own_folder,
     own_names,
@@ -37,12 +37,12 @@ def preset_data(preset: Preset) -> dict[str, Any]:
 
 def preset_names() -> dict[str, list[str]]:
     """The names that `preset_named` takes."""
-    return {"bundled": list(bundled_names()), "own": list(own_names())}
+    return {"bundled": list(bundled_presets()), "own": list(own_names())}
 
 
 def preset_named(name: str) -> Preset:
     """A bundled or own preset; InputError for anything that isn't such a name."""
-    if name not in (*bundled_names(), *own_names()):
+    if name not in (*bundled_presets(), *own_names()):
         raise InputError(f"no preset is called {name[:70]!r}; /data/presets lists them")
     return load_preset(name)
 
@@ -64,7 +64,7 @@ def save_own(name: str, text: str, replace: bool) -> Path:
     """
     if not NAME.fullmatch(name) or WINDOWS_DEVICES.fullmatch(name):
         raise InputError(f"{name[:70]!r} is no name for a preset: letters, digits, - and _")
-    if name in bundled_names():
+    if name in bundled_presets():
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
     path = own_folder() / (name + SUFFIX)
     if path.exists() and not replace:
@@ -87,5 +87,5 @@ def _require_named_base(text: str, name: str) -> None:
         base = tomllib.loads(text).get("extends")
     except tomllib.TOMLDecodeError:
         return  # told better by who reads it
-    if isinstance(base, str) and (base == name or base not in (*bundled_names(), *own_names())):
+    if isinstance(base, str) and (base == name or base not in (*bundled_presets(), *own_names())):
         raise InputError(f"extends = {base[:70]!r}: name one of your presets or of the bundled")

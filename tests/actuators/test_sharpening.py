@@ -111,11 +111,11 @@ def test_a_rate_that_is_too_low_for_a_resonance_is_told(name):
 
 def test_a_carrier_that_the_actuator_hardly_answers_is_told(match, football):
     with pytest.warns(ov.OverviewWarning, match=r"lra is felt \d+ dB less .* set that to 175 Hz"):
-        ov.render(match, football, ov.rest(0.01), tail="none", actuator=load_actuator("lra"))
+        ov.render(match, football, ov.pause(0.01), tail="none", actuator=load_actuator("lra"))
 
 
 @pytest.mark.parametrize("name", ["c2", "cmf", "voice_coil", "dualsense", "headphones"])
 def test_a_carrier_that_the_actuator_answers_is_not_told(match, football, name):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        ov.render(match, football, ov.rest(0.01), tail="none", actuator=load_actuator(name))
+        ov.render(match, football, ov.pause(0.01), tail="none", actuator=load_actuator(name))

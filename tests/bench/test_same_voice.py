@@ -11,7 +11,7 @@ from overview_dsp.bench.same_voice import SameVoice, controls
 from tests.examples import preset_with, timeline_of
 
 RATE = 48_000
-GESTURE = ov.sweep(0.8) + ov.rest(0.3) + ov.tap(0.95, 0.4) + ov.rest(0.4)
+GESTURE = ov.sweep(0.8) + ov.pause(0.3) + ov.tap(0.95, 0.4) + ov.pause(0.4)
 
 
 @pytest.fixture(scope="module", params=[SAME_BITS, UNTRAPPED], ids=["plain", "untrapped"])

@@ -12,18 +12,18 @@ from tests.cli.running import overview, refused
 
 def test_list_names_every_bundled_preset_with_what_it_is_for():
     lines = overview("presets", "list").out.splitlines()
-    assert [line.split()[0] for line in lines] == list(ov.bundled_names())
-    for name, line in zip(ov.bundled_names(), lines, strict=True):
+    assert [line.split()[0] for line in lines] == list(ov.bundled_presets())
+    for name, line in zip(ov.bundled_presets(), lines, strict=True):
         assert ov.load_preset(name).description in line
 
 
 def test_list_as_json_is_the_same():
     report = json.loads(overview("presets", "list", "--json").out)
-    assert [entry["name"] for entry in report] == list(ov.bundled_names())
+    assert [entry["name"] for entry in report] == list(ov.bundled_presets())
     assert all(entry["title"] and entry["description"] for entry in report)
 
 
-@pytest.mark.parametrize("name", ov.bundled_names())
+@pytest.mark.parametrize("name", ov.bundled_presets())
 def test_show_tells_every_parameter_and_kind(name):
     page = overview("presets", "show", name).out
     for known in PARAMETERS.values():
@@ -37,9 +37,9 @@ def test_show_tells_every_parameter_and_kind(name):
 
 
 def test_check_says_which_are_valid():
-    outcome = overview("presets", "check", *ov.bundled_names())
+    outcome = overview("presets", "check", *ov.bundled_presets())
     assert outcome.code == 0
-    assert outcome.out.count(": valid, ") == len(ov.bundled_names())
+    assert outcome.out.count(": valid, ") == len(ov.bundled_presets())
 
 
 def broken(folder, name="mine.toml"):

@@ -59,7 +59,7 @@ def continuous(mode, time_s):
 
 @pytest.mark.parametrize("time", [100.0, 100.25, 100.5, 100.999, 101.0])
 def test_a_strike_between_samples_gives_the_samples_of_the_continuous_mode(time):
-    mode, rate = ov.Mode(3250.0, 30.0, -5.0), 48_000.0
+    mode, rate = ov.ClickMode(3250.0, 30.0, -5.0), 48_000.0
     # the log counts time from frame 0's start; frame n is heard at its end, n + 1
     expected = sum(
         weight * continuous(mode, (np.arange(4000) + 1 - time - number * PULSE_SPACING) / rate)
@@ -69,7 +69,7 @@ def test_a_strike_between_samples_gives_the_samples_of_the_continuous_mode(time)
 
 
 def test_a_mode_falls_by_60_db_in_its_decay_time_and_ends_in_exact_zero():
-    mode, rate = ov.Mode(1000.0, 50.0), 48_000.0
+    mode, rate = ov.ClickMode(1000.0, 50.0), 48_000.0
     out = struck(mode, [0.0], rate, 48_000)
     first = np.abs(out[:480]).max()
     later = np.abs(out[2400:2880]).max()
@@ -80,16 +80,16 @@ def test_a_mode_falls_by_60_db_in_its_decay_time_and_ends_in_exact_zero():
 
 
 def test_strikes_add_up():
-    mode, rate = ov.Mode(2000.0, 20.0), 48_000.0
+    mode, rate = ov.ClickMode(2000.0, 20.0), 48_000.0
     both = struck(mode, [10.3, 300.7], rate, 3000)
     apart = struck(mode, [10.3], rate, 3000) + struck(mode, [300.7], rate, 3000)
     assert np.abs(both - apart).max() < 2e-8  # it ends at -160 dB
 
 
 def test_a_mode_that_would_fold_back_is_left_out():
-    assert mode_coefficients(ov.Mode(4000.0, 20.0), 8000.0) is None
-    assert mode_coefficients(ov.Mode(3900.0, 20.0), 8000.0) is not None
-    assert np.all(struck(ov.Mode(4500.0, 20.0), [3.5], 8000.0, 200) == 0.0)
+    assert mode_coefficients(ov.ClickMode(4000.0, 20.0), 8000.0) is None
+    assert mode_coefficients(ov.ClickMode(3900.0, 20.0), 8000.0) is not None
+    assert np.all(struck(ov.ClickMode(4500.0, 20.0), [3.5], 8000.0, 200) == 0.0)
 
 
 def test_no_preset_click_folds_back_above_minus_60_db(football):
@@ -156,7 +156,7 @@ def test_a_full_sweep_strikes_every_event_once_out_and_once_back(timeline_named,
 
 def test_events_at_the_very_ends_are_struck(football):
     timeline = timeline_of(0.0, 100.0)
-    result = ov.render(timeline, preset_with(height=3.0, width=0.3), ov.sweep(1.0) + ov.rest(8.0))
+    result = ov.render(timeline, preset_with(height=3.0, width=0.3), ov.sweep(1.0) + ov.pause(8.0))
     assert result.strikes.event.tolist() == [0, 1, 1, 0]
 
 

@@ -352,7 +352,7 @@ def test_a_state_that_is_not_finite_is_reset_silenced_and_counted(match, footbal
 
 def test_parameters_tell_range_unit_default_and_value(football, match):
     engine = ov.Engine(football, match)
-    assert set(engine.parameters) == set(ov.PARAMETERS)
+    assert set(engine.parameters) == set(ov.presets.PARAMETERS)
     for id, setting in engine.parameters.items():
         assert setting.id == id
         assert setting.doc.endswith(".")
@@ -431,11 +431,13 @@ def test_return_keeps_shaft_2_and_takes_the_hand_back_to_the_start():
 def test_two_writers_of_parameters_leave_the_output_finite(match, football):
     engine = prepared(football, match, 8000, 64)
     random = np.random.default_rng(5)
-    live = [id for id, known in ov.PARAMETERS.items() if not known.surface and not known.choices]
+    live = [
+        id for id, known in ov.presets.PARAMETERS.items() if not known.surface and not known.choices
+    ]
     engine.control(2.0, True)
     for _ in range(300):
         for id in random.choice(live, 2, replace=False):
-            known = ov.PARAMETERS[id]
+            known = ov.presets.PARAMETERS[id]
             engine.set(id, float(random.choice([known.low, known.default, known.high])))
         out, _ = run(engine, 64, 64)
         assert np.isfinite(out).all()

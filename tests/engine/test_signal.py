@@ -63,7 +63,7 @@ def values(known):
 
 
 def modes():
-    return st.builds(ov.Mode, **{key: values(known) for key, known in MODE_PARAMETERS.items()})
+    return st.builds(ov.ClickMode, **{key: values(known) for key, known in MODE_PARAMETERS.items()})
 
 
 MODELLED = (
@@ -80,7 +80,7 @@ MODELLED = (
 
 def kinds():
     return st.builds(
-        ov.Kind,
+        ov.EventKind,
         height=values(KIND_PARAMETERS["height"]),
         width_percent=values(KIND_PARAMETERS["width_percent"]),
         shape=st.sampled_from(SHAPES),
@@ -92,7 +92,9 @@ def kinds():
 
 @settings(deadline=None, max_examples=120)
 @given(
-    changes=st.fixed_dictionaries({id: values(known) for id, known in ov.PARAMETERS.items()}),
+    changes=st.fixed_dictionaries(
+        {id: values(known) for id, known in ov.presets.PARAMETERS.items()}
+    ),
     kind=kinds(),
     goal=kinds(),
     seed=st.integers(0, 10),

@@ -51,16 +51,16 @@ def test_a_tap_is_one_step_held_and_let_go(position, hold):
 
 
 def test_a_tap_is_the_same_step_wherever_the_hand_was_before():
-    before = ov.sweep(0.1, 0.3, 0.9) + ov.rest(0.1)
+    before = ov.sweep(0.1, 0.3, 0.9) + ov.pause(0.1)
     joined = before + ov.tap(0.5, 0.2)
     assert np.array_equal(joined.theta2[-2:], ov.tap(0.5, 0.2).theta2)
 
 
 def test_a_rest_is_nothing_for_a_while():
-    gesture = ov.rest(2.5)
+    gesture = ov.pause(2.5)
     assert len(gesture.time_s) == 0
     assert gesture.duration_s == 2.5
-    assert ov.rest(0.0).duration_s == 0.0
+    assert ov.pause(0.0).duration_s == 0.0
 
 
 @pytest.mark.parametrize(
@@ -76,8 +76,8 @@ def test_a_rest_is_nothing_for_a_while():
         (lambda: ov.sweep(1.0, math.nan), "0 .start. to 1 .end."),
         (lambda: ov.tap(1.5), "tap's position"),
         (lambda: ov.tap(0.5, 0.0), "tap's hold"),
-        (lambda: ov.rest(-0.5), "rest"),
-        (lambda: ov.rest(math.nan), "rest"),
+        (lambda: ov.pause(-0.5), "rest"),
+        (lambda: ov.pause(math.nan), "rest"),
     ],
 )
 def test_a_movement_out_of_range_is_one_line_with_the_range(make, words):
@@ -88,7 +88,7 @@ def test_a_movement_out_of_range_is_one_line_with_the_range(make, words):
 
 def test_joined_gestures_follow_one_another():
     first, second = ov.sweep(0.5), ov.tap(0.8, 0.25)
-    both = first + ov.rest(1.0) + second
+    both = first + ov.pause(1.0) + second
     count = len(first.time_s)
     assert np.array_equal(both.time_s[:count], first.time_s)
     assert np.array_equal(both.time_s[count:], second.time_s + (first.duration_s + 1.0))

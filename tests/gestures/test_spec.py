@@ -26,8 +26,8 @@ def same(one: ov.Gesture, other: ov.Gesture) -> bool:
         ("sweep:0.5:1:0", ov.sweep(0.5, 1.0, 0.0)),
         ("tap:0.8", ov.tap(0.8)),
         ("tap:0.8:1.5", ov.tap(0.8, 1.5)),
-        ("rest:2", ov.rest(2.0)),
-        ("sweep:1+rest:0.5+tap:1:0.2", ov.sweep(1.0) + ov.rest(0.5) + ov.tap(1.0, 0.2)),
+        ("rest:2", ov.pause(2.0)),
+        ("sweep:1+rest:0.5+tap:1:0.2", ov.sweep(1.0) + ov.pause(0.5) + ov.tap(1.0, 0.2)),
         (" sweep:1 + tap:0.1 ", ov.sweep(1.0) + ov.tap(0.1)),
     ],
 )

@@ -43,7 +43,9 @@ def test_a_take_comes_back_from_its_file_to_the_bit(tmp_path_factory, gesture):
     assert not back.touching[-1]
 
 
-@pytest.mark.parametrize("gesture", [ov.rest(2.0), ov.rest(0.0), ov.tap(0.5, 0.2) + ov.rest(1.0)])
+@pytest.mark.parametrize(
+    "gesture", [ov.pause(2.0), ov.pause(0.0), ov.tap(0.5, 0.2) + ov.pause(1.0)]
+)
 def test_a_rest_keeps_its_length(gesture, tmp_path):
     ov.save_gesture(gesture, tmp_path / "take.csv")
     back = ov.load_gesture(tmp_path / "take.csv")

@@ -99,7 +99,7 @@ def test_every_step_keeps_the_energy_ledger_for_any_friction_and_any_step(
 
 
 def test_a_whole_gesture_keeps_the_ledger_touched_released_and_touched_again(match, football):
-    gesture = ov.sweep(1.0) + ov.rest(0.4) + ov.tap(0.7, 0.5) + ov.rest(0.2) + ov.tap(0.2, 0.3)
+    gesture = ov.sweep(1.0) + ov.pause(0.4) + ov.tap(0.7, 0.5) + ov.pause(0.2) + ov.tap(0.2, 0.3)
     trace = ov.render(match, football, gesture, tail=1.0).trace
     assert len(np.unique(trace.touching)) == 2
     assert np.abs(ledger(trace, football)).max() <= 1e-12

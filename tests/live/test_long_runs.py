@@ -45,7 +45,7 @@ rate, block = 48_000, 256
 chance = random.Random(1)
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(rate, 8192)
-gesture = ov.tap(0.95, 0.7) + ov.rest(1.0) + ov.sweep(1.5)
+gesture = ov.tap(0.95, 0.7) + ov.pause(1.0) + ov.sweep(1.5)
 
 def state():
     fields = dict(line.split(":", 1) for line in open("/proc/self/status"))

@@ -12,7 +12,7 @@ from tests.live import jack_server
 
 pytestmark = pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
 
-GESTURE = ov.rest(1.0) + ov.tap(0.95, 0.7)
+GESTURE = ov.pause(1.0) + ov.tap(0.95, 0.7)
 PLAY = """
 import json, sys, time
 import jack
@@ -26,7 +26,7 @@ engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final
 engine.prepare(48_000, 8192)
 recorder = Recorder(engine)
 stream = OutputStream(engine, device="system", block_size=block, callback=kind)
-gesture = ov.rest(1.0) + ov.tap(0.95, 0.7)  # the recorder is on by then
+gesture = ov.pause(1.0) + ov.tap(0.95, 0.7)  # the recorder is on by then
 for stamp, theta2, touching in zip(gesture.stamps(48_000), gesture.theta2, gesture.touching):
     engine.control(float(theta2), bool(touching), int(stamp))
 stream.start()

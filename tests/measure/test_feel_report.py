@@ -17,10 +17,10 @@ from overview_dsp.tuning.ordering import SPEEDS, WANTED_STEPS
 
 def preset_of(**heights):
     kinds = {
-        name: ov.Kind(height=height, width_percent=0.3, modes=(ov.Mode(1000.0, 20.0),))
+        name: ov.EventKind(height=height, width_percent=0.3, modes=(ov.ClickMode(1000.0, 20.0),))
         for name, height in heights.items()
     }
-    kinds.setdefault("default", ov.Kind(height=4.0, width_percent=0.3))
+    kinds.setdefault("default", ov.EventKind(height=4.0, width_percent=0.3))
     return ov.Preset("x", "x", "x", ov.load_preset("football").values, kinds)
 
 

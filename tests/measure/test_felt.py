@@ -81,7 +81,7 @@ def test_an_event_that_was_not_passed_has_no_level():
 
 def test_an_events_level_is_that_of_its_strongest_stroke():
     timeline, preset = timeline_of(20.0, 50.0, 90.0), preset_with(height=8.0, width=3.0)
-    gesture = ov.sweep(0.5, 0.0, 0.7) + ov.rest(0.2) + ov.sweep(0.1, 0.0, 0.6)
+    gesture = ov.sweep(0.5, 0.0, 0.7) + ov.pause(0.2) + ov.sweep(0.1, 0.0, 0.6)
     result = ov.render(timeline, preset, gesture, RATE)
     surface, tactor = result.engine.surface, result.samples[:, 1]
     levels = [

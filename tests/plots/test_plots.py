@@ -138,7 +138,7 @@ def test_strikes_are_marked_by_kind_at_their_times():
     ("timeline", "gesture"),
     [
         (timeline_of(), ov.tap(0.5, 0.1)),
-        (timeline_of(50.0), ov.rest(0.1)),
+        (timeline_of(50.0), ov.pause(0.1)),
         (timeline_of(50.0), ov.tap(0.0, 0.1)),
     ],
     ids=["no events", "no touch", "no movement"],

@@ -28,15 +28,15 @@ def values(known: Parameter) -> st.SearchStrategy[Any]:
     return st.floats(known.low, known.high)
 
 
-MODES = st.builds(ov.Mode, **{key: values(known) for key, known in MODE_PARAMETERS.items()})
+MODES = st.builds(ov.ClickMode, **{key: values(known) for key, known in MODE_PARAMETERS.items()})
 
 
 @st.composite
-def kinds(draw: st.DrawFn) -> ov.Kind:
+def kinds(draw: st.DrawFn) -> ov.EventKind:
     given = {key: draw(values(known)) for key, known in KIND_PARAMETERS.items()}
     del given[draw(st.sampled_from(["width_percent", "width_ms"]))]
     points = draw(st.just([]) | st.lists(st.floats(0.0, 1.0), min_size=2, max_size=9).filter(any))
-    return ov.Kind(
+    return ov.EventKind(
         modes=tuple(draw(st.lists(MODES, max_size=MAX_MODES))), points=tuple(points), **given
     )
 

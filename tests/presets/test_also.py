@@ -13,8 +13,8 @@ from overview_dsp.presets.blending import morph
 from overview_dsp.presets.validation import parse_preset
 from tests.examples import plain_preset
 
-STRONG = ov.Kind(height=20.0, width_percent=1.0, also=("goal", "highest"))
-LIGHT = ov.Kind(height=2.0, width_percent=1.0)
+STRONG = ov.EventKind(height=20.0, width_percent=1.0, also=("goal", "highest"))
+LIGHT = ov.EventKind(height=2.0, width_percent=1.0)
 
 
 def preset_of(**kinds):

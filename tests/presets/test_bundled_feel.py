@@ -21,7 +21,7 @@ from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.rendering.audition import pages
 from tests.presets.strategies import values
 
-NAMES = ov.bundled_names()
+NAMES = ov.bundled_presets()
 ASKED = {
     "stadium": "football-stadium",
     "discreet": "football-discreet",

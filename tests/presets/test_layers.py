@@ -56,7 +56,7 @@ def test_what_a_preset_does_not_say_is_its_bases(write):
     assert (own.number("disk.k1"), own.number("disk.k2")) == (2e-3, 5e-3)
     assert own.kinds["goal"].height == 7.0
     assert own.kinds["goal"].width_ms == 300.0
-    assert own.kinds["default"].modes == (ov.Mode(500.0, 20.0),)
+    assert own.kinds["default"].modes == (ov.ClickMode(500.0, 20.0),)
 
 
 def test_a_variable_set_anew_moves_all_that_is_worked_out_from_it(write):

@@ -23,10 +23,10 @@ def refused(name, *words: str) -> None:
 
 
 def test_there_are_bundled_presets_and_football_is_one():
-    assert "football" in ov.bundled_names()
+    assert "football" in ov.bundled_presets()
 
 
-@pytest.mark.parametrize("name", ov.bundled_names())
+@pytest.mark.parametrize("name", ov.bundled_presets())
 def test_every_bundled_preset_is_valid_and_plays_the_bundled_match(name, match):
     preset = ov.load_preset(name)
     assert preset.name == name
@@ -40,7 +40,7 @@ def test_every_bundled_preset_is_valid_and_plays_the_bundled_match(name, match):
     assert (surface.friction > 0.0).all()
 
 
-@pytest.mark.parametrize("name", ov.bundled_names())
+@pytest.mark.parametrize("name", ov.bundled_presets())
 def test_every_bundled_preset_begins_with_what_it_feels_and_sounds_like(name):
     header = (library.bundled_folder() / f"{name}.toml").read_text(encoding="utf-8")
     header = header.split("schema =")[0]

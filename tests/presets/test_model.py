@@ -8,7 +8,7 @@ import pytest
 import overview_dsp as ov
 
 
-@pytest.mark.parametrize("name", ov.bundled_names())
+@pytest.mark.parametrize("name", ov.bundled_presets())
 def test_a_preset_is_itself_after_pickling_and_copying(name):
     preset = ov.load_preset(name)
     for again in (pickle.loads(pickle.dumps(preset)), copy.deepcopy(preset)):

@@ -98,7 +98,7 @@ def test_values_of_the_tables_ranges_make_valid_presets(preset):
 
 
 def good_kind(**changes):
-    return ov.Kind(**{"height": 3.0, "width_percent": 1.0, **changes})
+    return ov.EventKind(**{"height": 3.0, "width_percent": 1.0, **changes})
 
 
 @pytest.mark.parametrize(
@@ -111,9 +111,9 @@ def good_kind(**changes):
         ({"width_ms": 5.0}, "exactly one"),
         ({"shape": "spike"}, "raised_cosine"),
         ({"gain_db": math.inf}, "gain_db"),
-        ({"modes": (ov.Mode(440.0, math.nan),)}, r"modes\.0\.decay_ms"),
-        ({"modes": (ov.Mode(440.0, 5.0), ov.Mode(1.0, 5.0))}, r"modes\.1\.frequency_hz"),
-        ({"modes": (ov.Mode(440.0, 5.0),) * 7}, "up to 6"),
+        ({"modes": (ov.ClickMode(440.0, math.nan),)}, r"modes\.0\.decay_ms"),
+        ({"modes": (ov.ClickMode(440.0, 5.0), ov.ClickMode(1.0, 5.0))}, r"modes\.1\.frequency_hz"),
+        ({"modes": (ov.ClickMode(440.0, 5.0),) * 7}, "up to 6"),
     ],
 )
 def test_a_kind_made_in_python_is_held_to_the_same_ranges(changes, words):

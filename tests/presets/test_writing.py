@@ -16,7 +16,7 @@ from overview_dsp.engine.state import decode_state, encode_state
 from overview_dsp.errors import InputError
 from overview_dsp.presets.blending import morph, randomized
 from overview_dsp.presets.comparing import differences
-from overview_dsp.presets.library import bundled_folder, bundled_names
+from overview_dsp.presets.library import bundled_folder, bundled_presets
 from overview_dsp.presets.reference import json_schema, reference
 from overview_dsp.presets.validation import parse_preset
 from overview_dsp.presets.writing import preset_toml, save_preset, started_from
@@ -44,7 +44,7 @@ def test_a_preset_comes_back_from_its_file_and_from_a_state_byte_for_byte(preset
     assert encode_state(restored, seed) == state
 
 
-@pytest.mark.parametrize("name", bundled_names())
+@pytest.mark.parametrize("name", bundled_presets())
 def test_bundled_presets_fit_the_editors_schema_and_come_back(name, tmp_path):
     preset = ov.load_preset(name)
     jsonschema.validate(
@@ -113,6 +113,6 @@ def test_chance_makes_valid_presets_and_the_same_seed_the_same_one(preset, seed,
 
 def test_the_reference_names_every_parameter():
     text = reference()
-    for parameter in ov.PARAMETERS.values():
+    for parameter in ov.presets.PARAMETERS.values():
         assert f"| `{parameter.key}` |" in text
         assert parameter.doc in text

@@ -39,19 +39,18 @@ PRESETS = [
 GESTURES = [
     ov.sweep(0.2),
     ov.tap(0.7, 0.1),
-    ov.tap(0.2, 0.05) + ov.rest(0.1) + ov.sweep(0.1, 0.9, 0.3),
-    ov.rest(0.0),
+    ov.tap(0.2, 0.05) + ov.pause(0.1) + ov.sweep(0.1, 0.9, 0.3),
+    ov.pause(0.0),
 ]
 ALL = [
-    ov.Voice(t, p, g, s) for t, p, g, s in itertools.product(TIMELINES, PRESETS, GESTURES, (0, 1))
+    ov.RenderJob(t, p, g, s)
+    for t, p, g, s in itertools.product(TIMELINES, PRESETS, GESTURES, (0, 1))
 ]
 
 
-def same(result, voice, tail, trace, rate=RATE):
-    alone = ov.render(
-        voice.timeline, voice.preset, voice.gesture, rate, voice.seed, tail=tail, trace=trace
-    )
-    assert result.voice is voice
+def same(result, job, tail, trace, rate=RATE):
+    alone = ov.render(job.timeline, job.preset, job.gesture, rate, job.seed, tail=tail, trace=trace)
+    assert result.job is job
     assert result.sample_rate == alone.sample_rate
     assert result.samples.dtype == np.float32
     np.testing.assert_array_equal(result.samples, alone.samples)
@@ -76,14 +75,14 @@ def same(result, voice, tail, trace, rate=RATE):
 def test_each_voice_has_the_bits_it_has_alone(chosen, threads, tail, trace):
     results = list(ov.render_many(chosen, RATE, tail=tail, trace=trace, threads=threads))
     assert len(results) == len(chosen)
-    for result, voice in zip(results, chosen, strict=True):
-        same(result, voice, tail, trace)
+    for result, job in zip(results, chosen, strict=True):
+        same(result, job, tail, trace)
 
 
 def test_each_voice_ends_where_it_ends_alone():
     chosen = ALL[:: len(ALL) // 7]
-    for result, voice in zip(ov.render_many(chosen, RATE), chosen, strict=True):
-        same(result, voice, "rest", False)
+    for result, job in zip(ov.render_many(chosen, RATE), chosen, strict=True):
+        same(result, job, "rest", False)
 
 
 def test_no_block_size_changes_a_bit(monkeypatch):
@@ -95,9 +94,9 @@ def test_no_block_size_changes_a_bit(monkeypatch):
 
 
 def test_combinations_come_with_seeds_fastest():
-    found = list(ov.voices(TIMELINES[:2], PRESETS[:2], GESTURES[:1], range(3)))
+    found = list(ov.render_jobs(TIMELINES[:2], PRESETS[:2], GESTURES[:1], range(3)))
     assert len(found) == 12
-    assert [voice.seed for voice in found[:4]] == [0, 1, 2, 0]
+    assert [job.seed for job in found[:4]] == [0, 1, 2, 0]
     assert found[3].preset is PRESETS[1]
     assert found[6].timeline is TIMELINES[1]
 
@@ -108,14 +107,14 @@ def test_voices_are_taken_as_results_are_asked_for():
     def endless():
         for seed in itertools.count():
             taken.append(seed)
-            yield ov.Voice(TIMELINES[1], PRESETS[1], GESTURES[1], seed)
+            yield ov.RenderJob(TIMELINES[1], PRESETS[1], GESTURES[1], seed)
 
     results = ov.render_many(endless(), RATE, tail="none", threads=2)
     for _ in range(5):
         next(results)
     assert len(taken) <= 5 + 2 * many.WAITING * many.GROUP
     results.close()
-    assert not [thread for thread in threading.enumerate() if thread.name.startswith("voices")]
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("jobs")]
 
 
 def test_of_long_voices_fewer_are_taken_before_their_turn(monkeypatch):
@@ -124,7 +123,7 @@ def test_of_long_voices_fewer_are_taken_before_their_turn(monkeypatch):
     def endless():
         for seed in itertools.count():
             taken.append(seed)
-            yield ov.Voice(TIMELINES[1], PRESETS[1], GESTURES[1], seed)
+            yield ov.RenderJob(TIMELINES[1], PRESETS[1], GESTURES[1], seed)
 
     # of two of these gestures, click and tactor
     monkeypatch.setattr(many, "GROUP_BYTES", 1.5 * GESTURES[1].duration_s * RATE * 2 * 4)
@@ -147,7 +146,7 @@ def test_results_keep_no_engine_alive():
 
 
 def test_a_voice_that_cannot_be_is_an_error_at_its_turn():
-    good = ov.Voice(TIMELINES[1], PRESETS[1], GESTURES[1])
+    good = ov.RenderJob(TIMELINES[1], PRESETS[1], GESTURES[1])
     bad = replace(good, preset=preset_with(tactor__frequency_hz=900.0))
     results = ov.render_many([good, bad, good], 1000, tail="none", threads=1)
     with pytest.raises(ov.InputError, match="too high"):
@@ -157,7 +156,7 @@ def test_a_voice_that_cannot_be_is_an_error_at_its_turn():
 
 
 def test_a_take_whose_change_cannot_be_made_leaves_its_neighbours_alone():
-    good = ov.Voice(TIMELINES[1], PRESETS[1], GESTURES[1])
+    good = ov.RenderJob(TIMELINES[1], PRESETS[1], GESTURES[1])
     change = Change(0.05, {"set": {"tactor.frequency_hz": 900.0}})
     bad = replace(good, gesture=replace(GESTURES[1], changes=(change,)))
     chosen = [good, good, good, bad, good, good, good]

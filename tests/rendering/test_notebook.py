@@ -50,5 +50,5 @@ def test_nothing_is_fetched_and_names_are_only_text(match, football):
 def test_a_render_without_a_trace_or_of_nothing_is_shown_too(match, football):
     bare = ov.render(match, football, ov.tap(0.5, 0.1), tail="none", trace=False)
     assert "<audio" in bare._repr_html_()
-    nothing = ov.render(match, football, ov.rest(0.0), tail="none")
+    nothing = ov.render(match, football, ov.pause(0.0), tail="none")
     assert "0.00 s" in nothing._repr_html_()

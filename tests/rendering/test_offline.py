@@ -22,7 +22,7 @@ from tests.examples import preset_with, timeline_of
 RATE = 8000
 TIMELINE = timeline_of(5.0, 30.0, 31.0, 62.5, 90.0)
 PRESET = preset_with(height=30.0, width=1.0)
-GESTURE = ov.sweep(0.3) + ov.rest(0.2) + ov.tap(0.7, 0.15)
+GESTURE = ov.sweep(0.3) + ov.pause(0.2) + ov.tap(0.7, 0.15)
 
 
 def equal(one: ov.Result, other: ov.Result) -> bool:
@@ -108,7 +108,7 @@ def test_without_a_tail_the_render_stops_with_the_gesture():
     gesture = ov.tap(0.5, 0.1)
     result = ov.render(TIMELINE, PRESET, gesture, RATE, tail="none", trace=False)
     assert len(result.samples) == round(0.1 * RATE) + 1
-    rest = gesture + ov.rest(0.1)
+    rest = gesture + ov.pause(0.1)
     result = ov.render(TIMELINE, PRESET, rest, RATE, tail="none", trace=False)
     assert len(result.samples) == round(0.2 * RATE)
 
@@ -127,7 +127,7 @@ def test_the_tail_ends_when_the_disk_has_rested_in_silence_and_no_frame_earlier(
 
 
 def test_a_gesture_that_ends_at_rest_is_rendered_to_its_end():
-    gesture = ov.tap(0.3, 0.1) + ov.rest(8.0)
+    gesture = ov.tap(0.3, 0.1) + ov.pause(8.0)
     result = ov.render(TIMELINE, PRESET, gesture, RATE, trace=False)
     assert not result.samples[-RATE:].any()
     assert len(result.samples) == round((8.1 + schedule.REST_S) * RATE)
@@ -141,7 +141,7 @@ def test_a_disk_that_takes_for_ever_is_left_after_thirty_seconds():
 
 
 def test_an_empty_gesture_is_an_empty_result():
-    result = ov.render(TIMELINE, PRESET, ov.rest(0.0), RATE, tail="none")
+    result = ov.render(TIMELINE, PRESET, ov.pause(0.0), RATE, tail="none")
     assert result.samples.shape == (0, 2)
     assert result.trace is not None
     assert result.trace.time.shape == (0,)

@@ -157,8 +157,8 @@ def test_unknown_kinds_take_the_default_and_are_named_in_a_warning():
     events = (known, ov.Event(50.0, "streaker"), ov.Event(80.0, "dog"))
     timeline = ov.Timeline("odd", 100.0, events, None)
     kinds = {
-        "goal": ov.Kind(height=50.0, width_percent=1.0),
-        "default": ov.Kind(height=5.0, width_percent=2.0),
+        "goal": ov.EventKind(height=50.0, width_percent=1.0),
+        "default": ov.EventKind(height=5.0, width_percent=2.0),
     }
     preset = replace(plain_preset(), kinds=kinds)
     with pytest.warns(ov.OverviewWarning) as caught:
@@ -179,7 +179,7 @@ def test_known_kinds_give_no_warning(match, football):
 
 
 def ms_preset(milliseconds: float) -> ov.Preset:
-    kind = ov.Kind(height=10.0, width_ms=milliseconds)
+    kind = ov.EventKind(height=10.0, width_ms=milliseconds)
     return replace(plain_preset(), kinds={"default": kind, "rare": kind})
 
 
@@ -217,7 +217,9 @@ def test_a_width_below_what_the_surface_resolves_is_widened_with_a_warning():
 
 
 def test_a_kinds_level_is_added_to_its_modes():
-    kind = ov.Kind(3.0, 1.0, gain_db=-6.0, modes=(ov.Mode(440.0, 20.0, -3.0), ov.Mode(900.0, 5.0)))
+    kind = ov.EventKind(
+        3.0, 1.0, gain_db=-6.0, modes=(ov.ClickMode(440.0, 20.0, -3.0), ov.ClickMode(900.0, 5.0))
+    )
     preset = replace(plain_preset(), kinds={"default": kind})
     (modes,) = ov.build_surface(timeline_of(50.0), preset).kind_modes
     assert [mode.gain_db for mode in modes] == [-9.0, -6.0]
@@ -239,8 +241,8 @@ def test_events_denser_than_their_spacing_wait_for_a_zoom(count, felt):
     events = [ov.Event(float(i), "tick") for i in range(count)] + [ov.Event(50.5, "goal")]
     timeline = ov.Timeline(title="", duration_s=float(count), events=tuple(events))
     kinds = {
-        "default": ov.Kind(height=4.0, width_percent=0.1),
-        "tick": ov.Kind(height=4.0, width_percent=0.1, spacing_percent=1.0),
+        "default": ov.EventKind(height=4.0, width_percent=0.1),
+        "tick": ov.EventKind(height=4.0, width_percent=0.1, spacing_percent=1.0),
     }
     surface = ov.build_surface(timeline, ov.Preset("x", "", "", {}, kinds))
     assert len(surface.event) == (count + 1 if felt else 1)

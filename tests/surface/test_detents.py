@@ -232,7 +232,7 @@ def test_the_end_stops_hold_an_overshooting_disk(stiffness):
         disk__inertia=J, disk__k1=0.02, disk__k2=0.02, surface__friction=1e-5,
         surface__end_stiffness=stiffness, surface__material="wood",
     )  # fmt: skip
-    gesture = ov.tap(1.0, 1.0) + ov.rest(1.0)
+    gesture = ov.tap(1.0, 1.0) + ov.pause(1.0)
     result = ov.render(timeline_of(), preset, gesture, tail="none")
     over = result.trace.cursor.max() - 1.0
     under = -result.trace.cursor.min()
@@ -273,7 +273,7 @@ def test_no_well_is_made_where_there_is_none(match, football):
 
 
 def test_wells_that_pull_nothing_change_no_bit(match, football):
-    gesture = ov.sweep(0.5) + ov.rest(0.2) + ov.tap(0.7, 0.2)
+    gesture = ov.sweep(0.5) + ov.pause(0.2) + ov.tap(0.7, 0.2)
     bare = football.with_values(surface__model="detent", surface__grip=0.0)
     without = ov.render(match, football, gesture, tail=0.3)
     with_none = ov.render(match, bare, gesture, tail=0.3)

@@ -44,7 +44,7 @@ def sticky(height=4.0, width=2.0, **kind):
 
 
 def test_bristles_without_grip_change_no_bit(match, football):
-    gesture = ov.sweep(0.5) + ov.rest(0.2) + ov.tap(0.7, 0.2)
+    gesture = ov.sweep(0.5) + ov.pause(0.2) + ov.tap(0.7, 0.2)
     bare = football.with_values(surface__model="bristle", surface__grip=0.0)
     without = ov.render(match, football, gesture, tail=0.3)
     with_none = ov.render(match, bare, gesture, tail=0.3)

@@ -15,12 +15,12 @@ from overview_dsp.measure.apart import KNOCK_DB
 from overview_dsp.measure.felt import JUST_NOTICEABLE_DB, stroke_feel, strokes, window_db
 from overview_dsp.plots.strokes import plot_strokes
 from overview_dsp.plots.timeline import plot_timeline
-from overview_dsp.presets.library import bundled_names
+from overview_dsp.presets.library import bundled_presets
 from overview_dsp.surface.gaps import GROOVE, MIN_GAP_CELLS, ribs
 from tests.examples import plain_preset, timeline_of
 
 SWEEPS = (2.0, 3.0, 4.0, 6.0)
-CASES = [(name, seconds) for name in bundled_names() for seconds in SWEEPS]
+CASES = [(name, seconds) for name in bundled_presets() for seconds in SWEEPS]
 
 CLEAR = ("crowd", "heart", "plain", "series", "weather", "football")
 SMOOTH = [(name, seconds) for name, seconds in CASES if name.startswith(CLEAR)]

@@ -25,7 +25,7 @@ PITCH = KIND_PARAMETERS["pitch_hz"]
 @given(st.sampled_from(MATERIALS), st.floats(PITCH.low, PITCH.high))
 def test_every_material_at_every_pitch_is_a_click_a_kind_may_have(material, pitch):
     modes = modes_of(material, pitch)
-    kind = ov.Kind(height=1.0, width_percent=1.0, modes=modes)
+    kind = ov.EventKind(height=1.0, width_percent=1.0, modes=modes)
     assert (len(kind.modes) == 0) == (material == "none")
     assert len(modes) <= MAX_MODES
     if modes:
@@ -49,7 +49,7 @@ def test_a_struck_bar_of_wood_decays_by_its_internal_friction():
 
 
 def test_modes_that_are_given_win_over_the_material():
-    given_ = ov.Mode(1234.0, 50.0)
+    given_ = ov.ClickMode(1234.0, 50.0)
     base = preset_with(modes=())
     for modes, expected in (((given_,), (given_,)), ((), modes_of("glass", 2000.0))):
         kind = replace(base.kinds["default"], material="glass", pitch_hz=2000.0, modes=modes)

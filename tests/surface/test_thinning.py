@@ -55,7 +55,7 @@ def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
 
 def test_merged_bristles_belong_to_the_event_that_strikes():
     preset = preset_with(height=2.0, width=0.03)
-    kind = ov.Kind(height=5.0, width_percent=0.03, model="bristle")
+    kind = ov.EventKind(height=5.0, width_percent=0.03, model="bristle")
     preset = type(preset)("b", "b", "b", preset.values, {"default": kind})
     with pytest.warns(OverviewWarning, match="tells"):
         surface = build_surface(timeline_of(*np.linspace(0.0, 100.0, 40_000)), preset)

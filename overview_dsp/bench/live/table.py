@@ -25,7 +25,7 @@ BLOCKS = (64, 128, 256, 512, 1024)
 START_WITHIN_S = 120.0
 """What a run may take beside its window: import, a first compile, PortAudio's start."""
 
-CELLS = (("native", False), ("python", False), ("native", True), ("python", True))
+TABLE_CELLS = (("native", False), ("python", False), ("native", True), ("python", True))
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def measure_live(
         A run failed, or the device stopped calling.
     """
     done = 0.0
-    total = rounds * len(CELLS) * seconds + seconds
+    total = rounds * len(TABLE_CELLS) * seconds + seconds
 
     def run(window: float, **what: Any) -> dict[str, Any]:
         nonlocal done
@@ -101,9 +101,9 @@ def measure_live(
         LatencyResult(**run(seconds / len(BLOCKS), block_size=block_size, test="latency"))
         for block_size in BLOCKS
     ]
-    found: dict[tuple[str, bool], list[LoadResult]] = {cell: [] for cell in CELLS}
+    found: dict[tuple[str, bool], list[LoadResult]] = {cell: [] for cell in TABLE_CELLS}
     for _ in range(rounds):
-        for callback, loaded in CELLS:
+        for callback, loaded in TABLE_CELLS:
             result = run(seconds, test="load", callback=callback, loaded=loaded, block_size=BLOCK)
             found[callback, loaded].append(LoadResult(**result))
     rows = [_row(*cell, results) for cell, results in found.items()]

@@ -22,12 +22,12 @@ def new(name: str, base: str, out: str | None, as_json: bool) -> None:
     """A new preset that extends another, with every parameter in it to be changed."""
     from overview_dsp.files.atomic import make_folder, whole_file
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets.library import bundled_names, load_preset, own_folder
+    from overview_dsp.presets.library import bundled_presets, load_preset, own_folder
     from overview_dsp.presets.writing import started_from
 
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
-    if out is None and name in bundled_names():
+    if out is None and name in bundled_presets():
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
     preset = load_preset(base)
     path = Path(out) if out is not None else make_folder(own_folder()) / (name + SUFFIX)
@@ -49,9 +49,9 @@ def new(name: str, base: str, out: str | None, as_json: bool) -> None:
 def edit(preset: str, as_json: bool) -> None:
     """Open one of your presets in your editor ($VISUAL, $EDITOR), and check it afterwards."""
     from overview_dsp.presets import load_preset, preset_path
-    from overview_dsp.presets.library import bundled_names
+    from overview_dsp.presets.library import bundled_presets
 
-    if preset in bundled_names():
+    if preset in bundled_presets():
         raise InputError(
             f"{preset!r} is bundled and stays as it is; make your own from it: overview presets "
             f"new my-{preset} --from {preset}"

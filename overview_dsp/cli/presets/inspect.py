@@ -12,12 +12,12 @@ from overview_dsp.cli.common import print_json
 def list_(as_json: bool) -> None:
     """The bundled presets and your own, and what each is for."""
     from overview_dsp.errors import InputError
-    from overview_dsp.presets import bundled_names, load_preset
+    from overview_dsp.presets import bundled_presets, load_preset
     from overview_dsp.presets.library import own_names, preset_path
 
     report = []
     faults = []
-    for name in (*bundled_names(), *own_names()):
+    for name in (*bundled_presets(), *own_names()):
         try:
             preset = load_preset(name)
         except InputError as error:

@@ -18,7 +18,7 @@ from overview_dsp.cli.options.timeline import open_timeline, timeline_options
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
-    from overview_dsp.presets.model import Kind
+    from overview_dsp.presets.model import EventKind
 
 
 @click.command(epilog="Example: overview presets audition heart -o heart.wav")
@@ -165,7 +165,7 @@ def tune(
     click.echo(f"{path}: each at least {found.least_steps:.1f} steps {wanted} {reached}")
 
 
-def _widths(before: Kind, after: Kind) -> str:
+def _widths(before: EventKind, after: EventKind) -> str:
     if before.width_percent is not None and after.width_percent is not None:
         return f"width {before.width_percent:g} to {after.width_percent:.3g} %"
     return f"width {before.width_ms:g} to {after.width_ms:.4g} ms"

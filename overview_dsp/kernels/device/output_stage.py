@@ -21,7 +21,6 @@ from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.limiter import limit
 
 FULL_SCALE = 1.0
-TACTOR = 1  # of the signals, the one that an actuator gets
 
 
 @inlined
@@ -70,7 +69,7 @@ def is_untouched(f64, i64, signal):
     gliding = i64[layout.L_DELAY_LEFT + signal]
     for i in range(signal, layout.L_GLIDED, layout.SIGNALS):
         gliding += i64[layout.L_LEFT + i]
-    driven = signal == TACTOR and i64[layout.L_ACTUATOR + layout.ACT_ON] == 1
+    driven = signal == layout.TACTOR and i64[layout.L_ACTUATOR + layout.ACT_ON] == 1
     return (
         gliding == 0
         and not driven
@@ -119,7 +118,7 @@ def treat(f64, i64, out, frames, channels, signal, channel):
     line = layout.L_LINES + signal * layout.DELAY_LINE
     written = i64[layout.L_LINE]
     peak = f64[layout.L_PEAK + signal]
-    driven = signal == TACTOR and i64[layout.L_ACTUATOR + layout.ACT_ON] == 1
+    driven = signal == layout.TACTOR and i64[layout.L_ACTUATOR + layout.ACT_ON] == 1
     for n in range(frames):
         at = written + n
         f64[line + (at & (layout.DELAY_LINE - 1))] = float(out[channel + n * channels])

@@ -32,7 +32,6 @@ from overview_dsp.kernels.simd.stages import (
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 
 FEWEST = 4  # voices for which the lanes' loops pay, with vectors of four numbers
-CHANNELS = 2
 TRACE_COLUMNS = (
     (layout.D_POSITION, own.POSITION),
     (layout.D_THETA2, own.THETA2),
@@ -176,7 +175,7 @@ def run_all(batch_f64, batch_i64, batch_u64, count, out, block, start, frames, t
                     batch_f64, batch_i64, lane, frames, trace, (lane * block + start) * layout.TRACE
                 )
             batch_i64[start_of(lane) + layout.CLOCK] += frames
-    write_all(batch_f64, out, start * CHANNELS, block * CHANNELS, frames)
+    write_all(batch_f64, out, start * layout.SIGNALS, block * layout.SIGNALS, frames)
 
 
 @inlined
@@ -201,9 +200,11 @@ def leave(batch_f64, batch_i64, batch_u64, lane, out, frames):
     put_back(batch_f64, f64, lane)
     i64[layout.M_SUMMED] += frames
     i64[layout.M_BLOCKS] += 1
-    first = lane * frames * CHANNELS
+    first = lane * frames * layout.SIGNALS
     clock = i64[layout.CLOCK]
-    recover(f64, i64, own.block(batch_u64, lane), clock, out, first, first + frames * CHANNELS)
+    recover(
+        f64, i64, own.block(batch_u64, lane), clock, out, first, first + frames * layout.SIGNALS
+    )
 
 
 @inlined

@@ -48,7 +48,7 @@ _SOUND = (
     (b"dns.", 0),
     (b"ID3", 0),
     (b"riff.\x91\xcf\x11", 0),
-    (b"Creative Voice File", 0),
+    (b"Creative RenderJob File", 0),
     (b"NIST_1A", 0),
     (b"8SVX", 8),
     (b"MATLAB 5.0", 0),
