@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from overview_dsp.bench.live.table import BLOCKS, CELLS, LoadRow, lost_ratio
+from overview_dsp.bench.live.table import BLOCKS, TABLE_CELLS, LoadRow, lost_ratio
 from tests.cli.running import overview, refused
 from tests.live import jack_server
 
@@ -53,7 +53,7 @@ def test_no_such_output_is_one_line():
 def test_the_live_bench_reports_every_row_and_block_size():
     with jack_server.Server(period=256) as server:
         report = json.loads(server.python(*BENCH, "--device", "system", "--json", timeout=300))
-    assert [(cell["callback"], cell["loaded"]) for cell in report["load"]] == list(CELLS)
+    assert [(cell["callback"], cell["loaded"]) for cell in report["load"]] == list(TABLE_CELLS)
     assert [found["block_size"] for found in report["latency"]] == list(BLOCKS)
     for cell in report["load"]:
         assert cell["callbacks"] > 0
