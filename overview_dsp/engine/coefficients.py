@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.kernels import elementary, layout
+from overview_dsp.kernels import clutch, elementary, layout
 from overview_dsp.kernels.dc_block import CORNER_HZ
 from overview_dsp.presets.model import ClickMode, Preset
 from overview_dsp.units import db_to_gain
@@ -38,6 +38,12 @@ APPROACH_S = 0.2
 GRAIN_S = 0.05
 """Time constant of the grain's level: many small contacts don't start at once."""
 
+PACE_S = 0.08
+"""Time constant of the hand's pace, behind the input smoother."""
+
+PACE_LEAST, PACE_MOST = 0.02, 6.0
+"""Timelines a second: below, a finger rests (3.6 degrees a second); above, the input jumps."""
+
 FADE_S = 0.03
 """How long one surface takes to give way to another."""
 
@@ -59,6 +65,7 @@ def coefficients(preset: Preset, sample_rate: float) -> dict[int, float]:
     dt = 1.0 / sample_rate
     inertia, k1, k2 = number("disk.inertia"), number("disk.k1"), number("disk.k2")
     to_theta1 = math.pi / layout.CELLS * (k2 / (k1 + k2))
+    catch_up, unfold_s = number("disk.catch_up"), number("disk.unfold_s")
     tactor_gain = 0.0 if preset.values["tactor.mute"] else db_to_gain(number("tactor.gain_db"))
     click_gain = 0.0 if preset.values["click.mute"] else db_to_gain(number("click.gain_db"))
     # white noise has its power in half the sample rate, the grain's low-pass keeps a fixed band
@@ -85,6 +92,11 @@ def coefficients(preset: Preset, sample_rate: float) -> dict[int, float]:
         layout.C_CEILING: db_to_gain(number("output.ceiling_db")),
         layout.C_GRAIN: one_pole(GRAIN_S, sample_rate),
         layout.C_FORGET: _exp(-dt / APPROACH_S),
+        layout.C_CATCH: catch_up / ((k1 + k2) * dt) if catch_up > 0.0 else clutch.OFF,
+        layout.C_UNFOLD: dt / unfold_s if unfold_s > 0.0 else PACE_MOST * dt,
+        layout.C_PACE: one_pole(PACE_S, sample_rate),
+        layout.C_PACE_LEAST: PACE_LEAST * layout.CELLS * dt,
+        layout.C_PACE_MOST: PACE_MOST * layout.CELLS * dt,
         layout.C_DC_POLE: _exp(-2.0 * math.pi * CORNER_HZ * dt),
     }
 

@@ -436,6 +436,12 @@ class Engine:
         return reports.read_holder(self._f64)
 
     @property
+    def events_ahead(self) -> int:
+        """Events between the disk and the finger that holds it, as of the last block."""
+        self._require_prepared()
+        return reports.count_events_ahead(self._f64)
+
+    @property
     def latency_samples(self) -> int:
         """How many samples the disk's input lags a moving hand (a tap is not delayed)."""
         self._require_prepared()

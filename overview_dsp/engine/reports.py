@@ -62,6 +62,18 @@ def read_holder(memory: NDArray[np.float64]) -> tuple[str, float] | None:
     return SOURCES[source], float(memory[layout.SOURCE_THETA2 + source])
 
 
+def count_events_ahead(memory: NDArray[np.float64]) -> int:
+    """Events between the disk and the finger that holds it (texture strikes count)."""
+    i64 = memory.view(np.int64)
+    if not i64[layout.TOUCHING]:
+        return 0
+    slot = layout.SURFACES + int(i64[layout.ACTIVE_SLOT]) * layout.SLOT_SIZE
+    count = int(i64[slot + layout.SLOT_EVENTS])
+    positions = memory[slot + layout.SLOT_POSITION :][:count]
+    below = int(np.searchsorted(positions, memory[layout.INPUT], side="right"))
+    return abs(below - int(i64[layout.NEXT_EVENT]))
+
+
 def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.void], int]:
     """The control events applied after the first `since` ones, and how many there are by now.
 

@@ -49,6 +49,9 @@ class Gesture:
         Which hand, as an index of `SOURCES`; touch if left out.
     changes : tuple of Change
         What else happened while a take was recorded, in order of time.
+    on_arrival : tuple of int
+        Events that let go: each comes as soon as the disk has arrived at the finger, at its time
+        at the latest. In a file they have their times.
 
     Raises
     ------
@@ -62,6 +65,7 @@ class Gesture:
     duration_s: float
     source: NDArray[np.int8] = None  # type: ignore[assignment]
     changes: tuple[Change, ...] = ()
+    on_arrival: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         time_s = np.array(self.time_s, dtype=np.float64)
@@ -80,6 +84,9 @@ class Gesture:
                 f"the gesture's time goes back at event {first + 1}: "
                 f"{time_s[first]:g} s after {time_s[first - 1]:g} s"
             )
+        for event in self.on_arrival:
+            if not 0 < event < len(time_s) or touching[event]:
+                raise InputError(f"on_arrival names event {event}, which doesn't let go")
         last = float(time_s[-1]) if len(time_s) else 0.0
         if not last <= LONGEST_S or not 0.0 <= self.duration_s <= LONGEST_S:
             raise InputError(
@@ -108,6 +115,7 @@ class Gesture:
             self.duration_s + other.duration_s,
             np.concatenate([self.source, other.source]),
             (*self.changes, *later),
+            (*self.on_arrival, *(event + len(self.time_s) for event in other.on_arrival)),
         )
 
     def stamps(self, sample_rate: float) -> NDArray[np.int64]:

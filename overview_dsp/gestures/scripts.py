@@ -13,8 +13,8 @@ from overview_dsp.units import HALF_TURN
 CONTROL_RATE = 200.0
 """Control events a second of a scripted movement."""
 
-ARRIVAL_S = 0.5
-"""How long a sweep rests at its end before it lets go: the disk lags the finger and must arrive."""
+ARRIVAL_S = 1.5
+"""How long a sweep rests at its end at most: the disk lags the finger and must arrive."""
 
 LONGEST_S = 24 * 3600.0
 
@@ -34,7 +34,9 @@ def _seconds(value: float, what: str, zero: bool = False) -> float:
 
 
 def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
-    """Touch down at `start`, move steadily to `end` in `seconds`, rest 0.5 s, let go.
+    """Touch down at `start`, move steadily to `end` in `seconds`, let go when the disk is there.
+
+    The disk lags the finger; it is waited for, 1.5 s at most.
 
     Positions are 0 (start of the timeline) to 1 (its end).
     """
@@ -48,7 +50,7 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
     theta2 = np.append(place, place[-1]) * HALF_TURN
     touching = np.ones(steps + 2, dtype=bool)
     touching[-1] = False
-    return Gesture(time_s, theta2, touching, float(time_s[-1]))
+    return Gesture(time_s, theta2, touching, float(time_s[-1]), on_arrival=(steps + 1,))
 
 
 def tap(position: float, hold_seconds: float = 1.0) -> Gesture:

@@ -25,6 +25,7 @@ def engage(f64, i64, source):
     f64[layout.INPUT] = position
     f64[layout.SMOOTH_1] = position
     f64[layout.SMOOTH_2] = position
+    f64[layout.PACE] = f64[layout.C_UNFOLD] * layout.CELLS
     i64[layout.HOLDER] = source
     i64[layout.TOUCHING] = 1
 
@@ -46,6 +47,7 @@ def let_go(f64, i64):
         f64[layout.INPUT] = f64[layout.SOURCE_THETA2 + heir] * CELLS_PER_RAD
     elif i64[layout.S_RELEASE_RETURNS] == 1:
         f64[layout.INPUT] = 0.0
+        f64[layout.PACE] = f64[layout.C_UNFOLD] * layout.CELLS
     else:
         i64[layout.TOUCHING] = 0
 

@@ -36,7 +36,7 @@ def disk_alone(f64, table, hand, torque):
     half = 0.0
     for n in range(torque.size):
         friction = friction_at(f64, table, x + half)
-        middle = midpoint_speed(x, 2.0 * half, hand[n], spring, inertia, denominator, friction)
+        middle = midpoint_speed(2.0 * half, hand[n] - x, spring, inertia, denominator, friction)
         x = x + middle
         half = middle - half
         torque[n] = friction * (middle * to_omega)

@@ -59,7 +59,12 @@ COEFF = 0
     C_DC_POLE,
     C_GRAIN,  # the grain's level smoothing, a sample
     C_FORGET,  # how fast the disk's approach speed is forgotten, a sample
-) = range(COEFF, COEFF + 22)
+    C_CATCH,  # clutch: reach for a pace and a friction of 1, cells; clutch.OFF = rigid
+    C_UNFOLD,  # clutch: part of the way to the hand that is let go in a sample at least
+    C_PACE,  # clutch: smoothing of the hand's pace, a sample
+    C_PACE_LEAST,  # slower, a finger rests, cells a sample
+    C_PACE_MOST,  # faster is a jump, cells a sample
+) = range(COEFF, COEFF + 27)
 TARGET = COEFF + COEFFS
 GLIDE_FROM = TARGET + COEFFS
 GLIDE_LEFT = GLIDE_FROM + COEFFS  # i64: samples left of each glide
@@ -108,7 +113,8 @@ STATE = SETTINGS + 8
     BRISTLE,  # deflection of the bristles, cells
     BRISTLE_STIFFNESS,  # of the bristles deflected, N m/rad
     SLIP_PEAK,  # highest |torque| of the bristles since they stuck, N m; -1 = they slide
-) = range(STATE, STATE + 29)
+    PACE,  # of the hand, cells a sample
+) = range(STATE, STATE + 30)
 SOURCE_TOUCHING = STATE + 32  # i64: of each source
 SOURCE_TOUCHED_AT = SOURCE_TOUCHING + SOURCES  # i64: TOUCH_COUNT when it last touched
 SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # rad

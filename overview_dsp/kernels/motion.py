@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import log_strike
+from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
+from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
 from overview_dsp.kernels.friction import friction_at
 from overview_dsp.kernels.glide import smooth_step
-from overview_dsp.kernels.nonviscous_step import slide
+from overview_dsp.kernels.nonviscous_step import holding_torque, slide
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
@@ -41,6 +43,7 @@ def step(f64, i64, n, old_slot, modelled):
     slot = slot_of(i64, layout.ACTIVE_SLOT)
     x = f64[layout.X]
     v = f64[layout.V]
+    was = f64[layout.SMOOTH_2]
     y1, y2 = smooth(
         f64[layout.INPUT], f64[layout.SMOOTH_1], f64[layout.SMOOTH_2], f64[layout.C_SMOOTH]
     )
@@ -56,13 +59,33 @@ def step(f64, i64, n, old_slot, modelled):
         friction = friction + (before - friction) * left
         i64[layout.FADE_LEFT] -= 1
     held = i64[layout.TOUCHING] == 1
-    rest = y2 if held else 0.0
+    hold = 1.0 if held else 0.0
+    moved = abs(y2 - was)
+    pace = f64[layout.PACE]
+    if i64[layout.HOLDER] >= 0:
+        pace = follow_hand(
+            pace, moved, f64[layout.C_PACE], f64[layout.C_PACE_LEAST], f64[layout.C_PACE_MOST]
+        )
+    f64[layout.PACE] = pace
+    catch = f64[layout.C_CATCH] if held else CLUTCH_OFF
+    holding = friction
+    if modelled and catch < CLUTCH_OFF:
+        # the friction that would hold as much at the hand's pace
+        holding = holding + holding_torque(f64, i64, slot, old_slot, ahead) / (
+            pace * f64[layout.C_OMEGA]
+        )
+    stretch = y2 * hold - x
+    used = y2
+    reach = reach_of(stretch, pace, f64[layout.C_UNFOLD], holding, catch)
+    if abs(stretch) > reach:
+        stretch = slipped(stretch, reach)
+        used = x + stretch
     spring = f64[layout.C_SPRING_HELD] if held else f64[layout.C_SPRING_FREE]
     inertia = f64[layout.C_INERTIA]
     denominator = inertia * (2.0 + 0.5 * spring)
     to_omega = f64[layout.C_OMEGA]
     if modelled:
-        push = inertia * (2.0 * v + spring * (rest - x))
+        push = inertia * (2.0 * v + spring * stretch)
         middle, v, torque, released, event = slide(
             f64, i64, slot, old_slot, left, x, v, push, denominator + friction
         )
@@ -70,7 +93,7 @@ def step(f64, i64, n, old_slot, modelled):
         if released > 0.0:
             log_strike(f64, i64, event, released, i64[layout.CLOCK] + n, 0.5)
     else:
-        middle = midpoint_speed(x, v, rest, spring, inertia, denominator, friction)
+        middle = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
         torque = friction * (middle * to_omega)
         v = 2.0 * middle - v
     omega = middle * to_omega
@@ -85,14 +108,14 @@ def step(f64, i64, n, old_slot, modelled):
     f64[layout.D_PHASE + i] = f64[layout.PHASE]
     f64[layout.D_POSITION + i] = f64[layout.X]
     f64[layout.D_SPEED + i] = f64[layout.V]
-    f64[layout.D_THETA2 + i] = y2
+    f64[layout.D_THETA2 + i] = used
     f64[layout.D_FRICTION + i] = friction
 
 
 @inlined
 def stands(f64, i64, n, stuck):
     """Whether the disk is at rest in sample n of a chunk; `stuck` is the speed that is rest too."""
-    rest = f64[layout.D_THETA2 + n] if i64[layout.TOUCHING] == 1 else 0.0
+    rest = f64[layout.INPUT] if i64[layout.TOUCHING] == 1 else 0.0
     near = abs(f64[layout.D_POSITION + n] - rest) < NEAR_REST
     return near or abs(f64[layout.D_OMEGA + n]) < stuck
 

@@ -25,9 +25,9 @@ from overview_dsp.kernels.compiling import inlined
 
 
 @inlined
-def midpoint_speed(x, v, rest, spring, inertia, denominator, friction):
+def midpoint_speed(v, stretch, spring, inertia, denominator, friction):
     """The step's midpoint speed vm (cells a sample).
 
-    `rest` is s*u, `spring` K, `inertia` J/dt, `denominator` (J/dt)*(2 + K/2), `friction` B.
+    `stretch` is s*u - x, `spring` K, `inertia` J/dt, `denominator` (J/dt)*(2 + K/2), `friction` B.
     """
-    return inertia * (2.0 * v + spring * (rest - x)) / (denominator + friction)
+    return inertia * (2.0 * v + spring * stretch) / (denominator + friction)

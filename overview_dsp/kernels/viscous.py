@@ -11,6 +11,8 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
+from overview_dsp.kernels.clutch import reach_of, slipped
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import event_above, event_below
 from overview_dsp.kernels.friction import friction_at
@@ -49,6 +51,12 @@ def travel(f64, i64, start, frames):
     to_omega = f64[layout.C_OMEGA]
     held = i64[layout.TOUCHING] == 1
     hold = 1.0 if held else 0.0
+    pace = f64[layout.PACE]
+    pacing = f64[layout.C_PACE] if i64[layout.HOLDER] >= 0 else 0.0
+    least = f64[layout.C_PACE_LEAST]
+    most = f64[layout.C_PACE_MOST]
+    catch = f64[layout.C_CATCH] if held else CLUTCH_OFF
+    unfold = f64[layout.C_UNFOLD]
     spring = f64[layout.C_SPRING_HELD] if held else f64[layout.C_SPRING_FREE]
     denominator = inertia * (2.0 + 0.5 * spring)
     table = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE + layout.SLOT_TABLE
@@ -57,10 +65,19 @@ def travel(f64, i64, start, frames):
 
     n = start
     while n < frames:
+        was = y2
         y1, y2 = smooth(target, y1, y2, smoothing)
-        rest = y2 * hold
         friction = friction_at(f64, table, x + half)
-        middle = midpoint_speed(x, 2.0 * half, rest, spring, inertia, denominator, friction)
+        moved = abs(y2 - was)
+        if least < moved < most:
+            pace = pace + pacing * (moved - pace)
+        stretch = y2 * hold - x
+        used = y2
+        reach = reach_of(stretch, pace, unfold, friction, catch)
+        if abs(stretch) > reach:
+            stretch = slipped(stretch, reach)
+            used = x + stretch
+        middle = midpoint_speed(2.0 * half, stretch, spring, inertia, denominator, friction)
         x = x + middle
         half = middle - half
         omega = middle * to_omega
@@ -76,7 +93,7 @@ def travel(f64, i64, start, frames):
         f64[layout.D_PHASE + i] = phase
         f64[layout.D_POSITION + i] = x
         f64[layout.D_SPEED + i] = 2.0 * half
-        f64[layout.D_THETA2 + i] = y2
+        f64[layout.D_THETA2 + i] = used
         f64[layout.D_FRICTION + i] = friction
         n += 1
         if x >= above or x < below:
@@ -88,4 +105,5 @@ def travel(f64, i64, start, frames):
     f64[layout.SMOOTH_2] = y2
     f64[layout.PHASE] = phase
     f64[layout.APPROACH] = approach
+    f64[layout.PACE] = pace
     return n

@@ -137,6 +137,23 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 "Stiffness of shaft 2, to the finger: more makes the disk follow more closely.",
                 "log",
             ),
+            number(
+                "disk.catch_up",
+                0.0,
+                0.0,
+                10.0,
+                "x",
+                "Slip clutch: how fast the disk may follow, of the hand's own pace, where an event "
+                "held it back; 0 = a rigid shaft, which throws it.",
+            ),
+            number(
+                "disk.unfold_s",
+                0.0,
+                0.0,
+                10.0,
+                "s",
+                "Slip clutch: how long a tap takes to run over the whole timeline; 0 = at once.",
+            ),
             Parameter(
                 "disk.release",
                 "recoil",
@@ -435,7 +452,7 @@ KIND_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             number(
                 "width_percent",
                 None,
-                0.03,
+                0.01,
                 20.0,
                 "%",
                 "Width at half height, of the whole timeline: the same feel at any zoom.",

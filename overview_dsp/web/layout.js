@@ -43,6 +43,11 @@ export const L = Object.freeze({
   C_DC_POLE: 19,
   C_GRAIN: 20,
   C_FORGET: 21,
+  C_CATCH: 22,
+  C_UNFOLD: 23,
+  C_PACE: 24,
+  C_PACE_LEAST: 25,
+  C_PACE_MOST: 26,
   TARGET: 32,
   GLIDE_FROM: 64,
   GLIDE_LEFT: 96,
@@ -84,6 +89,7 @@ export const L = Object.freeze({
   BRISTLE: 162,
   BRISTLE_STIFFNESS: 163,
   SLIP_PEAK: 164,
+  PACE: 165,
   SOURCE_TOUCHING: 168,
   SOURCE_TOUCHED_AT: 174,
   SOURCE_THETA2: 180,
@@ -275,4 +281,4 @@ export const ENCODING = Object.freeze({
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([1146073257, 1182649400]);
+export const DIGEST = Object.freeze([1137269659, 557844203]);

@@ -18,7 +18,8 @@ static const double FAR_AWAY = 1e300, RETREAT = 1e-6, STANDSTILL = 1e-150, STILL
 typedef struct {
     double spring_held, spring_free, inertia, theta, omega, smooth, torque, gate, exponent, decay,
         rise, carrier, tactor_gain, click_gain, strike_torque, strike_exponent, texture_gain,
-        texture_cutoff, ceiling, dc_pole, grain, forget;
+        texture_cutoff, ceiling, dc_pole, grain, forget, catch_up, unfold, pacing, pace_least,
+        pace_most;
 } Coefficients;
 
 /* a mode of a surface */
@@ -54,7 +55,7 @@ typedef struct {
 typedef struct {
     int64_t clock, touching, following, strikes, sounded[CONTACT], ringing, ringing_kind[BANKS];
     uint64_t noise;
-    double x, v, input, smooth_1, smooth_2, approach, phase;
+    double x, v, input, smooth_1, smooth_2, approach, phase, pace;
     double follower, envelope_1, envelope_2, tactor_in, tactor_out;
     double grain, texture, click_in, click_out;
     Bank bank[BANKS];
@@ -299,7 +300,7 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
                  int64_t frames) {
     double x = voice->x, half = 0.5 * voice->v, y1 = voice->smooth_1, y2 = voice->smooth_2;
     double phase = voice->phase, approach = voice->approach;
-    double target = voice->input;
+    double target = voice->input, pace = voice->pace;
     double spring = voice->touching ? c->spring_held : c->spring_free;
     double denominator = c->inertia * (2.0 + 0.5 * spring);
     int64_t following = voice->following, events = surface->events;
@@ -308,6 +309,7 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
     double below = following > 0 ? place[following - 1] - RETREAT : -FAR_AWAY;
 
     for (int64_t n = 0; n < frames; n++) {
+        double moved = y2;
         y1 = y1 + c->smooth * (target - y1);
         y2 = y2 + c->smooth * (y1 - y2);
         y1 = y1 > STILL ? y1 : 0.0;
@@ -317,10 +319,18 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
         ahead = ahead > CELLS ? CELLS : ahead;
         int64_t i = (int64_t)ahead;
         double friction = surface->table[2 * i] + (ahead - (double)i) * surface->table[2 * i + 1];
-        double rest = voice->touching ? y2 : 0.0;
+        double stretch = voice->touching ? y2 - x : 0.0 - x;
+        if (voice->touching) { /* kernels/clutch.py */
+            moved = fabs(y2 - moved);
+            if (moved > c->pace_least && moved < c->pace_most)
+                pace = pace + c->pacing * (moved - pace);
+            double way = fabs(stretch) * c->unfold;
+            double reach = (way > pace ? way : pace) * (friction * c->catch_up);
+            if (fabs(stretch) > reach) stretch = stretch > 0.0 ? reach : -reach;
+        }
         double was = x;
         double middle =
-            c->inertia * (4.0 * half + spring * (rest - x)) / (denominator + friction);
+            c->inertia * (4.0 * half + spring * stretch) / (denominator + friction);
         x = x + middle;
         half = middle - half;
         half = fabs(half) < 0.5 * STANDSTILL ? 0.0 : half;
@@ -356,6 +366,7 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
     voice->smooth_2 = y2;
     voice->phase = phase;
     voice->approach = approach;
+    voice->pace = pace;
     voice->following = following;
 }
 
@@ -441,11 +452,14 @@ static void emit(const double *x, int64_t frames, double ceiling, float *out) {
     }
 }
 
-static void control(Voice *voice, const Control *event) {
+static void control(Voice *voice, const Coefficients *c, const Control *event) {
     double place = event->theta2 * (CELLS / PI);
     if (event->touching) {
         voice->input = place;
-        if (!voice->touching) voice->smooth_1 = voice->smooth_2 = place;
+        if (!voice->touching) {
+            voice->smooth_1 = voice->smooth_2 = place;
+            voice->pace = c->unfold * CELLS;
+        }
     }
     voice->touching = event->touching;
 }
@@ -467,7 +481,7 @@ void voice_render(Voice *voice, const Coefficients *c, const Surface *surface,
     int64_t next = 0, end = voice->clock + frames;
     while (next < count && events[next].sample < voice->clock) next++;
     while (voice->clock < end) {
-        while (next < count && events[next].sample <= voice->clock) control(voice, &events[next++]);
+        while (next < count && events[next].sample <= voice->clock) control(voice, c, &events[next++]);
         int64_t stop = next < count && events[next].sample < end ? events[next].sample : end;
         while (voice->clock < stop) {
             int64_t length = stop - voice->clock < CHUNK ? stop - voice->clock : CHUNK;

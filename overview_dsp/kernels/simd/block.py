@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import recover
+from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
 from overview_dsp.kernels.control import apply_due, next_due
 from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
@@ -21,6 +22,7 @@ from overview_dsp.kernels.output import limit_column
 from overview_dsp.kernels.simd import memory as own
 from overview_dsp.kernels.simd.memory import put_back, start_of, take_in
 from overview_dsp.kernels.simd.stages import (
+    PACE,
     SMOOTH_1,
     SMOOTH_2,
     X,
@@ -61,6 +63,9 @@ def take_hand(batch_f64, f64, i64, lane):
     held = i64[layout.TOUCHING] == 1
     spring = f64[layout.C_SPRING_HELD] if held else f64[layout.C_SPRING_FREE]
     batch_f64[own.INPUT + lane] = f64[layout.INPUT]
+    pacing = f64[layout.C_PACE] if i64[layout.HOLDER] >= 0 else 0.0
+    batch_f64[own.PACING + lane] = pacing
+    batch_f64[own.CATCH + lane] = f64[layout.C_CATCH] if held else CLUTCH_OFF
     batch_f64[own.HOLD + lane] = 1.0 if held else 0.0
     batch_f64[own.SPRING + lane] = spring
     batch_f64[own.DENOMINATOR + lane] = f64[layout.C_INERTIA] * (2.0 + 0.5 * spring)
@@ -71,9 +76,11 @@ def obey(batch_f64, f64, i64, lane):
     """Apply a voice's control events that are due."""
     f64[layout.SMOOTH_1] = batch_f64[SMOOTH_1 + lane]
     f64[layout.SMOOTH_2] = batch_f64[SMOOTH_2 + lane]
+    f64[layout.PACE] = batch_f64[PACE + lane]
     apply_due(f64, i64)
     batch_f64[SMOOTH_1 + lane] = f64[layout.SMOOTH_1]
     batch_f64[SMOOTH_2 + lane] = f64[layout.SMOOTH_2]
+    batch_f64[PACE + lane] = f64[layout.PACE]
     take_hand(batch_f64, f64, i64, lane)
 
 

@@ -19,6 +19,7 @@ MOVED = (
     layout.APPROACH,
     layout.X,
     layout.V,
+    layout.PACE,
     layout.SMOOTH_1,
     layout.SMOOTH_2,
     layout.FOLLOWER,
@@ -45,7 +46,9 @@ INPUT = STATE + len(MOVED) * SIMD_WIDTH
 HOLD = INPUT + SIMD_WIDTH  # 1 while shaft 2 is engaged, else 0
 SPRING = HOLD + SIMD_WIDTH
 DENOMINATOR = SPRING + SIMD_WIDTH
-HIGHEST = DENOMINATOR + SIMD_WIDTH  # position in the last chunk, cells
+PACING = DENOMINATOR + SIMD_WIDTH  # smoothing of the hand's pace, 0 where nobody holds the disk
+CATCH = PACING + SIMD_WIDTH  # the clutch's reach where shaft 2 is engaged, else without end
+HIGHEST = CATCH + SIMD_WIDTH  # position in the last chunk, cells
 LOWEST = HIGHEST + SIMD_WIDTH
 TABLE = LOWEST + SIMD_WIDTH  # i64: where the voice's friction table begins
 DUE = TABLE + SIMD_WIDTH  # i64: sample of the voice's next control event

@@ -6,6 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
 from overview_dsp.kernels.compiling import outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
@@ -31,6 +32,7 @@ from overview_dsp.kernels.viscous import STANDSTILL, snapped
 APPROACH = own.of_state(layout.APPROACH)
 X = own.of_state(layout.X)
 V = own.of_state(layout.V)
+PACE = own.of_state(layout.PACE)
 SMOOTH_1 = own.of_state(layout.SMOOTH_1)
 SMOOTH_2 = own.of_state(layout.SMOOTH_2)
 FOLLOWER = own.of_state(layout.FOLLOWER)
@@ -53,6 +55,9 @@ LAST_ENVELOPE = own.of_state(layout.M_ENVELOPE)
 PEAK_CLICK = own.of_state(layout.M_PEAK_CLICK)
 PEAK_TACTOR = own.of_state(layout.M_PEAK_TACTOR)
 C_SMOOTH = own.of_coefficient(layout.C_SMOOTH)
+C_UNFOLD = own.of_coefficient(layout.C_UNFOLD)
+C_PACE_LEAST = own.of_coefficient(layout.C_PACE_LEAST)
+C_PACE_MOST = own.of_coefficient(layout.C_PACE_MOST)
 C_INERTIA = own.of_coefficient(layout.C_INERTIA)
 C_OMEGA = own.of_coefficient(layout.C_OMEGA)
 C_FORGET = own.of_coefficient(layout.C_FORGET)
@@ -79,6 +84,7 @@ def travel_all(batch_f64, batch_i64, frames, traced):
     y2 = load(batch_f64, SMOOTH_2)
     phase = load(batch_f64, PHASE)
     approach = load(batch_f64, APPROACH)
+    pace = load(batch_f64, PACE)
     impulse = load(batch_f64, IMPULSE)
     still = load_words(batch_i64, STILL)
     torque = load(batch_f64, LAST_TORQUE)
@@ -87,13 +93,26 @@ def travel_all(batch_f64, batch_i64, frames, traced):
     lowest = x
     for n in range(frames):
         at = n * SIMD_WIDTH
+        was = y2
         y1, y2 = smooth(load(batch_f64, own.INPUT), y1, y2, load(batch_f64, C_SMOOTH))
         friction = frictions_at(batch_f64, batch_i64, own.TABLE, x + half)
-        rest = y2 * load(batch_f64, own.HOLD)
+        pace = follow_hand(
+            pace,
+            abs(y2 - was),
+            load(batch_f64, own.PACING),
+            load(batch_f64, C_PACE_LEAST),
+            load(batch_f64, C_PACE_MOST),
+        )
+        rigid = y2 * load(batch_f64, own.HOLD) - x
+        reach = reach_of(
+            rigid, pace, load(batch_f64, C_UNFOLD), friction, load(batch_f64, own.CATCH)
+        )
+        slips = abs(rigid) > reach
+        stretch = choose(slips, slipped(rigid, reach), rigid)
+        used = choose(slips, x + stretch, y2)
         middle = midpoint_speed(
-            x,
             2.0 * half,
-            rest,
+            stretch,
             load(batch_f64, own.SPRING),
             load(batch_f64, C_INERTIA),
             load(batch_f64, own.DENOMINATOR),
@@ -112,7 +131,8 @@ def travel_all(batch_f64, batch_i64, frames, traced):
         impulse = impulse + torque
         highest = max(highest, x)
         lowest = min(lowest, x)
-        still = choose(abs(x - rest) < NEAR_REST, still + 1, 0)
+        at_rest = load(batch_f64, own.INPUT) * load(batch_f64, own.HOLD)
+        still = choose(abs(x - at_rest) < NEAR_REST, still + 1, 0)
         store(batch_f64, own.TORQUE + at, torque)
         store(batch_f64, own.OMEGA + at, omega)
         store(batch_f64, own.PHASE + at, phase)
@@ -120,7 +140,7 @@ def travel_all(batch_f64, batch_i64, frames, traced):
         store(batch_f64, own.APPROACH + at, approach)
         if traced:
             store(batch_f64, own.SPEED + at, 2.0 * half)
-            store(batch_f64, own.THETA2 + at, y2)
+            store(batch_f64, own.THETA2 + at, used)
             store(batch_f64, own.FRICTION + at, friction)
     store(batch_f64, X, x)
     store(batch_f64, V, 2.0 * half)
@@ -128,6 +148,7 @@ def travel_all(batch_f64, batch_i64, frames, traced):
     store(batch_f64, SMOOTH_2, y2)
     store(batch_f64, PHASE, phase)
     store(batch_f64, APPROACH, approach)
+    store(batch_f64, PACE, pace)
     store(batch_f64, IMPULSE, impulse)
     store(batch_f64, STILL, still)
     store(batch_f64, LAST_TORQUE, torque)
