@@ -21,6 +21,7 @@ from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail
 from overview_dsp.rendering.trace import Trace
+from overview_dsp.rendering.transcript import transcript
 from overview_dsp.timeline import Timeline
 
 BLOCK = 4096
@@ -68,7 +69,7 @@ class Result:
         save_sound(path, self.samples, self.sample_rate, subtype)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: a player and the gesture's curves."""
+        """What a notebook shows: a player, the gesture's curves and a transcript."""
         rows: list[Row] = []
         if self.trace is not None:
             rows = [
@@ -77,8 +78,12 @@ class Result:
                 ("torque, mN·m", 1e3 * self.trace.torque, "#0072B2"),
                 ("vibration", self.trace.envelope, "#D55E00"),
             ]
-        title = f"{self.engine.timeline.title or 'timeline'}, preset {self.engine.preset.name}"
-        return result_page(title, self.samples, self.sample_rate, rows)
+        timeline = self.engine.timeline
+        title = f"{timeline.title or 'timeline'}, preset {self.engine.preset.name}"
+        held = self.trace.touching if self.trace is not None else None
+        spoken = transcript(self.strikes, timeline, held, self.sample_rate)
+        passed = len(self.strikes.of_events())
+        return result_page(title, self.samples, self.sample_rate, rows, spoken, passed)
 
 
 def blocks(
