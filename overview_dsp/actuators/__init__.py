@@ -2,5 +2,6 @@
 
 from overview_dsp.actuators.library import actuator_names, load_actuator
 from overview_dsp.actuators.model import Actuator
+from overview_dsp.actuators.stage import ActuatorStage
 
-__all__ = ["Actuator", "actuator_names", "load_actuator"]
+__all__ = ["Actuator", "ActuatorStage", "actuator_names", "load_actuator"]
