@@ -55,6 +55,7 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "min_reported_time": 1e9,
     "show_memory": False,
+    "show_signature": False,
     "download_all_examples": False,
     "within_subsection_order": "FileNameSortKey",
     "default_thumb_file": str(HERE / "pictures" / "sweeps.png"),
@@ -70,10 +71,11 @@ html_show_sourcelink = False
 html_theme_options = {
     "show_toc_level": 2,
     "navigation_with_keys": False,
-    "header_links_before_dropdown": 6,
+    "header_links_before_dropdown": 5,
     "footer_start": ["copyright"],
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],
 }
-html_sidebars = {"index": [], "changelog": [], "benchmarks": []}
+# pages of one level have nothing to show beside them
+html_sidebars = {page: [] for page in ("index", "quickstart", "touch", "benchmarks", "changelog")}
 copybutton_exclude = ".linenos, .gp, .go"

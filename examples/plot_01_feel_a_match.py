@@ -14,7 +14,8 @@ import matplotlib.pyplot as plt
 import overview_dsp as ov
 
 match = ov.load_timeline("world-cup-final-2018")
-print(match.title, match.kinds())
+print(match.title)
+print(match.kinds())
 
 # %%
 # What was loaded: the intensity of the match is the friction's ground, events stand on it.

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import re
 from pathlib import Path
 from typing import Any
 
 import click
 from sphinx.application import Sphinx
+from sphinx.config import Config
 
 import overview_dsp as ov
 from overview_dsp.cli import COMMANDS, app
+from overview_dsp.plots.paper import draw, renders
 from overview_dsp.presets import bundled_presets, load_preset, preset_path
 from overview_dsp.presets.describe import describe
 from overview_dsp.presets.reference import reference
@@ -83,7 +86,9 @@ def _summary(module: str, names: list[str], heading: str) -> str:
         )
     for name in data:
         line = _data_line(getattr(found, name))
-        text += f".. py:data:: {module}.{name}\n   :no-contents-entry:\n\n   {line}\n\n"
+        text += (
+            f".. py:data:: {name}\n   :module: {module}\n   :no-contents-entry:\n\n   {line}\n\n"
+        )
     return text
 
 
@@ -131,10 +136,9 @@ def command_pages(folder: Path) -> None:
     text += ".. toctree::\n   :maxdepth: 1\n\n" + "".join(f"   {name}\n" for name in COMMANDS)
     (folder / "index.rst").write_text(text, encoding="utf-8")
     context = click.Context(app)
-    for name, (module, words) in COMMANDS.items():
+    for name, (module, _) in COMMANDS.items():
         assert app.get_command(context, name) is not None
-        page = _title(f"overview {name}") + f"{words}\n\n"
-        page += (
+        page = (
             f".. click:: overview_dsp.cli.{module}:command\n"
             f"   :prog: overview {name}\n   :nested: full\n"
         )
@@ -161,7 +165,22 @@ def preset_pages(folder: Path) -> None:
     (folder / "presets.md").write_text(text, encoding="utf-8")
 
 
-def generate(application: Sphinx) -> None:
+def shorten(
+    application: Sphinx,
+    what: str,
+    name: str,
+    found: Any,
+    options: Any,
+    arguments: str | None,
+    returned: str | None,
+) -> tuple[str | None, str | None] | None:
+    """Array types as they are written in the sources, not as numpy spells them out."""
+    spelled = r"ndarray\[tuple\[Any, \.\.\.\], dtype\[(\w+)\]\]"
+    both = [re.sub(spelled, r"NDArray[\1]", t) if t else t for t in (arguments, returned)]
+    return (both[0], both[1]) if any(both) else None
+
+
+def generate(application: Sphinx, config: Config) -> None:
     """All of them."""
     generated = Path(application.srcdir) / "reference" / "generated"
     for part in ("api", "cli"):
@@ -170,15 +189,17 @@ def generate(application: Sphinx) -> None:
     command_pages(generated / "cli")
     preset_pages(generated)
     (generated / "parameters.md").write_text(reference(), encoding="utf-8")
-    page = Path(application.srcdir) / "_generated" / "extra" / "demo"
-    if not (page / "index.html").is_file():
-        match = ov.load_timeline("world-cup-final-2018")
-        page.parent.mkdir(parents=True, exist_ok=True)
-        write_site(match, load_preset("football"), str(page), levels=0)
+    made = Path(application.srcdir) / "_generated"
+    page = made / "extra" / "demo"
+    page.parent.mkdir(parents=True, exist_ok=True)
+    match, football = ov.load_timeline("world-cup-final-2018"), load_preset("football")
+    draw(match, renders(match, football), made / "figures")
+    write_site(match, football, page, levels=0)
 
 
 def setup(application: Sphinx) -> dict[str, bool]:
     """Sphinx's entry."""
-    # before autosummary looks for its lists
-    application.connect("builder-inited", generate, priority=100)
+    # before Sphinx looks for its sources
+    application.connect("config-inited", generate)
+    application.connect("autodoc-process-signature", shorten)
     return {"parallel_read_safe": True}

@@ -14,7 +14,7 @@ from tests.docs.markdown_blocks import ROOT, Block, all_blocks, blocks_of
 from tests.docs.page_runner import Page, parsed, understood, without_modules
 
 BLOCKS = all_blocks()
-SHOWN = {"text", "cpp", "js", "toml", "csv", "json"}
+SHOWN = {"text", "cpp", "js", "toml", "json"}
 """Languages that are read, not run."""
 
 DEVICES = {
