@@ -116,8 +116,8 @@ def api_pages(folder: Path) -> None:
     for face, words in FACES.items():
         module = importlib.import_module(f"overview_dsp.{face}")
         public = list(getattr(module, "__all__", ()))
-        own = [n for n in public if n not in ov.__all__]
-        shared = [n for n in public if n in ov.__all__]
+        shared = [n for n in public if getattr(module, n) is getattr(ov, n, None)]
+        own = [n for n in public if n not in shared]
         page = _title(f"ov.{face}: {words}") + f"{inspect.getdoc(module) or ''}\n\n"
         if own:
             page += _summary(f"overview_dsp.{face}", own, "")
