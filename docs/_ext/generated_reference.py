@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +20,8 @@ from sphinx.config import Config
 import overview_dsp as ov
 from overview_dsp.cli import COMMANDS, app
 from overview_dsp.plots.paper import draw, renders
-from overview_dsp.presets import bundled_presets, load_preset, preset_path
 from overview_dsp.presets.describe import describe
+from overview_dsp.presets.library import preset_path
 from overview_dsp.presets.reference import reference
 from overview_dsp.web.static_site import write_site
 
@@ -116,7 +117,7 @@ def api_pages(folder: Path) -> None:
     for face, words in FACES.items():
         module = importlib.import_module(f"overview_dsp.{face}")
         public = list(getattr(module, "__all__", ()))
-        shared = [n for n in public if getattr(module, n) is getattr(ov, n, None)]
+        shared = [n for n in public if n in ov.__all__ and getattr(module, n) is getattr(ov, n)]
         own = [n for n in public if n not in shared]
         page = _title(f"ov.{face}: {words}") + f"{inspect.getdoc(module) or ''}\n\n"
         if own:
@@ -148,7 +149,7 @@ def command_pages(folder: Path) -> None:
 def preset_pages(folder: Path) -> None:
     """A page of all bundled presets: their headers, and every value folded away."""
     text = "# Bundled presets\n\nWhat each file says of itself, and every value.\n"
-    for name in bundled_presets():
+    for name in ov.bundled_presets():
         lines = preset_path(name).read_text(encoding="utf-8").splitlines()
         header = []
         for line in lines[1:]:
@@ -160,7 +161,7 @@ def preset_pages(folder: Path) -> None:
             paragraphs = paragraphs.replace(f"\n{word}", f"\n\n{word}")
             paragraphs = paragraphs.replace(word, f"**{word}**")
         text += f"\n## {name}\n\n{paragraphs}\n\n"
-        values = describe(load_preset(name))
+        values = describe(ov.load_preset(name))
         text += f":::{{dropdown}} Every value of {name}\n```text\n{values}\n```\n:::\n"
     (folder / "presets.md").write_text(text, encoding="utf-8")
 
@@ -183,6 +184,8 @@ def shorten(
 def generate(application: Sphinx, config: Config) -> None:
     """All of them."""
     generated = Path(application.srcdir) / "reference" / "generated"
+    # or pages of names that are gone stay
+    shutil.rmtree(generated, ignore_errors=True)
     for part in ("api", "cli"):
         (generated / part).mkdir(parents=True, exist_ok=True)
     api_pages(generated / "api")
@@ -192,7 +195,7 @@ def generate(application: Sphinx, config: Config) -> None:
     made = Path(application.srcdir) / "_generated"
     page = made / "extra" / "demo"
     page.parent.mkdir(parents=True, exist_ok=True)
-    match, football = ov.load_timeline("world-cup-final-2018"), load_preset("football")
+    match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     draw(match, renders(match, football), made / "figures")
     write_site(match, football, page, levels=0)
 
