@@ -103,6 +103,21 @@ def test_the_links_between_pages_lead_to_files():
             assert (ROOT / page.parent / target).exists(), (page, target)
 
 
+def test_the_files_that_pages_name_are_there():
+    named = re.compile(
+        r"(?:overview_dsp|tools|presets|actuators|sensors|examples|docs|tests)/[\w./-]+\.\w+"
+    )
+    made_by_the_build = ("docs/_build", "presets/feel")
+    for page in PAGES:
+        if page.name == "CHANGELOG.md":
+            continue  # it names what was
+        for path in named.findall((ROOT / page).read_text(encoding="utf-8")):
+            if path.startswith(made_by_the_build):
+                continue
+            places = (ROOT / path, ROOT / "overview_dsp" / path, ROOT / page.parent / path)
+            assert any(place.exists() for place in places), (page, path)
+
+
 def test_the_citation_names_the_paper_and_this_version():
     text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f"version: {ov.__version__}" in text
