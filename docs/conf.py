@@ -48,7 +48,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",
     "filename_pattern": r"/plot_",
-    "capture_repr": ("_repr_html_", "__repr__"),
+    "capture_repr": ("_repr_html_",),
     # or a broken example is a yellow box in a green build
     "abort_on_example_error": True,
     # that page would fetch scripts from other hosts
@@ -64,10 +64,12 @@ sphinx_gallery_conf = {
 
 html_theme = "pydata_sphinx_theme"
 html_title = project
+html_favicon = "../overview_dsp/web/site/icon.svg"
 html_static_path = ["_static"]
 html_css_files = ["overview.css"]
 html_extra_path = ["_generated/extra"]
 html_show_sourcelink = False
+html_context = {"default_mode": "auto"}
 html_theme_options = {
     "show_toc_level": 2,
     "navigation_with_keys": False,

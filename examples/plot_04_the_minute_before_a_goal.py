@@ -23,7 +23,7 @@ for height, kind in enumerate(minute.kinds()):
     axes.plot(times, [height] * len(times), "|", markersize=16)
 axes.set_yticks(range(len(minute.kinds())), list(minute.kinds()))
 axes.set(xlabel="seconds of the window")
-axes.set_title("Touches and shots of the minute that ends with the goal")
+axes.set_title("Touches, one by one, of the minute that ends with the goal")
 
 # %%
 # An eight-second sweep over that minute:

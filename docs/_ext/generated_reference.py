@@ -176,7 +176,7 @@ def shorten(
     returned: str | None,
 ) -> tuple[str | None, str | None] | None:
     """Array types as they are written in the sources, not as numpy spells them out."""
-    spelled = r"ndarray\[tuple\[Any, \.\.\.\], dtype\[(\w+)\]\]"
+    spelled = r"~numpy\.ndarray\[tuple\[~typing\.Any, \.\.\.\], ~numpy\.dtype\[(~[\w.]+)\]\]"
     both = [re.sub(spelled, r"NDArray[\1]", t) if t else t for t in (arguments, returned)]
     return (both[0], both[1]) if any(both) else None
 

@@ -71,7 +71,7 @@ def _transcript(lines: Sequence[str], passed: int) -> str:
     if not lines:
         return "<p>Transcript: no event is passed.</p>"
     count = f"{passed} events passed" + (
-        f", the {len(lines)} strongest" if len(lines) < passed else ""
+        ", the strongest of each way" if len(lines) < passed else ""
     )
     items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
     return f"<details><summary>Transcript: {count}</summary><ul>{items}</ul></details>"

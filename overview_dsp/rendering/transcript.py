@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from overview_dsp.engine.meters import Strikes
 from overview_dsp.timeline import Timeline
 
-MOST = 12
-"""Lines of a transcript: the strongest events; a match of an hour has hundreds of weak ones."""
+MOST = 8
+"""Lines for each way: the strongest events; a match has hundreds of weak ones."""
 
 
 def transcript(
@@ -19,7 +19,7 @@ def transcript(
     sample_rate: float,
     most: int = MOST,
 ) -> tuple[str, ...]:
-    """The strongest strikes in order of time, a line each.
+    """The strongest strikes under the hand and of the recoil, in order of time, a line each.
 
     Parameters
     ----------
@@ -29,11 +29,11 @@ def transcript(
         The one that was rendered: gives kinds, labels and moments.
     held
         The trace's `touching`, one value a frame, or None where there is no trace: says which
-        strikes belong to the recoil.
+        strikes belong to the recoil; without it all count as one way.
     sample_rate
         Hz, of `held`.
     most
-        Lines.
+        Lines for each way.
 
     Returns
     -------
@@ -44,17 +44,22 @@ def transcript(
     passed = strikes.of_events()
     if not len(passed):
         return ()
+    held_then = np.ones(len(passed), dtype=bool)
+    if held is not None and len(held):
+        frames = np.minimum((passed.time_s * sample_rate).astype(int), len(held) - 1)
+        held_then = held[frames] > 0.5
+    order = np.argsort(-passed.level, kind="stable")
+    kept = np.sort(
+        np.concatenate([order[held_then[order]][:most], order[~held_then[order]][:most]])
+    )
     strongest = float(passed.level.max())
-    kept = np.sort(np.argsort(-passed.level, kind="stable")[:most])
     lines = []
     for at in kept:
-        time_s = float(passed.time_s[at])
         event = timeline.events[passed.event[at]]
         words = event.kind.replace("_", " ") + (f", {event.label}" if event.label else "")
-        if held is not None and len(held):
-            frame = min(int(time_s * sample_rate), len(held) - 1)
-            words += "" if held[frame] > 0.5 else ", on the way back"
+        words += "" if held_then[at] else ", on the way back"
         below = round(-20.0 * np.log10(max(float(passed.level[at]) / strongest, 1e-6)))
         level = f"{below} dB below the strongest" if below else "the strongest"
-        lines.append(f"{time_s:.2f} s: {words}, at {timeline.moment_text(event.time_s)}, {level}")
+        moment = timeline.moment_text(event.time_s)
+        lines.append(f"{passed.time_s[at]:.2f} s: {words}, at {moment}, {level}")
     return tuple(lines)
