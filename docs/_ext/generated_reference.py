@@ -175,7 +175,14 @@ def shorten(
     arguments: str | None,
     returned: str | None,
 ) -> tuple[str | None, str | None] | None:
-    """Array types as they are written in the sources, not as numpy spells them out."""
+    """Array types as they are written in the sources, not as numpy spells them out.
+
+    A constructor whose defaults are arrays is left out: its attributes are documented, and nobody
+    calls it.
+    """
+    if arguments and "array(" in arguments:
+        return "", None
+    arguments = (arguments or "").replace("<factory>", "...")
     spelled = r"~numpy\.ndarray\[tuple\[~typing\.Any, \.\.\.\], ~numpy\.dtype\[(~[\w.]+)\]\]"
     both = [re.sub(spelled, r"NDArray[\1]", t) if t else t for t in (arguments, returned)]
     return (both[0], both[1]) if any(both) else None
