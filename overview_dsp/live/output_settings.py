@@ -18,9 +18,9 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
-from overview_dsp.actuators import Actuator
 from overview_dsp.actuators.coefficients import write_actuator
 from overview_dsp.actuators.library import reference
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.kernels import layout

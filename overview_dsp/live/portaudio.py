@@ -65,7 +65,7 @@ def import_sounddevice() -> Any:
 
 
 @dataclass(frozen=True)
-class Output:
+class OutputDevice:
     """An output device: PortAudio's index, name, host API, channels, rate (Hz), lowest latency."""
 
     index: int
@@ -77,13 +77,13 @@ class Output:
     default: bool
 
 
-def outputs() -> list[Output]:
+def devices() -> list[OutputDevice]:
     """The output devices PortAudio sees; OverviewError if there is no PortAudio."""
     sounddevice = import_sounddevice()
     hosts = sounddevice.query_hostapis()
     chosen = sounddevice.default.device[1]
     return [
-        Output(
+        OutputDevice(
             index=device["index"],
             name=device["name"],
             host=hosts[device["hostapi"]]["name"],
@@ -97,7 +97,7 @@ def outputs() -> list[Output]:
     ]
 
 
-def find_output(device: int | str | None) -> Output:
+def find_device(device: int | str | None) -> OutputDevice:
     """The output of that name or index (None = the default).
 
     Raises
@@ -110,7 +110,7 @@ def find_output(device: int | str | None) -> Output:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError) as error:
         raise no_stream(sounddevice, device, 0, 0.0, error) from None
-    return next(output for output in outputs() if output.index == found["index"])
+    return next(output for output in devices() if output.index == found["index"])
 
 
 class OutputStream:
@@ -300,7 +300,7 @@ def no_stream(
     try:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError):
-        if not outputs():
+        if not devices():
             return InputError(
                 f"no audio output: {no_output_hint()}; or play without sound (--device none)"
             )

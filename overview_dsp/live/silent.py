@@ -65,3 +65,10 @@ class SilentStream:
     def meters(self) -> StreamMeters:
         """Counters and block times so far."""
         return read_meters(self._engine.memory, self.block_size / self._engine.sample_rate)
+
+    def __enter__(self) -> SilentStream:
+        self.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()

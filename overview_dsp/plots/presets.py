@@ -20,7 +20,7 @@ from overview_dsp.rendering.offline import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from overview_dsp.measure.feel_report import FeelReport
+    from overview_dsp.measure.report import FeelReport
 
 
 def plot_gallery(result: Result, preset: Preset) -> Figure:

@@ -46,9 +46,7 @@ def level_curve(
     return at / sample_rate, 10.0 * np.log10(np.maximum(energy[at], 1e-14))
 
 
-def find_onsets(
-    signal: NDArray[np.float32], sample_rate: float, floor_db: float = FLOOR_DB
-) -> Onsets:
+def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FLOOR_DB) -> Onsets:
     """Find the onsets of a signal, float32 (frames,)."""
     from scipy.ndimage import maximum_filter1d
 

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.feel_report import STEP_DB, FeelReport, feel_report
+from overview_dsp.measure.report import STEP_DB, FeelReport, feel_report
+from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import SECONDS_EACH
 from overview_dsp.timeline import Event, Timeline
-from overview_dsp.tuning.moves import RATE, Tuned, limits, moved
 
 WANTED_STEPS = 2.0
 _AIM_STEPS = 2.2  # a little more, so that the search may stop a little short of it

@@ -111,6 +111,11 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
 NAMES = (*FORMATS, "wav4")
 
 
+def formats() -> tuple[str, ...]:
+    """List the names of the formats that `export` writes."""
+    return NAMES
+
+
 def export(
     result: Result,
     to: str,

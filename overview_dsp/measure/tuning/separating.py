@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.gestures import Gesture, sweep
-from overview_dsp.measure.feel_report import STEP_DB, KindFeel, feel_report, steps_apart
+from overview_dsp.measure.report import STEP_DB, KindFeel, feel_report, steps_apart
+from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
+from overview_dsp.measure.tuning.ordering import check_target
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import pages
 from overview_dsp.timeline import Timeline
-from overview_dsp.tuning.moves import RATE, Tuned, limits, moved
-from overview_dsp.tuning.ordering import check_target
 
 WANTED_STEPS = 1.0
 _AIM_STEPS = 1.3
