@@ -1,4 +1,19 @@
-"""The errors a person can cause, each one clear line: what, where, what is allowed, what to try."""
+"""The errors a person can cause, each one clear line: what, where, what is allowed, what to try.
+
+::
+
+    Exception                                                     exit code of `overview`
+    └── OverviewError              raised on purpose; catch this one        1
+        ├── InputError             also a ValueError: a file, value or name 2
+        ├── OutputError            a full disk, a place that is read-only   1
+        ├── NotPreparedError       also a RuntimeError: `prepare` first     1
+        └── PortLostError          (live) a device was unplugged            1
+    UserWarning
+    └── OverviewWarning            a line on standard error                 0
+
+A wrong option ends `overview` with 2 as well, Ctrl-C with 130. Any other exception but an OSError
+is a fault of this program; with `--debug` it is shown whole.
+"""
 
 from __future__ import annotations
 

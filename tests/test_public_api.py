@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import subprocess
 import sys
 import warnings
@@ -144,3 +145,21 @@ def test_a_module_that_never_was_is_a_module_not_found(name):
 def test_a_name_that_never_was_is_an_attribute_error(module):
     with pytest.raises(AttributeError, match="rendr"):
         module.rendr  # noqa: B018
+
+
+def test_the_error_tree_is_drawn_as_it_is():
+    from overview_dsp import errors
+    from overview_dsp.live.port_lost import PortLostError
+
+    drawn = dict(re.findall(r"── (\w+Error) .* (\d)$", errors.__doc__, re.M))
+    classes = {"PortLostError": PortLostError, **vars(errors)}
+    assert {name: classes[name].exit_code for name in drawn} == {
+        name: int(code) for name, code in drawn.items()
+    }
+    assert set(drawn) == {
+        "OverviewError", "InputError", "OutputError", "NotPreparedError", "PortLostError"
+    }  # fmt: skip
+    assert all(issubclass(classes[name], errors.OverviewError) for name in drawn)
+    assert issubclass(errors.InputError, ValueError)
+    assert issubclass(errors.NotPreparedError, RuntimeError)
+    assert issubclass(errors.OverviewWarning, UserWarning)

@@ -45,18 +45,19 @@ __all__ = [
     "save_threshold",
 ]
 
-__getattr__, __dir__ = lazy_names(
-    __name__,
-    {
-        "PARAMETERS": "model:ACTUATOR_PARAMETERS",
-        "Actuator": "model",
-        "ActuatorStage": "stage",
-        "Protected": "stage",
-        "calibrated": "calibration:calibrated_actuator",
-        "forget_threshold": "calibration",
-        "load": "library:load_actuator",
-        "log_sweep": "tones",
-        "names": "library:actuator_names",
-        "save_threshold": "calibration",
-    },
-)
+if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+    __getattr__, __dir__ = lazy_names(
+        __name__,
+        {
+            "PARAMETERS": "model:ACTUATOR_PARAMETERS",
+            "Actuator": "model",
+            "ActuatorStage": "stage",
+            "Protected": "stage",
+            "calibrated": "calibration:calibrated_actuator",
+            "forget_threshold": "calibration",
+            "load": "library:load_actuator",
+            "log_sweep": "tones",
+            "names": "library:actuator_names",
+            "save_threshold": "calibration",
+        },
+    )

@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.parameter import Parameter, Value
+from overview_dsp.public.reprs import short
 
 LOWEST_Q, HIGHEST_Q = 0.6, 100.0
 MAX_CALIBRATION_DB = 30.0
@@ -163,6 +164,12 @@ class Actuator:
         """How much it moves at a frequency, dB of what it does at its resonance."""
         u = frequency_hz / self.resonance_hz
         return -10.0 * math.log10((self.q * (1.0 - u * u)) ** 2 + u * u)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Actuator {short(self.name)}: {short(self.title)}, {self.resonance_hz:g} Hz, "
+            f"Q {self.q:.3g}>"
+        )
 
 
 def _checked(given: Mapping[str, object]) -> dict[str, Value]:

@@ -16,6 +16,7 @@ from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
+from overview_dsp.public.reprs import counted
 from overview_dsp.units import gain_to_db
 
 FAINT_DB = -12.0
@@ -72,6 +73,7 @@ class ActuatorStage:
 
     def __init__(self, actuator: Actuator, sample_rate: float) -> None:
         """As new; InputError if the sample rate (Hz) is too low for the actuator."""
+        self._name = actuator.name
         self._memory = np.zeros(layout.ACT_SIZE)
         write_actuator(self._memory, 0, actuator, sample_rate)
 
@@ -109,3 +111,7 @@ class ActuatorStage:
     def protected(self) -> Protected:
         """What protection did so far."""
         return read_protected(self._memory, 0)
+
+    def __repr__(self) -> str:
+        at_peak = counted(self.protected.at_peak, "sample")
+        return f"<ActuatorStage: {self._name}, {at_peak} at the peak>"

@@ -32,6 +32,7 @@ from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.presets.parameters import PARAMETERS
+from overview_dsp.public.reprs import short
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
 
@@ -494,3 +495,7 @@ class Engine:
     def _require_prepared(self) -> None:
         if not self._sample_rate:
             raise NotPreparedError("the engine is not prepared; call prepare(sample_rate=...)")
+
+    def __repr__(self) -> str:
+        rate = f"{self._sample_rate:g} Hz" if self._sample_rate else "not prepared"
+        return f"<Engine: {short(self._preset.name)} on {short(self._timeline.title)}, {rate}>"

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.presets.parameter import Parameter, Value
+from overview_dsp.public.reprs import counted
 
 
 @dataclass(frozen=True)
@@ -15,6 +16,9 @@ class EngineParameter(Parameter):
     """A parameter with the value it has now."""
 
     value: Value = 0.0
+
+    def __repr__(self) -> str:
+        return super().__repr__().removesuffix(">") + f", now {self.value}>"
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,14 @@ class Meters:
     silent_samples: int
     still_samples: int
 
+    def __repr__(self) -> str:
+        lost = self.late_events + self.rejected_events + self.clamped_events + self.dropped_events
+        return (
+            f"<Meters: {counted(self.blocks, 'block')}, {counted(self.strikes, 'strike')}, "
+            f"peaks {self.peak_click:.3g} and {self.peak_tactor:.3g}, cursor {self.cursor:.3g}, "
+            f"{counted(lost, 'event')} late, clamped or lost>"
+        )
+
 
 @dataclass(frozen=True)
 class Strikes:
@@ -70,3 +82,7 @@ class Strikes:
 
     def __len__(self) -> int:
         return len(self.time_s)
+
+    def __repr__(self) -> str:
+        span = f", {self.time_s[0]:.3f} to {self.time_s[-1]:.3f} s" if len(self) else ""
+        return f"<Strikes: {len(self)}{span}>"

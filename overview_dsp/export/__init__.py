@@ -36,16 +36,17 @@ __all__ = [
     "read_clip",
 ]
 
-__getattr__, __dir__ = lazy_names(
-    __name__,
-    {
-        "Exported": "writing",
-        "FeltError": "felt_error",
-        "PlayedClip": "reading",
-        "Transient": "clip",
-        "encode_engine": "browser_memory",
-        "export": "writing",
-        "formats": "writing",
-        "read_clip": "reading",
-    },
-)
+if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+    __getattr__, __dir__ = lazy_names(
+        __name__,
+        {
+            "Exported": "writing",
+            "FeltError": "felt_error",
+            "PlayedClip": "reading",
+            "Transient": "clip",
+            "encode_engine": "browser_memory",
+            "export": "writing",
+            "formats": "writing",
+            "read_clip": "reading",
+        },
+    )

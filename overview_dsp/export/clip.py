@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.rendering.offline import Result
+from overview_dsp.rendering.trace import Trace
 from overview_dsp.surface.bristles import BARE
 from overview_dsp.surface.model import Surface
 
@@ -90,7 +91,7 @@ class Clip:
         return (len(self.level) - 1) / LEVELS_PER_S
 
 
-def clip_of(result: Result) -> Clip:
+def clip_of(result: Result[Trace | None]) -> Clip:
     """Make a clip of a rendered gesture, up to where its vibration has died away.
 
     Raises
@@ -136,7 +137,7 @@ def _by_millisecond(envelope: NDArray[np.float64], sample_rate: float) -> NDArra
     return np.asarray(np.sqrt(np.maximum(mean, 0.0)))
 
 
-def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, ...]:
+def _transients(result: Result[Trace | None], level: NDArray[np.float64]) -> tuple[Transient, ...]:
     """The strikes that can be felt, without those that a higher event drowns."""
     surface = result.engine.surface
     events = result.engine.timeline.events

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.export.clip import LEVELS_PER_S, MAX_CLIP_S, Transient
+from overview_dsp.public.reprs import counted
 
 MAX_BYTES = 8_000_000
 MAX_ENTRIES = 100_000
@@ -30,6 +31,9 @@ class PlayedClip:
 
     level: NDArray[np.float64]
     transients: tuple[Transient, ...]
+
+    def __repr__(self) -> str:
+        return f"<PlayedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
 
 
 def read_clip(path: str | os.PathLike[str]) -> PlayedClip:

@@ -20,7 +20,9 @@ from overview_dsp.export.felt_error import FeltError, felt_error
 from overview_dsp.export.pad_wav import pad_samples
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.sound import save_sound
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.offline import Result
+from overview_dsp.rendering.trace import Trace
 
 POINTS_PER_S = 50.0
 """Amplitude points a second by default (Meta's studio has 40; a sweep of a second needs more)."""
@@ -46,6 +48,10 @@ class Exported:
     error: FeltError | None
     points: int
     transients: int
+
+    def __repr__(self) -> str:
+        files = " and ".join(short(path.name) for path in self.files)
+        return f"<Exported: {files}, {counted(self.transients, 'strike')}>"
 
 
 @dataclass(frozen=True)
@@ -117,7 +123,7 @@ def formats() -> tuple[str, ...]:
 
 
 def export(
-    result: Result,
+    result: Result[Trace | None],
     to: str,
     path: str | os.PathLike[str],
     points_per_s: float = POINTS_PER_S,

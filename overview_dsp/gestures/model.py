@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.reprs import counted
 
 LONGEST_S = 7 * 24 * 3600.0
 """No gesture is longer: a time beyond it is a slip of the pen, and would render for ever."""
@@ -113,3 +114,12 @@ class Gesture:
     def stamps(self, sample_rate: float) -> NDArray[np.int64]:
         """The sample of each event: the nearest to its time."""
         return np.rint(self.time_s * sample_rate).astype(np.int64)
+
+    def __repr__(self) -> str:
+        hands = " and ".join(SOURCES[i] for i in np.unique(self.source))
+        by = f" by {hands}" if hands not in ("", SOURCES[0]) else ""
+        changes = f", {counted(len(self.changes), 'change')}" if self.changes else ""
+        return (
+            f"<Gesture: {self.duration_s:g} s, {counted(len(self.time_s), 'control event')}{by}"
+            f"{changes}>"
+        )

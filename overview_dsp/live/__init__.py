@@ -37,16 +37,17 @@ __all__ = [
     "find_device",
 ]
 
-__getattr__, __dir__ = lazy_names(
-    __name__,
-    {
-        "OutputDevice": "portaudio",
-        "OutputSettings": "output_settings",
-        "OutputStream": "portaudio",
-        "SignalSettings": "output_settings",
-        "SilentStream": "silent",
-        "StreamMeters": "stream_meters",
-        "devices": "portaudio",
-        "find_device": "portaudio",
-    },
-)
+if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+    __getattr__, __dir__ = lazy_names(
+        __name__,
+        {
+            "OutputDevice": "portaudio",
+            "OutputSettings": "output_settings",
+            "OutputStream": "portaudio",
+            "SignalSettings": "output_settings",
+            "SilentStream": "silent",
+            "StreamMeters": "stream_meters",
+            "devices": "portaudio",
+            "find_device": "portaudio",
+        },
+    )

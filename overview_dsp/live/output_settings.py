@@ -24,6 +24,7 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.kernels import layout
+from overview_dsp.public.reprs import changed_fields
 from overview_dsp.units import db_to_gain
 
 MIN_GAIN_DB, MAX_GAIN_DB = -60.0, 24.0
@@ -56,6 +57,9 @@ class SignalSettings:
     def gain(self) -> float:
         """Linear, 0 when muted."""
         return 0.0 if self.mute else db_to_gain(self.gain_db)
+
+    def __repr__(self) -> str:
+        return changed_fields(self)
 
 
 @dataclass(frozen=True)

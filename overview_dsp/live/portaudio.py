@@ -24,6 +24,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, read_meters
+from overview_dsp.public.reprs import short
 
 CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5
@@ -248,6 +249,9 @@ class OutputStream:
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        return f"<OutputStream: {short(self.name)}, {self.callback} callback>"
 
 
 def rescan() -> None:

@@ -72,3 +72,6 @@ class SilentStream:
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        return f"<SilentStream: {'playing' if self.active else 'not playing'}>"

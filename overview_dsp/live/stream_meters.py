@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
+from overview_dsp.public.reprs import counted
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,13 @@ class StreamMeters:
     p99_s: float
     longest_s: float
     latency_s: float
+
+    def __repr__(self) -> str:
+        return (
+            f"<StreamMeters: {counted(self.callbacks, 'callback')}, {self.late} late, "
+            f"{counted(self.underflows, 'underflow')}, median {1e6 * self.median_s:.0f} us, "
+            f"longest {1e6 * self.longest_s:.0f} us>"
+        )
 
 
 def clear_meters(memory: NDArray[np.float64], channels: int) -> None:

@@ -54,24 +54,25 @@ __all__ = [
     "window_db",
 ]
 
-__getattr__, __dir__ = lazy_names(
-    __name__,
-    {
-        "FeelReport": "report",
-        "KindFeel": "report",
-        "Onsets": "onset_detector",
-        "Stroke": "felt",
-        "StrokeReport": "report",
-        "Tuned": "tuning.moves",
-        "character_steps": "report",
-        "event_levels": "felt",
-        "events_felt_apart": "apart",
-        "feel_report": "report",
-        "onsets": "onset_detector",
-        "separated": "tuning.separating",
-        "steps_apart": "report",
-        "strokes": "felt",
-        "tuned": "tuning.ordering",
-        "window_db": "felt",
-    },
-)
+if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+    __getattr__, __dir__ = lazy_names(
+        __name__,
+        {
+            "FeelReport": "report",
+            "KindFeel": "report",
+            "Onsets": "onset_detector",
+            "Stroke": "felt",
+            "StrokeReport": "report",
+            "Tuned": "tuning.moves",
+            "character_steps": "report",
+            "event_levels": "felt",
+            "events_felt_apart": "apart",
+            "feel_report": "report",
+            "onsets": "onset_detector",
+            "separated": "tuning.separating",
+            "steps_apart": "report",
+            "strokes": "felt",
+            "tuned": "tuning.ordering",
+            "window_db": "felt",
+        },
+    )

@@ -28,6 +28,10 @@ class Onsets:
     time_s: NDArray[np.float64]
     level_db: NDArray[np.float64]
 
+    def __repr__(self) -> str:
+        span = f", {self.time_s[0]:.3f} to {self.time_s[-1]:.3f} s" if len(self.time_s) else ""
+        return f"<Onsets: {len(self.time_s)}{span}>"
+
 
 def level_curve(
     signal: NDArray[np.float32], sample_rate: float

@@ -32,6 +32,7 @@ from overview_dsp.gestures import Gesture, sweep, tap
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
 from overview_dsp.presets.model import Preset
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.offline import Result, render
 from overview_dsp.rendering.schedule import Tail
 from overview_dsp.timeline import Timeline
@@ -70,6 +71,13 @@ class KindFeel:
     masked: int
     merged: int
 
+    def __repr__(self) -> str:
+        return (
+            f"<KindFeel {short(self.kind)}: {counted(self.events, 'event')}, "
+            f"{self.level_db:.1f} dB, {self.contrast_db:.1f} dB above the rest, "
+            f"{self.duration_ms:.0f} ms>"
+        )
+
 
 @dataclass(frozen=True)
 class StrokeReport:
@@ -99,6 +107,12 @@ class StrokeReport:
     density_hz: float
     kinds: tuple[KindFeel, ...]
     alike: tuple[tuple[str, str, float], ...]
+
+    def __repr__(self) -> str:
+        return (
+            f"<StrokeReport {short(self.name)}: {self.level_db:.1f} dB, "
+            f"{counted(len(self.kinds), 'kind')}, {counted(len(self.alike), 'pair')} alike>"
+        )
 
 
 @dataclass(frozen=True)
@@ -187,6 +201,12 @@ class FeelReport:
                 )
         return lines
 
+    def __repr__(self) -> str:
+        return (
+            f"<FeelReport: {short(self.preset)} on {short(self.timeline)}, "
+            f"{counted(len(self.strokes), 'stroke')}>"
+        )
+
 
 def _cell(value: float, width: int, digits: int) -> str:
     if not math.isfinite(value):
@@ -252,7 +272,6 @@ def _stroke_reports(
     """The strokes of a gesture: out, and its recoil."""
     result = render(timeline, preset, gesture, sample_rate, tail=tail)
     trace = result.trace
-    assert trace is not None
     return [
         _stroke_report(
             name if stroke.name == "out" else f"{name} {stroke.name}",
@@ -292,7 +311,6 @@ def _until_arrived(stroke: Stroke, cursor: NDArray[np.float64]) -> Stroke:
 
 def _stroke_report(name: str, stroke: Stroke, result: Result) -> StrokeReport:
     trace, surface = result.trace, result.engine.surface
-    assert trace is not None
     felt = stroke_feel(stroke, surface, trace, result.samples[:, 1], result.sample_rate)
     weight = pacinian_db(result.engine.preset.number("tactor.frequency_hz"))
     struck = _strikes_in(stroke, result)
@@ -340,7 +358,6 @@ def _alike(kinds: Sequence[KindFeel]) -> tuple[tuple[str, str, float], ...]:
 def _character(stroke: Stroke, result: Result, weight: float) -> tuple[float, float, float]:
     """Level (dB), sharpness (N m/s) and density (a second) of all that is felt in a stroke."""
     trace, rate = result.trace, result.sample_rate
-    assert trace is not None
     level = window_db(result.samples[stroke.start : stroke.stop, 1], rate, HOP_S)[1]
     if not len(level):
         return math.nan, math.nan, 0.0
@@ -433,7 +450,6 @@ def _clicks(struck: list[tuple[float, int]], result: Result) -> dict[int, float]
 def _durations(stroke: Stroke, result: Result, free_db: float) -> NDArray[np.float64]:
     """How long each event's level stays near its highest, ms; a row a surface's event."""
     trace, surface = result.trace, result.engine.surface
-    assert trace is not None
     cursor = trace.cursor[stroke.start : stroke.stop]
     hop = WINDOW_S / 10.0
     starts, level = window_db(

@@ -29,7 +29,6 @@ def plot_gallery(result: Result, preset: Preset) -> Figure:
     heard, felt = figure.subplots(2, 1, sharex=True)
     rate = result.sample_rate
     trace = result.trace
-    assert trace is not None
     # out only: the recoil is the same backwards, and slower
     count = int(np.argmax(trace.touching < 0.5)) or len(trace.time)
     time = trace.time[:count]

@@ -10,6 +10,8 @@ Examples
 ['football-heart-1', 'football-heart-2', 'football-heart-3']
 """
 
+from typing import TYPE_CHECKING
+
 from overview_dsp.presets.blending import morph, randomized
 from overview_dsp.presets.comparing import Difference, differences
 from overview_dsp.presets.library import bundled_presets as bundled
@@ -40,4 +42,5 @@ __all__ = [
     "save",
 ]
 
-__getattr__, __dir__ = lazy_names(__name__, {})
+if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+    __getattr__, __dir__ = lazy_names(__name__, {})

@@ -18,6 +18,7 @@ from overview_dsp.presets.parameters import (
     PARAMETERS,
     parameter,
 )
+from overview_dsp.public.reprs import changed_fields, counted, short
 
 DEFAULT_KIND = "default"
 
@@ -94,6 +95,9 @@ class EventKind:
             all(0.0 <= point <= 1.0 for point in self.points) and any(self.points)
         ):
             raise InputError("points are 0 to 1, and not all of them 0")
+
+    def __repr__(self) -> str:
+        return changed_fields(self, modes=f"<{len(self.modes)}>")
 
 
 TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")
@@ -226,4 +230,11 @@ class Preset:
             dict(self.kinds),
             self.tags,
             self.authors,
+        )
+
+    def __repr__(self) -> str:
+        changed = sum(value != PARAMETERS[id].default for id, value in self.values.items())
+        return (
+            f"<Preset {short(self.name)}: {counted(len(self.kinds), 'kind')}, "
+            f"{counted(changed, 'value')} other than the default>"
         )

@@ -71,6 +71,9 @@ class Parameter:
             raise InputError(f"{self.id} = {number:g} is out of range; it is {self.allowed}")
         return number
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.id}: {self.allowed}, default {self.default}>"
+
 
 def number(
     id: str,

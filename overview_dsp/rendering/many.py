@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sized
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import Generic, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +28,11 @@ from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets.model import Preset
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.growable_array import GrowableArray
 from overview_dsp.rendering.offline import join_strikes
 from overview_dsp.rendering.schedule import GesturePlayer, Tail, checked_tail
-from overview_dsp.rendering.trace import Trace
+from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.surface.cache import SurfaceCache
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
@@ -57,9 +59,15 @@ class RenderJob:
     gesture: Gesture
     seed: int = 0
 
+    def __repr__(self) -> str:
+        return (
+            f"<RenderJob: {short(self.preset.name)} on {short(self.timeline.title)}, "
+            f"a gesture of {self.gesture.duration_s:g} s, seed {self.seed}>"
+        )
+
 
 @dataclass(frozen=True, eq=False)
-class RenderedJob:
+class RenderedJob(Generic[Traced]):
     """A rendered job.
 
     Attributes
@@ -81,12 +89,20 @@ class RenderedJob:
     surface: Surface
     samples: NDArray[np.float32]
     sample_rate: float
-    trace: Trace | None
+    trace: Traced
     strikes: Strikes
 
     def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
         """Write the samples to a sound file; the suffix says the format (WAV, FLAC, ...)."""
         save_sound(path, self.samples, self.sample_rate, subtype)
+
+    def __repr__(self) -> str:
+        seconds = len(self.samples) / self.sample_rate
+        return (
+            f"<RenderedJob: {seconds:.3f} s at {self.sample_rate:g} Hz, "
+            f"{counted(len(self.strikes), 'strike')}, {short(self.job.preset.name)} on "
+            f"{short(self.job.timeline.title)}, seed {self.job.seed}>"
+        )
 
 
 def render_jobs(
@@ -113,7 +129,7 @@ class _Playing:
     strikes: list[Strikes] = field(default_factory=list)
 
 
-Rendered = RenderedJob | Exception
+Rendered = RenderedJob[Trace | None] | Exception
 """A job as rendered, or why it can't be."""
 
 
@@ -215,7 +231,9 @@ class VoiceRenderer:
                 playing[lane] = None
                 yield one.number, self._result(lane, one, trace)
 
-    def _result(self, lane: int, one: _Playing, trace: tuple[str, ...]) -> RenderedJob:
+    def _result(
+        self, lane: int, one: _Playing, trace: tuple[str, ...]
+    ) -> RenderedJob[Trace | None]:
         engine = self._engines[lane]
         assert engine is not None
         if not one.strikes:
@@ -230,6 +248,33 @@ class VoiceRenderer:
         )
 
 
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[False] = ...,
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[None]]: ...
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[True],
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[Trace]]: ...
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: bool,
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[Trace | None]]: ...
 def render_many(
     jobs: Iterable[RenderJob],
     sample_rate: float = 48_000,
@@ -237,7 +282,7 @@ def render_many(
     tail: Tail = "rest",
     trace: bool = False,
     threads: int | None = None,
-) -> Iterator[RenderedJob]:
+) -> Iterator[RenderedJob[Trace | None]]:
     """Render independent jobs, on all cores; results come in the order of the jobs.
 
     Each has the bits of `render` with the same arguments, whatever the others are. Voices are taken
@@ -291,7 +336,7 @@ def _groups(jobs: Iterable[RenderJob], most: int, longest_s: float) -> Iterator[
 
 def _rendered(
     groups: Iterator[list[RenderJob]], sample_rate: float, tail: Tail, trace: bool, threads: int
-) -> Iterator[RenderedJob]:
+) -> Iterator[RenderedJob[Trace | None]]:
     surfaces = SurfaceCache()
     own = threading.local()
 
@@ -302,7 +347,7 @@ def _rendered(
         done = dict(renderer.render(enumerate(group), tail, TRACE_COLUMNS if trace else ()))
         return [done[number] for number in range(len(group))]
 
-    def results(future: Future[list[Rendered]]) -> Iterator[RenderedJob]:
+    def results(future: Future[list[Rendered]]) -> Iterator[RenderedJob[Trace | None]]:
         for result in future.result():
             if isinstance(result, Exception):
                 raise result

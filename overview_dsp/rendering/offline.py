@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Generic, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,10 @@ from overview_dsp.files.sound import save_sound
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import TACTOR, TRACE_COLUMNS
 from overview_dsp.presets.model import Preset
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail
-from overview_dsp.rendering.trace import Trace
+from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.timeline import Timeline
 
 BLOCK = 4096
@@ -37,7 +39,7 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(Generic[Traced]):
     """A rendered gesture.
 
     Attributes
@@ -58,7 +60,7 @@ class Result:
 
     samples: NDArray[np.float32]
     sample_rate: float
-    trace: Trace | None
+    trace: Traced
     strikes: Strikes
     engine: Engine
     protected: Protected | None = None
@@ -79,6 +81,13 @@ class Result:
             ]
         title = f"{self.engine.timeline.title or 'timeline'}, preset {self.engine.preset.name}"
         return result_page(title, self.samples, self.sample_rate, rows)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Result: {len(self.samples) / self.sample_rate:.3f} s at {self.sample_rate:g} Hz, "
+            f"{counted(len(self.strikes), 'strike')}, {short(self.engine.preset.name)} on "
+            f"{short(self.engine.timeline.title)}>"
+        )
 
 
 def blocks(
@@ -112,6 +121,42 @@ def blocks(
             progress(play.part)
 
 
+@overload
+def render(
+    timeline: Timeline,
+    preset: Preset,
+    gesture: Gesture,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[True] = ...,
+    actuator: Actuator | None = ...,
+) -> Result[Trace]: ...
+@overload
+def render(
+    timeline: Timeline,
+    preset: Preset,
+    gesture: Gesture,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[False],
+    actuator: Actuator | None = ...,
+) -> Result[None]: ...
+@overload
+def render(
+    timeline: Timeline,
+    preset: Preset,
+    gesture: Gesture,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: bool,
+    actuator: Actuator | None = ...,
+) -> Result[Trace | None]: ...
 def render(
     timeline: Timeline,
     preset: Preset,
@@ -122,7 +167,7 @@ def render(
     tail: Tail = "rest",
     trace: bool = True,
     actuator: Actuator | None = None,
-) -> Result:
+) -> Result[Trace | None]:
     """Render a gesture to arrays.
 
     `tail` is "rest" (on until the disk has come to rest, at most 30 s), "none" or seconds.
@@ -144,7 +189,7 @@ def render(
     samples = np.concatenate([block.samples for block in rendered])
     table = np.concatenate([b.trace for b in rendered if b.trace is not None])
     strikes = join_strikes([block.strikes for block in rendered])
-    kept = Trace(table) if trace else None
+    kept: Trace | None = Trace(table) if trace else None
     protected = stage.protected if stage is not None else None
     return Result(samples, engine.sample_rate, kept, strikes, engine, protected)
 
@@ -179,6 +224,12 @@ class Rendered:
     note: str
     engine: Engine
     protected: Protected | None = None
+
+    def __repr__(self) -> str:
+        return (
+            f"<Rendered: {self.duration_s:.3f} s, {counted(self.strikes, 'strike')}, "
+            f"peaks {self.peaks[0]:.3g} and {self.peaks[1]:.3g}>"
+        )
 
 
 def render_to_file(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,13 +35,15 @@ class Trace(Mapping[str, NDArray[np.float64]]):
         self._table = table
         self._names = names
 
-    def __getattr__(self, name: str) -> NDArray[np.float64]:
-        # a column is made when it is first asked for
-        if name not in self._names:
-            raise AttributeError(name)
-        column = np.ascontiguousarray(self._table[:, self._names.index(name)])
-        setattr(self, name, column)
-        return column
+    if not TYPE_CHECKING:  # a type checker knows the columns above, and no others
+
+        def __getattr__(self, name: str) -> NDArray[np.float64]:
+            # a column is made when it is first asked for
+            if name.startswith("_") or name not in self._names:
+                raise AttributeError(f"the trace has no column {name!r}")
+            column = np.ascontiguousarray(self._table[:, self._names.index(name)])
+            setattr(self, name, column)
+            return column
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """A column by its name."""
@@ -54,3 +57,15 @@ class Trace(Mapping[str, NDArray[np.float64]]):
 
     def __len__(self) -> int:
         return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"<Trace: {len(self._table)} frames of {', '.join(self._names)}>"
+
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar as DefaultTypeVar
+
+    Traced = DefaultTypeVar("Traced", bound=Trace | None, covariant=True, default=Trace)
+else:
+    Traced = TypeVar("Traced")
+"""What a render keeps of its trace: `Trace`, or `None` without one."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.presets.model import ClickMode
+from overview_dsp.public.reprs import counted
 from overview_dsp.surface.bristles import BristleField
 from overview_dsp.surface.detents import DetentField
 from overview_dsp.surface.texture_strikes import NONE as NO_TEXTURE_STRIKES
@@ -95,3 +96,9 @@ class Surface:
         for first, last in spans:
             inside |= (cursor >= first) & (cursor <= last)
         return inside
+
+    def __repr__(self) -> str:
+        return (
+            f"<Surface: friction {self.friction.min():.3g} to {self.friction.max():.3g} N·m·s/rad, "
+            f"{counted(len(self.event), 'event')} of {counted(len(self.kind_names), 'kind')}>"
+        )

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.reprs import counted
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.gaps import Gaps
@@ -185,3 +186,6 @@ class CurveBuilder:
         times[edges < 0] = 0.0
         times[edges >= count] = duration_s
         return tuple((start, end) for start, end in times.tolist() if start < end)
+
+    def __repr__(self) -> str:
+        return f"<CurveBuilder: {counted(self.count, 'value')}, {np.dtype(self._dtype).name}>"

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.reprs import counted
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.gaps import Gaps, in_gap
@@ -263,6 +264,11 @@ class Intensity:
 
     def _clipped(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         return times
+
+    def __repr__(self) -> str:
+        unit = f", in {self.unit}" if self.unit else ""
+        span = f"{self.first_s:g} to {self.last_s:g} s"
+        return f"<Intensity: {counted(self.count, 'point')}, {span}{unit}>"
 
 
 class Part(Intensity):

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.fine_events import shown_details
@@ -250,3 +251,11 @@ class Timeline:
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
+
+    def __repr__(self) -> str:
+        parts = [clock_text(self.duration_s), counted(len(self.events), "event")]
+        if self.intensity is not None:
+            parts.append(f"a curve of {counted(self.intensity.count, 'point')}")
+        if self.gaps:
+            parts.append(counted(len(self.gaps), "gap"))
+        return f"<Timeline {short(self.title)}: {', '.join(parts)}>"
