@@ -48,7 +48,23 @@ MAX_CLIP_S = 600.0
 
 @dataclass(frozen=True)
 class Transient:
-    """A strike: when (s), how strong (amplitude 0..1), how sharp (0..1), of what kind."""
+    """A strike of a haptic clip.
+
+    Attributes
+    ----------
+    time_s : float
+        When, s.
+    amplitude, sharpness : float
+        How strong and how sharp, 0 to 1.
+    kind : str
+        Of the event; empty in a clip that was read.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.export.Transient(0.5, 0.8, 0.3, "goal").kind
+    'goal'
+    """
 
     time_s: float
     amplitude: float

@@ -15,9 +15,26 @@ from overview_dsp.public.reprs import counted
 class StreamMeters:
     """What the device side reports since the stream began.
 
-    `callbacks`, `frames` delivered, `underflows` (callbacks told of one), `late` (callbacks that
-    took longer than their own frames last), `median_s`, `p99_s`, `longest_s` (callback time; the
-    first two to a fifth), `latency_s` (as PortAudio tells it).
+    Attributes
+    ----------
+    callbacks, frames : int
+        How often the device called, and what it was given.
+    underflows, late : int
+        Callbacks that were told of one, and that took longer than their own frames last.
+    median_s, p99_s, longest_s : float
+        Callback times, s; the first two to a fifth.
+    latency_s : float
+        As PortAudio gives it, s.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> engine = ov.Engine(football, match)
+    >>> engine.prepare(sample_rate=8000, max_block_size=256)
+    >>> stream = ov.live.SilentStream(engine)
+    >>> stream.meters.late
+    0
     """
 
     callbacks: int

@@ -52,7 +52,26 @@ WAITING = 2
 
 @dataclass(frozen=True)
 class RenderJob:
-    """One of many independent renders: the arguments of `render`."""
+    """One of many independent renders: the arguments of `render`.
+
+    Parameters
+    ----------
+    timeline : Timeline
+        What is felt.
+    preset : Preset
+        How it is felt and heard.
+    gesture : Gesture
+        What the hand does.
+    seed : int
+        Of the surface's grain.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> ov.RenderJob(match, football, ov.tap(0.8), seed=3).seed
+    3
+    """
 
     timeline: Timeline
     preset: Preset
@@ -73,16 +92,30 @@ class RenderedJob(Generic[Traced]):
     Attributes
     ----------
     job : RenderJob
+        What was asked for.
     surface : Surface
         What the disk moved on.
     samples : float32 (frames, 2)
-        Click, tactor.
+        Click, tactor; linear, full scale is 1.
     sample_rate : float
         Hz.
     trace : Trace or None
-        What the disk did, one value a frame.
+        What the disk did, one value a frame; None where it was rendered with `trace=False`.
     strikes : Strikes
         The events passed.
+
+    See Also
+    --------
+    render_many : Makes them.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = [ov.RenderJob(match, football, ov.tap(0.5))]
+    >>> (rendered,) = ov.render_many(jobs, sample_rate=8000, trace=True)
+    >>> rendered.trace.cursor.max() > 0.4
+    np.True_
     """
 
     job: RenderJob
@@ -93,7 +126,31 @@ class RenderedJob(Generic[Traced]):
     strikes: Strikes
 
     def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
-        """Write the samples to a sound file; the suffix says the format (WAV, FLAC, ...)."""
+        """Write the samples to a sound file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
+        subtype : str or None
+            Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
+
+        Raises
+        ------
+        InputError
+            An unknown format, a sample rate that isn't a whole number, a place that can't be
+            written.
+        OutputError
+            A full disk.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.5, 0.1), ov.tap(0.9, 0.1)])
+        >>> for number, rendered in enumerate(ov.render_many(jobs, sample_rate=8000)):
+        ...     rendered.save(f"tap-{number}.wav")
+        """
         save_sound(path, self.samples, self.sample_rate, subtype)
 
     def __repr__(self) -> str:
@@ -111,7 +168,32 @@ def render_jobs(
     gestures: Iterable[Gesture],
     seeds: Iterable[int] = (0,),
 ) -> Iterator[RenderJob]:
-    """Every combination, seeds fastest, then gestures, presets, timelines."""
+    """Make a job of every combination, seeds fastest, then gestures, presets, timelines.
+
+    Parameters
+    ----------
+    timelines : iterable of Timeline
+        What is felt.
+    presets : iterable of Preset
+        How it is felt and heard.
+    gestures : iterable of Gesture
+        What the hand does.
+    seeds : iterable of int
+        Of the surfaces' grain.
+
+    Yields
+    ------
+    RenderJob
+        One of the combinations.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.8), ov.sweep(2.0)], seeds=range(50))
+    >>> len(list(jobs))
+    100
+    """
     for parts in itertools.product(timelines, presets, gestures, seeds):
         yield RenderJob(*parts)
 
@@ -285,24 +367,40 @@ def render_many(
 ) -> Iterator[RenderedJob[Trace | None]]:
     """Render independent jobs, on all cores; results come in the order of the jobs.
 
-    Each has the bits of `render` with the same arguments, whatever the others are. Voices are taken
+    Each has the bits of `render` with the same arguments, whatever the others are. Jobs are taken
     and rendered as results are asked for, a few ahead, so memory stays bounded.
 
     Parameters
     ----------
-    jobs : of `RenderJob`
+    jobs : iterable of RenderJob
         May be endless.
     sample_rate : float
         Hz.
-    tail, trace : as in `render`
+    tail : {"rest", "none"} or float
+        As in `render`.
+    trace : bool
+        Whether to keep what the disk did.
     threads : int or None
-        How many jobs at a time; None is one a core.
+        How many threads render; None is one a core.
+
+    Returns
+    -------
+    iterator of RenderedJob
+        One a job.
 
     Raises
     ------
     InputError
-        A tail or a number of threads that isn't one, at once; as `render`, when a job's result
-        is asked for.
+        A tail or a number of threads that isn't one, at once; as `render`, when a job's result is
+        asked for.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.8, 0.1)], seeds=range(3))
+    >>> [len(rendered.samples) for rendered in ov.render_many(jobs, 8000, tail="none")]
+    [801, 801, 801]
     """
     tail = checked_tail(tail)
     if threads is None:

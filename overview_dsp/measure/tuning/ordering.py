@@ -40,23 +40,38 @@ def tuned(
     seed: int = 0,
     progress: Callable[[float], None] = lambda part: None,
 ) -> Tuned:
-    """Tune a preset.
+    """Move heights and widths until kinds follow each other in strength, two steps apart.
 
     Parameters
     ----------
-    preset
+    preset : Preset
         Whose kinds are moved.
-    target
+    target : sequence of str
         Kinds, the strongest first: two or more, each named by the preset.
-    seed
+    seed : int
         The same seed gives the same preset.
-    progress
-        Told the part done, 0 to 1.
+    progress : callable
+        Called with the part done, 0 to 1.
+
+    Returns
+    -------
+    Tuned
+        The nearest found to the preset as it was.
 
     Raises
     ------
     InputError
         Fewer than two kinds, one that the preset doesn't name, one twice.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> wide = ov.EventKind(height=120.0, width_percent=3.0, shape="plateau")
+    >>> low = ov.EventKind(height=4.0, width_percent=1.0)
+    >>> kinds = {"default": low, "strong": wide, "weak": low}
+    >>> preset = ov.Preset("mine", "Mine", "two kinds", {}, kinds)
+    >>> ov.measure.tuned(preset, ["strong", "weak"]).reached
+    True
     """
     from scipy.optimize import differential_evolution
 

@@ -51,21 +51,36 @@ def separated(
     seed: int = 0,
     progress: Callable[[float], None] = lambda part: None,
 ) -> Tuned:
-    """Set all kinds of a preset at least a step apart, in sweeps of 1 to 6 s.
+    """Move heights and widths until all kinds of a preset are a step apart, in sweeps of 1 to 6 s.
 
     Parameters
     ----------
-    order
+    preset : Preset
+        Whose kinds are moved.
+    order : sequence of str
         Kinds of which each is stronger than the next by a step of level.
-    seed
+    seed : int
         The same seed gives the same preset.
-    progress
-        Told the part done, 0 to 1.
+    progress : callable
+        Called with the part done, 0 to 1.
+
+    Returns
+    -------
+    Tuned
+        What was found.
 
     Raises
     ------
     InputError
         The order has a kind that the preset doesn't name, or one twice.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> only = ov.EventKind(height=120.0, width_percent=3.0, shape="plateau")
+    >>> preset = ov.Preset("mine", "Mine", "one kind", {}, {"default": only})
+    >>> ov.measure.separated(preset).preset.name
+    'mine-tuned'
     """
     if order:
         check_target(preset, order)
