@@ -3,17 +3,19 @@
 Temporal data becomes a surface with friction; a disk on a spring is pulled over it by the hand;
 its torque is heard as friction clicks and felt as a 250 Hz vibration.
 
-    import overview_dsp as ov
-
-    timeline = ov.load_timeline("match.json")
-    result = ov.render(timeline, ov.load_preset("football"), ov.sweep(4.0))
-    result.save("out.wav")
-
 `ov.presets`, `ov.measure`, `ov.export`, `ov.live` and `ov.actuators` hold what designers, sound
-people and performers need besides. What isn't in the reference is private.
+people and performers need besides. What isn't in the reference (the `__all__` of these six) is
+private and may move.
 
 Importing this package compiles nothing and needs no sound card: each name is imported when it is
 first used.
+
+Examples
+--------
+>>> import overview_dsp as ov
+>>> timeline = ov.load_timeline("world-cup-final-2018")  # or any supported file
+>>> result = ov.render(timeline, ov.load_preset("football"), ov.sweep(4.0))
+>>> result.save("out.wav")
 """
 
 from __future__ import annotations

@@ -9,11 +9,12 @@ import sys
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
-from importlib.util import find_spec
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
+
+if TYPE_CHECKING:
+    from importlib.abc import Loader
 
 PACKAGE = __name__.partition(".")[0]
 
@@ -127,16 +128,20 @@ def _new(name: str) -> ModuleType:
     return import_module(new)
 
 
-class _Finder(MetaPathFinder, Loader):
-    """Finds old modules, where no file is found for them."""
+class _Finder:
+    """Finds old modules, where no file is found for them, and loads them."""
 
     def find_spec(
         self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         new = _new_name(name)
-        if new is None or find_spec(new) is None:
+        if new is None:
             return None
-        return ModuleSpec(name, self)
+        from importlib.util import find_spec
+
+        if find_spec(new) is None:
+            return None
+        return ModuleSpec(name, cast("Loader", self))
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
         module = _Moved(spec.name)
