@@ -35,3 +35,12 @@ def members(cls):
             if inspect.isfunction(value) or isinstance(value, property | functools.cached_property):
                 found[name] = value
     return found
+
+
+def listed():
+    """Every public name, one a line, as `tests/public_names.txt` keeps them."""
+    return "".join(f"{face.__name__}.{name}\n" for face in FACES for name in sorted(face.__all__))
+
+
+if __name__ == "__main__":
+    print(listed(), end="")

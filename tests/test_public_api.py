@@ -7,12 +7,14 @@ import re
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 import overview_dsp as ov
 from overview_dsp.public.moved import MODULES, NAMES
+from tests.public_names import listed
 
 FACES = {face.__name__: face for face in (ov.actuators, ov.export, ov.live, ov.measure, ov.presets)}
 
@@ -23,6 +25,12 @@ def test_what_a_face_lists_is_what_it_has(module):
     assert len(set(module.__all__)) == len(module.__all__)
     for name in module.__all__:
         assert getattr(module, name) is not None
+
+
+def test_no_public_name_comes_or_goes_unnoticed():
+    kept = Path(__file__).with_name("public_names.txt").read_text(encoding="utf-8")
+    # python -m tests.public_names > tests/public_names.txt, and a line in the changelog
+    assert listed() == kept
 
 
 def test_the_faces_are_the_only_modules_among_the_public_names():
