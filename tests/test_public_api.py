@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import pkgutil
 import re
 import subprocess
 import sys
@@ -25,6 +26,12 @@ def test_what_a_face_lists_is_what_it_has(module):
     assert len(set(module.__all__)) == len(module.__all__)
     for name in module.__all__:
         assert getattr(module, name) is not None
+
+
+@pytest.mark.parametrize("face", FACES.values(), ids=lambda face: face.__name__)
+def test_no_module_would_take_the_place_of_a_public_name_when_it_is_imported(face):
+    modules = {module.name for module in pkgutil.iter_modules(face.__path__)}
+    assert not modules & set(face.__all__)
 
 
 def test_no_public_name_comes_or_goes_unnoticed():

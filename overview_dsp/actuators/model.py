@@ -53,6 +53,7 @@ ACTUATOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         )
     }
 )  # fmt: skip
+"""Everything a profile may say, by id."""
 
 ONE_OF = ("resonance.q", "resonance.bandwidth_hz", "resonance.rise_ms")
 _OPTIONAL = (*ONE_OF, "drive.full_scale")
