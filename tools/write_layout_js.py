@@ -1,4 +1,6 @@
-"""Write `overview_dsp/web/layout.js`: the numbers of kernels/layout.py and encoding.py, for pages.
+"""Write `overview_dsp/web/layout.js`: the numbers that pages share with Python.
+
+They are those of kernels/layout.py and export/browser_memory.py.
 
 python tools/write_layout_js.py [OUT.js]
 """
@@ -10,21 +12,21 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LAYOUT = ROOT / "overview_dsp" / "web" / "layout.js"
-HEAD = """// Made by tools/write_layout_js.py from kernels/layout.py and web/encoding.py.
+HEAD = """// Made by tools/write_layout_js.py from kernels/layout.py and export/browser_memory.py.
 
 """
 
 
 def main(out: Path) -> None:
     sys.path.insert(0, str(ROOT))
+    from overview_dsp.export.browser_memory import encoding_numbers, layout_digest, layout_numbers
     from overview_dsp.gestures import SOURCES
-    from overview_dsp.web.encoding import encoding_numbers, layout_digest, layout_numbers
 
     low, high = (
         int.from_bytes(layout_digest()[at : at + 4], "little", signed=True) for at in (0, 4)
     )
     names = ", ".join(f'"{name}"' for name in SOURCES)
-    text = HEAD + table("L", layout_numbers()) + "// encoding.py\n"
+    text = HEAD + table("L", layout_numbers()) + "// browser_memory.py\n"
     text += table("ENCODING", encoding_numbers())
     text += f"export const SOURCES = Object.freeze([{names}]);\n\n"
     text += "// of a memory that this layout fits, its low and its high half\n"

@@ -1,4 +1,4 @@
-// Made by tools/write_layout_js.py from kernels/layout.py and web/encoding.py.
+// Made by tools/write_layout_js.py from kernels/layout.py and export/browser_memory.py.
 
 export const L = Object.freeze({
   CELLS: 65536,
@@ -262,7 +262,7 @@ export const L = Object.freeze({
   TRACE: 9,
 });
 
-// encoding.py
+// browser_memory.py
 export const ENCODING = Object.freeze({
   HEAD: 5,
   WHOLE: 0,

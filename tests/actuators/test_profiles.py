@@ -10,8 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.actuators import actuator_names, load_actuator
-from overview_dsp.actuators.library import FOLDER_VARIABLE, bundled_folder
+from overview_dsp.actuators.library import (
+    FOLDER_VARIABLE,
+    actuator_names,
+    bundled_folder,
+    load_actuator,
+)
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS
 from overview_dsp.actuators.validation import parse_actuator
 from tests.actuators.strategies import actuators

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.actuators import actuator_names, load_actuator
+from overview_dsp.actuators.library import actuator_names, load_actuator
 from overview_dsp.kernels import layout
 from tests.actuators.driving import RATE, ROUNDING, burst, changed, driven, highest_mean_square
 from tests.actuators.strategies import actuators, signals

@@ -10,7 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.actuators import Actuator, actuator_names, load_actuator
+from overview_dsp.actuators.library import actuator_names, load_actuator
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.actuators.stage import ActuatorStage
 from tests.actuators.driving import (

@@ -9,10 +9,10 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.feel_report import GESTURES, feel_report
+from overview_dsp.measure.report import GESTURES, feel_report
+from overview_dsp.measure.tuning import separated, tuned
+from overview_dsp.measure.tuning.ordering import SPEEDS, WANTED_STEPS
 from overview_dsp.rendering.audition import pages
-from overview_dsp.tuning import separated, tuned
-from overview_dsp.tuning.ordering import SPEEDS, WANTED_STEPS
 
 
 def preset_of(**heights):

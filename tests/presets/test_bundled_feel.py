@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.feel_report import character_steps, feel_report
+from overview_dsp.measure.report import character_steps, feel_report
 from overview_dsp.presets import library
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.rendering.audition import pages

@@ -23,7 +23,23 @@ RATE = 16_000.0
 
 @dataclass(frozen=True)
 class Tuned:
-    """A tuned preset, how many steps its kinds are apart, and if what was wanted is reached."""
+    """A preset tuned by search.
+
+    Attributes
+    ----------
+    preset : Preset
+        Called `NAME-tuned`.
+    least_steps : float
+        Just noticeable steps between the two kinds that are nearest to each other.
+    reached : bool
+        Whether that is what was wanted.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.measure.Tuned(ov.load_preset("football"), least_steps=2.1, reached=True).reached
+    True
+    """
 
     preset: Preset
     least_steps: float

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.engine.surface_slots import write_surface
+from overview_dsp.export import browser_memory as encoding
+from overview_dsp.export.browser_memory import DATA, FILL, TABLE, encode_change, encode_engine
 from overview_dsp.kernels import layout
-from overview_dsp.web import encoding
-from overview_dsp.web.encoding import DATA, FILL, TABLE, encode_change, encode_engine
 from tests.web.schedule import RATE, engine
 from tests.web.surfaces import preset_of
 

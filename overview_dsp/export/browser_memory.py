@@ -76,9 +76,22 @@ def layout_digest() -> bytes:
 
 
 def encode_engine(engine: Engine, settings: OutputSettings | None = None) -> bytes:
-    """A prepared engine's memory, connected to an output as `live` connects it.
+    """Encode a prepared engine's memory, for the same kernel in a browser.
 
-    A page that loads it sounds on exactly as the engine would.
+    It is connected to an output as `live` connects it; a page that loads it sounds on exactly as
+    the engine would.
+
+    Parameters
+    ----------
+    engine : Engine
+        Prepared; it goes on from where it is.
+    settings : OutputSettings or None
+        Channels, gains, delays and ceilings of the page's output, and its actuator.
+
+    Returns
+    -------
+    bytes
+        What `kernel_node.js` starts from, some 0.5 MB.
 
     Raises
     ------
@@ -86,6 +99,16 @@ def encode_engine(engine: Engine, settings: OutputSettings | None = None) -> byt
         Before `prepare`.
     InputError
         A sample rate too low for the settings' actuator.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> engine = ov.Engine(football, match)
+    >>> engine.prepare(sample_rate=8000, max_block_size=256)
+    >>> memory = ov.export.encode_engine(engine)
+    >>> len(memory) < 1_000_000
+    True
     """
     channels = connect(engine, settings)
     bits = engine.memory.view(np.uint64)

@@ -20,7 +20,9 @@ from overview_dsp.export.felt_error import FeltError, felt_error
 from overview_dsp.export.pad_wav import pad_samples
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.sound import save_sound
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.offline import Result
+from overview_dsp.rendering.trace import Trace
 
 POINTS_PER_S = 50.0
 """Amplitude points a second by default (Meta's studio has 40; a sweep of a second needs more)."""
@@ -30,22 +32,34 @@ Played = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Exported:
-    """What was written.
+    """What `export` wrote.
 
     Attributes
     ----------
-    files
+    files : tuple of path
         In the order they were written.
     error : FeltError or None
         Against the rendered envelope; None where the samples themselves were written.
-    points, transients
-        How many of each.
+    points, transients : int
+        How many points of amplitude, and how many strikes.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> ov.export.export(result, "wav4", "pad.wav").files[0].name
+    'pad.wav'
     """
 
     files: tuple[Path, ...]
     error: FeltError | None
     points: int
     transients: int
+
+    def __repr__(self) -> str:
+        files = " and ".join(short(path.name) for path in self.files)
+        return f"<Exported: {files}, {counted(self.transients, 'strike')}>"
 
 
 @dataclass(frozen=True)
@@ -111,8 +125,25 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
 NAMES = (*FORMATS, "wav4")
 
 
+def formats() -> tuple[str, ...]:
+    """List the formats that `export` writes.
+
+    Returns
+    -------
+    tuple of str
+        Their names.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.export.formats()
+    ('ahap', 'haptic', 'hjif', 'android', 'wav4')
+    """
+    return NAMES
+
+
 def export(
-    result: Result,
+    result: Result[Trace | None],
     to: str,
     path: str | os.PathLike[str],
     points_per_s: float = POINTS_PER_S,
@@ -121,19 +152,38 @@ def export(
 
     Parameters
     ----------
-    result
+    result : Result
         Of `render`, with its trace.
-    to
-        One of `NAMES`.
-    path
+    to : str
+        One of `formats()`.
+    path : str or path
         Of the first file; the others lie beside it under the same name.
-    points_per_s
-        Amplitude points to spend, a second of the clip (formats of fixed steps don't take it).
+    points_per_s : float
+        Amplitude points to spend, a second of the clip, 1 to 1000 (formats of fixed steps don't
+        take it).
+
+    Returns
+    -------
+    Exported
+        The files, and how far they are from what was felt.
 
     Raises
     ------
     InputError
-        An unknown format, nothing to vibrate, too long, an unwritable place.
+        An unknown format, nothing to vibrate, too long, a place that can't be written.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> written = ov.export.export(result, "ahap", "match.ahap")
+    >>> [path.name for path in written.files]
+    ['match.ahap', 'match.strikes.ahap']
+    >>> written.error.median_db < 2.3
+    True
     """
     if to not in NAMES:
         raise InputError(f"no export format is called {to!r}; it is one of {', '.join(NAMES)}")

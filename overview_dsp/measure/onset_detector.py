@@ -23,10 +23,31 @@ FLOOR_DB = -90.0
 
 @dataclass(frozen=True, eq=False)
 class Onsets:
-    """Onset times (s) and strengths (dB of full scale, RMS over 2 ms), in order."""
+    """Where a signal suddenly gets louder, in order.
+
+    Attributes
+    ----------
+    time_s : float64 (onsets,)
+        Seconds.
+    level_db : float64 (onsets,)
+        RMS over 2 ms, dB of full scale.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> found = ov.measure.onsets(result.samples[:, 0], result.sample_rate)
+    >>> len(found.time_s) == len(found.level_db)
+    True
+    """
 
     time_s: NDArray[np.float64]
     level_db: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        span = f", {self.time_s[0]:.3f} to {self.time_s[-1]:.3f} s" if len(self.time_s) else ""
+        return f"<Onsets: {len(self.time_s)}{span}>"
 
 
 def level_curve(
@@ -46,10 +67,32 @@ def level_curve(
     return at / sample_rate, 10.0 * np.log10(np.maximum(energy[at], 1e-14))
 
 
-def find_onsets(
-    signal: NDArray[np.float32], sample_rate: float, floor_db: float = FLOOR_DB
-) -> Onsets:
-    """Find the onsets of a signal, float32 (frames,)."""
+def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FLOOR_DB) -> Onsets:
+    """Find the onsets of a signal: where it suddenly gets louder.
+
+    Parameters
+    ----------
+    signal : float32 (frames,)
+        One channel.
+    sample_rate : float
+        Hz.
+    floor_db : float
+        What is fainter is none, dB of full scale.
+
+    Returns
+    -------
+    Onsets
+        Times and levels.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> found = ov.measure.onsets(result.samples[:, 0], result.sample_rate)
+    >>> len(found.time_s) > 0
+    True
+    """
     from scipy.ndimage import maximum_filter1d
 
     times, level = level_curve(signal, sample_rate)

@@ -32,6 +32,7 @@ from overview_dsp.gestures import Gesture, sweep, tap
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
 from overview_dsp.presets.model import Preset
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.offline import Result, render
 from overview_dsp.rendering.schedule import Tail
 from overview_dsp.timeline import Timeline
@@ -58,7 +59,36 @@ _CLICK_BEFORE_S, _CLICK_AFTER_S = 0.005, 0.060
 
 @dataclass(frozen=True)
 class KindFeel:
-    """One kind in one stroke: medians over its events; NaN where none was felt."""
+    """One kind of event in one stroke: medians over its events; NaN where none was felt.
+
+    Attributes
+    ----------
+    kind : str
+        Its name.
+    events : int
+        How many were felt.
+    level_db : float
+        Highest RMS over 10 ms on the event, dB of full scale, weighted by the skin's sensitivity.
+    contrast_db : float
+        Above the median of all that is no event, dB.
+    sharpness : float
+        Steepest rise of the torque, N m/s.
+    duration_ms : float
+        How long the level stays near its highest, ms.
+    click_db : float
+        Highest RMS over 10 ms of the click, dB of full scale.
+    masked, merged : int
+        Events less than a step above the rest, and within 30 ms of another one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> sweeps = {"fast": ov.sweep(1.0)}
+    >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+    >>> report.strokes[0].kinds[0].kind
+    'period'
+    """
 
     kind: str
     events: int
@@ -70,6 +100,13 @@ class KindFeel:
     masked: int
     merged: int
 
+    def __repr__(self) -> str:
+        return (
+            f"<KindFeel {short(self.kind)}: {counted(self.events, 'event')}, "
+            f"{self.level_db:.1f} dB, {self.contrast_db:.1f} dB above the rest, "
+            f"{self.duration_ms:.0f} ms>"
+        )
+
 
 @dataclass(frozen=True)
 class StrokeReport:
@@ -80,16 +117,27 @@ class StrokeReport:
     name : str
         `slow`, `slow recoil`, ..., `tap`, `tap recoil`.
     event_free_db : float
-        Weighted median level outside all events.
+        Weighted median level outside all events, dB of full scale.
     level_db : float
-        Weighted median level of all of it.
+        Weighted median level of all of it, dB of full scale.
     sharpness : float
         Steepest rise of the torque in the median tenth of a second, N m/s.
     density_hz : float
         Pulses that are felt apart, a second: peaks a step above their surroundings, 30 ms apart.
     kinds : tuple of KindFeel
-    alike : tuple of (kind, kind, steps)
-        Pairs less than a step apart in level, sharpness and duration, and how far they are.
+        In the order of the surface.
+    alike : tuple of (str, str, float)
+        Pairs of kinds less than a step apart in level, sharpness and duration, and how far they
+        are.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> sweeps = {"fast": ov.sweep(1.0)}
+    >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+    >>> report.strokes[0].name
+    'fast'
     """
 
     name: str
@@ -100,21 +148,88 @@ class StrokeReport:
     kinds: tuple[KindFeel, ...]
     alike: tuple[tuple[str, str, float], ...]
 
+    def __repr__(self) -> str:
+        return (
+            f"<StrokeReport {short(self.name)}: {self.level_db:.1f} dB, "
+            f"{counted(len(self.kinds), 'kind')}, {counted(len(self.alike), 'pair')} alike>"
+        )
+
 
 @dataclass(frozen=True)
 class FeelReport:
-    """How a preset feels on a timeline."""
+    """How a preset feels on a timeline.
+
+    Attributes
+    ----------
+    preset, timeline : str
+        The preset's name and the timeline's title.
+    strokes : tuple of StrokeReport
+        Each gesture's way out, and its recoil.
+
+    See Also
+    --------
+    feel_report : Makes one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> sweeps = {"fast": ov.sweep(1.0)}
+    >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+    >>> report.preset
+    'football'
+    """
 
     preset: str
     timeline: str
     strokes: tuple[StrokeReport, ...]
 
     def stroke(self, name: str) -> StrokeReport:
-        """The stroke of that name."""
+        """Find a stroke by its name.
+
+        Parameters
+        ----------
+        name : str
+            `fast`, `fast recoil`, say.
+
+        Returns
+        -------
+        StrokeReport
+            That one.
+
+        Raises
+        ------
+        StopIteration
+            There is none.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> sweeps = {"fast": ov.sweep(1.0)}
+        >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+        >>> report.stroke("fast recoil").name
+        'fast recoil'
+        """
         return next(stroke for stroke in self.strokes if stroke.name == name)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data; what was not felt is None."""
+        """Make plain data of it; what was not felt is None.
+
+        Returns
+        -------
+        dict
+            Of texts, numbers and lists, for JSON.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> sweeps = {"fast": ov.sweep(1.0)}
+        >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+        >>> sorted(report.to_json())
+        ['preset', 'strokes', 'timeline']
+        """
         return {
             "preset": self.preset,
             "timeline": self.timeline,
@@ -136,7 +251,22 @@ class FeelReport:
         }
 
     def table(self) -> str:
-        """The report as text: a block a stroke."""
+        """Write the report as text: a block a stroke.
+
+        Returns
+        -------
+        str
+            Of many lines.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> sweeps = {"fast": ov.sweep(1.0)}
+        >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+        >>> report.table().splitlines()[0]
+        'football on France 4-2 Croatia, World Cup final, Moscow, 15 July 2018'
+        """
         lines = [f"{self.preset} on {self.timeline or 'a timeline'}"]
         lines.append(
             f"{'':<28}{'level':>8}{'contrast':>10}{'sharpness':>11}{'lasts':>8}{'click':>8}"
@@ -155,7 +285,22 @@ class FeelReport:
         return "\n".join(lines)
 
     def warnings(self) -> list[str]:
-        """What a person would miss, each in a line that says what to change."""
+        """List what a person would miss.
+
+        Returns
+        -------
+        list of str
+            Each a line that says what to change.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> sweeps = {"fast": ov.sweep(1.0)}
+        >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+        >>> all(isinstance(line, str) for line in report.warnings())
+        True
+        """
         lines: list[str] = []
         for name in dict.fromkeys(kind.kind for stroke in self.strokes for kind in stroke.kinds):
             masked = [
@@ -187,6 +332,12 @@ class FeelReport:
                 )
         return lines
 
+    def __repr__(self) -> str:
+        return (
+            f"<FeelReport: {short(self.preset)} on {short(self.timeline)}, "
+            f"{counted(len(self.strokes), 'stroke')}>"
+        )
+
 
 def _cell(value: float, width: int, digits: int) -> str:
     if not math.isfinite(value):
@@ -216,12 +367,35 @@ def feel_report(
 
     Parameters
     ----------
-    preset, timeline
-        What is to be felt; the timeline has events. Of several, what is felt on all of them.
-    gestures
-        Name to gesture, each of one touch.
-    recoils
+    preset : Preset
+        What is to be felt.
+    timeline : Timeline or sequence of Timeline
+        With events. Of several, what is felt on all of them.
+    gestures : mapping of str to Gesture
+        By name, each of one touch; slow, medium and fast sweeps and a tap if left out.
+    sample_rate : float
+        Hz.
+    recoils : bool
         Without them, the hand never lets go: only the way out is measured.
+
+    Returns
+    -------
+    FeelReport
+        Level, contrast, sharpness, duration and click of each kind in each stroke.
+
+    Raises
+    ------
+    InputError
+        As `render`.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> sweeps = {"fast": ov.sweep(1.0)}
+    >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+    >>> [stroke.name for stroke in report.strokes]
+    ['fast', 'fast recoil']
     """
     if not recoils:
         gestures = {name: _held(gesture) for name, gesture in gestures.items()}
@@ -252,7 +426,6 @@ def _stroke_reports(
     """The strokes of a gesture: out, and its recoil."""
     result = render(timeline, preset, gesture, sample_rate, tail=tail)
     trace = result.trace
-    assert trace is not None
     return [
         _stroke_report(
             name if stroke.name == "out" else f"{name} {stroke.name}",
@@ -292,7 +465,6 @@ def _until_arrived(stroke: Stroke, cursor: NDArray[np.float64]) -> Stroke:
 
 def _stroke_report(name: str, stroke: Stroke, result: Result) -> StrokeReport:
     trace, surface = result.trace, result.engine.surface
-    assert trace is not None
     felt = stroke_feel(stroke, surface, trace, result.samples[:, 1], result.sample_rate)
     weight = pacinian_db(result.engine.preset.number("tactor.frequency_hz"))
     struck = _strikes_in(stroke, result)
@@ -340,7 +512,6 @@ def _alike(kinds: Sequence[KindFeel]) -> tuple[tuple[str, str, float], ...]:
 def _character(stroke: Stroke, result: Result, weight: float) -> tuple[float, float, float]:
     """Level (dB), sharpness (N m/s) and density (a second) of all that is felt in a stroke."""
     trace, rate = result.trace, result.sample_rate
-    assert trace is not None
     level = window_db(result.samples[stroke.start : stroke.stop, 1], rate, HOP_S)[1]
     if not len(level):
         return math.nan, math.nan, 0.0
@@ -353,10 +524,29 @@ def _character(stroke: Stroke, result: Result, weight: float) -> tuple[float, fl
 
 
 def character_steps(first: FeelReport, second: FeelReport) -> float:
-    """Just noticeable steps between two presets on one timeline, in what they differ most in.
+    """Count the just noticeable steps between two presets on one timeline.
 
-    The medians of the steps in level, in sharpness and in density over all strokes; the recoils,
-    which are much the same after any gesture, count as one.
+    In what they differ most in: the medians of the steps in level, in sharpness and in density
+    over all strokes; the recoils, which are much the same after any gesture, count as one.
+
+    Parameters
+    ----------
+    first, second : FeelReport
+        Of the same gestures.
+
+    Returns
+    -------
+    float
+        Steps.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> sweeps = {"fast": ov.sweep(1.0)}
+    >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+    >>> ov.measure.character_steps(report, report)
+    0.0
     """
     differences = np.array(
         [
@@ -379,7 +569,28 @@ def _character_differences(one: StrokeReport, other: StrokeReport) -> tuple[floa
 
 
 def steps_apart(first: KindFeel, second: KindFeel) -> float:
-    """Just noticeable steps between two kinds, in what they differ most in."""
+    """Count the just noticeable steps between two kinds, in what they differ most in.
+
+    Parameters
+    ----------
+    first, second : KindFeel
+        Of one stroke.
+
+    Returns
+    -------
+    float
+        Steps of level, of sharpness or of duration.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> sweeps = {"fast": ov.sweep(1.0)}
+    >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+    >>> kind = report.strokes[0].kinds[0]
+    >>> ov.measure.steps_apart(kind, kind)
+    0.0
+    """
     steps = [
         abs(first.level_db - second.level_db) / STEP_DB,
         _ratio_steps(first.sharpness, second.sharpness, STEP_SHARPNESS),
@@ -433,7 +644,6 @@ def _clicks(struck: list[tuple[float, int]], result: Result) -> dict[int, float]
 def _durations(stroke: Stroke, result: Result, free_db: float) -> NDArray[np.float64]:
     """How long each event's level stays near its highest, ms; a row a surface's event."""
     trace, surface = result.trace, result.engine.surface
-    assert trace is not None
     cursor = trace.cursor[stroke.start : stroke.stop]
     hop = WINDOW_S / 10.0
     starts, level = window_db(

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.feel_report import STEP_DB, FeelReport, feel_report
+from overview_dsp.measure.report import STEP_DB, FeelReport, feel_report
+from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import SECONDS_EACH
 from overview_dsp.timeline import Event, Timeline
-from overview_dsp.tuning.moves import RATE, Tuned, limits, moved
 
 WANTED_STEPS = 2.0
 _AIM_STEPS = 2.2  # a little more, so that the search may stop a little short of it
@@ -40,23 +40,38 @@ def tuned(
     seed: int = 0,
     progress: Callable[[float], None] = lambda part: None,
 ) -> Tuned:
-    """Tune a preset.
+    """Move heights and widths until kinds follow each other in strength, two steps apart.
 
     Parameters
     ----------
-    preset
+    preset : Preset
         Whose kinds are moved.
-    target
+    target : sequence of str
         Kinds, the strongest first: two or more, each named by the preset.
-    seed
+    seed : int
         The same seed gives the same preset.
-    progress
-        Told the part done, 0 to 1.
+    progress : callable
+        Called with the part done, 0 to 1.
+
+    Returns
+    -------
+    Tuned
+        The nearest found to the preset as it was.
 
     Raises
     ------
     InputError
         Fewer than two kinds, one that the preset doesn't name, one twice.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> wide = ov.EventKind(height=120.0, width_percent=3.0, shape="plateau")
+    >>> low = ov.EventKind(height=4.0, width_percent=1.0)
+    >>> kinds = {"default": low, "strong": wide, "weak": low}
+    >>> preset = ov.Preset("mine", "Mine", "two kinds", {}, kinds)
+    >>> ov.measure.tuned(preset, ["strong", "weak"]).reached
+    True
     """
     from scipy.optimize import differential_evolution
 

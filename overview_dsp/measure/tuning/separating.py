@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.gestures import Gesture, sweep
-from overview_dsp.measure.feel_report import STEP_DB, KindFeel, feel_report, steps_apart
+from overview_dsp.measure.report import STEP_DB, KindFeel, feel_report, steps_apart
+from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
+from overview_dsp.measure.tuning.ordering import check_target
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import pages
 from overview_dsp.timeline import Timeline
-from overview_dsp.tuning.moves import RATE, Tuned, limits, moved
-from overview_dsp.tuning.ordering import check_target
 
 WANTED_STEPS = 1.0
 _AIM_STEPS = 1.3
@@ -51,21 +51,36 @@ def separated(
     seed: int = 0,
     progress: Callable[[float], None] = lambda part: None,
 ) -> Tuned:
-    """Set all kinds of a preset at least a step apart, in sweeps of 1 to 6 s.
+    """Move heights and widths until all kinds of a preset are a step apart, in sweeps of 1 to 6 s.
 
     Parameters
     ----------
-    order
+    preset : Preset
+        Whose kinds are moved.
+    order : sequence of str
         Kinds of which each is stronger than the next by a step of level.
-    seed
+    seed : int
         The same seed gives the same preset.
-    progress
-        Told the part done, 0 to 1.
+    progress : callable
+        Called with the part done, 0 to 1.
+
+    Returns
+    -------
+    Tuned
+        What was found.
 
     Raises
     ------
     InputError
         The order has a kind that the preset doesn't name, or one twice.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> only = ov.EventKind(height=120.0, width_percent=3.0, shape="plateau")
+    >>> preset = ov.Preset("mine", "Mine", "one kind", {}, {"default": only})
+    >>> ov.measure.separated(preset).preset.name
+    'mine-tuned'
     """
     if order:
         check_target(preset, order)
