@@ -31,8 +31,8 @@ OPTIONS: dict[str, Any] = {
 }
 
 
-# a C function has no interpreter to give up
-_C_OPTIONS = {key: value for key, value in OPTIONS.items() if key != "nogil"}
+# a C function has no GIL to give up
+_GIL_KEPT = {key: value for key, value in OPTIONS.items() if key != "nogil"}
 
 
 def sources_digest() -> str:
@@ -90,9 +90,14 @@ def entry_point(function: Function) -> Function:
     return _kept(function, lambda cache: numba.njit(cache=cache, **OPTIONS))
 
 
+def briefly_called(function: Function) -> Function:
+    """As `entry_point`, of a few instructions: giving the GIL up, and back, would take longer."""
+    return _kept(function, lambda cache: numba.njit(cache=cache, **_GIL_KEPT))
+
+
 def c_callback(signature: Any, function: Callable[..., Any]) -> Any:
     """Compile a C function (`.address`), and keep its machine code on disk."""
-    return _kept(function, lambda cache: numba.cfunc(signature, cache=cache, **_C_OPTIONS))
+    return _kept(function, lambda cache: numba.cfunc(signature, cache=cache, **_GIL_KEPT))
 
 
 def _kept(function: Any, compiler: Callable[[bool], Any]) -> Any:
