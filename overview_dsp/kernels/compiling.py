@@ -12,6 +12,17 @@ from typing import Any, TypeVar
 import numba
 import platformdirs
 
+from overview_dsp.errors import require_internals
+
+NUMBA = "numba>=0.61,<0.69"
+"""As pyproject.toml has it. What `kernels` use of numba's inside may change with any version, so a
+new one is let in when the tests have passed with it."""
+
+require_internals(
+    numba,
+    ("config.CACHE_DIR", "config.DISABLE_JIT", "carray", "types.ExternalFunction"),
+    NUMBA,
+)
 # numba sets its options as attributes at run time
 _config: Any = numba.config
 

@@ -14,12 +14,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite import ir
 from numba import types
-from numba.extending import overload
 
 from overview_dsp.kernels.compiling import briefly_called
-from overview_dsp.kernels.intrinsics import column_pointer, intrinsic
+from overview_dsp.kernels.intrinsics import column_pointer, intrinsic, overload
 
 COLUMN_BYTES = 8
 
@@ -36,7 +34,7 @@ def store_release(i64, at, value):
 
 @intrinsic
 def _load(typing: Any, i64: Any, at: Any) -> Any:
-    def emit(context: Any, builder: ir.IRBuilder, signature: Any, args: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         place = column_pointer(context, builder, signature.args[0], *args)
         return builder.load_atomic(place, "acquire", COLUMN_BYTES)
 
@@ -45,7 +43,7 @@ def _load(typing: Any, i64: Any, at: Any) -> Any:
 
 @intrinsic
 def _store(typing: Any, i64: Any, at: Any, value: Any) -> Any:
-    def emit(context: Any, builder: ir.IRBuilder, signature: Any, args: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         place = column_pointer(context, builder, signature.args[0], *args[:2])
         builder.store_atomic(args[2], place, "release", COLUMN_BYTES)
         return context.get_dummy_value()

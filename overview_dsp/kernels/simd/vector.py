@@ -19,15 +19,16 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import (
+
+from overview_dsp.kernels.intrinsics import (
+    column_pointer,
+    intrinsic,
     lower_builtin,
     models,
     overload,
     register_model,
     type_callable,
 )
-
-from overview_dsp.kernels.intrinsics import column_pointer, intrinsic
 
 SIMD_WIDTH = 8
 
@@ -48,7 +49,7 @@ FLOATS, WORDS, MASK = _Lanes("float64"), _Lanes("uint64"), _Lanes("bool")
 
 
 @register_model(_Lanes)
-class _LanesModel(models.PrimitiveModel):
+class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]
     def __init__(self, manager: Any, type_: _Lanes) -> None:
         super().__init__(manager, type_, type_.vector)
 
