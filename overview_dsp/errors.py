@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import reprlib
 from collections.abc import Iterable
+from types import ModuleType
 
 
 class OverviewError(Exception):
@@ -138,3 +139,36 @@ def shown(value: object) -> str:
         return _SHORT.repr(value)
     except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
         return f"a {type(value).__name__} too large to show"
+
+
+def require_internals(module: ModuleType, names: Iterable[str], requirement: str) -> None:
+    """Check that a module has the parts of its inside that are used here.
+
+    `names` are attributes, `a.b` that of one. `requirement` is what pip is to install: the versions
+    that are known to work.
+
+    Raises
+    ------
+    OverviewError
+        One is missing: this version has changed what no version promises to keep.
+    """
+    for name in names:
+        found: object = module
+        for part in name.split("."):
+            if not hasattr(found, part):
+                package = module.__name__.partition(".")[0]
+                raise OverviewError(
+                    f"{package} {_version(package)} is installed, which has no "
+                    f"{module.__name__}.{name}; known to work is {requirement}: "
+                    f"pip install '{requirement}'"
+                )
+            found = getattr(found, part)
+
+
+def _version(package: str) -> str:
+    from importlib import metadata
+
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "of an unknown version"

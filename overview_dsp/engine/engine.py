@@ -48,8 +48,19 @@ _NO_TRACE = np.zeros(0)
 class Engine:
     """A preset on a timeline, as a block processor with control events: the audio plugin's face.
 
-    Thread: `process` belongs to the audio thread, everything else to one control thread. Nothing is
-    allocated or compiled until `prepare`.
+    Nothing is allocated or compiled until `prepare`.
+
+    Thread: who may call what, while others call too:
+
+    - one audio thread: `process`, or the stream that runs the kernel in `memory`;
+    - any thread: `control` and `control_all`, the properties that tell how things stand (`meters`,
+      `holder`, `impulse`, `sample_time`, `preset` ...), and `take_applied`. Events of one source
+      are applied in the order of their calls, so a source whose order matters has one writer;
+    - one thread, whichever: `take_strikes`;
+    - one control thread: everything else, as `set` and its kin, and `take_changes`.
+
+    `prepare`, `restart`, `reset` and `load_state` begin anew: nobody else calls anything meanwhile,
+    and no stream runs.
 
     Parameters
     ----------
@@ -234,7 +245,7 @@ class Engine:
             write_surface(self._f64, 0, self._surface, self._sample_rate)
             self._slot_surfaces[0] = self._surface
         block.reset(self._f64, self._i64, self._u64)
-        self._queues.dropped = 0
+        self._queues.clear_dropped()
         self._journal.clear()
 
     # --- control thread -------------------------------------------------------------------------
@@ -250,6 +261,8 @@ class Engine:
 
         A theta2 that is not finite or is out of range is counted in the meters; a full queue drops
         the event and counts it.
+
+        Thread: any; events of one source are applied in the order of the calls.
 
         Parameters
         ----------
@@ -299,6 +312,8 @@ class Engine:
             When, in samples since reset.
         sources : int8 (events,)
             Which hand, as an index of the sources in `control`'s order.
+
+        Thread: any.
 
         Raises
         ------

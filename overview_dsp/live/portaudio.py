@@ -19,12 +19,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.engine.engine import Engine
-from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.errors import InputError, OverviewError, require_internals
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, read_meters
 from overview_dsp.public.reprs import short
+
+SOUNDDEVICE = "sounddevice>=0.4.6,<0.6"
+"""As pyproject.toml has it. `_StreamBase` is there for library authors; the rest of its inside is
+promised to nobody."""
+
+_INTERNALS = (
+    "_StreamBase",
+    "_ffi.cast",
+    "_ffi.dlopen",
+    "_lib",
+    "_initialized",
+    "_initialize",
+    "_terminate",
+)
 
 CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5
@@ -56,12 +70,19 @@ def no_output_hint() -> str:
 
 
 def import_sounddevice() -> Any:
-    """The sounddevice module; OverviewError with how to install PortAudio if it isn't there."""
+    """The sounddevice module.
+
+    Raises
+    ------
+    OverviewError
+        No PortAudio, or a sounddevice that doesn't have what is used here; how to install them.
+    """
     try:
         import sounddevice
     except OSError as error:
         hint = _LIBRARY_HINTS.get(sys.platform, _LIBRARY_HINTS["linux"])
         raise OverviewError(f"no PortAudio library ({error}): {hint}") from None
+    require_internals(sounddevice, _INTERNALS, SOUNDDEVICE)
     return sounddevice
 
 

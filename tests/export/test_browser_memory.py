@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -90,10 +89,10 @@ def test_a_carrier_that_does_not_fit_the_rate_is_refused(football):
         encode_change(football, football, RATE, sample_time=-3)
 
 
-def test_the_pages_layout_is_the_kernels(tmp_path):
-    again = tmp_path / "layout.js"
-    subprocess.run(
-        [sys.executable, str(ROOT / "tools" / "write_layout_js.py"), str(again)], check=True
-    )
-    shipped = (resources.files("overview_dsp.web") / "layout.js").read_text(encoding="utf-8")
-    assert again.read_text(encoding="utf-8") == shipped, "run python tools/write_layout_js.py"
+@pytest.mark.parametrize("file", ["overview_dsp/web/layout.js", "tools/peers/layout.h"])
+def test_the_layout_of_other_languages_is_the_kernels(tmp_path, file):
+    tool = ROOT / "tools" / "write_layout.py"
+    subprocess.run([sys.executable, str(tool), str(tmp_path)], check=True)
+    shipped = ROOT / file
+    again = tmp_path / shipped.name
+    assert again.read_bytes() == shipped.read_bytes(), "run python tools/write_layout.py"
