@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,10 @@ class SkippedTests:
 
 
 def pytest_configure(config):
+    # a shell ignores SIGINT for what it starts in the background, and the commands that tests
+    # start and interrupt would inherit that
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     path = config.getoption("--list-skipped")
     if path and not hasattr(config, "workerinput"):
         config.pluginmanager.register(SkippedTests(path))
