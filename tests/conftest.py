@@ -5,13 +5,11 @@ import signal
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
 
 import overview_dsp as ov
+from tests import profiles
 
-# how long an example takes is the machine's, not the code's
-settings.register_profile("overview", deadline=None)
-settings.load_profile("overview")
+profiles.load()
 
 
 def pytest_addoption(parser):
