@@ -193,6 +193,7 @@ def motor(tmp_path):
 FORCE = ("--sensor", "simplefoc", "--force")
 
 
+@pytest.mark.realtime
 @needs_pty
 @pytest.mark.parametrize("delay_ms", [0, 20])
 def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms):
@@ -211,6 +212,7 @@ def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms)
     assert lines[-1]["summary"]["block_size"] == 128
 
 
+@pytest.mark.realtime
 @needs_pty
 def test_a_knob_that_is_held_lies_still_over_a_port(motor):
     port = motor("--hand", "hold", "--delay-ms", 20)
@@ -243,6 +245,7 @@ def test_a_host_that_is_killed_leaves_no_torque(motor):
     assert told["target"] == 0.0
 
 
+@pytest.mark.realtime
 @needs_pty
 def test_a_motor_that_falls_silent_is_let_go(motor):
     port = motor("--mute", 6)

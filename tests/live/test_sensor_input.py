@@ -430,6 +430,7 @@ def played(*arguments):
     return [json.loads(line) for line in done.stdout.splitlines()], done.stderr
 
 
+@pytest.mark.realtime
 @needs_pty
 @pytest.mark.parametrize("form", ["frames", "text", "json"])
 def test_a_device_on_a_port_is_told_played_and_recorded(device, tmp_path, form, match, football):
@@ -449,6 +450,7 @@ def test_a_device_on_a_port_is_told_played_and_recorded(device, tmp_path, form, 
     assert replay.trace.cursor.max() > 0.3
 
 
+@pytest.mark.realtime
 @needs_pty
 def test_noise_on_the_wire_is_counted_and_does_not_stop_it(device):
     pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")
