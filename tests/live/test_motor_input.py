@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.live import motor_input, sensor_input
 from overview_dsp.live.motor_input import MotorInput
+from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.sensors.profile_file import load_sensor
 from tests.cli.running import overview
-from tests.live.test_sensor_input import KNOB, PLAY, ROOT, MadePort, needs_pty, played
+from tests.live.test_sensor_input import KNOB, PLAY, ROOT, needs_pty, played
 
 SENSOR = load_sensor("simplefoc")
 
@@ -27,16 +31,54 @@ def line_fits(data):
     return True
 
 
-class MadeMotorPort(MadePort):
-    """Also keeps what is written."""
+class SteppedTime:
+    """In place of `time` in the input's modules: it goes on when it is told."""
 
     def __init__(self):
-        super().__init__()
+        self.now = 1000.0
+
+    def monotonic(self):
+        return self.now
+
+
+class SteppedPort:
+    """Gives the input's thread what a test puts in, and lets the test wait until it is worked off.
+
+    Keeps what is written, with its time.
+    """
+
+    waiting = 0
+
+    def __init__(self, clock):
+        self._clock = clock
+        self._changed = threading.Condition()
+        self._given, self._reads = b"", False
+        self.lost = self.closed = False
         self.written = []
         self.targets = []
 
+    def step(self, data=b""):
+        """Have `data` read now; returns when all that follows from it is done."""
+        with self._changed:
+            assert self._changed.wait_for(lambda: self._reads, 30.0)
+            self._given, self._reads = data, False
+            self._changed.notify_all()
+            assert self._changed.wait_for(lambda: self._reads, 30.0)
+
+    def read(self):
+        with self._changed:
+            self._reads = True
+            self._changed.notify_all()
+            # now and then without a step, as a port: an input that is closed looks up
+            self._changed.wait_for(lambda: not self._reads, 0.02)
+            self._reads = False
+            if self.lost:
+                raise PortLostError("gone")
+            data, self._given = self._given, b""
+            return data
+
     def write(self, data):
-        self.written.append((time.monotonic(), data))
+        self.written.append((self._clock.now, data))
         self.targets += [
             float(line[1:])
             for line in data.decode().split()
@@ -44,15 +86,18 @@ class MadeMotorPort(MadePort):
         ]
         return line_fits(data)
 
+    def close(self):
+        self.closed = True
+
     def lines(self):
         return b"".join(data for _, data in self.written).decode().splitlines()
 
 
 class Bench:
-    """An engine run by hand, and a motor that says its angle every millisecond."""
+    """An engine run by hand, and a motor that says its angle every millisecond of its time."""
 
-    def __init__(self, engine):
-        self.engine = engine
+    def __init__(self, engine, clock):
+        self.engine, self.clock = engine, clock
         self.there = True
         self.input = MotorInput(engine, "made", SENSOR, open_port=self._open)
         self.angle = 0.0
@@ -60,30 +105,37 @@ class Bench:
     def _open(self, *_):
         if not self.there:
             raise ov.InputError("serial:made: no such port")
-        self.port = MadeMotorPort()
+        self.port = SteppedPort(self.clock)
         return self.port
 
     def turn(self, speed, seconds):
-        """Turn at `speed` (rad/s) in real time, the engine kept in time with it."""
-        began, done, rate = time.monotonic(), 0, self.engine.sample_rate
-        while done < round(seconds * 1000):
-            done += 1
+        """Turn at `speed` (rad/s), the engine kept in time with it."""
+        for done in range(1, round(seconds * 1000) + 1):
+            self.clock.now += 1e-3
             self.angle += speed * 1e-3
             applied = self.targets()[-1:] or [0.0]
-            self.port.put(f"{applied[0]:.4f}\t{self.angle:.4f}\r\n".encode())
+            self.port.step(f"{applied[0]:.4f}\t{self.angle:.4f}\r\n".encode())
             if done % 5 == 0:
-                self.engine.process(np.zeros((round(0.005 * rate), 2), dtype=np.float32))
-            time.sleep(max(0.0, began + done * 1e-3 - time.monotonic()))
+                self.engine.process(np.zeros((round(0.005 * RATE), 2), dtype=np.float32))
 
     def targets(self):
         return self.port.targets[:]
 
 
+RATE = 8_000
+
+
 @pytest.fixture
-def bench(match, football):
+def bench(match, football, monkeypatch):
+    clock = SteppedTime()
+    for module in (motor_input, sensor_input):
+        monkeypatch.setattr(module, "time", clock)
+    timed = functools.partial(sensor_input.HandWriter, now=clock.monotonic)
+    monkeypatch.setattr(sensor_input, "HandWriter", timed)
+    monkeypatch.setattr(sensor_input, "RETRY_S", 0.01)
     engine = ov.Engine(football, match)
-    engine.prepare(8_000, 48_000)
-    bench = Bench(engine)
+    engine.prepare(RATE, 48_000)
+    bench = Bench(engine, clock)
     yield bench
     bench.input.close()
 
@@ -107,14 +159,17 @@ def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
     bench.turn(0.0, 0.3)
     bench.turn(3.0, 0.6)
     assert bench.targets()[-1] < 0.0
-    silent_at = time.monotonic()
-    while not any("said nothing" in said for said in bench.input.take_messages()):
-        assert time.monotonic() < silent_at + 2.0
-        time.sleep(0.002)
+    silent_at = bench.clock.now
+    messages = ()
+    while not any("said nothing" in said for said in messages):
+        assert bench.clock.now < silent_at + 2.0
+        bench.clock.now += 0.002
+        bench.port.step()
+        messages = bench.input.take_messages()
     bench.engine.process(np.zeros((800, 2), dtype=np.float32))
     assert bench.engine.holder is None
     last = max(at for at, data in bench.port.written if not data.endswith(b"M0.0000\n"))
-    print(f"last torque {1e3 * (last - silent_at):.1f} ms after the last report")
+    assert last <= silent_at + 0.05
     assert bench.targets()[-1] == 0.0
 
 
@@ -136,19 +191,23 @@ def test_the_motor_has_no_torque_and_no_power_after_the_end(bench):
     assert bench.port.closed
 
 
+def until(condition):
+    """Wait for the input's thread."""
+    end = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
 def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
     bench.turn(0.0, 0.3)
     bench.turn(3.0, 0.3)
     bench.there = False
     gone, bench.port.lost = bench.port, True
-    time.sleep(0.2)
-    assert gone.closed
+    until(lambda: gone.closed)
     assert "no force" in bench.input.words
     bench.there = True
-    until = time.monotonic() + 5.0
-    while bench.port is gone:
-        assert time.monotonic() < until
-        time.sleep(0.01)
+    until(lambda: bench.port is not gone)
     bench.turn(0.0, 0.3)
     assert bench.port.lines()[0] == "@0"
     assert not any(bench.targets())
@@ -158,8 +217,8 @@ def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
 
 def test_a_motor_that_reports_too_seldom_is_told_once(bench):
     for n in range(140):
-        bench.port.put(f"0.0000\t{0.001 * n:.4f}\r\n".encode())
-        time.sleep(0.02)
+        bench.clock.now += 0.02
+        bench.port.step(f"0.0000\t{0.001 * n:.4f}\r\n".encode())
     said = [one for one in bench.input.take_messages() if "times a second" in one]
     assert len(said) == 1
     assert "motor.downsample" in said[0]
