@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 
 import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live import motor_input, sensor_input
 from overview_dsp.live.motor_input import MotorInput
-from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.sensors.profile_file import load_sensor
 from tests.cli.running import overview
+from tests.live import stepped
+from tests.live.stepped import SteppedPort, SteppedTime
 from tests.live.test_sensor_input import KNOB, PLAY, ROOT, needs_pty, played
 
 SENSOR = load_sensor("simplefoc")
@@ -31,51 +29,14 @@ def line_fits(data):
     return True
 
 
-class SteppedTime:
-    """In place of `time` in the input's modules: it goes on when it is told."""
-
-    def __init__(self):
-        self.now = 1000.0
-
-    def monotonic(self):
-        return self.now
-
-
-class SteppedPort:
-    """Gives the input's thread what a test puts in, and lets the test wait until it is worked off.
-
-    Keeps what is written, with its time.
-    """
-
-    waiting = 0
+class MotorPort(SteppedPort):
+    """Keeps what is written, with its time."""
 
     def __init__(self, clock):
+        super().__init__()
         self._clock = clock
-        self._changed = threading.Condition()
-        self._given, self._reads = b"", False
-        self.lost = self.closed = False
         self.written = []
         self.targets = []
-
-    def step(self, data=b""):
-        """Have `data` read now; returns when all that follows from it is done."""
-        with self._changed:
-            assert self._changed.wait_for(lambda: self._reads, 30.0)
-            self._given, self._reads = data, False
-            self._changed.notify_all()
-            assert self._changed.wait_for(lambda: self._reads, 30.0)
-
-    def read(self):
-        with self._changed:
-            self._reads = True
-            self._changed.notify_all()
-            # now and then without a step, as a port: an input that is closed looks up
-            self._changed.wait_for(lambda: not self._reads, 0.02)
-            self._reads = False
-            if self.lost:
-                raise PortLostError("gone")
-            data, self._given = self._given, b""
-            return data
 
     def write(self, data):
         self.written.append((self._clock.now, data))
@@ -85,9 +46,6 @@ class SteppedPort:
             if line[1] in "-0123456789" and line[0] == "M"
         ]
         return line_fits(data)
-
-    def close(self):
-        self.closed = True
 
     def lines(self):
         return b"".join(data for _, data in self.written).decode().splitlines()
@@ -105,7 +63,7 @@ class Bench:
     def _open(self, *_):
         if not self.there:
             raise ov.InputError("serial:made: no such port")
-        self.port = SteppedPort(self.clock)
+        self.port = MotorPort(self.clock)
         return self.port
 
     def turn(self, speed, seconds):
@@ -128,11 +86,7 @@ RATE = 8_000
 @pytest.fixture
 def bench(match, football, monkeypatch):
     clock = SteppedTime()
-    for module in (motor_input, sensor_input):
-        monkeypatch.setattr(module, "time", clock)
-    timed = functools.partial(sensor_input.HandWriter, now=clock.monotonic)
-    monkeypatch.setattr(sensor_input, "HandWriter", timed)
-    monkeypatch.setattr(sensor_input, "RETRY_S", 0.01)
+    stepped.use(clock, monkeypatch)
     engine = ov.Engine(football, match)
     engine.prepare(RATE, 48_000)
     bench = Bench(engine, clock)
