@@ -9,7 +9,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -288,7 +288,6 @@ def test_a_full_ring_drops_the_event_counts_it_and_says_so_once():
     assert engine.meters.dropped_events == 2
 
 
-@settings(deadline=None, max_examples=40)
 @given(
     events=st.lists(
         st.tuples(
@@ -541,7 +540,6 @@ def test_state_round_trips_byte_for_byte(match, football):
     assert np.array_equal(run(engine, 20_000)[0], run(other, 20_000)[0])
 
 
-@settings(deadline=None, max_examples=60)
 @given(data=st.binary(max_size=300))
 def test_garbage_is_not_a_state(match, football, data):
     engine = ov.Engine(football, match)
@@ -558,7 +556,6 @@ def test_a_megabyte_of_garbage_is_refused(match, football, seed):
         ov.Engine(football, match).load_state(data)
 
 
-@settings(deadline=None, max_examples=60)
 @given(data=st.data())
 def test_a_state_with_a_field_broken_is_refused_or_valid(match, football, data):
     engine = ov.Engine(football, match)

@@ -171,9 +171,7 @@ def test_garbage_is_refused_in_one_line(tmp_path):
 LEAVES = st.none() | st.booleans() | st.floats() | st.text(max_size=3) | st.integers()
 
 
-@settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_any_change_of_a_clip_is_read_or_one_line(tmp_path, data):
     document = json.loads(json.dumps(data.draw(st.sampled_from([GOOD, HAPTIC]))))

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -130,7 +130,6 @@ def changed(draw):
 
 
 @pytest.mark.filterwarnings("ignore::overview_dsp.OverviewWarning")
-@settings(deadline=None, max_examples=60)
 @given(changed(), st.floats(0.05, 1.0))
 def test_no_parameter_takes_a_preset_over_its_ceiling_or_out_of_numbers(preset, seconds):
     timeline = ov.Timeline(

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -366,7 +366,6 @@ VALUES = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None)
 @given(st.data())
 def test_any_change_of_a_match_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
     document: Any = copy.deepcopy(FULL)

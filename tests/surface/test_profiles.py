@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.presets.parameters import SHAPES
@@ -71,7 +71,6 @@ def test_a_gaussian_and_a_raised_cosine_have_their_textbook_values():
     assert profile("raised_cosine", np.array([0.25]), 1.0)[0] == pytest.approx(0.5 + 0.5**1.5)
 
 
-@settings(deadline=None)
 @given(
     st.sampled_from(SHAPES),
     st.floats(-1e9, 1e9),

@@ -46,6 +46,7 @@ def test_drag_tap_and_release_are_the_native_samples(browser, match, football):
     )
 
 
+@pytest.mark.soak
 def test_firefox_gives_the_native_samples_too(firefox, match, football):
     expected = played(engine(match, football))
     firefox.give(image=encode_engine(engine(match, football, hands=False)))
