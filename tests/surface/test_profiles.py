@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from overview_dsp.presets.parameters import SHAPES
-from overview_dsp.surface.profiles import REACH, SPAN_LEVEL, profile, span
+from overview_dsp.surface.profiles import AT_A_TIME, REACH, SPAN_LEVEL, bumps, profile, span
 
 FINE = np.linspace(-4.0, 4.0, 80_001)  # steps of 1e-4 widths
 STEP = FINE[1] - FINE[0]
@@ -80,3 +80,34 @@ def test_a_gaussian_and_a_raised_cosine_have_their_textbook_values():
 def test_a_profile_is_a_finite_part_of_its_height_at_any_distance(shape, distance, width):
     value = profile(shape, np.array([distance]), width)[0]
     assert 0.0 <= value <= 1.0
+
+
+COURSE = (0.2, 1.0, 0.5, 0.0)  # drawn by hand; it ends in steps at -w and is 0 at w
+
+
+@pytest.mark.parametrize("points", [(), COURSE])
+@pytest.mark.parametrize("shape", [*SHAPES, "stop"])
+@pytest.mark.parametrize("width", [3.0, 40.5, 300.0])
+def test_a_table_holds_every_point_of_every_profile(shape, points, width):
+    cells = 200
+    centre = np.array([0.0, 0.25, 57.3, 100.0, 199.5, 200.0])
+    height = np.arange(1.0, 7.0)
+    found = list(bumps(shape, points, width, centre, height, cells))
+    assert [number for number, _, _ in found] == list(range(6))
+    for number, start, bump in found:
+        table = np.zeros(cells + 1)
+        table[start : start + len(bump)] = bump
+        distance = np.arange(cells + 1) - centre[number]
+        expected = height[number] * profile(shape, distance, width, points)
+        # a gaussian's far foot is left out
+        assert np.allclose(table, expected, rtol=0.0, atol=2e-5 * height[number])
+        assert len(bump) <= 2.0 * max(1.0, REACH[shape]) * width + 3.0
+
+
+def test_more_profiles_than_are_worked_out_at_once_are_all_laid():
+    count = 3 * AT_A_TIME // 100
+    centre = np.linspace(0.0, 1e6, count)
+    found = list(bumps("gaussian", (), 25.0, centre, np.arange(count) + 1.0, 1_000_000))
+    assert [number for number, _, _ in found] == list(range(count))
+    tops = np.array([bump.max() for _, _, bump in found])
+    assert tops == pytest.approx(np.arange(count) + 1.0, rel=2e-3)
