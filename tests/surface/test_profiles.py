@@ -111,3 +111,26 @@ def test_more_profiles_than_are_worked_out_at_once_are_all_laid():
     assert [number for number, _, _ in found] == list(range(count))
     tops = np.array([bump.max() for _, _, bump in found])
     assert tops == pytest.approx(np.arange(count) + 1.0, rel=2e-3)
+
+
+def test_a_course_drawn_by_hand_goes_through_its_points_and_is_zero_beyond():
+    at = np.array([-1.01, -1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 1.0, 1.01])
+    expected = [0.0, 0.2, 1.0, 0.75, 0.5, 0.0, 0.0]
+    assert profile("gaussian", at * 7.0, 7.0, COURSE) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "points", [COURSE, (0.0, 0.04, 0.4, 0.04, 0.0), (0.1, 1.0, 0.1), (1.0, 0.0)]
+)
+def test_the_span_of_a_course_is_where_it_exceeds_a_tenth_of_its_top(points):
+    above = FINE[profile("gaussian", FINE, 1.0, points) > SPAN_LEVEL * max(points)]
+    first, last = span("gaussian", 20.0, points)
+    # a course is looked at in sixteenths of its steps
+    step = 2.0 / (len(points) - 1) / 16 * 20.0
+    assert above[0] * 20.0 - 1e-9 <= first <= above[0] * 20.0 + step
+    assert above[-1] * 20.0 - step <= last <= above[-1] * 20.0 + 1e-9
+
+
+def test_a_stop_is_a_spring_before_the_event_and_lets_go_behind_it():
+    values = profile("stop", np.array([-1.0, -0.5, 0.0, 1.0 / 16.0, 1.0 / 8.0, 1.0]) * 3.0, 3.0)
+    assert values == pytest.approx([0.0, 0.25, 1.0, 0.25, 0.0, 0.0])
