@@ -82,7 +82,7 @@ def test_a_profile_is_a_finite_part_of_its_height_at_any_distance(shape, distanc
     assert 0.0 <= value <= 1.0
 
 
-COURSE = (0.2, 1.0, 0.5, 0.0)  # drawn by hand; it ends in steps at -w and is 0 at w
+COURSE = (0.2, 1.0, 0.5, 0.3)  # drawn by hand; it ends in steps
 
 
 @pytest.mark.parametrize("points", [(), COURSE])
@@ -101,7 +101,7 @@ def test_a_table_holds_every_point_of_every_profile(shape, points, width):
         expected = height[number] * profile(shape, distance, width, points)
         # a gaussian's far foot is left out
         assert np.allclose(table, expected, rtol=0.0, atol=2e-5 * height[number])
-        assert len(bump) <= 2.0 * max(1.0, REACH[shape]) * width + 3.0
+        assert len(bump) <= 2.0 * (1.0 if points else REACH[shape]) * width + 3.0
 
 
 def test_more_profiles_than_are_worked_out_at_once_are_all_laid():
@@ -115,7 +115,7 @@ def test_more_profiles_than_are_worked_out_at_once_are_all_laid():
 
 def test_a_course_drawn_by_hand_goes_through_its_points_and_is_zero_beyond():
     at = np.array([-1.01, -1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 1.0, 1.01])
-    expected = [0.0, 0.2, 1.0, 0.75, 0.5, 0.0, 0.0]
+    expected = [0.0, 0.2, 1.0, 0.75, 0.5, 0.3, 0.0]
     assert profile("gaussian", at * 7.0, 7.0, COURSE) == pytest.approx(expected, abs=1e-12)
 
 
@@ -126,6 +126,7 @@ def test_the_span_of_a_course_is_where_it_exceeds_a_tenth_of_its_top(points):
     above = FINE[profile("gaussian", FINE, 1.0, points) > SPAN_LEVEL * max(points)]
     first, last = span("gaussian", 20.0, points)
     # a course is looked at in sixteenths of its steps
+    assert span("gaussian", 20.0, (0.0, 1.0)) == (-15.0, 20.0)
     step = 2.0 / (len(points) - 1) / 16 * 20.0
     assert above[0] * 20.0 - 1e-9 <= first <= above[0] * 20.0 + step
     assert above[-1] * 20.0 - step <= last <= above[-1] * 20.0 + 1e-9

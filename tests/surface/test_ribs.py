@@ -50,10 +50,15 @@ def test_a_gap_has_whole_ribs_as_long_as_the_period_or_nearly(gap, count):
     assert felt(gap) == pytest.approx(expected, abs=1e-9, nan_ok=True)
 
 
+def test_the_period_is_a_part_of_the_table():
+    expected = formula(0.0, 400.0, 100, 2.0)
+    assert felt((0.0, 100.0), height=2.0, period=1.0) == pytest.approx(expected, abs=1e-9)
+
+
 def test_gaps_are_told_apart_and_data_between_them_is_data():
     gaps = ((0.0, 8.0), (8.5, 12.5), (50.0, 60.0))
     parts = [formula(0, 32, 4), formula(34, 50, 2), formula(200, 240, 5)]
-    assert felt(*gaps) == pytest.approx(np.nanmax(parts, axis=0), abs=1e-9, nan_ok=True)
+    assert felt(*gaps) == pytest.approx(np.fmax.reduce(parts), abs=1e-9, nan_ok=True)
     assert np.isnan(felt(*gaps)[33])
 
 
