@@ -83,6 +83,9 @@ def prepare(work: Path, part: dict, ignored: list[str]) -> None:
         "do_not_mutate_patterns": ignored,
         "pytest_add_cli_args": ["-n0", "-pno:cacheprovider", "--hypothesis-profile=mutation"],
         "pytest_add_cli_args_test_selection": part["tests"],
+        # of the tests' own time, and 5 s: a change may loop for ever
+        "timeout_multiplier": 5.0,
+        "timeout_constant": 5.0,
         "use_git_change_detection": False,
         "track_dependencies": False,
     }
