@@ -1,4 +1,4 @@
-"""A surface's rows: where events strike, what they let go, how far they reach, who stands for all."""
+"""A surface's rows: where events strike, what they let go, how far they reach, whom they hide."""
 
 from __future__ import annotations
 
