@@ -83,7 +83,7 @@ class Surface:
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
-        x = np.clip(np.asarray(phi, dtype=np.float64) / math.pi, 0.0, 1.0) * CELLS
+        x = np.asarray(phi, dtype=np.float64) / math.pi * CELLS
         return np.interp(x, np.arange(CELLS + 1, dtype=np.float64), self.friction)
 
     def in_span(

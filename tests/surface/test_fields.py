@@ -89,7 +89,7 @@ def test_a_preset_has_what_its_surface_or_any_kind_has(surface, kind, bristles, 
 
 
 def test_detents_combine_by_the_deepest_stops_by_the_highest_and_both_add_to_what_is_under():
-    preset = plain_preset(surface__end_stiffness=5.0, surface__end_damping=0.02)
+    preset = plain_preset(surface__end_stiffness=0.5, surface__end_damping=0.02)
     under = np.linspace(0.0, 1.0, 11)
     layer = DetentLayer(preset, under)
     layer.lay("detent", 2, np.array([1.0, 3.0, 1.0]))
@@ -104,7 +104,7 @@ def test_detents_combine_by_the_deepest_stops_by_the_highest_and_both_add_to_wha
     # the energy is what the pull takes on the way, straight between points
     assert field.energy[0] == 0.0
     assert np.diff(field.energy) == pytest.approx((field.pull[1:] + field.pull[:-1]) / 2.0)
-    assert (field.end_stiffness, field.end_damping) == (5.0, 0.02)
+    assert (field.end_stiffness, field.end_damping) == (0.5, 0.02)
 
 
 def test_ends_without_a_spring_have_no_damper():
@@ -166,11 +166,14 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
         (of_model("detent", height=32.0), r"kinds\.default holds.*32 mN.*lower its height,"),
         (of_model("end_stop", height=32.0), r"kinds\.default holds.*32 mN"),
         (of_model("bristle", height=15.0), None),  # twice that until it slides
-        (of_model("bristle", height=16.0), r"kinds\.default holds.*32 mN.*its height or static"),
+        (
+            of_model("bristle", height=16.0),
+            r"kinds\.default holds.*32 mN.*lower its height or static_ratio,",
+        ),
         (plain_preset(surface__model="bristle", surface__grip=15.0), None),
         (
             plain_preset(surface__model="bristle", surface__grip=16.0),
-            r"surface\.grip.*32 mN.*it or",
+            r"^surface\.grip holds.*32 mN.*lower it or surface\.static_ratio,",
         ),
         (plain_preset(surface__model="detent", surface__grip=31.0), None),
         (
@@ -187,6 +190,14 @@ def test_what_holds_the_disk_for_good_is_warned_of(preset, told):
     if told:
         with pytest.warns(ov.OverviewWarning, match=told):
             ov.build_surface(timeline_of(50.0), preset)
+
+
+def test_detents_hold_where_the_curve_is_highest():
+    curve = ov.Intensity(np.array([0.0, 100.0]), np.array([0.0, 1.0]))
+    timeline = ov.Timeline("ramp", 100.0, (), curve)
+    preset = plain_preset(surface__model="detent", surface__grip=16.0, surface__ambience=1.0)
+    with pytest.warns(ov.OverviewWarning, match=r"^surface\.grip holds.*32 mN"):
+        ov.build_surface(timeline, preset)
 
 
 # --- the surface ----------------------------------------------------------------------------------
