@@ -130,6 +130,7 @@ def test_reset_ends_a_glide_at_its_end():
     for id, value in (("tactor.gain_db", -20.0), ("disk.k1", 5e-3), ("output.ceiling_db", -9.0)):
         engine.set(id, value)
     run(engine, 10)
+    engine.set("tactor.gain_db", -30.0, 10_000)  # and one that waits is the preset's too
     engine.reset()
     expected = prepared(engine.preset, BARE, RATE).memory[: layout.COEFFS].copy()
     assert np.array_equal(engine.memory[: layout.COEFFS], expected)
