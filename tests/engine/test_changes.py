@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.engine import compile_notice
 from overview_dsp.engine.coefficients import FADE_S, GLIDE_S
 from overview_dsp.kernels import layout
 from overview_dsp.presets.dicts import preset_to_dict
@@ -209,9 +210,10 @@ def test_a_given_memory_is_the_engines_own():
             engine.prepare(RATE, 512, memory=wrong)
 
 
-def test_kernels_that_are_compiled_already_are_not_announced(capsys):
-    prepared(plain_preset(), BARE, RATE)
+def test_kernels_that_are_compiled_already_are_not_announced(capsys, monkeypatch):
+    run(prepared(plain_preset(), BARE, RATE), 1)
     capsys.readouterr()
+    monkeypatch.setattr(compile_notice, "_told", set())
     prepared(plain_preset(), BARE, RATE)
     assert capsys.readouterr() == ("", "")
 
