@@ -163,8 +163,8 @@ class Engine:
         self._i64 = self._f64.view(np.int64)
         self._u64 = self._f64.view(np.uint64)
         self._queues = ControlQueues(self._f64)
-        self._i64[layout.S_GLIDE] = max(1, round(GLIDE_S * rate))
-        self._i64[layout.S_FADE] = max(1, round(FADE_S * rate))
+        self._i64[layout.S_GLIDE] = round(GLIDE_S * rate)
+        self._i64[layout.S_FADE] = round(FADE_S * rate)
         self._i64[layout.S_CLICK_CHANNEL] = 0
         self._i64[layout.S_TACTOR_CHANNEL] = 1
         self._f64[layout.S_SAMPLE_RATE] = rate

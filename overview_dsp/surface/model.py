@@ -119,7 +119,7 @@ class Surface:
         >>> surface.friction_at(0.0) == surface.friction[0]
         np.True_
         """
-        x = np.clip(np.asarray(phi, dtype=np.float64) / math.pi, 0.0, 1.0) * CELLS
+        x = np.asarray(phi, dtype=np.float64) / math.pi * CELLS
         return np.interp(x, np.arange(CELLS + 1, dtype=np.float64), self.friction)
 
     def in_span(

@@ -87,8 +87,9 @@ def test_strikes_add_up():
 
 
 def test_a_mode_that_would_fold_back_is_left_out():
-    assert mode_coefficients(ov.ClickMode(4000.0, 20.0), 8000.0) is None
-    assert mode_coefficients(ov.ClickMode(3900.0, 20.0), 8000.0) is not None
+    edge = 4900.0  # 0.49 of the rate, and not a bit more
+    assert mode_coefficients(ov.ClickMode(edge, 20.0), 10_000.0) is not None
+    assert mode_coefficients(ov.ClickMode(math.nextafter(edge, 5000.0), 20.0), 10_000.0) is None
     assert np.all(struck(ov.ClickMode(4500.0, 20.0), [3.5], 8000.0, 200) == 0.0)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import tracemalloc
@@ -245,6 +246,21 @@ def test_the_last_to_touch_holds_the_disk_until_it_lets_go():
     assert np.all(touching[30_000:] == 0.0)
     assert np.abs(np.diff(theta2[9_000:])).max() < 0.01
     assert theta2[29_999] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("order", list(itertools.permutations(("touch", "serial", "remote"))))
+def test_of_the_hands_that_still_touch_the_latest_takes_over(order):
+    engine = prepared(plain_preset(), timeline_of())
+    for at, source in enumerate(order):
+        engine.control(1.0 + at, True, 100 * at, source=source)
+    holders = []
+    for source in reversed(order):
+        run(engine, 400)
+        holders.append(engine.holder)
+        engine.control(0.0, False, source=source)
+    run(engine, 400)
+    assert holders == [(source, 1.0 + at) for at, source in reversed([*enumerate(order)])]
+    assert engine.holder is None
 
 
 def test_at_the_same_sample_the_order_of_sources_is_fixed():
