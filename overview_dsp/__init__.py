@@ -3,24 +3,24 @@
 Temporal data becomes a surface with friction; a disk on a spring is pulled over it by the hand;
 its torque is heard as friction clicks and felt as a 250 Hz vibration.
 
-    import overview_dsp as ov
-
-    timeline = ov.load_timeline("match.json")
-    result = ov.render(timeline, ov.load_preset("football"), ov.sweep(4.0))
-    result.save("out.wav")
-
 `ov.presets`, `ov.measure`, `ov.export`, `ov.live` and `ov.actuators` hold what designers, sound
-people and performers need besides. What isn't in the reference is private.
+people and performers need besides. What isn't in the reference (the `__all__` of these six) is
+private and may move.
 
 Importing this package compiles nothing and needs no sound card: each name is imported when it is
 first used.
+
+Examples
+--------
+>>> import overview_dsp as ov
+>>> timeline = ov.load_timeline("world-cup-final-2018")  # or any supported file
+>>> result = ov.render(timeline, ov.load_preset("football"), ov.sweep(4.0))
+>>> result.save("out.wav")
 """
 
 from __future__ import annotations
 
-import warnings
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from overview_dsp.errors import (
     InputError,
@@ -29,85 +29,43 @@ from overview_dsp.errors import (
     OverviewError,
     OverviewWarning,
 )
+from overview_dsp.public.lazy import lazy_names
+from overview_dsp.public.moved import find_moved_modules
 
 if TYPE_CHECKING:
     from overview_dsp import actuators, export, live, measure, presets
-    from overview_dsp.actuators import Actuator, load_actuator
-    from overview_dsp.engine import Engine, EngineParameter, Meters, Strikes
-    from overview_dsp.gestures import (
-        Gesture,
-        load_gesture,
-        parse_gesture,
-        pause,
-        save_gesture,
-        sweep,
-        tap,
-    )
-    from overview_dsp.presets import ClickMode, EventKind, Preset, bundled_presets, load_preset
-    from overview_dsp.readers import load_timeline, save_timeline
-    from overview_dsp.rendering import (
-        RenderedJob,
-        RenderJob,
-        Result,
-        Trace,
-        render,
-        render_jobs,
-        render_many,
-        render_to_file,
-    )
-    from overview_dsp.surface import Surface, build_surface
-    from overview_dsp.timeline import Event, Intensity, Timeline
+    from overview_dsp.actuators.library import load_actuator
+    from overview_dsp.actuators.model import Actuator
+    from overview_dsp.engine.engine import Engine
+    from overview_dsp.engine.meters import EngineParameter, Meters, Strikes
+    from overview_dsp.gestures.model import Gesture
+    from overview_dsp.gestures.scripts import pause, sweep, tap
+    from overview_dsp.gestures.spec import parse_gesture
+    from overview_dsp.gestures.take import load_gesture, save_gesture
+    from overview_dsp.presets.library import bundled_presets, load_preset
+    from overview_dsp.presets.model import ClickMode, EventKind, Preset
+    from overview_dsp.readers.native import save_timeline
+    from overview_dsp.readers.registry import load_timeline
+    from overview_dsp.rendering.many import RenderedJob, RenderJob, render_jobs, render_many
+    from overview_dsp.rendering.offline import Rendered, Result, render, render_to_file
+    from overview_dsp.rendering.trace import Trace
+    from overview_dsp.surface.build import build_surface
+    from overview_dsp.surface.model import Surface
+    from overview_dsp.timeline.curve_builder import CurveBuilder
+    from overview_dsp.timeline.even_times import EvenTimes
+    from overview_dsp.timeline.event import Event
+    from overview_dsp.timeline.intensity import Intensity
+    from overview_dsp.timeline.model import Timeline
 
 __version__ = "0.1.0"
-
-_EXPORTS = {
-    "actuators": ("Actuator", "load_actuator"),
-    "engine": ("Engine", "EngineParameter", "Meters", "Strikes"),
-    "gestures": (
-        "Gesture",
-        "load_gesture",
-        "parse_gesture",
-        "pause",
-        "save_gesture",
-        "sweep",
-        "tap",
-    ),
-    "presets": ("ClickMode", "EventKind", "Preset", "bundled_presets", "load_preset"),
-    "readers": ("load_timeline", "save_timeline"),
-    "rendering": (
-        "RenderJob",
-        "RenderedJob",
-        "Result",
-        "Trace",
-        "render",
-        "render_jobs",
-        "render_many",
-        "render_to_file",
-    ),
-    "surface": ("Surface", "build_surface"),
-    "timeline": ("Event", "Intensity", "Timeline"),
-}
-_FACES = ("actuators", "export", "live", "measure", "presets")
-_PACKAGE_OF = {name: package for package, names in _EXPORTS.items() for name in names}
-# old name: where it is now; to go with the release after 0.2
-_RENAMED = {
-    "Kind": "EventKind",
-    "Mode": "ClickMode",
-    "PARAMETERS": "presets.PARAMETERS",
-    "Parameter": "presets.Parameter",
-    "Setting": "EngineParameter",
-    "Voice": "RenderJob",
-    "VoiceResult": "RenderedJob",
-    "bundled_names": "bundled_presets",
-    "rest": "pause",
-    "voices": "render_jobs",
-}
 
 __all__ = [
     "Actuator",
     "ClickMode",
+    "CurveBuilder",
     "Engine",
     "EngineParameter",
+    "EvenTimes",
     "Event",
     "EventKind",
     "Gesture",
@@ -120,6 +78,7 @@ __all__ = [
     "OverviewWarning",
     "Preset",
     "RenderJob",
+    "Rendered",
     "RenderedJob",
     "Result",
     "Strikes",
@@ -150,22 +109,55 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name in _EXPORTS or name in _FACES:
-        return import_module(f"{__name__}.{name}")
-    if name in _RENAMED:
-        now = _RENAMED[name]
-        warnings.warn(f"ov.{name} is ov.{now} now", DeprecationWarning, stacklevel=2)
-        value: Any = import_module(__name__)
-        for part in now.split("."):
-            value = getattr(value, part)
-        return value
-    if name not in _PACKAGE_OF:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_PACKAGE_OF[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return list(__all__)
+if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+    __getattr__, __dir__ = lazy_names(
+        __name__,
+        {
+            "Actuator": "actuators.model",
+            "ClickMode": "presets.model",
+            "CurveBuilder": "timeline.curve_builder",
+            "Engine": "engine.engine",
+            "EngineParameter": "engine.meters",
+            "EvenTimes": "timeline.even_times",
+            "Event": "timeline.event",
+            "EventKind": "presets.model",
+            "Gesture": "gestures.model",
+            "Intensity": "timeline.intensity",
+            "Meters": "engine.meters",
+            "Preset": "presets.model",
+            "RenderJob": "rendering.many",
+            "Rendered": "rendering.offline",
+            "RenderedJob": "rendering.many",
+            "Result": "rendering.offline",
+            "Strikes": "engine.meters",
+            "Surface": "surface.model",
+            "Timeline": "timeline.model",
+            "Trace": "rendering.trace",
+            "actuators": "",
+            "build_surface": "surface.build",
+            "bundled_presets": "presets.library",
+            "export": "",
+            "live": "",
+            "load_actuator": "actuators.library",
+            "load_gesture": "gestures.take",
+            "load_preset": "presets.library",
+            "load_timeline": "readers.registry",
+            "measure": "",
+            "parse_gesture": "gestures.spec",
+            "pause": "gestures.scripts",
+            "presets": "",
+            "render": "rendering.offline",
+            "render_jobs": "rendering.many",
+            "render_many": "rendering.many",
+            "render_to_file": "rendering.offline",
+            "save_gesture": "gestures.take",
+            "save_timeline": "readers.native",
+            "sweep": "gestures.scripts",
+            "tap": "gestures.scripts",
+            # private, but there
+            **dict.fromkeys(
+                ("engine", "gestures", "readers", "rendering", "surface", "timeline"), ""
+            ),
+        },
+    )
+find_moved_modules()

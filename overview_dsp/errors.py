@@ -1,15 +1,48 @@
-"""The errors a person can cause, each one clear line: what, where, what is allowed, what to try."""
+"""The errors a person can cause, each one clear line: what, where, what is allowed, what to try.
+
+::
+
+    Exception                                                     exit code of `overview`
+    └── OverviewError              raised on purpose; catch this one        1
+        ├── InputError             also a ValueError: a file, value or name 2
+        ├── OutputError            a full disk, a place that is read-only   1
+        ├── NotPreparedError       also a RuntimeError: `prepare` first     1
+        └── PortLostError          (live) a device was unplugged            1
+    UserWarning
+    └── OverviewWarning            a line on standard error                 0
+
+A wrong option ends `overview` with 2 as well, Ctrl-C with 130. Any other exception but an OSError
+is a fault of this program; with `--debug` it is shown whole.
+"""
 
 from __future__ import annotations
 
 import reprlib
 from collections.abc import Iterable
+from types import ModuleType
 
 
 class OverviewError(Exception):
     """Base of every error this package raises on purpose; `str()` is one line.
 
-    `exit_code` is what the command line ends with.
+    Parameters
+    ----------
+    message : str
+        What is wrong, where, what is allowed, what to try.
+
+    Attributes
+    ----------
+    exit_code : int
+        What the command line ends with.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> try:
+    ...     ov.sweep(-1.0)
+    ... except ov.OverviewError as error:
+    ...     print(error)
+    a sweep's duration -1 s is out of range; it is more than 0 and up to 86400 s
     """
 
     exit_code = 1
@@ -19,23 +52,70 @@ class OverviewError(Exception):
 
 
 class InputError(OverviewError, ValueError):
-    """Something given (a file, a value, a name) can't be used; nothing was changed."""
+    """Something given (a file, a value, a name) can't be used; nothing was changed.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong, where, what is allowed, what to try.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.tap(1.5)
+    Traceback (most recent call last):
+    overview_dsp.errors.InputError: a tap's position 1.5 is out of range; ...
+    """
 
     exit_code = 2
 
 
 class OutputError(OverviewError):
-    """An output could not be written (a full disk, say); no partial file is left."""
+    """An output could not be written (a full disk, say); no partial file is left.
+
+    Parameters
+    ----------
+    message : str
+        What could not be written, and why.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> issubclass(ov.OutputError, ov.OverviewError)
+    True
+    """
 
     exit_code = 1
 
 
 class NotPreparedError(OverviewError, RuntimeError):
-    """The engine was used before `prepare`, or with a larger block than prepared."""
+    """The engine was used before `prepare`, or with a larger block than prepared.
+
+    Parameters
+    ----------
+    message : str
+        What to call.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> ov.Engine(football, match).reset()
+    Traceback (most recent call last):
+    overview_dsp.errors.NotPreparedError: the engine is not prepared; call prepare(sample_rate=...)
+    """
 
 
 class OverviewWarning(UserWarning):
-    """Something a person should know: an unknown event kind, a clamped value."""
+    """Something a person should know: an unknown event kind, a clamped value.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import overview_dsp as ov
+    >>> warnings.simplefilter("error", ov.OverviewWarning)  # to stop at them
+    >>> warnings.simplefilter("default", ov.OverviewWarning)
+    """
 
 
 _SHORT = reprlib.Repr()
@@ -59,3 +139,36 @@ def shown(value: object) -> str:
         return _SHORT.repr(value)
     except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
         return f"a {type(value).__name__} too large to show"
+
+
+def require_internals(module: ModuleType, names: Iterable[str], requirement: str) -> None:
+    """Check that a module has the parts of its inside that are used here.
+
+    `names` are attributes, `a.b` that of one. `requirement` is what pip is to install: the versions
+    that are known to work.
+
+    Raises
+    ------
+    OverviewError
+        One is missing: this version has changed what no version promises to keep.
+    """
+    for name in names:
+        found: object = module
+        for part in name.split("."):
+            if not hasattr(found, part):
+                package = module.__name__.partition(".")[0]
+                raise OverviewError(
+                    f"{package} {_version(package)} is installed, which has no "
+                    f"{module.__name__}.{name}; known to work is {requirement}: "
+                    f"pip install '{requirement}'"
+                )
+            found = getattr(found, part)
+
+
+def _version(package: str) -> str:
+    from importlib import metadata
+
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "of an unknown version"

@@ -1,16 +1,15 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
 
 import overview_dsp as ov
+from tests import profiles
 
-# how long an example takes is the machine's, not the code's
-settings.register_profile("overview", deadline=None)
-settings.load_profile("overview")
+profiles.load()
 
 
 def pytest_addoption(parser):
@@ -35,6 +34,10 @@ class SkippedTests:
 
 
 def pytest_configure(config):
+    # a shell ignores SIGINT for what it starts in the background, and the commands that tests
+    # start and interrupt would inherit that
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     path = config.getoption("--list-skipped")
     if path and not hasattr(config, "workerinput"):
         config.pluginmanager.register(SkippedTests(path))

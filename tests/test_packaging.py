@@ -4,13 +4,18 @@ import importlib
 import importlib.util
 import json
 import os
+import re
 import subprocess
 import sys
+import tomllib
+import types
 from pathlib import Path
 
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.kernels.compiling import NUMBA
+from overview_dsp.live.portaudio import SOUNDDEVICE, import_sounddevice
 
 ROOT = Path(__file__).resolve().parents[1]
 LATE = (
@@ -101,7 +106,7 @@ def test_every_public_name_is_there():
     for name in ov.__all__:
         assert getattr(ov, name) is not None
     assert len(set(ov.__all__)) == len(ov.__all__)
-    assert set(ov.__all__) <= set(dir(ov))
+    assert dir(ov) == sorted(ov.__all__)
 
 
 def test_the_public_names_are_the_contracts():
@@ -133,6 +138,101 @@ def test_the_checkout_finds_its_presets_and_its_match_from_any_folder(tmp_path):
     assert Path(where).is_relative_to(ROOT)
     assert sorted(names) == sorted(path.stem for path in (ROOT / "presets").glob("*.toml"))
     assert title
+
+
+@pytest.mark.parametrize(
+    "missing",
+    ["config.CACHE_DIR", "extending.register_model", "core.base.BaseContext.make_tuple"],
+)
+def test_a_numba_with_another_inside_is_one_clear_line(tmp_path, missing):
+    code = f"""
+import sys, numba, numba.core.base
+del numba.{missing}
+from overview_dsp.cli import main
+sys.argv[1:] = "render world-cup-final-2018 --gesture tap:0.5:0.01".split()
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert done.returncode == 1
+    assert len(done.stderr.splitlines()) == 1
+    wanted = rf"numba [\d.]+ is installed, .*numba\.{missing}; .*pip install '{re.escape(NUMBA)}'"
+    assert re.search(wanted, done.stderr)
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_sounddevice_with_another_inside_is_one_clear_line(monkeypatch):
+    changed = types.ModuleType("sounddevice")
+    changed._StreamBase = changed._initialize = object
+    changed._ffi = types.SimpleNamespace(cast=None)
+    monkeypatch.setitem(sys.modules, "sounddevice", changed)
+    wanted = rf"sounddevice\._ffi\.dlopen; .*pip install '{re.escape(SOUNDDEVICE)}'"
+    with pytest.raises(ov.OverviewError, match=wanted):
+        import_sounddevice()
+
+
+def dependencies():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        return tomllib.load(file)["project"]["dependencies"]
+
+
+def test_the_versions_that_are_said_to_work_are_those_that_are_installed():
+    assert {NUMBA, SOUNDDEVICE} <= set(dependencies())
+
+
+RENDER = """
+import hashlib, warnings
+import overview_dsp as ov
+warnings.simplefilter("ignore")
+timeline = ov.load_timeline("world-cup-final-2018")
+preset = ov.load_preset("football")
+gesture = ov.parse_gesture("sweep:0.5+tap:0.7:0.2")
+print(hashlib.sha256(ov.render(timeline, preset, gesture, tail="none").samples).hexdigest())
+# side by side: numba's and llvmlite's inside
+jobs = [ov.RenderJob(timeline, preset, gesture, seed) for seed in range(4)]
+for one in ov.render_many(jobs, tail="none"):
+    print(hashlib.sha256(one.samples).hexdigest())
+"""
+
+
+def test_the_oldest_versions_that_are_allowed_render_the_same_bits(tmp_path):
+    if os.environ.get("OVERVIEW_INSTALLS") != "1":
+        pytest.skip("installs packages: set OVERVIEW_INSTALLS=1 where there is a package index")
+    subprocess.run([sys.executable, "-m", "venv", str(tmp_path / "old")], check=True)
+    old = tmp_path / "old" / ("Scripts" if os.name == "nt" else "bin") / "python"
+    pip = [str(old), "-m", "pip", "install", "-q", "--disable-pip-version-check"]
+    oldest = [one.partition(",")[0].replace(">=", "==") for one in dependencies()]
+
+    def install(*arguments):
+        return subprocess.run([*pip, "--only-binary", ":all:", *arguments], check=False).returncode
+
+    if install(*oldest):
+        # newer than some of them, this Python has wheels of later ones only
+        there = [
+            one if install("--dry-run", "--no-deps", one) == 0 else allowed
+            for one, allowed in zip(oldest, dependencies(), strict=True)
+        ]
+        assert install(*there) == 0, there
+    renders = [
+        subprocess.run(
+            [python, "-c", RENDER],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
+        for python in (str(old), sys.executable)
+    ]
+    assert [done.returncode for done in renders] == [0, 0], renders[0].stderr
+    assert renders[0].stdout == renders[1].stdout
+    assert len(set(renders[0].stdout.splitlines())) >= 4
 
 
 @pytest.fixture(scope="module")
@@ -169,7 +269,7 @@ def test_a_wheel_finds_its_presets_and_its_match_from_any_folder(installed, tmp_
 def test_a_wheel_finds_its_actuators_from_any_folder(installed, tmp_path):
     code = """
 import json
-from overview_dsp.actuators import actuator_names, load_actuator
+from overview_dsp.actuators.library import actuator_names, load_actuator
 print(json.dumps([[name, load_actuator(name).source] for name in actuator_names()]))
 """
     found = json.loads(python(code, tmp_path, installed, OVERVIEW_ACTUATORS=str(tmp_path)))

@@ -19,6 +19,7 @@ import sys
 import tempfile
 import warnings
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 KERNEL = ROOT / "overview_dsp" / "web" / "kernel.wasm"
@@ -51,36 +52,47 @@ def toolchain() -> dict[str, str]:
 
 def compiled() -> bytes:
     """The kernel as a WebAssembly object file."""
+    from overview_dsp.kernels.device.browser import SIGNATURE, render
+
+    module, machine = cross_compiled(render, SIGNATURE, "render", TRIPLE)
+    return machine.emit_object(module)
+
+
+def cross_compiled(
+    function: Any, signature: Any, name: str, triple: str, speed_level: int = 3
+) -> tuple[Any, Any]:
+    """A C function, called `name`, for another machine: llvmlite's module and target machine.
+
+    NUMBA_OPT must be 0, from before numba is imported.
+    """
     import llvmlite.binding as llvm
     import numba
 
     from overview_dsp.kernels.compiling import OPTIONS
-    from overview_dsp.kernels.device.browser import SIGNATURE, render
 
     options = {key: value for key, value in OPTIONS.items() if key != "nogil"}
-    function = numba.cfunc(SIGNATURE, **options)(render)
+    function = numba.cfunc(signature, **options)(function)
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    machine = llvm.Target.from_triple(TRIPLE).create_target_machine(
+    machine = llvm.Target.from_triple(triple).create_target_machine(
         opt=3, reloc="static", codemodel="default"
     )
     ir = function.inspect_llvm()
-    ir = re.sub(r'target triple = "[^"]*"', f'target triple = "{TRIPLE}"', ir)
+    ir = re.sub(r'target triple = "[^"]*"', f'target triple = "{triple}"', ir)
     ir = re.sub(r'target datalayout = "[^"]*"', f'target datalayout = "{machine.target_data}"', ir)
-    name = function.native_name
-    ir = ir.replace(f"@{name}(", "@render(")
+    ir = ir.replace(f"@{function.native_name}(", f"@{name}(")
     module = llvm.parse_assembly(ir)
     module.verify()
     for value in (*module.functions, *module.global_variables):
-        if not value.is_declaration and value.name != "render":
+        if not value.is_declaration and value.name != name:
             value.linkage = "internal"
-    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+    tuning = llvm.create_pipeline_tuning_options(speed_level)
     tuning.loop_vectorization = tuning.slp_vectorization = False
     # what reference counting leaves behind goes only in the second run
     for _ in range(2):
         passes = llvm.create_pass_builder(machine, tuning)
         passes.getModulePassManager().run(module, passes)
-    return machine.emit_object(module)
+    return module, machine
 
 
 def link(source: Path, target: Path) -> None:

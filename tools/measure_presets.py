@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.measure.feel_report import feel_report
+from overview_dsp.measure.report import feel_report
 from overview_dsp.rendering.audition import pages
 
 FOLDER = Path(__file__).parent.parent / "presets" / "feel"

@@ -42,13 +42,62 @@ def gain_for(threshold_db: float) -> float:
 
 
 def save_threshold(actuator: Actuator, threshold_db: float) -> None:
-    """Remember an actuator's threshold; InputError or OutputError if that can't be written."""
+    """Remember where a person begins to feel an actuator, in the user's configuration.
+
+    Parameters
+    ----------
+    actuator : Actuator
+        Which one.
+    threshold_db : float
+        Level of a tone that is just felt, dB of the nominal drive, -70 to -10.
+
+    Raises
+    ------
+    InputError
+        A threshold out of range, a damaged file of thresholds.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> c2 = ov.actuators.load("c2")
+    >>> ov.actuators.save_threshold(c2, -34.0)
+    >>> ov.actuators.calibrated("c2").gain_db
+    6.0
+    >>> ov.actuators.forget_threshold(c2)
+    True
+    """
     entry = {"threshold_db": threshold_db, "gain_db": gain_for(threshold_db)}
     _write({**_read(), reference(actuator): entry})
 
 
 def forget_threshold(actuator: Actuator) -> bool:
-    """Forget an actuator's threshold; whether there was one."""
+    """Forget where a person begins to feel an actuator.
+
+    Parameters
+    ----------
+    actuator : Actuator
+        Which one.
+
+    Returns
+    -------
+    bool
+        Whether anything was known.
+
+    Raises
+    ------
+    InputError
+        A damaged file of thresholds.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> c2 = ov.actuators.load("c2")
+    >>> ov.actuators.save_threshold(c2, -34.0)
+    >>> ov.actuators.forget_threshold(c2), ov.actuators.forget_threshold(c2)
+    (True, False)
+    """
     kept = _read()
     if kept.pop(reference(actuator), None) is None:
         return False
@@ -75,7 +124,33 @@ def gain_of(actuator: Actuator) -> float:
 
 
 def calibrated_actuator(name: str | Path) -> Actuator:
-    """The actuator of that name or file with the gain it was calibrated to."""
+    """Load an actuator with the gain that it was calibrated to.
+
+    Parameters
+    ----------
+    name : str or path
+        As `load` takes it.
+
+    Returns
+    -------
+    Actuator
+        With a `gain_db` of 0 where no threshold is known.
+
+    Raises
+    ------
+    InputError
+        As `load`; a damaged file of thresholds.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> c2 = ov.actuators.load("c2")
+    >>> ov.actuators.save_threshold(c2, -46.0)
+    >>> ov.actuators.calibrated("c2").gain_db
+    -6.0
+    >>> ov.actuators.forget_threshold(c2)
+    True
+    """
     actuator = load_actuator(name)
     return replace(actuator, gain_db=gain_of(actuator))
 

@@ -28,7 +28,19 @@ def own_folder() -> Path:
 
 
 def actuator_names() -> tuple[str, ...]:
-    """Names of the bundled profiles, then of a person's own; a bundled name stays the bundled's."""
+    """List the bundled profiles, then a person's own.
+
+    Returns
+    -------
+    tuple of str
+        Names; a bundled name stays the bundled profile's.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> "c2" in ov.actuators.names()
+    True
+    """
     bundled = names_in(bundled_folder())
     return (*bundled, *(name for name in names_in(own_folder()) if name not in bundled))
 
@@ -64,12 +76,29 @@ def reference(actuator: Actuator) -> str:
 
 
 def load_actuator(name: str | Path) -> Actuator:
-    """An actuator: a bundled or own name (`c2`) or the path of a TOML file; not calibrated.
+    """Load an actuator's profile, not calibrated.
+
+    Parameters
+    ----------
+    name : str or path
+        A bundled or own name (`c2`), or the path of a TOML file.
+
+    Returns
+    -------
+    Actuator
+        What it can do and may be given.
 
     Raises
     ------
     InputError
         No such profile, or one that is not valid: names file, line, key and range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> c2 = ov.actuators.load("c2")
+    >>> c2.resonance_hz
+    250.0
     """
     path = actuator_path(name)
     return parse_actuator(read_text(path), path.stem, str(path))

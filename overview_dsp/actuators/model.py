@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.parameter import Parameter, Value
+from overview_dsp.public.reprs import short
 
 LOWEST_Q, HIGHEST_Q = 0.6, 100.0
 MAX_CALIBRATION_DB = 30.0
@@ -52,6 +53,7 @@ ACTUATOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         )
     }
 )  # fmt: skip
+"""Everything a profile may say, by id."""
 
 ONE_OF = ("resonance.q", "resonance.bandwidth_hz", "resonance.rise_ms")
 _OPTIONAL = (*ONE_OF, "drive.full_scale")
@@ -61,15 +63,32 @@ _OPTIONAL = (*ONE_OF, "drive.full_scale")
 class Actuator:
     """What a device can do and may be given.
 
-    Attributes
+    Parameters
     ----------
     name, title, description : str
-    values : mapping
-        By id, those of `ACTUATOR_PARAMETERS` that are said; what is left out gets its default.
+        What it is called (its file's name), in a few words, and what it is.
+    values : mapping of str to float, bool or str
+        By id, those of `ov.actuators.PARAMETERS` that are said; what is left out gets its default.
     source : str
         Its file.
     gain_db : float
         Of its calibration for a person, -30 to 30 dB.
+
+    Raises
+    ------
+    InputError
+        A value that can't be, or not with another; the line begins with the key.
+
+    See Also
+    --------
+    load_actuator : Reads one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> c2 = ov.actuators.load("c2")
+    >>> c2.peak <= 1.0
+    True
     """
 
     name: str
@@ -102,7 +121,25 @@ class Actuator:
             )
 
     def number(self, id: str) -> float:
-        """A numeric value by its id."""
+        """Look up a numeric value.
+
+        Parameters
+        ----------
+        id : str
+            `resonance.frequency_hz`, say.
+
+        Returns
+        -------
+        float
+            In the parameter's unit.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> c2 = ov.actuators.load("c2")
+        >>> c2.number("resonance.frequency_hz")
+        250.0
+        """
         value = self.values[id]
         assert not isinstance(value, str)
         return float(value)
@@ -114,7 +151,7 @@ class Actuator:
 
     @property
     def q(self) -> float:
-        """Quality of the resonance, however it was said."""
+        """Quality of the resonance, however it was given."""
         if "resonance.q" in self.values:
             return self.number("resonance.q")
         if "resonance.bandwidth_hz" in self.values:
@@ -160,9 +197,33 @@ class Actuator:
         return replace(self, values={**self.values, **plain}, gain_db=0.0)
 
     def response_db(self, frequency_hz: float) -> float:
-        """How much it moves at a frequency, dB of what it does at its resonance."""
+        """Find out how much it moves at a frequency.
+
+        Parameters
+        ----------
+        frequency_hz : float
+            Hz.
+
+        Returns
+        -------
+        float
+            In dB of what it does at its resonance.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> c2 = ov.actuators.load("c2")
+        >>> c2.response_db(250.0) == 0.0, c2.response_db(125.0) < -10.0
+        (True, True)
+        """
         u = frequency_hz / self.resonance_hz
         return -10.0 * math.log10((self.q * (1.0 - u * u)) ** 2 + u * u)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Actuator {short(self.name)}: {short(self.title)}, {self.resonance_hz:g} Hz, "
+            f"Q {self.q:.3g}>"
+        )
 
 
 def _checked(given: Mapping[str, object]) -> dict[str, Value]:

@@ -16,6 +16,7 @@ from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
+from overview_dsp.public.reprs import counted
 from overview_dsp.units import gain_to_db
 
 FAINT_DB = -12.0
@@ -39,7 +40,21 @@ def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
 
 @dataclass(frozen=True)
 class Protected:
-    """What protection did: most of the drive taken back against heat (dB), samples at the peak."""
+    """What an actuator's protection did.
+
+    Attributes
+    ----------
+    taken_db : float
+        The most of the drive that was taken back against heat, dB.
+    at_peak : int
+        Samples held at the peak.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.actuators.Protected(taken_db=0.0, at_peak=3).at_peak
+    3
+    """
 
     taken_db: float
     at_peak: int
@@ -67,21 +82,61 @@ def read_protected(memory: NDArray[np.float64], at: int) -> Protected:
 class ActuatorStage:
     """An actuator's drive, made in blocks of any size: the partition changes no bit.
 
-    Thread: one.
+    For who runs an engine in a callback of their own. Thread: one.
+
+    Parameters
+    ----------
+    actuator : Actuator
+        What is driven.
+    sample_rate : float
+        Hz.
+
+    Raises
+    ------
+    InputError
+        A sample rate that is too low for the actuator.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> c2 = ov.actuators.load("c2")
+    >>> stage = ov.actuators.ActuatorStage(c2, 8000)
+    >>> samples = np.ones((256, 2), dtype=np.float32)  # of engine.process
+    >>> stage.process(samples, channel=1)
+    >>> float(np.abs(samples[:, 1]).max()) <= c2.peak
+    True
     """
 
     def __init__(self, actuator: Actuator, sample_rate: float) -> None:
-        """As new; InputError if the sample rate (Hz) is too low for the actuator."""
+        self._name = actuator.name
         self._memory = np.zeros(layout.ACT_SIZE)
         write_actuator(self._memory, 0, actuator, sample_rate)
 
     def process(self, samples: NDArray[np.float32], channel: int) -> None:
-        """Turn one channel of float32 (frames, channels) into the drive, in place.
+        """Turn one channel into the drive, in place.
+
+        Parameters
+        ----------
+        samples : float32 (frames, channels)
+            C-ordered and writable.
+        channel : int
+            From 0.
 
         Raises
         ------
         InputError
             An array of the wrong type, shape or order, or one without that channel.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> c2 = ov.actuators.load("c2")
+        >>> stage = ov.actuators.ActuatorStage(c2, 8000)
+        >>> stage.process(np.zeros((256, 2), dtype=np.float32), channel=1)
+        >>> stage.silent_samples
+        256
         """
         if (
             not isinstance(samples, np.ndarray)
@@ -109,3 +164,7 @@ class ActuatorStage:
     def protected(self) -> Protected:
         """What protection did so far."""
         return read_protected(self._memory, 0)
+
+    def __repr__(self) -> str:
+        at_peak = counted(self.protected.at_peak, "sample")
+        return f"<ActuatorStage: {self._name}, {at_peak} at the peak>"

@@ -22,21 +22,34 @@ MIN_LEVEL_DB = -80.0
 def log_sweep(
     low_hz: float, high_hz: float, seconds: float, level_db: float, sample_rate: float
 ) -> NDArray[np.float64]:
-    """A sine that rises by the same part of an octave each second, float64.
+    """Make a sine that rises evenly in octaves, to measure an actuator with.
 
     Parameters
     ----------
-    low_hz, high_hz
+    low_hz, high_hz : float
         Where it begins and ends, 1 Hz to 0.45 of the sample rate.
-    seconds
-        How long, 0.1 to 600 s, with edges of `EDGE_S`.
-    level_db
+    seconds : float
+        How long, 0.1 to 600 s, with edges of 10 ms.
+    level_db : float
         Of its amplitude, -80 to 0 dB of 1.
+    sample_rate : float
+        Hz.
+
+    Returns
+    -------
+    float64 (frames,)
+        One channel.
 
     Raises
     ------
     InputError
         Out of range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.actuators.log_sweep(100.0, 400.0, 1.0, level_db=-20.0, sample_rate=8000).shape
+    (8000,)
     """
     # each written so that NaN fails
     if not LOWEST_HZ <= low_hz < high_hz <= HIGHEST_PART * sample_rate:

@@ -12,13 +12,14 @@ from overview_dsp.measure.felt import event_levels
 from overview_dsp.readers.audio.k_weighting import MIN_RATE
 from overview_dsp.readers.audio.loudness import StepMeter
 from overview_dsp.rendering.many import RenderedJob
+from overview_dsp.rendering.trace import Trace
 from overview_dsp.units import gain_to_db
 
 MEASURED_COLUMNS = ("touching", "cursor")
 """Of the trace: what the measures need."""
 
 
-def measures(result: RenderedJob, data: bytes) -> dict[str, Any]:
+def measures(result: RenderedJob[Trace | None], data: bytes) -> dict[str, Any]:
     """The measures of a rendered voice (with its trace) that is stored as `data`."""
     return {
         "frames": len(result.samples),
@@ -51,7 +52,7 @@ def _loudness(click: NDArray[np.float32], sample_rate: float) -> float | None:
     return meter.finish().integrated()
 
 
-def _felt(result: RenderedJob) -> list[dict[str, Any]]:
+def _felt(result: RenderedJob[Trace | None]) -> list[dict[str, Any]]:
     """The events that the disk passed, in the order of their places."""
     assert result.trace is not None
     surface, events = result.surface, result.job.timeline.events

@@ -20,6 +20,7 @@ from overview_dsp.files.sound import sound_bytes
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameter import Value
 from overview_dsp.rendering.many import RenderedJob, RenderJob, VoiceRenderer
+from overview_dsp.rendering.trace import Trace
 from overview_dsp.surface.cache import SurfaceCache
 
 PART_S = 2.0
@@ -110,7 +111,9 @@ class Worker:
         gesture = list(self.study.gestures.values())[case.gesture]
         return RenderJob(timeline, self._preset(case), gesture, case.seed)
 
-    def _measured(self, result: RenderedJob, key: str) -> tuple[str, bytes, dict[str, Any]]:
+    def _measured(
+        self, result: RenderedJob[Trace | None], key: str
+    ) -> tuple[str, bytes, dict[str, Any]]:
         settings = self.study.settings
         name = sound_name(key, settings.format)
         data = sound_bytes(name, result.samples, result.sample_rate, settings.subtype)

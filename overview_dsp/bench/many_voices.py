@@ -11,7 +11,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.simd_batch import EngineBatch
 from overview_dsp.gestures import sweep
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.presets import load_preset
+from overview_dsp.presets.library import load_preset
 from overview_dsp.readers import bundled_timeline
 from overview_dsp.rendering.many import render_jobs, render_many, usable_cores
 

@@ -25,7 +25,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.gestures import sweep
 from overview_dsp.gestures.scripts import ARRIVAL_S
-from overview_dsp.presets import load_preset
+from overview_dsp.presets.library import load_preset
 from overview_dsp.timeline import Event, Timeline
 
 BLOCK = 4096

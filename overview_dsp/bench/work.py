@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from overview_dsp.engine.engine import Engine
 from overview_dsp.gestures import Gesture, sweep
-from overview_dsp.presets import Preset, load_preset
+from overview_dsp.presets.library import load_preset
+from overview_dsp.presets.model import Preset
 from overview_dsp.readers import bundled_timeline
 from overview_dsp.timeline import Timeline
 

@@ -27,7 +27,7 @@ def command(out: str, as_json: bool) -> None:
     """
     from overview_dsp.files.atomic import make_folder
     from overview_dsp.plots.paper import draw, renders
-    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.readers import bundled_timeline
 
     folder = make_folder(out)

@@ -25,7 +25,7 @@ from overview_dsp.cli.options.timeline import (
 from overview_dsp.gestures.spec import FORMS
 
 if TYPE_CHECKING:
-    from overview_dsp.actuators import Actuator
+    from overview_dsp.actuators.model import Actuator
     from overview_dsp.presets.model import Preset
     from overview_dsp.timeline import Timeline
 
@@ -106,9 +106,9 @@ def command(
     """
     from overview_dsp.actuators.stage import protected_report
     from overview_dsp.errors import InputError
-    from overview_dsp.export import export
+    from overview_dsp.export.writing import export
     from overview_dsp.files.atomic import require_writable
-    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.rendering.offline import render
     from overview_dsp.rendering.schedule import tail_of
 

@@ -26,7 +26,7 @@ def command(
 ) -> None:
     """Draw the paper's figures 4 (timeline), 5 (sweeps) and 6 (tap), as PNG and SVG."""
     from overview_dsp.plots.paper import draw, renders
-    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import load_preset
 
     data = open_timeline(timeline, load)
     chosen = load_preset(preset_for(data, preset))

@@ -64,7 +64,7 @@ def command(
     (world-cup-final-2018).
     """
     from overview_dsp.actuators.stage import protected_report
-    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.rendering.offline import render_to_file
     from overview_dsp.rendering.schedule import tail_of
     from overview_dsp.units import clock_text, gain_to_db

@@ -155,4 +155,4 @@ def mode_coefficients(mode: ClickMode, sample_rate: float) -> NDArray[np.float64
 
 def ring_samples(mode: ClickMode, sample_rate: float) -> int:
     """Samples until a mode has fallen by `RING_DB`."""
-    return max(1, math.ceil(RING_DB / 60.0 * mode.decay_ms * 1e-3 * sample_rate))
+    return math.ceil(RING_DB / 60.0 * mode.decay_ms * 1e-3 * sample_rate)

@@ -32,6 +32,7 @@ from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.presets.parameters import PARAMETERS
+from overview_dsp.public.reprs import short
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
 
@@ -45,9 +46,45 @@ _NO_TRACE = np.zeros(0)
 
 
 class Engine:
-    """A preset on a timeline, as a block processor with control events.
+    """A preset on a timeline, as a block processor with control events: the audio plugin's face.
 
-    Thread: `process` belongs to the audio thread, everything else to one control thread.
+    Nothing is allocated or compiled until `prepare`.
+
+    Thread: who may call what, while others call too:
+
+    - one audio thread: `process`, or the stream that runs the kernel in `memory`;
+    - any thread: `control` and `control_all`, the properties that tell how things stand (`meters`,
+      `holder`, `impulse`, `sample_time`, `preset` ...), and `take_applied`. Events of one source
+      are applied in the order of their calls, so a source whose order matters has one writer;
+    - one thread, whichever: `take_strikes`;
+    - one control thread: everything else, as `set` and its kin, and `take_changes`.
+
+    `prepare`, `restart`, `reset` and `load_state` begin anew: nobody else calls anything meanwhile,
+    and no stream runs.
+
+    Parameters
+    ----------
+    preset : Preset
+        How the timeline is felt and heard.
+    timeline : Timeline
+        The data under the hand.
+    seed : int
+        Of the surface's grain.
+    surface : Surface or None
+        That of this timeline and preset, where it is built already.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> engine = ov.Engine(football, match)
+    >>> engine.prepare(sample_rate=8000, max_block_size=256)
+    >>> engine.control(theta2=1.2, touching=True)
+    >>> out = np.zeros((256, 2), dtype=np.float32)
+    >>> engine.process(out)
+    >>> bool(out.any())
+    True
     """
 
     def __init__(
@@ -58,10 +95,6 @@ class Engine:
         seed: int = 0,
         surface: Surface | None = None,
     ) -> None:
-        """Build the surface; nothing is allocated or compiled until `prepare`.
-
-        `surface` is that of this timeline and preset, where it is built already.
-        """
         self._preset = preset
         self._timeline = timeline
         self._seed = seed
@@ -80,16 +113,33 @@ class Engine:
         *,
         memory: NDArray[np.float64] | None = None,
     ) -> None:
-        """Allocate for a sample rate (Hz, 1 000 to 768 000) and a largest block (frames).
+        """Allocate for a sample rate and a largest block.
 
         May be called again with other values; then everything is as new, parameters kept.
-        `memory`, zeros float64 [`kernels.layout.TOTAL`], is used in place of memory of its own.
+
+        Parameters
+        ----------
+        sample_rate : float
+            Hz, 1 000 to 768 000.
+        max_block_size : int
+            Frames of the largest block, at least 1.
+        memory : float64 (kernels.layout.TOTAL,) or None
+            Zeros to be used in place of memory of its own.
 
         Raises
         ------
         InputError
             A rate out of range or too low for the carrier, a block size below 1, or a memory of
             another type or shape.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=64)
+        >>> engine.sample_rate
+        8000.0
         """
         rate = float(sample_rate)
         if not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
@@ -113,8 +163,8 @@ class Engine:
         self._i64 = self._f64.view(np.int64)
         self._u64 = self._f64.view(np.uint64)
         self._queues = ControlQueues(self._f64)
-        self._i64[layout.S_GLIDE] = max(1, round(GLIDE_S * rate))
-        self._i64[layout.S_FADE] = max(1, round(FADE_S * rate))
+        self._i64[layout.S_GLIDE] = round(GLIDE_S * rate)
+        self._i64[layout.S_FADE] = round(FADE_S * rate)
         self._i64[layout.S_CLICK_CHANNEL] = 0
         self._i64[layout.S_TACTOR_CHANNEL] = 1
         self._f64[layout.S_SAMPLE_RATE] = rate
@@ -130,12 +180,35 @@ class Engine:
         seed: int = 0,
         surface: Surface | None = None,
     ) -> None:
-        """As a new engine with these, prepared as this one is, in the same memory.
+        """Begin anew with these, prepared as before and in the same memory.
+
+        Parameters
+        ----------
+        preset : Preset
+            How the timeline is felt and heard.
+        timeline : Timeline
+            The data under the hand.
+        seed : int
+            Of the surface's grain.
+        surface : Surface or None
+            That of this timeline and preset, where it is built already.
 
         Raises
         ------
         InputError
             The preset's carrier doesn't fit the sample rate; nothing is changed.
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.restart(ov.load_preset("plain"), match, seed=1)
+        >>> engine.preset.name
+        'plain'
         """
         self._require_prepared()
         check_carrier(preset, self._sample_rate)
@@ -145,7 +218,23 @@ class Engine:
         self.reset()
 
     def reset(self) -> None:
-        """As new, with the same parameters, surface and seed; waiting events are dropped."""
+        """Begin anew with the same parameters, surface and seed; waiting events are dropped.
+
+        Raises
+        ------
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.reset()
+        >>> engine.sample_time
+        0
+        """
         self._require_prepared()
         for column, value in coefficients(self._preset, self._sample_rate).items():
             self._f64[column] = value
@@ -156,7 +245,7 @@ class Engine:
             write_surface(self._f64, 0, self._surface, self._sample_rate)
             self._slot_surfaces[0] = self._surface
         block.reset(self._f64, self._i64, self._u64)
-        self._queues.dropped = 0
+        self._queues.clear_dropped()
         self._journal.clear()
 
     # --- control thread -------------------------------------------------------------------------
@@ -168,11 +257,38 @@ class Engine:
         sample_time: int | None = None,
         source: str = "touch",
     ) -> None:
-        """A hand's event: its angle (rad, 0 to pi) and whether it holds on.
+        """Queue a hand's event.
 
-        `sample_time` counts samples since reset; None means as soon as possible. A theta2 that is
-        not finite or is out of range is counted in the meters. A full ring drops the event and
-        counts it.
+        A theta2 that is not finite or is out of range is counted in the meters; a full queue drops
+        the event and counts it.
+
+        Thread: any; events of one source are applied in the order of the calls.
+
+        Parameters
+        ----------
+        theta2 : float
+            The hand's angle, rad; 0 = start of the timeline, pi = its end.
+        touching : bool
+            Whether the hand holds on.
+        sample_time : int or None
+            When, in samples since reset; None is as soon as possible.
+        source : {"touch", "twist", "serial", "osc", "midi", "remote"}
+            Which hand; the last to touch holds the disk.
+
+        Raises
+        ------
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.control(0.0, True)
+        >>> engine.control(1.5, True, sample_time=4000)
+        >>> engine.control(1.5, False, sample_time=8000)
         """
         self._require_prepared()
         self._queues.control(theta2, touching, stamp_of(sample_time), source)
@@ -184,12 +300,37 @@ class Engine:
         sample_times: NDArray[np.int64],
         sources: NDArray[np.int8],
     ) -> None:
-        """Many events of `control`, in order; sources are indices of `SOURCES`.
+        """Queue many events of `control`, in order.
+
+        Parameters
+        ----------
+        theta2 : float64 (events,)
+            Angles, rad.
+        touching : bool (events,)
+            Whether the hand holds on.
+        sample_times : int64 (events,)
+            When, in samples since reset.
+        sources : int8 (events,)
+            Which hand, as an index of the sources in `control`'s order.
+
+        Thread: any.
 
         Raises
         ------
         OverviewError
-            More than a ring has room for; none is taken.
+            More than a queue has room for; none is taken.
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> gesture = ov.sweep(1.0)
+        >>> stamps = gesture.stamps(engine.sample_rate)
+        >>> engine.control_all(gesture.theta2, gesture.touching, stamps, gesture.source)
         """
         self._require_prepared()
         self._queues.control_all(theta2, touching, sample_times, sources)
@@ -197,13 +338,31 @@ class Engine:
     def set(self, id: str, value: Value, sample_time: int | None = None) -> None:
         """Change a parameter; it glides for 20 ms from the stamped sample.
 
-        `id` is one of the parameter table (`tactor.gain_db`) or of an event kind
-        (`kinds.goal.height`); what belongs to the friction table makes a new surface, crossfaded.
+        What belongs to the friction table makes a new surface, which is crossfaded in.
+
+        Parameters
+        ----------
+        id : str
+            One of the parameter table (`tactor.gain_db`) or of an event kind (`kinds.goal.height`).
+        value : float, bool or str
+            In the parameter's unit.
+        sample_time : int or None
+            When, in samples since reset; None is as soon as possible.
 
         Raises
         ------
         InputError
             No such parameter, or a value that is not allowed; nothing is changed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.set("tactor.gain_db", -6.0)
+        >>> engine.parameters["tactor.gain_db"].value
+        -6.0
         """
         preset = self._preset.with_value(id, value)
         known = PARAMETERS.get(id)
@@ -215,12 +374,29 @@ class Engine:
     def set_preset(self, preset: Preset, sample_time: int | None = None) -> None:
         """Change to another preset: parameters glide, its surface is crossfaded in.
 
+        Parameters
+        ----------
+        preset : Preset
+            How the timeline is felt and heard from then on.
+        sample_time : int or None
+            When, in samples since reset; None is as soon as possible.
+
         Raises
         ------
         InputError
             Its carrier doesn't fit the sample rate; nothing is changed.
         OverviewError
             As `set_surface`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.set_preset(ov.load_preset("football-stadium"))
+        >>> engine.preset.name
+        'football-stadium'
         """
         surface = build_surface(self._timeline, preset)
         self._change(preset, surface, sample_time, {"preset": preset_to_dict(preset)})
@@ -233,12 +409,29 @@ class Engine:
     ) -> None:
         """Change to other data under the same preset, crossfaded: a zoom, say.
 
-        `window` says which part (s) of the first timeline this is, for a recording.
+        Parameters
+        ----------
+        timeline : Timeline
+            The data from then on.
+        sample_time : int or None
+            When, in samples since reset; None is as soon as possible.
+        window : (float, float) or None
+            Which part of the first timeline this is, s; for a recording.
 
         Raises
         ------
         OverviewError
             As `set_surface`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.set_timeline(match.window(0.0, 600.0), window=(0.0, 600.0))
+        >>> engine.timeline.duration_s
+        600.0
         """
         surface = build_surface(timeline, self._preset)
         note = {"window": list(window)} if window is not None else None
@@ -251,10 +444,27 @@ class Engine:
         A recording can't hold a surface that came so; it holds those of `set`, `set_preset` and
         `set_timeline`.
 
+        Parameters
+        ----------
+        surface : Surface
+            Of `build_surface`.
+        sample_time : int or None
+            When, in samples since reset; None is as soon as possible.
+
         Raises
         ------
         OverviewError
             Two surfaces are waiting or fading already: process a block first.
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.set_surface(ov.build_surface(match.window(0.0, 600.0), football))
         """
         self._require_prepared()
         self._change(self._preset, surface, sample_time, None)
@@ -284,12 +494,29 @@ class Engine:
             self._surface = surface
 
     def set_channels(self, click: int | None = 0, tactor: int | None = 1) -> None:
-        """Choose the output channels (from 0; None = nowhere). Others are silent.
+        """Choose the output channels; the others are silent.
+
+        Parameters
+        ----------
+        click, tactor : int or None
+            From 0; None is nowhere.
 
         Raises
         ------
         InputError
             A negative channel, or one channel for both.
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        A pad whose voice coils are channels 3 and 4:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.set_channels(click=None, tactor=2)
         """
         self._require_prepared()
         for channel in (click, tactor):
@@ -303,9 +530,14 @@ class Engine:
     # --- audio thread ---------------------------------------------------------------------------
 
     def process(self, out: NDArray[np.float32], trace: NDArray[np.float64] | None = None) -> None:
-        """Overwrite `out`, float32 (frames, channels), with the next block.
+        """Overwrite a buffer with the next block; allocates nothing. Thread: audio.
 
-        `trace`, float64 (frames, 9) if given, gets the columns of `Trace`.
+        Parameters
+        ----------
+        out : float32 (frames, channels)
+            C-ordered and writable; overwritten.
+        trace : float64 (frames, 9) or None
+            Gets the columns of `Trace`, if given.
 
         Raises
         ------
@@ -313,6 +545,18 @@ class Engine:
             Before `prepare`, or more frames than prepared; nothing was processed.
         InputError
             An array of the wrong type, shape or order.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> out = np.zeros((256, 2), dtype=np.float32)
+        >>> engine.process(out)
+        >>> engine.sample_time
+        256
         """
         self._require_prepared()
         if (
@@ -362,42 +606,66 @@ class Engine:
 
     @property
     def preset(self) -> Preset:
-        """The preset with the values set since."""
+        """The preset, with the values set since."""
         return self._preset
 
     @property
     def surface(self) -> Surface:
-        """The surface set last."""
+        """The surface that was set last."""
         return self._surface
 
     def take_applied(self, since: int) -> tuple[NDArray[np.void], int]:
-        """The control events applied after the first `since` ones, and how many there are by now.
+        """Look up the control events that were applied; the log keeps the latest 16384.
 
-        A record array with `sample`, `source` (index of `SOURCES`), `theta2` (rad, as used) and
-        `touching`; the log keeps the latest 16384.
+        Parameters
+        ----------
+        since : int
+            How many were looked at before.
+
+        Returns
+        -------
+        events : record array
+            `sample`, `source` (an index), `theta2` (rad, as used) and `touching`.
+        count : int
+            How many there are by now.
 
         Raises
         ------
         OverviewError
             More came since than the log keeps.
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.control(1.2, True)
+        >>> engine.process(np.zeros((256, 2), dtype=np.float32))
+        >>> events, count = engine.take_applied(0)
+        >>> count, float(events["theta2"][0])
+        (1, 1.2)
         """
         self._require_prepared()
         return reports.read_applied(self._f64, since)
 
     @property
     def memory(self) -> NDArray[np.float64]:
-        """The memory block of `kernels.layout`: for an audio stream that runs the kernel itself."""
+        """The memory block, float64, for an audio stream that runs the kernel itself."""
         self._require_prepared()
         return self._f64
 
     @property
     def sample_rate(self) -> float:
-        """Hz; 0 before `prepare`."""
+        """The sample rate, Hz; 0 before `prepare`."""
         return self._sample_rate
 
     @property
     def sample_time(self) -> int:
-        """Samples processed since reset: the stamp of the next sample."""
+        """The next sample's stamp: samples processed since reset."""
         self._require_prepared()
         return int(self._i64[layout.CLOCK])
 
@@ -443,26 +711,67 @@ class Engine:
 
     @property
     def latency_samples(self) -> int:
-        """How many samples the disk's input lags a moving hand (a tap is not delayed)."""
+        """How far the disk's input lags a moving hand, samples (a tap is not delayed)."""
         self._require_prepared()
         return round(latency(float(self._f64[layout.C_SMOOTH])))
 
     @property
     def tail_seconds(self) -> float:
-        """Within how long after the last event of any hand the output is exactly zero."""
+        """Within how long after the last event of any hand the output is exactly zero, s."""
         return tail_seconds(self._preset, self._surface)
 
     def take_strikes(self) -> Strikes:
-        """The strikes since the last call (up to the log's 16384 latest)."""
+        """Look up the strikes since the last call (up to the log's 16384 latest).
+
+        Returns
+        -------
+        Strikes
+            In order.
+
+        Raises
+        ------
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> len(engine.take_strikes())
+        0
+        """
         self._require_prepared()
         surface = self._slot_surfaces[int(self._i64[layout.ACTIVE_SLOT])]
         assert surface is not None
         return reports.take_strikes(self._f64, surface, self._sample_rate)
 
     def take_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
-        """The parameter and surface changes applied since the last call, each with its sample.
+        """Look up the parameter and surface changes applied since the last call.
 
-        A change is {"set": {id: value}}, {"preset": ...}, {"window": [start_s, end_s]}, or None
+        Returns
+        -------
+        list of (int, dict or None)
+            The sample and the change: `{"set": {id: value}}`, `{"preset": ...}`,
+            `{"window": [start_s, end_s]}`, or None for one that a recording can't hold.
+
+        Raises
+        ------
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.set("tactor.gain_db", -6.0)
+        >>> engine.process(np.zeros((256, 2), dtype=np.float32))
+        >>> engine.take_changes()
+        [(0, {'set': {'tactor.gain_db': -6.0}})]
         """
         self._require_prepared()
         taken = []
@@ -474,18 +783,77 @@ class Engine:
         return taken
 
     def tactor_of(self, torque: NDArray[np.float64]) -> NDArray[np.float32]:
-        """The tactor channel that a torque signal (N m, one value a frame) gives from rest."""
+        """Make the tactor channel that a torque signal gives from rest.
+
+        Parameters
+        ----------
+        torque : float64 (frames,)
+            N m, one value a frame.
+
+        Returns
+        -------
+        float32 (frames,)
+            Linear, full scale is 1.
+
+        Raises
+        ------
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+        >>> vibration = result.engine.tactor_of(result.trace.torque)
+        >>> bool((vibration == result.samples[:, 1]).all())
+        True
+        """
         self._require_prepared()
         return reports.tactor_of(self._f64, torque)
 
     # --- state ------------------------------------------------------------------------------------
 
     def save_state(self) -> bytes:
-        """Parameters, event kinds and seed as bytes; the same engine gives the same bytes."""
+        """Save parameters, event kinds and seed; the same engine gives the same bytes.
+
+        Returns
+        -------
+        bytes
+            For `load_state`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> ov.Engine(football, match).save_state() == ov.Engine(football, match).save_state()
+        True
+        """
         return encode_state(self._preset, self._seed)
 
     def load_state(self, state: bytes) -> None:
-        """Take over a saved state; InputError, and nothing changed, if it isn't one."""
+        """Take over a saved state.
+
+        Parameters
+        ----------
+        state : bytes
+            Of `save_state`.
+
+        Raises
+        ------
+        InputError
+            It isn't one; nothing is changed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> state = ov.Engine(football, match, seed=7).save_state()
+        >>> engine = ov.Engine(ov.load_preset("plain"), match)
+        >>> engine.load_state(state)
+        >>> engine.preset.name, engine.seed
+        ('football', 7)
+        """
         preset, seed = decode_state(state)
         if self._sample_rate:
             check_carrier(preset, self._sample_rate)
@@ -500,3 +868,7 @@ class Engine:
     def _require_prepared(self) -> None:
         if not self._sample_rate:
             raise NotPreparedError("the engine is not prepared; call prepare(sample_rate=...)")
+
+    def __repr__(self) -> str:
+        rate = f"{self._sample_rate:g} Hz" if self._sample_rate else "not prepared"
+        return f"<Engine: {short(self._preset.name)} on {short(self._timeline.title)}, {rate}>"

@@ -1,15 +1,17 @@
 """What the control thread hands to the audio thread: hands' events, changes, free surface slots.
 
-Each ring has one writer and one reader. An event is written first and published last, so that the
-audio thread sees all of it or nothing; what doesn't fit is counted, never waited for.
-
-Thread: control.
+An event is written first and published last (`kernels.ordering`), so that the audio thread sees all
+of it or nothing; what doesn't fit is counted, never waited for. A ring is written by one thread at
+a time: a lock a source, which only those that write that source take, never the audio thread.
 """
 
 from __future__ import annotations
 
+import contextlib
 import math
+import threading
 import warnings
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,40 +19,58 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels.ordering import acquired, publish
 
+_RING_OF = {source: ring for ring, source in enumerate(SOURCES)}
 _AS_SOON_AS_POSSIBLE = -1
 
 
 class ControlQueues:
-    """The writing ends of a memory block's rings."""
+    """The writing ends of a memory block's rings.
+
+    Thread: any for `control`, `control_all` and `dropped`; one control thread for the rest.
+    """
 
     def __init__(self, memory: NDArray[np.float64]) -> None:
         """`memory` is the block of `kernels.layout`."""
         self._f64 = memory
         self._i64 = memory.view(np.int64)
-        self.dropped = 0
+        # between writers in Python; the audio thread takes none of them
+        self._writing = [threading.Lock() for _ in SOURCES]
+        self._dropped = [0 for _ in SOURCES]
+        _compile()
+
+    @property
+    def dropped(self) -> int:
+        """Control events that found their ring full, of all sources."""
+        return sum(self._dropped)
+
+    def clear_dropped(self) -> None:
+        """Count from 0 again."""
+        for ring, writing in enumerate(self._writing):
+            with writing:
+                self._dropped[ring] = 0
 
     def control(self, theta2: float, touching: bool, stamp: int, source: str) -> None:
         """Push a hand's event; a full ring drops it, counts it and warns the first time."""
-        if source not in SOURCES:
+        ring = _RING_OF.get(source)
+        if ring is None:
             raise InputError(f"no source is called {source!r}; known: {', '.join(SOURCES)}")
-        ring = SOURCES.index(source)
-        written = int(self._i64[layout.RING_WRITTEN + ring])
-        if written - int(self._i64[layout.RING_READ + ring]) >= layout.RING:
-            if self.dropped == 0:
-                warnings.warn(
-                    f"control event dropped: {layout.RING} of source {source!r} wait already; "
-                    "process a block first",
-                    OverviewWarning,
-                    stacklevel=3,
-                )
-            self.dropped += 1
-            return
-        at = ring * layout.RING + written % layout.RING
-        self._i64[layout.RING_TIME + at] = stamp
-        self._f64[layout.RING_THETA2 + at] = theta2
-        self._i64[layout.RING_TOUCHING + at] = 1 if touching else 0
-        self._i64[layout.RING_WRITTEN + ring] = written + 1
+        # of exact types: for any other, the compiler would make it anew
+        event = ring, stamp, float(theta2), bool(touching)
+        with self._writing[ring]:
+            if push_control(self._f64, self._i64, *event):
+                return
+            self._dropped[ring] += 1
+            first = self._dropped[ring] == 1
+        if first:
+            warnings.warn(
+                f"control event dropped: {layout.RING} of source {source!r} wait already; "
+                "process a block first",
+                OverviewWarning,
+                stacklevel=3,
+            )
 
     def control_all(
         self,
@@ -64,27 +84,33 @@ class ControlQueues:
             raise InputError(
                 f"a source is an index of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
             )
-        of_ring = [(ring, np.flatnonzero(sources == ring)) for ring in set(sources.tolist())]
-        for ring, events in of_ring:
-            waiting = int(self._i64[layout.RING_WRITTEN + ring]) - int(
-                self._i64[layout.RING_READ + ring]
-            )
-            if waiting + len(events) > layout.RING:
-                raise OverviewError(
-                    f"{len(events)} control events of {SOURCES[ring]!r}, {waiting} wait already; "
-                    f"there is room for {layout.RING}: process a block first"
+        i64 = self._i64
+        of_ring = [
+            (ring, np.flatnonzero(sources == ring)) for ring in sorted(set(sources.tolist()))
+        ]
+        with contextlib.ExitStack() as writing:  # in the order of rings, so that none waits forever
+            for ring, _ in of_ring:
+                writing.enter_context(self._writing[ring])
+            for ring, events in of_ring:
+                waiting = int(i64[layout.RING_WRITTEN + ring]) - acquired(
+                    i64, layout.RING_READ + ring
                 )
-        for ring, events in of_ring:
-            written = int(self._i64[layout.RING_WRITTEN + ring])
-            at = ring * layout.RING + (written + np.arange(len(events))) % layout.RING
-            self._i64[layout.RING_TIME + at] = stamps[events]
-            self._f64[layout.RING_THETA2 + at] = theta2[events]
-            self._i64[layout.RING_TOUCHING + at] = touching[events]
-            self._i64[layout.RING_WRITTEN + ring] = written + len(events)
+                if waiting + len(events) > layout.RING:
+                    raise OverviewError(
+                        f"{len(events)} control events of {SOURCES[ring]!r}, {waiting} wait "
+                        f"already; there is room for {layout.RING}: process a block first"
+                    )
+            for ring, events in of_ring:
+                written = int(i64[layout.RING_WRITTEN + ring])
+                at = ring * layout.RING + (written + np.arange(len(events))) % layout.RING
+                i64[layout.RING_TIME + at] = stamps[events]
+                self._f64[layout.RING_THETA2 + at] = theta2[events]
+                i64[layout.RING_TOUCHING + at] = touching[events]
+                publish(i64, layout.RING_WRITTEN + ring, written + len(events))
 
     def require_room(self, changes: int) -> None:
         """Raise OverviewError unless so many parameter or surface changes can be pushed."""
-        waiting = int(self._i64[layout.HOST_WRITTEN]) - int(self._i64[layout.HOST_READ])
+        waiting = int(self._i64[layout.HOST_WRITTEN]) - acquired(self._i64, layout.HOST_READ)
         if waiting + changes > layout.HOST_RING:
             raise OverviewError(
                 f"{waiting} parameter changes wait already; process a block, then set more"
@@ -99,7 +125,7 @@ class ControlQueues:
             self._i64[layout.HOST_TIME + at] = stamp
             self._i64[layout.HOST_WHAT + at] = what
             self._f64[layout.HOST_VALUE + at] = value
-        self._i64[layout.HOST_WRITTEN] = written + len(changes)
+        publish(self._i64, layout.HOST_WRITTEN, written + len(changes))
         return written
 
     def applied_at(self, number: int) -> int | None:
@@ -109,26 +135,34 @@ class ControlQueues:
         """
         if int(self._i64[layout.HOST_WRITTEN]) - number > layout.HOST_RING:
             raise OverviewError("parameters change faster than they are recorded; change fewer")
-        if int(self._i64[layout.HOST_READ]) <= number:
+        if acquired(self._i64, layout.HOST_READ) <= number:
             return None
         return int(self._i64[layout.HOST_TIME + number % layout.HOST_RING])
 
     def free_slot(self) -> int:
         """A surface slot that neither sounds, fades nor waits; OverviewError if there is none."""
-        # an audio thread may begin a waiting crossfade while we look: the active slot is read
-        # before and after, and what waits before what fades, so that none is overlooked
-        taken = {int(self._i64[layout.ACTIVE_SLOT])}
-        for index in range(int(self._i64[layout.HOST_READ]), int(self._i64[layout.HOST_WRITTEN])):
+        # the audio thread may begin a waiting crossfade while we look; in this order, which is the
+        # reverse of its own, what waited then, sounded then or fades now is all that can be in use
+        i64 = self._i64
+        waiting = range(acquired(i64, layout.HOST_READ), int(i64[layout.HOST_WRITTEN]))
+        taken = {acquired(i64, layout.ACTIVE_SLOT)}
+        taken.add(acquired(i64, layout.FADING_SLOT))
+        for index in waiting:
             at = index % layout.HOST_RING
-            if self._i64[layout.HOST_WHAT + at] == layout.COMMAND_SURFACE:
+            if i64[layout.HOST_WHAT + at] == layout.COMMAND_SURFACE:
                 taken.add(int(self._f64[layout.HOST_VALUE + at]))
-        if self._i64[layout.FADE_LEFT] > 0:
-            taken.add(int(self._i64[layout.FADING_SLOT]))
-        taken.add(int(self._i64[layout.ACTIVE_SLOT]))
         free = [slot for slot in range(layout.SLOTS) if slot not in taken]
         if not free:
             raise OverviewError("two surfaces wait or fade already; process a block, then set it")
         return free[0]
+
+
+@cache
+def _compile() -> None:
+    """Compile what events are pushed with, so that a hand's first one isn't late for it."""
+    scratch = np.zeros(layout.HOST_TIME)
+    push_control(scratch, scratch.view(np.int64), 0, 0, 0.0, False)
+    publish(scratch.view(np.int64), 0, acquired(scratch.view(np.int64), 0))
 
 
 def stamp_of(sample_time: int | None) -> int:

@@ -13,6 +13,7 @@ from overview_dsp.engine.surface_slots import struck_event
 from overview_dsp.errors import OverviewError
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import block, layout
+from overview_dsp.kernels.ordering import acquired
 from overview_dsp.surface import Surface
 
 APPLIED_EVENT = np.dtype(
@@ -83,7 +84,7 @@ def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.vo
         More came since than the log keeps.
     """
     i64 = memory.view(np.int64)
-    now = int(i64[layout.APPLIED])
+    now = acquired(i64, layout.APPLIED)
     if now - since > layout.APPLIED_LOG:
         raise OverviewError(
             f"{now - since} control events since the last look; the log keeps "
@@ -101,7 +102,7 @@ def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.vo
 def take_strikes(memory: NDArray[np.float64], surface: Surface, sample_rate: float) -> Strikes:
     """The strikes since the last call (up to the log's latest), by the surface they fell on."""
     i64 = memory.view(np.int64)
-    total = int(i64[layout.M_STRIKES])
+    total = acquired(i64, layout.M_STRIKES)
     first = max(int(i64[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
     i64[layout.STRIKES_READ] = total
     at = np.arange(first, total) % layout.STRIKE_LOG

@@ -1,5 +1,52 @@
-"""Bake a gesture to the haptic formats of phones and controllers."""
+"""Bake a gesture to the haptic formats of phones and controllers, and an engine for a browser.
 
-from overview_dsp.export.formats import FORMATS, NAMES, Exported, export
+`ov.export` writes what was rendered for other devices, and reads haptic clips. Each name is
+imported when it is first used.
 
-__all__ = ["FORMATS", "NAMES", "Exported", "export"]
+Examples
+--------
+>>> import overview_dsp as ov
+>>> match, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+>>> result = ov.render(match, preset, ov.sweep(0.5), sample_rate=8000, tail="none")
+>>> [path.name for path in ov.export.export(result, "haptic", "match.haptic").files]
+['match.haptic']
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from overview_dsp.public.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from overview_dsp.export.browser_memory import encode_engine
+    from overview_dsp.export.clip import Transient
+    from overview_dsp.export.felt_error import FeltError
+    from overview_dsp.export.reading import PlayedClip, read_clip
+    from overview_dsp.export.writing import Exported, export, formats
+
+__all__ = [
+    "Exported",
+    "FeltError",
+    "PlayedClip",
+    "Transient",
+    "encode_engine",
+    "export",
+    "formats",
+    "read_clip",
+]
+
+if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+    __getattr__, __dir__ = lazy_names(
+        __name__,
+        {
+            "Exported": "writing",
+            "FeltError": "felt_error",
+            "PlayedClip": "reading",
+            "Transient": "clip",
+            "encode_engine": "browser_memory",
+            "export": "writing",
+            "formats": "writing",
+            "read_clip": "reading",
+        },
+    )

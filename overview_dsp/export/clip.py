@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.rendering.offline import Result
+from overview_dsp.rendering.trace import Trace
 from overview_dsp.surface.bristles import BARE
 from overview_dsp.surface.model import Surface
 
@@ -47,7 +48,23 @@ MAX_CLIP_S = 600.0
 
 @dataclass(frozen=True)
 class Transient:
-    """A strike: when (s), how strong (amplitude 0..1), how sharp (0..1), of what kind."""
+    """A strike of a haptic clip.
+
+    Attributes
+    ----------
+    time_s : float
+        When, s.
+    amplitude, sharpness : float
+        How strong and how sharp, 0 to 1.
+    kind : str
+        Of the event; empty in a clip that was read.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.export.Transient(0.5, 0.8, 0.3, "goal").kind
+    'goal'
+    """
 
     time_s: float
     amplitude: float
@@ -90,7 +107,7 @@ class Clip:
         return (len(self.level) - 1) / LEVELS_PER_S
 
 
-def clip_of(result: Result) -> Clip:
+def clip_of(result: Result[Trace | None]) -> Clip:
     """Make a clip of a rendered gesture, up to where its vibration has died away.
 
     Raises
@@ -136,7 +153,7 @@ def _by_millisecond(envelope: NDArray[np.float64], sample_rate: float) -> NDArra
     return np.asarray(np.sqrt(np.maximum(mean, 0.0)))
 
 
-def _transients(result: Result, level: NDArray[np.float64]) -> tuple[Transient, ...]:
+def _transients(result: Result[Trace | None], level: NDArray[np.float64]) -> tuple[Transient, ...]:
     """The strikes that can be felt, without those that a higher event drowns."""
     surface = result.engine.surface
     events = result.engine.timeline.events

@@ -21,7 +21,23 @@ NOTICEABLE_DB = 2.3
 
 @dataclass(frozen=True)
 class FeltError:
-    """Of an export: median and largest error (dB), and the part of the clip within one step."""
+    """How far an exported clip is from what was rendered, as a finger takes it.
+
+    Attributes
+    ----------
+    median_db, largest_db : float
+        Of the level over 10 ms, dB.
+    within_percent : float
+        The part of the clip within one just noticeable step (2.3 dB), %.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> ov.export.export(result, "haptic", "match.haptic").error.within_percent > 50.0
+    True
+    """
 
     median_db: float
     largest_db: float

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.export.clip import LEVELS_PER_S, MAX_CLIP_S, Transient
+from overview_dsp.public.reprs import counted
 
 MAX_BYTES = 8_000_000
 MAX_ENTRIES = 100_000
@@ -26,19 +27,60 @@ _CONTROL = "HapticIntensityControl"
 
 @dataclass(frozen=True, eq=False)
 class PlayedClip:
-    """What a clip plays: amplitude at each millisecond, float64 (n,), and its strikes."""
+    """What a haptic clip plays.
+
+    Attributes
+    ----------
+    level : float64 (n,)
+        Amplitude at each millisecond, 0 to 1.
+    transients : tuple of Transient
+        Its strikes, in order.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> _ = ov.export.export(result, "ahap", "match.ahap")
+    >>> clip = ov.export.read_clip("match.ahap")
+    >>> float(clip.level.max()) <= 1.0
+    True
+    """
 
     level: NDArray[np.float64]
     transients: tuple[Transient, ...]
+
+    def __repr__(self) -> str:
+        return f"<PlayedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
 
 
 def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
     """Read an AHAP or `.haptic` file, told by its content.
 
+    Parameters
+    ----------
+    path : str or path
+        The file.
+
+    Returns
+    -------
+    PlayedClip
+        Amplitudes and strikes.
+
     Raises
     ------
     InputError
         Not readable, too large, not JSON, neither of the two, or a broken entry: which one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> _ = ov.export.export(result, "ahap", "match.ahap")
+    >>> clip = ov.export.read_clip("match.ahap")
+    >>> len(clip.level) > 500
+    True
     """
     where = os.fspath(path)
     try:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.reprs import counted
 
 LONGEST_S = 7 * 24 * 3600.0
 """No gesture is longer: a time beyond it is a slip of the pen, and would render for ever."""
@@ -35,20 +36,22 @@ class Change:
 class Gesture:
     """Control events in order of time: of one hand, or of several in a recorded take.
 
-    Attributes
+    `a + b` is one after the other.
+
+    Parameters
     ----------
     time_s : float64 (events,)
-        From the gesture's start, never decreasing, >= 0.
+        From the gesture's start, s, never decreasing, >= 0.
     theta2 : float64 (events,)
         Input angle, rad; 0 = start of the timeline, pi = its end.
     touching : bool (events,)
         Whether the hand holds on.
     duration_s : float
-        When the gesture is over, at or after its last event.
+        When the gesture is over, s, at or after its last event.
     source : int8 (events,)
-        Which hand, as an index of `SOURCES`; touch if left out.
-    changes : tuple of Change
-        What else happened while a take was recorded, in order of time.
+        Which hand, as an index of touch, twist, serial, osc, midi, remote; touch if left out.
+    changes : tuple
+        Parameter and surface changes of a recorded take, each with its time, in order.
     on_arrival : tuple of int
         Events that let go: each comes as soon as the disk has arrived at the finger, at its time
         at the latest. In a file they have their times.
@@ -57,6 +60,19 @@ class Gesture:
     ------
     InputError
         Times that go back or are not finite, arrays of different lengths.
+
+    See Also
+    --------
+    sweep, tap, pause : Make one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> times, angles = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 1.0])
+    >>> mine = ov.Gesture(times, angles, np.array([True, True, False]), duration_s=1.0)
+    >>> (mine + ov.tap(0.8)).duration_s
+    2.0
     """
 
     time_s: NDArray[np.float64]
@@ -119,5 +135,31 @@ class Gesture:
         )
 
     def stamps(self, sample_rate: float) -> NDArray[np.int64]:
-        """The sample of each event: the nearest to its time."""
+        """Find the sample of each event: the nearest to its time.
+
+        Parameters
+        ----------
+        sample_rate : float
+            Hz.
+
+        Returns
+        -------
+        int64 (events,)
+            Samples from the gesture's start.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.tap(0.8, hold_seconds=0.5).stamps(8000)
+        array([   0, 4000])
+        """
         return np.rint(self.time_s * sample_rate).astype(np.int64)
+
+    def __repr__(self) -> str:
+        hands = " and ".join(SOURCES[i] for i in np.unique(self.source))
+        by = f" by {hands}" if hands not in ("", SOURCES[0]) else ""
+        changes = f", {counted(len(self.changes), 'change')}" if self.changes else ""
+        return (
+            f"<Gesture: {self.duration_s:g} s, {counted(len(self.time_s), 'control event')}{by}"
+            f"{changes}>"
+        )

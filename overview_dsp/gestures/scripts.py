@@ -38,7 +38,29 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
 
     The disk lags the finger; it is waited for, 1.5 s at most.
 
-    Positions are 0 (start of the timeline) to 1 (its end).
+    Parameters
+    ----------
+    seconds : float
+        How long the movement takes, s.
+    start, end : float
+        Positions, 0 (start of the timeline) to 1 (its end).
+
+    Returns
+    -------
+    Gesture
+        With 200 control events a second.
+
+    Raises
+    ------
+    InputError
+        A time or a position out of range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.sweep(4.0).duration_s
+    5.5
+    >>> backwards = ov.sweep(2.0, start=1.0, end=0.5)
     """
     _seconds(seconds, "a sweep's duration")
     _position(start, "a sweep's start")
@@ -54,7 +76,31 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
 
 
 def tap(position: float, hold_seconds: float = 1.0) -> Gesture:
-    """Touch down at `position` (a step of theta2), hold, let go."""
+    """Touch down at a position (a step of theta2), hold, let go.
+
+    Parameters
+    ----------
+    position : float
+        0 (start of the timeline) to 1 (its end).
+    hold_seconds : float
+        How long, s.
+
+    Returns
+    -------
+    Gesture
+        Of two control events.
+
+    Raises
+    ------
+    InputError
+        A time or a position out of range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.tap(0.8, hold_seconds=1.5).touching
+    array([ True, False])
+    """
     _position(position, "a tap's position")
     _seconds(hold_seconds, "a tap's hold")
     theta2 = np.full(2, position * HALF_TURN)
@@ -64,6 +110,28 @@ def tap(position: float, hold_seconds: float = 1.0) -> Gesture:
 
 
 def pause(seconds: float) -> Gesture:
-    """Nothing for `seconds`: between two gestures, time to recoil."""
+    """Do nothing: between two gestures, time to recoil.
+
+    Parameters
+    ----------
+    seconds : float
+        How long, s, 0 too.
+
+    Returns
+    -------
+    Gesture
+        Without events.
+
+    Raises
+    ------
+    InputError
+        A time out of range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> (ov.sweep(1.0) + ov.pause(2.0) + ov.tap(0.5, 1.0)).duration_s
+    4.5
+    """
     _seconds(seconds, "a rest", zero=True)
     return Gesture(np.empty(0), np.empty(0), np.empty(0, dtype=bool), float(seconds))

@@ -20,12 +20,29 @@ _COUNTS = {"sweep": (1, 3), "tap": (1, 2), "rest": (1,)}
 
 
 def parse_gesture(spec: str) -> Gesture:
-    """The gesture of a SPEC; parts are joined with `+`.
+    """Make the gesture of a SPEC, as typed on the command line.
+
+    Parameters
+    ----------
+    spec : str
+        `sweep:SECONDS[:FROM:TO]`, `tap:POSITION[:HOLD_SECONDS]`, `rest:SECONDS` or a take's path
+        (.csv); parts are joined with `+`.
+
+    Returns
+    -------
+    Gesture
+        One part after the other.
 
     Raises
     ------
     InputError
         A part that is not understood: names it and the allowed forms.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.parse_gesture("sweep:2:0:0.6+rest:3+tap:0.8:1.5").duration_s
+    7.0
     """
     # a take's path may hold any character, a plus too
     if Path(spec).suffix.lower() == ".csv" and os.path.exists(spec):

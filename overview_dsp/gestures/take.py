@@ -25,14 +25,31 @@ _TOUCH = {"1": True, "true": True, "0": False, "false": False}
 
 
 def load_gesture(path: str | Path) -> Gesture:
-    """A take: CSV with a header and the columns time_s (s), theta2_rad (0 to pi), touching (0, 1).
+    """Read a take: a CSV file with the columns time_s (s), theta2_rad (0 to pi), touching (0, 1).
 
     A recorded take is replayed with the parameter and surface changes of the JSON beside it.
+
+    Parameters
+    ----------
+    path : str or path
+        The CSV file.
+
+    Returns
+    -------
+    Gesture
+        It ends with a release of every hand.
 
     Raises
     ------
     InputError
         Missing file, missing column, a word for a number, times that go back: names file and line.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.save_gesture(ov.tap(0.8), "take.csv")
+    >>> ov.load_gesture("take.csv").duration_s
+    1.0
     """
     path = Path(path)
     try:
@@ -145,6 +162,25 @@ def save_gesture(gesture: Gesture, path: str | Path) -> None:
     """Write a gesture as a take; numbers keep every bit.
 
     A rest at the end is kept by a last line that repeats the state at the gesture's end.
+
+    Parameters
+    ----------
+    gesture : Gesture
+        What is written, without the changes of a recorded take.
+    path : str or path
+        The CSV file; whole or not at all.
+
+    Raises
+    ------
+    InputError
+        A place that can't be written.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.save_gesture(ov.sweep(1.0) + ov.pause(0.5), "sweep.csv")
     """
     events = list(zip(gesture.time_s, gesture.theta2, gesture.touching, strict=True))
     _, theta2, touching = events[-1] if events else (0.0, 0.0, False)

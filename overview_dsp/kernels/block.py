@@ -16,6 +16,7 @@ from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
 from overview_dsp.kernels.limiter import limit
 from overview_dsp.kernels.motion import move
+from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.output import emit
 from overview_dsp.kernels.shaping import shape
 from overview_dsp.kernels.tactor import advance
@@ -38,15 +39,15 @@ def run(f64, i64, u64, out, channels, start, stop, trace, traced):
 @inlined
 def clear(f64, i64, u64):
     """Every state column and meter as new; coefficients, rings and surfaces stay."""
-    slot = i64[layout.ACTIVE_SLOT]
-    for i in range(layout.STATE, layout.TOTAL_STATE):
+    for i in range(layout.STATE, layout.ACTIVE_SLOT):
         i64[i] = 0
+    for i in range(layout.FADING_SLOT + 1, layout.TOTAL_STATE):
+        i64[i] = 0
+    store_release(i64, layout.FADING_SLOT, -1)
     i64[layout.STRIKES_READ] = 0
     for number in range(layout.CONTACT):
         i64[layout.STRIKES_SOUNDED + number] = 0
     i64[layout.HOLDER] = -1
-    i64[layout.FADING_SLOT] = -1
-    i64[layout.ACTIVE_SLOT] = slot
     u64[layout.NOISE] = u64[layout.S_SEED]
 
 
@@ -96,7 +97,7 @@ def reset(f64, i64, u64):
     Thread: main, or audio between blocks.
     """
     clear(f64, i64, u64)
-    i64[layout.APPLIED] = 0
+    store_release(i64, layout.APPLIED, 0)
     for i in range(layout.COEFFS):
         if i64[layout.GLIDE_LEFT + i] > 0:
             f64[i] = f64[layout.TARGET + i]

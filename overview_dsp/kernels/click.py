@@ -35,6 +35,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import moving
 from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.elementary import cos_turns, exp, plain, power, sin_turns
+from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.simd.vector import load, store
 
 PULSE_SPACING = 0.5  # samples
@@ -73,7 +74,7 @@ def log_strike(f64, i64, event, torque, sample, fraction):
     i64[layout.LOG_EVENT + at] = event
     f64[layout.LOG_TORQUE + at] = torque
     f64[layout.LOG_LEVEL + at] = level
-    i64[layout.M_STRIKES] += 1
+    store_release(i64, layout.M_STRIKES, i64[layout.M_STRIKES] + 1)
 
 
 _sin_turns = plain(sin_turns)

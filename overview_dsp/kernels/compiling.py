@@ -12,6 +12,17 @@ from typing import Any, TypeVar
 import numba
 import platformdirs
 
+from overview_dsp.errors import require_internals
+
+NUMBA = "numba>=0.61,<0.69"
+"""As pyproject.toml has it. What `kernels` use of numba's inside may change with any version, so a
+new one is let in when the tests have passed with it."""
+
+require_internals(
+    numba,
+    ("config.CACHE_DIR", "config.DISABLE_JIT", "carray", "types.ExternalFunction"),
+    NUMBA,
+)
 # numba sets its options as attributes at run time
 _config: Any = numba.config
 
@@ -31,8 +42,8 @@ OPTIONS: dict[str, Any] = {
 }
 
 
-# a C function has no interpreter to give up
-_C_OPTIONS = {key: value for key, value in OPTIONS.items() if key != "nogil"}
+# a C function has no GIL to give up
+_GIL_KEPT = {key: value for key, value in OPTIONS.items() if key != "nogil"}
 
 
 def sources_digest() -> str:
@@ -90,9 +101,14 @@ def entry_point(function: Function) -> Function:
     return _kept(function, lambda cache: numba.njit(cache=cache, **OPTIONS))
 
 
+def briefly_called(function: Function) -> Function:
+    """As `entry_point`, of a few instructions: giving the GIL up, and back, would take longer."""
+    return _kept(function, lambda cache: numba.njit(cache=cache, **_GIL_KEPT))
+
+
 def c_callback(signature: Any, function: Callable[..., Any]) -> Any:
     """Compile a C function (`.address`), and keep its machine code on disk."""
-    return _kept(function, lambda cache: numba.cfunc(signature, cache=cache, **_C_OPTIONS))
+    return _kept(function, lambda cache: numba.cfunc(signature, cache=cache, **_GIL_KEPT))
 
 
 def _kept(function: Any, compiler: Callable[[bool], Any]) -> Any:

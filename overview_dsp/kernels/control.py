@@ -1,17 +1,19 @@
 """Control events: who holds the disk, where, and what parameters and surfaces change when.
 
-Each source (touch, twist, serial, OSC, MIDI, remote) has a ring of its own, written by one control
-thread and read here. An event applies at its sample, or at once if that has passed. The last source
-to touch holds the disk until it lets go; another that still touches then takes it over.
+Each source (touch, twist, serial, OSC, MIDI, remote) has a ring of its own, written by one thread
+at a time and read by the audio thread. An event applies at its sample, or at once if that has
+passed. The last source to touch holds the disk until it lets go; another that still touches then
+takes it over.
 
-Thread: audio.
+Thread: audio, except `push_control`.
 """
 
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.compiling import briefly_called, inlined
 from overview_dsp.kernels.glide import smooth_step
+from overview_dsp.kernels.ordering import load_acquire, store_release
 
 PI = 3.141592653589793
 CELLS_PER_RAD = layout.CELLS / PI
@@ -60,7 +62,7 @@ def log_applied(f64, i64, source, touching):
     i64[layout.APPLIED_SOURCE + at] = source
     f64[layout.APPLIED_THETA2 + at] = f64[layout.SOURCE_THETA2 + source]
     i64[layout.APPLIED_TOUCHING + at] = touching
-    i64[layout.APPLIED] += 1
+    store_release(i64, layout.APPLIED, i64[layout.APPLIED] + 1)
 
 
 @inlined
@@ -112,8 +114,9 @@ def apply_host(f64, i64, what, value):
         f64[layout.GLIDE_FROM + what] = f64[what]
         i64[layout.GLIDE_LEFT + what] = i64[layout.S_GLIDE]
     elif what == layout.COMMAND_SURFACE:
-        i64[layout.FADING_SLOT] = i64[layout.ACTIVE_SLOT]
-        i64[layout.ACTIVE_SLOT] = int(value)
+        # in this order: who looks for a free slot never overlooks one in use
+        store_release(i64, layout.FADING_SLOT, i64[layout.ACTIVE_SLOT])
+        store_release(i64, layout.ACTIVE_SLOT, int(value))
         i64[layout.FADE_LEFT] = i64[layout.S_FADE]
         i64[layout.NEXT_EVENT] = events_below(
             f64, i64, layout.SURFACES + int(value) * layout.SLOT_SIZE, f64[layout.X]
@@ -122,19 +125,44 @@ def apply_host(f64, i64, what, value):
         i64[layout.S_RELEASE_RETURNS] = int(value)
 
 
+@briefly_called
+def push_control(f64, i64, source, stamp, theta2, touching):
+    """Write an event into a source's ring and publish it; False, and nothing, if it is full.
+
+    f64, i64 : [layout.TOTAL]; source, stamp : int; theta2 : float, rad; touching : bool.
+
+    Thread: any but audio; one at a time for each source.
+    """
+    written = i64[layout.RING_WRITTEN + source]
+    if written - load_acquire(i64, layout.RING_READ + source) >= layout.RING:
+        return False
+    at = source * layout.RING + written % layout.RING
+    i64[layout.RING_TIME + at] = stamp
+    f64[layout.RING_THETA2 + at] = theta2
+    i64[layout.RING_TOUCHING + at] = 1 if touching else 0
+    store_release(i64, layout.RING_WRITTEN + source, written + 1)
+    return True
+
+
+@inlined
+def waits(i64, read, written):
+    """Whether an event waits in the ring of these two counters; if so, it can be read."""
+    return i64[read] < load_acquire(i64, written)
+
+
 @inlined
 def apply_due(f64, i64):
     """Apply every event due at the clock's sample: parameters and surfaces, then hands in order."""
     now = i64[layout.CLOCK]
-    while i64[layout.HOST_READ] < i64[layout.HOST_WRITTEN]:
+    while waits(i64, layout.HOST_READ, layout.HOST_WRITTEN):
         at = i64[layout.HOST_READ] % layout.HOST_RING
         if i64[layout.HOST_TIME + at] > now:
             break
         apply_host(f64, i64, i64[layout.HOST_WHAT + at], f64[layout.HOST_VALUE + at])
         i64[layout.HOST_TIME + at] = now  # for a recording
-        i64[layout.HOST_READ] += 1
+        store_release(i64, layout.HOST_READ, i64[layout.HOST_READ] + 1)
     for source in range(layout.SOURCES):
-        while i64[layout.RING_READ + source] < i64[layout.RING_WRITTEN + source]:
+        while waits(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
             at = source * layout.RING + i64[layout.RING_READ + source] % layout.RING
             time = i64[layout.RING_TIME + at]
             if time > now:
@@ -144,17 +172,17 @@ def apply_due(f64, i64):
             apply_control(
                 f64, i64, source, f64[layout.RING_THETA2 + at], i64[layout.RING_TOUCHING + at]
             )
-            i64[layout.RING_READ + source] += 1
+            store_release(i64, layout.RING_READ + source, i64[layout.RING_READ + source] + 1)
 
 
 @inlined
 def next_due(i64):
     """The sample of the next event that waits in any ring, or NEVER."""
     due = NEVER
-    if i64[layout.HOST_READ] < i64[layout.HOST_WRITTEN]:
+    if waits(i64, layout.HOST_READ, layout.HOST_WRITTEN):
         due = i64[layout.HOST_TIME + i64[layout.HOST_READ] % layout.HOST_RING]
     for source in range(layout.SOURCES):
-        if i64[layout.RING_READ + source] < i64[layout.RING_WRITTEN + source]:
+        if waits(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
             time = i64[
                 layout.RING_TIME
                 + source * layout.RING
@@ -168,9 +196,10 @@ def next_due(i64):
 @inlined
 def drop_waiting(i64):
     """Forget every event that waits."""
-    i64[layout.HOST_READ] = i64[layout.HOST_WRITTEN]
+    store_release(i64, layout.HOST_READ, load_acquire(i64, layout.HOST_WRITTEN))
     for source in range(layout.SOURCES):
-        i64[layout.RING_READ + source] = i64[layout.RING_WRITTEN + source]
+        written = load_acquire(i64, layout.RING_WRITTEN + source)
+        store_release(i64, layout.RING_READ + source, written)
 
 
 @inlined

@@ -12,6 +12,20 @@ whole timeline) and its speed in cells a sample, so that the angle is the table'
 
 from __future__ import annotations
 
+
+class Columns:
+    """Columns one after the other: `columns(size)` is where the next `size` of them begin."""
+
+    def __init__(self) -> None:
+        self.end = 0  # of those given out so far
+
+    def __call__(self, size: int) -> int:
+        """Give out the next `size`; where they begin."""
+        start = self.end
+        self.end += size
+        return start
+
+
 # --- capacities -----------------------------------------------------------------------------
 # Surface table: cells of the whole half turn, CELLS + 1 points. At 16384 the kinks of the linear
 # interpolation, met at 2 cells a sample in a tap, cost the disk 2e-4 rad; here they don't count.
@@ -35,7 +49,8 @@ SIGNALS = 2
 CLICK, TACTOR = range(SIGNALS)  # the order of the signals
 
 # --- coefficients that glide (float64), see coefficients.py ----------------------------------
-COEFF = 0
+column = Columns()
+COEFF = column(COEFFS)
 (
     C_SPRING_HELD,  # (k1 + k2) / J * dt**2, cells a sample**2 a cell
     C_SPRING_FREE,  # k1 / J * dt**2
@@ -65,10 +80,10 @@ COEFF = 0
     C_PACE_LEAST,  # slower, a finger rests, cells a sample
     C_PACE_MOST,  # faster is a jump, cells a sample
 ) = range(COEFF, COEFF + 27)
-TARGET = COEFF + COEFFS
-GLIDE_FROM = TARGET + COEFFS
-GLIDE_LEFT = GLIDE_FROM + COEFFS  # i64: samples left of each glide
-SETTINGS = GLIDE_LEFT + COEFFS
+TARGET = column(COEFFS)
+GLIDE_FROM = column(COEFFS)
+GLIDE_LEFT = column(COEFFS)  # i64: samples left of each glide
+SETTINGS = column(8)
 
 # --- settings that don't glide (w) -----------------------------------------------------------
 (
@@ -82,7 +97,7 @@ SETTINGS = GLIDE_LEFT + COEFFS
 ) = range(SETTINGS, SETTINGS + 7)
 
 # --- state: everything `reset` clears ---------------------------------------------------------
-STATE = SETTINGS + 8
+STATE = column(32)
 (
     CLOCK,  # i64: samples since reset
     APPROACH,  # highest recent |omega1|, rad/s
@@ -115,21 +130,19 @@ STATE = SETTINGS + 8
     SLIP_PEAK,  # highest |torque| of the bristles since they stuck, N m; -1 = they slide
     PACE,  # of the hand, cells a sample
 ) = range(STATE, STATE + 30)
-SOURCE_TOUCHING = STATE + 32  # i64: of each source
-SOURCE_TOUCHED_AT = SOURCE_TOUCHING + SOURCES  # i64: TOUCH_COUNT when it last touched
-SOURCE_THETA2 = SOURCE_TOUCHED_AT + SOURCES  # rad
-RINGING_KIND = SOURCE_THETA2 + SOURCES  # i64: the RINGING first entries name the kinds that sound
-BANK_LEFT = RINGING_KIND + BANKS  # i64: samples until a kind is silent
-BANK_MODES = BANK_LEFT + BANKS  # i64: modes of a kind when struck
-BANK = BANK_MODES + BANKS  # the modes, kind by kind: see "a mode that rings"
+SOURCE_TOUCHING = column(SOURCES)  # i64: of each source
+SOURCE_TOUCHED_AT = column(SOURCES)  # i64: TOUCH_COUNT when it last touched
+SOURCE_THETA2 = column(SOURCES)  # rad
+RINGING_KIND = column(BANKS)  # i64: the RINGING first entries name the kinds that sound
+BANK_LEFT = column(BANKS)  # i64: samples until a kind is silent
+BANK_MODES = column(BANKS)  # i64: modes of a kind when struck
 BANK_SIZE = 2 * PHASES + 8
-PULSE_KEY = (
-    BANK + BANKS * MAX_MODES * BANK_SIZE
-)  # i64: whose factors follow, of even and odd pulses
-PULSE_REST = PULSE_KEY + 2  # samples
-PULSE_RE = PULSE_REST + 2  # what each mode has of such a pulse when its sample ends
-PULSE_IM = PULSE_RE + 2 * MAX_MODES
-METERS = PULSE_IM + 2 * MAX_MODES
+BANK = column(BANKS * MAX_MODES * BANK_SIZE)  # the modes, kind by kind: see "a mode that rings"
+PULSE_KEY = column(2)  # i64: whose factors follow, of even and odd pulses
+PULSE_REST = column(2)  # samples
+PULSE_RE = column(2 * MAX_MODES)  # what each mode has of such a pulse when its sample ends
+PULSE_IM = column(2 * MAX_MODES)
+METERS = column(16)
 
 # --- meters (cleared by reset) ----------------------------------------------------------------
 (
@@ -150,48 +163,48 @@ METERS = PULSE_IM + 2 * MAX_MODES
     M_IMPULSE,  # sum of the torque over the samples so far, N m samples
     M_SUMMED,  # i64: samples in that sum
 ) = range(METERS, METERS + 16)
-TOTAL_STATE = METERS + 16
+TOTAL_STATE = column.end
 
 # --- rings: written by the control thread, read by the audio thread ----------------------------
-RING_WRITTEN = TOTAL_STATE  # i64: events ever written, a source
-RING_READ = RING_WRITTEN + SOURCES  # i64: events ever read, a source
-HOST_WRITTEN = RING_READ + SOURCES  # i64
-HOST_READ = HOST_WRITTEN + 1  # i64
-STRIKES_READ = HOST_READ + 1  # i64: strikes the reader has taken (of M_STRIKES)
-RING_TIME = STRIKES_READ + 1  # i64: sample, -1 = as soon as possible
-RING_THETA2 = RING_TIME + SOURCES * RING  # rad
-RING_TOUCHING = RING_THETA2 + SOURCES * RING  # i64
-HOST_TIME = RING_TOUCHING + SOURCES * RING  # i64: sample, -1 = as soon as possible; then: applied
-HOST_WHAT = HOST_TIME + HOST_RING  # i64: a coefficient, or one of the commands below
-HOST_VALUE = HOST_WHAT + HOST_RING
+RING_WRITTEN = column(SOURCES)  # i64: events ever written, a source
+RING_READ = column(SOURCES)  # i64: events ever read, a source
+HOST_WRITTEN = column(1)  # i64
+HOST_READ = column(1)  # i64
+STRIKES_READ = column(1)  # i64: strikes the reader has taken (of M_STRIKES)
+RING_TIME = column(SOURCES * RING)  # i64: sample, -1 = as soon as possible
+RING_THETA2 = column(SOURCES * RING)  # rad
+RING_TOUCHING = column(SOURCES * RING)  # i64
+HOST_TIME = column(HOST_RING)  # i64: sample, -1 = as soon as possible; then: applied
+HOST_WHAT = column(HOST_RING)  # i64: a coefficient, or one of the commands below
+HOST_VALUE = column(HOST_RING)
 COMMAND_SURFACE = -1  # value: slot to crossfade to
 COMMAND_RELEASE_RETURNS = -2  # value: 0 or 1
-LOG_TIME = HOST_VALUE + HOST_RING  # strike log: sample with its fraction
-LOG_EVENT = LOG_TIME + STRIKE_LOG  # i64: index in the surface's event table, -1 = the bare surface
-LOG_TORQUE = LOG_EVENT + STRIKE_LOG  # torque released, N m
-LOG_LEVEL = LOG_TORQUE + STRIKE_LOG  # strike amplitude after compression
-STRIKES_SOUNDED = LOG_LEVEL + STRIKE_LOG  # i64: strikes the bank has taken, a pulse of CONTACT
-APPLIED = STRIKES_SOUNDED + CONTACT  # i64: control events applied since reset
-APPLIED_TIME = APPLIED + 1  # i64: sample
-APPLIED_SOURCE = APPLIED_TIME + APPLIED_LOG  # i64
-APPLIED_THETA2 = APPLIED_SOURCE + APPLIED_LOG  # rad
-APPLIED_TOUCHING = APPLIED_THETA2 + APPLIED_LOG  # i64
-SCRATCH = APPLIED_TOUCHING + APPLIED_LOG  # columns between the stages, one chunk long
-D_TORQUE = SCRATCH  # from the disk
-D_OMEGA = D_TORQUE + CHUNK
-D_PHASE = D_OMEGA + CHUNK
-D_POSITION = D_PHASE + CHUNK
-D_SPEED = D_POSITION + CHUNK
-D_THETA2 = D_SPEED + CHUNK
-D_FRICTION = D_THETA2 + CHUNK
-D_AMPLITUDE = D_FRICTION + CHUNK  # from the shaping
-D_SINE = D_AMPLITUDE + CHUNK
-D_GRAIN = D_SINE + CHUNK
-D_COLOUR = D_GRAIN + CHUNK
-D_RING = D_COLOUR + CHUNK  # from the modes
-D_CLICK = D_RING + CHUNK  # from the voice
-D_TACTOR = D_CLICK + CHUNK
-LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
+LOG_TIME = column(STRIKE_LOG)  # strike log: sample with its fraction
+LOG_EVENT = column(STRIKE_LOG)  # i64: index in the surface's event table, -1 = the bare surface
+LOG_TORQUE = column(STRIKE_LOG)  # torque released, N m
+LOG_LEVEL = column(STRIKE_LOG)  # strike amplitude after compression
+STRIKES_SOUNDED = column(CONTACT)  # i64: strikes the bank has taken, a pulse of CONTACT
+APPLIED = column(1)  # i64: control events applied since reset
+APPLIED_TIME = column(APPLIED_LOG)  # i64: sample
+APPLIED_SOURCE = column(APPLIED_LOG)  # i64
+APPLIED_THETA2 = column(APPLIED_LOG)  # rad
+APPLIED_TOUCHING = column(APPLIED_LOG)  # i64
+SCRATCH = column.end  # columns between the stages, one chunk long
+D_TORQUE = column(CHUNK)  # from the disk
+D_OMEGA = column(CHUNK)
+D_PHASE = column(CHUNK)
+D_POSITION = column(CHUNK)
+D_SPEED = column(CHUNK)
+D_THETA2 = column(CHUNK)
+D_FRICTION = column(CHUNK)
+D_AMPLITUDE = column(CHUNK)  # from the shaping
+D_SINE = column(CHUNK)
+D_GRAIN = column(CHUNK)
+D_COLOUR = column(CHUNK)
+D_RING = column(CHUNK)  # from the modes
+D_CLICK = column(CHUNK)  # from the voice
+D_TACTOR = column(CHUNK)
+LIVE = column(16)  # the audio device's own columns, kept by reset
 (
     L_CHANNELS,  # i64: output channels of the stream
     L_STOP,  # i64: 1 = fade out, then end the stream
@@ -207,23 +220,21 @@ LIVE = D_TACTOR + CHUNK  # the audio device's own columns, kept by reset
 ) = range(LIVE, LIVE + 11)
 BUSY_BINS = 96
 # what the device does to each of click and tactor after the engine: one column a signal
-L_GAIN = LIVE + 16  # in use, linear
-L_CEILING = L_GAIN + SIGNALS
-L_LIMITED = L_CEILING + SIGNALS  # part of the limited signal in the output, 0 to 1
+L_GAIN = column(SIGNALS)  # in use, linear
+L_CEILING = column(SIGNALS)
+L_LIMITED = column(SIGNALS)  # part of the limited signal in the output, 0 to 1
 L_GLIDED = 3 * SIGNALS  # the three above glide, in the same order as:
-L_WANTED = L_GAIN + L_GLIDED  # asked for by the control thread
-L_TARGET = L_WANTED + L_GLIDED
-L_FROM = L_TARGET + L_GLIDED
-L_LEFT = L_FROM + L_GLIDED  # i64
-L_DELAY = L_LEFT + L_GLIDED  # i64: in use, frames
-L_DELAY_FROM = L_DELAY + SIGNALS  # i64: crossfaded from
-L_DELAY_LEFT = L_DELAY_FROM + SIGNALS  # i64: frames left of that crossfade
-L_DELAY_WANTED = L_DELAY_LEFT + SIGNALS  # i64
-L_PEAK = L_DELAY_WANTED + SIGNALS  # highest since the control thread cleared it
-L_LINES = L_PEAK + SIGNALS  # the two delay lines
-L_BUSY = (
-    L_LINES + SIGNALS * DELAY_LINE
-)  # i64: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
+L_WANTED = column(L_GLIDED)  # asked for by the control thread
+L_TARGET = column(L_GLIDED)
+L_FROM = column(L_GLIDED)
+L_LEFT = column(L_GLIDED)  # i64
+L_DELAY = column(SIGNALS)  # i64: in use, frames
+L_DELAY_FROM = column(SIGNALS)  # i64: crossfaded from
+L_DELAY_LEFT = column(SIGNALS)  # i64: frames left of that crossfade
+L_DELAY_WANTED = column(SIGNALS)  # i64
+L_PEAK = column(SIGNALS)  # highest since the control thread cleared it
+L_LINES = column(SIGNALS * DELAY_LINE)  # the two delay lines
+L_BUSY = column(BUSY_BINS)  # i64: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
 BINS_AN_OCTAVE = 4
 SHORTEST_S = 1e-7
 # an actuator's drive (actuator.py), relative to its start: coefficients, then state, then meters
@@ -265,33 +276,32 @@ SHORTEST_S = 1e-7
     ACT_SILENT,  # i64: samples since the drive was last other than zero
 ) = range(ACT_STATE, ACT_STATE + 9)
 ACT_SIZE = 40
-L_ACTUATOR = L_BUSY + BUSY_BINS
-SURFACES = L_ACTUATOR + ACT_SIZE
+L_ACTUATOR = column(ACT_SIZE)
+SURFACES = column.end  # the slots, one after the other
 
 # --- a surface slot, relative to its start -----------------------------------------------------
-SLOT_EVENTS = 0  # i64: number of events
-SLOT_MODELS = (
-    1  # i64: which of the friction models below it has, HAS_... added up; 0 = viscous only
-)
+slot = Columns()
+SLOT_EVENTS = slot(1)  # i64: number of events
+SLOT_MODELS = slot(1)  # i64: its friction models, HAS_... added up; 0 = viscous only
 HAS_BRISTLES = 1
 HAS_DETENTS = 2  # or end stops
-SLOT_END_STIFFNESS = 2  # of the springs beyond the ends, N m/rad
-SLOT_END_DAMPING = 3  # N m s/rad
-SLOT_TABLE = 8  # friction and its slope to the next point, interleaved, CELLS + 1 pairs
-SLOT_POSITION = SLOT_TABLE + 2 * (CELLS + 1)  # where each event strikes, cells, ascending
-SLOT_RELEASE = SLOT_POSITION + MAX_EVENTS  # friction that lets go there, N m s/rad
-SLOT_KIND = SLOT_RELEASE + MAX_EVENTS  # i64: kind of each event
-KIND_MODES = SLOT_KIND + MAX_EVENTS  # i64: modes of each kind
-KIND_RING = KIND_MODES + BANKS  # i64: samples a kind rings
-MODES = KIND_RING + BANKS  # of each kind: see "a mode of a surface"
+SLOT_END_STIFFNESS = slot(1)  # of the springs beyond the ends, N m/rad
+SLOT_END_DAMPING = slot(1)  # N m s/rad
+slot(4)  # unused
+SLOT_TABLE = slot(2 * (CELLS + 1))  # friction and its slope to the next point, interleaved
+SLOT_POSITION = slot(MAX_EVENTS)  # where each event strikes, cells, ascending
+SLOT_RELEASE = slot(MAX_EVENTS)  # friction that lets go there, N m s/rad
+SLOT_KIND = slot(MAX_EVENTS)  # i64: kind of each event
+KIND_MODES = slot(BANKS)  # i64: modes of each kind
+KIND_RING = slot(BANKS)  # i64: samples a kind rings
 MODE_SIZE = 4 * PHASES + 8
-SLOT_SLIDING_TORQUE = MODES + BANKS * MAX_MODES * MODE_SIZE  # sliding torque, N m, as SLOT_TABLE
-SLOT_OWNER = SLOT_SLIDING_TORQUE + 2 * (
-    CELLS + 1
-)  # i64: the event whose bristles are there, -1 = the surface
-SLOT_PULL = SLOT_OWNER + CELLS + 1  # pull of the detents and its slope, N m, as SLOT_TABLE
-SLOT_DETENT_ENERGY = SLOT_PULL + 2 * (CELLS + 1)  # its integral: their energy, N m cells
-BRISTLES = SLOT_DETENT_ENERGY + CELLS + 1  # the parameters of each bank's bristles:
+MODES = slot(BANKS * MAX_MODES * MODE_SIZE)  # of each kind: see "a mode of a surface"
+SLOT_SLIDING_TORQUE = slot(2 * (CELLS + 1))  # sliding torque, N m, as SLOT_TABLE
+SLOT_OWNER = slot(CELLS + 1)  # i64: the event whose bristles are there, -1 = the surface
+SLOT_PULL = slot(2 * (CELLS + 1))  # pull of the detents and its slope, N m, as SLOT_TABLE
+SLOT_DETENT_ENERGY = slot(CELLS + 1)  # its integral: their energy, N m cells
+BRISTLE_PARAMETERS = 8
+BRISTLES = slot(BANKS * BRISTLE_PARAMETERS)  # the parameters of each bank's bristles:
 (
     P_STIFFNESS,  # N m/rad
     P_DAMPING,  # N m s/rad
@@ -303,8 +313,7 @@ BRISTLES = SLOT_DETENT_ENERGY + CELLS + 1  # the parameters of each bank's brist
 STRIKE_BY_APPROACH = 0  # release times the highest recent speed: what viscous friction took
 STRIKE_BY_TORQUE = 1  # release, at any speed: what bristles or a stop held
 STRIKE_BY_SPEED = 2  # release times the speed: what the disk brings to the bottom of a detent
-BRISTLE_PARAMETERS = 8
-SLOT_SIZE = (BRISTLES + BANKS * BRISTLE_PARAMETERS + 7) // 8 * 8
+SLOT_SIZE = (slot.end + 7) // 8 * 8
 TOTAL = SURFACES + SLOTS * SLOT_SIZE
 
 # --- a mode that rings, relative to its start -----------------------------------------------------

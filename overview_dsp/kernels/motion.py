@@ -14,6 +14,7 @@ from overview_dsp.kernels.event_crossing import event_above, event_below, pass_e
 from overview_dsp.kernels.friction import friction_at
 from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.nonviscous_step import holding_torque, slide
+from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
@@ -184,5 +185,7 @@ def move(f64, i64, frames, trace, at, traced):
     f64[layout.M_TORQUE] = f64[layout.D_TORQUE + frames - 1]
     f64[layout.M_FRICTION] = f64[layout.D_FRICTION + frames - 1]
     sum_torque(f64, i64, frames)
+    if i64[layout.FADING_SLOT] >= 0 and i64[layout.FADE_LEFT] == 0:
+        store_release(i64, layout.FADING_SLOT, -1)  # from here on it is free to be written
     if traced:
         write_trace(f64, i64, frames, trace, at)

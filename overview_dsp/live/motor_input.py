@@ -61,7 +61,6 @@ class MotorInput(SensorInput):
         self._torque = MeanTorque()
         self._blocked = 0
         self._was_alive = False
-        self._said: set[str] = set()
         self._began_at = time.monotonic()
         self._motor: MotorPort | None = None
 
@@ -119,11 +118,6 @@ class MotorInput(SensorInput):
         if not sent or self._motor is None:
             return
         self._blocked += not self._motor.write(sent)
-
-    def _say_once(self, message: str) -> None:
-        if message not in self._said:
-            self._said.add(message)
-            self._messages.append(message)
 
     def _lose(self) -> None:
         super()._lose()

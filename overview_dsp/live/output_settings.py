@@ -18,12 +18,13 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
-from overview_dsp.actuators import Actuator
 from overview_dsp.actuators.coefficients import write_actuator
 from overview_dsp.actuators.library import reference
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.kernels import layout
+from overview_dsp.public.reprs import changed_fields
 from overview_dsp.units import db_to_gain
 
 MIN_GAIN_DB, MAX_GAIN_DB = -60.0, 24.0
@@ -36,8 +37,29 @@ MAX_CHANNELS = 64
 class SignalSettings:
     """One signal's way out.
 
-    `channel` counts from 1, 0 is nowhere; `gain_db` -60 to 24; `mute`; `delay_ms` 0 to 100;
-    `ceiling_db` -60 to 0 dBFS. InputError for anything else.
+    Parameters
+    ----------
+    channel : int
+        From 1; 0 is nowhere.
+    gain_db : float
+        -60 to 24 dB.
+    mute : bool
+        Whether it is silent.
+    delay_ms : float
+        0 to 100 ms.
+    ceiling_db : float
+        What no sample passes, -60 to 0 dBFS.
+
+    Raises
+    ------
+    InputError
+        A value out of range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.live.SignalSettings(3, gain_db=-6.0)
+    SignalSettings(channel=3, gain_db=-6.0)
     """
 
     channel: int
@@ -54,13 +76,38 @@ class SignalSettings:
 
     @property
     def gain(self) -> float:
-        """Linear, 0 when muted."""
+        """The gain, linear; 0 when muted."""
         return 0.0 if self.mute else db_to_gain(self.gain_db)
+
+    def __repr__(self) -> str:
+        return changed_fields(self)
 
 
 @dataclass(frozen=True)
 class OutputSettings:
-    """Both signals' ways out of a device, and the actuator that the tactor's signal drives."""
+    """Both signals' ways out of a device, and the actuator that the tactor's signal drives.
+
+    Parameters
+    ----------
+    click, tactor : SignalSettings
+        Channels 1 and 2 as they are, if left out.
+    actuator : Actuator or None
+        What hangs on the tactor's channel.
+
+    Raises
+    ------
+    InputError
+        One channel for both.
+
+    Examples
+    --------
+    A pad whose voice coils are channels 3 and 4:
+
+    >>> import overview_dsp as ov
+    >>> settings = ov.live.OutputSettings(ov.live.SignalSettings(1), ov.live.SignalSettings(3))
+    >>> settings.channels
+    3
+    """
 
     click: SignalSettings = field(default_factory=lambda: SignalSettings(1))
     tactor: SignalSettings = field(default_factory=lambda: SignalSettings(2))
@@ -85,7 +132,29 @@ class OutputSettings:
     def changed(
         self, click: Mapping[str, Any] | None = None, tactor: Mapping[str, Any] | None = None
     ) -> OutputSettings:
-        """These settings with some of the click's and of the tactor's changed."""
+        """Make settings with some of the click's and of the tactor's changed.
+
+        Parameters
+        ----------
+        click, tactor : mapping or None
+            Fields of `SignalSettings`.
+
+        Returns
+        -------
+        OutputSettings
+            These but for them.
+
+        Raises
+        ------
+        InputError
+            A value out of range.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.live.OutputSettings().changed(tactor={"gain_db": -6.0}).tactor.gain_db
+        -6.0
+        """
         return replace(
             self,
             click=replace(self.click, **(click or {})),
@@ -93,14 +162,29 @@ class OutputSettings:
         )
 
     def write(self, memory: NDArray[np.float64], sample_rate: float, at_once: bool = False) -> None:
-        """Ask the audio thread for these; it glides there, unless `at_once` (before it runs).
+        """Ask the audio thread for these; it glides there.
 
-        The actuator is taken `at_once` only: it stays for as long as a stream runs.
+        Parameters
+        ----------
+        memory : float64
+            An engine's.
+        sample_rate : float
+            Hz.
+        at_once : bool
+            Without gliding, before the stream runs; the actuator is taken then only.
 
         Raises
         ------
         InputError
-            A sample rate (Hz) that is too low for the actuator.
+            A sample rate that is too low for the actuator.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> ov.live.OutputSettings().write(engine.memory, engine.sample_rate, at_once=True)
         """
         if at_once:
             write_actuator(memory, layout.L_ACTUATOR, self.actuator, sample_rate)

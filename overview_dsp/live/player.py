@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from overview_dsp.actuators import Actuator
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import Protected, read_protected
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning

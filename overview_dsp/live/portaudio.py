@@ -19,11 +19,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.engine.engine import Engine
-from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.errors import InputError, OverviewError, require_internals
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, read_meters
+from overview_dsp.public.reprs import short
+
+SOUNDDEVICE = "sounddevice>=0.4.6,<0.6"
+"""As pyproject.toml has it. `_StreamBase` is there for library authors; the rest of its inside is
+promised to nobody."""
+
+_INTERNALS = (
+    "_StreamBase",
+    "_ffi.cast",
+    "_ffi.dlopen",
+    "_lib",
+    "_initialized",
+    "_initialize",
+    "_terminate",
+)
 
 CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5
@@ -55,18 +70,47 @@ def no_output_hint() -> str:
 
 
 def import_sounddevice() -> Any:
-    """The sounddevice module; OverviewError with how to install PortAudio if it isn't there."""
+    """The sounddevice module.
+
+    Raises
+    ------
+    OverviewError
+        No PortAudio, or a sounddevice that doesn't have what is used here; how to install them.
+    """
     try:
         import sounddevice
     except OSError as error:
         hint = _LIBRARY_HINTS.get(sys.platform, _LIBRARY_HINTS["linux"])
         raise OverviewError(f"no PortAudio library ({error}): {hint}") from None
+    require_internals(sounddevice, _INTERNALS, SOUNDDEVICE)
     return sounddevice
 
 
 @dataclass(frozen=True)
-class Output:
-    """An output device: PortAudio's index, name, host API, channels, rate (Hz), lowest latency."""
+class OutputDevice:
+    """An audio output.
+
+    Attributes
+    ----------
+    index : int
+        PortAudio's.
+    name, host : str
+        Of the device, and of its host API.
+    channels : int
+        How many it has.
+    sample_rate : float
+        Its own, Hz.
+    latency_s : float
+        The lowest, s.
+    default : bool
+        Whether it is the system's choice.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.live.OutputDevice(0, "Headphones", "ALSA", 2, 48_000.0, 0.005, True).name
+    'Headphones'
+    """
 
     index: int
     name: str
@@ -77,13 +121,32 @@ class Output:
     default: bool
 
 
-def outputs() -> list[Output]:
-    """The output devices PortAudio sees; OverviewError if there is no PortAudio."""
+def devices() -> list[OutputDevice]:
+    """List the audio outputs that PortAudio sees; none of them is opened.
+
+    Returns
+    -------
+    list of OutputDevice
+        In PortAudio's order.
+
+    Raises
+    ------
+    OverviewError
+        There is no PortAudio library; how to install it.
+
+    Examples
+    --------
+    This needs PortAudio:
+
+    >>> import overview_dsp as ov
+    >>> [device.name for device in ov.live.devices()]  # doctest: +SKIP
+    ['HDA Intel PCH: ALC257', 'default']
+    """
     sounddevice = import_sounddevice()
     hosts = sounddevice.query_hostapis()
     chosen = sounddevice.default.device[1]
     return [
-        Output(
+        OutputDevice(
             index=device["index"],
             name=device["name"],
             host=hosts[device["hostapi"]]["name"],
@@ -97,29 +160,85 @@ def outputs() -> list[Output]:
     ]
 
 
-def find_output(device: int | str | None) -> Output:
-    """The output of that name or index (None = the default).
+def find_device(device: int | str | None) -> OutputDevice:
+    """Find an audio output.
+
+    Parameters
+    ----------
+    device : int, str or None
+        Its index or a part of its name; None is the default.
+
+    Returns
+    -------
+    OutputDevice
+        That one.
 
     Raises
     ------
     InputError
-        There is none, or no output at all.
+        There is none of that name, or no output at all.
+    OverviewError
+        There is no PortAudio library; how to install it.
+
+    Examples
+    --------
+    This needs an output:
+
+    >>> import overview_dsp as ov
+    >>> ov.live.find_device(None).channels  # doctest: +SKIP
+    2
     """
     sounddevice = import_sounddevice()
     try:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError) as error:
         raise no_stream(sounddevice, device, 0, 0.0, error) from None
-    return next(output for output in outputs() if output.index == found["index"])
+    return next(output for output in devices() if output.index == found["index"])
 
 
 class OutputStream:
-    """A stream that plays an engine.
+    """A stream that plays an engine through PortAudio, at the engine's sample rate.
 
     While it is open its audio thread owns the engine's `process`; the control thread may go on
-    calling `control`, `set`, `set_surface` and reading meters.
+    calling `control`, `set`, `set_surface` and reading meters. As a context it starts and closes.
 
     Thread: main.
+
+    Parameters
+    ----------
+    engine : Engine
+        Prepared.
+    device : int, str or None
+        An output's index or a part of its name; None is the default.
+    block_size : int
+        Frames; 0 lets the device choose, at most the engine's prepared size.
+    settings : OutputSettings or None
+        Channels, gains, delays, ceilings and actuator; left out, the engine's channels and the
+        signals as they are.
+    callback : {"native", "python"}
+        `native` is machine code that never waits for the interpreter; `python` is the fallback.
+    latency : float, "low" or "high"
+        What is asked of PortAudio, s.
+
+    Raises
+    ------
+    InputError
+        No such device, or one that can't do this.
+    OverviewError
+        There is no PortAudio library; how to install it.
+    NotPreparedError
+        The engine isn't prepared.
+
+    Examples
+    --------
+    This needs an output:
+
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> engine = ov.Engine(football, match)
+    >>> engine.prepare(sample_rate=8000, max_block_size=256)
+    >>> with ov.live.OutputStream(engine) as stream:  # doctest: +SKIP
+    ...     engine.control(theta2=1.2, touching=True)
     """
 
     def __init__(
@@ -131,19 +250,6 @@ class OutputStream:
         callback: CallbackKind = "native",
         latency: float | Literal["low", "high"] = "low",
     ) -> None:
-        """Open an output device (None = the default) at the engine's sample rate; `start` plays.
-
-        `block_size` is in frames; 0 lets the device choose, at most the engine's prepared size.
-        `settings` say which channels, gains, delays, ceilings and actuator; left out,
-        the engine's channels and the signals as they are.
-
-        Raises
-        ------
-        InputError
-            No such device, or one that can't do this.
-        NotPreparedError
-            The engine isn't prepared.
-        """
         sounddevice = import_sounddevice()
         engine.sample_time  # noqa: B018 - raises NotPreparedError
         if callback not in ("native", "python"):
@@ -207,16 +313,57 @@ class OutputStream:
             raise self._sounddevice.CallbackStop
 
     def set(self, settings: OutputSettings) -> None:
-        """Change gains, mutes, delays and ceilings while it plays; channels and actuator stay."""
+        """Change gains, mutes, delays and ceilings while it plays; channels and actuator stay.
+
+        Parameters
+        ----------
+        settings : OutputSettings
+            It glides to these.
+
+        Examples
+        --------
+        This needs an output:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
+        >>> stream.set(ov.live.OutputSettings().changed(click={"mute": True}))  # doctest: +SKIP
+        """
         settings.write(self._memory, self._engine.sample_rate)
 
     def start(self) -> None:
-        """Begin to play."""
+        """Begin to play.
+
+        Examples
+        --------
+        This needs an output:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
+        >>> stream.start()  # doctest: +SKIP
+        """
         self._stream.start()
         self._started = True
 
     def close(self) -> None:
-        """Fade out, end playing and give the device back; may be called twice."""
+        """Fade out, end playing and give the device back; may be called twice.
+
+        Examples
+        --------
+        This needs an output:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
+        >>> stream.close()  # doctest: +SKIP
+        """
         if self not in _RUNNING:
             return
         self._w[layout.L_STOP] = 1
@@ -239,7 +386,7 @@ class OutputStream:
 
     @property
     def meters(self) -> StreamMeters:
-        """Counters and callback times so far."""
+        """Counters and callback times (s) so far."""
         return read_meters(self._memory, float(self._stream.latency))
 
     def __enter__(self) -> OutputStream:
@@ -248,6 +395,9 @@ class OutputStream:
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        return f"<OutputStream: {short(self.name)}, {self.callback} callback>"
 
 
 def rescan() -> None:
@@ -300,7 +450,7 @@ def no_stream(
     try:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError):
-        if not outputs():
+        if not devices():
             return InputError(
                 f"no audio output: {no_output_hint()}; or play without sound (--device none)"
             )

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import threading
 import time
-from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError
-from overview_dsp.live.hand_writer import HandWriter
-from overview_dsp.live.player import Input
-from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.serial_port import SerialPort, find_again, identity_of
-from overview_dsp.presets.model import Preset
+from overview_dsp.live.threaded_input import ThreadedInput
 from overview_dsp.sensors.diagnostics import Trouble
 from overview_dsp.sensors.profile import Sensor
 from overview_dsp.sensors.source import Hand
-from overview_dsp.sensors.touching import TouchRules
+from overview_dsp.sensors.touching import Event, TouchRules
 from overview_dsp.units import HALF_TURN
 
 MOST = 16_384
@@ -30,8 +25,6 @@ given up. Once may be a machine that had other things to do."""
 
 SILENT_S = 0.3
 """A sensor of which nothing is understood for so long lets go."""
-
-RETRY_S = 1.0
 
 
 class Port(Protocol):
@@ -48,13 +41,17 @@ class Port(Protocol):
         """Give it back."""
 
 
-class SensorInput(Input):
+class SensorInput(ThreadedInput[Port]):
     """Plays a sensor into a running engine, as source `serial`.
 
-    Thread: control; the port is read in a thread of its own, the only writer of that source.
+    Thread: as `ThreadedInput`.
     """
 
     SOURCE = "serial"
+    KIND = "serial:"
+    GONE = "unplugged"
+
+    _hand: Hand
 
     def __init__(
         self,
@@ -71,109 +68,46 @@ class SensorInput(Input):
         InputError
             The port can't be opened.
         """
-        self._engine = engine
-        self._device = device
         self._sensor = sensor
         self._baud = baud if baud is not None else round(sensor.number("stream.baud"))
         self._open_port = open_port
         self._identity = identity_of(device)
-        self._port: Port | None = open_port(device, self._baud)
-        self._preset: Preset = engine.preset
+        port = open_port(device, self._baud)
+        super().__init__(engine, self.SOURCE, port, device)
         self._hand = Hand(sensor, TouchRules.of(self._preset))
         self._trouble = Trouble()
-        self._writer = HandWriter(engine, self.SOURCE)
-        self._messages: deque[str] = deque()
-        self._heard_at = self._understood_at = time.monotonic()
+        self._understood_at = self._heard_at
         self._kept_up_at, self._behind = self._heard_at, 0
         self._silent = False
         self._missing = ""
-        self._lost = 0
-        self._over = threading.Event()
-        self._failure: Exception | None = None
-        self._thread = threading.Thread(target=self._run, name=f"serial:{device}", daemon=True)
-        self._thread.start()
+        self._begin()
 
     # --- the session's thread -------------------------------------------------------------------
 
-    def poll(self, engine: Engine) -> None:
-        """Take over a changed preset's rules; the thread does the rest.
-
-        Raises
-        ------
-        Exception
-            What ended the thread, if anything did.
-        """
-        if self._failure is not None:
-            raise self._failure
-        if engine.preset is not self._preset:
-            self._preset = engine.preset
-            self._hand.rules = TouchRules.of(self._preset)
-
-    def is_over(self, engine: Engine) -> bool:
-        """Never: an unplugged sensor is waited for."""
-        return False
-
-    def close(self) -> None:
-        """Let go and give the port back."""
-        self._over.set()
-        self._thread.join(2.0)
-
     def take_messages(self) -> tuple[str, ...]:
         """What a person should know, new since the last call."""
-        said = self._hand.take_messages()
-        while self._messages:
-            said += (self._messages.popleft(),)
-        return tuple(f"serial:{self._device}: {one}" for one in said)
+        decoded = tuple(f"{self._name}: {one}" for one in self._hand.take_messages())
+        return decoded + super().take_messages()
 
     @property
     def words(self) -> str:
         """A line for the play screen: what it is, its angle, the counters that aren't zero."""
         report = self._hand.report()
-        counted = ", ".join(
-            f"{value} {name.replace('_', ' ')}"
-            for name, value in vars(self._hand.counters).items()
-            if value and name != "received_bytes"
-        )
+        counters = {**vars(self._hand.counters), "received_bytes": 0}
         angle = report["theta2_rad"]
         place = "" if angle is None else f", {180.0 * angle / HALF_TURN:.0f}°"
         hold = ", holding" if self._hand.holding else ""
-        state = "unplugged" if self._port is None else report["told"] or "listening"
-        return f"serial:{self._device}: {state}{place}{hold}; {counted or 'nothing yet'}"
+        state = self.GONE if self._port is None else report["told"] or "listening"
+        return self._line(f"{state}{place}{hold}", counters)
 
-    def report(self) -> dict[str, Any]:
-        """Everything counted, and how long events wait for their sample, ms."""
-        median, highest = self._writer.waits_s
-        return {
-            "port": self._device,
-            "connected": self._port is not None,
-            "connections_lost": self._lost,
-            **self._hand.report(),
-            "wait_p50_ms": round(1e3 * median, 2),
-            "wait_p99_ms": round(1e3 * highest, 2),
-        }
+    def _counted(self) -> dict[str, Any]:
+        return self._hand.report()
 
     # --- the port's thread ----------------------------------------------------------------------
 
-    def _run(self) -> None:
-        try:
-            self._read()
-        except Exception as error:  # shown by the session, which polls
-            self._failure = error
-        self._let_go()
-        if self._port is not None:
-            self._port.close()
-
-    def _read(self) -> None:
-        while not self._over.is_set():
-            if self._port is None:
-                self._over.wait(RETRY_S)
-                self._find_again()
-                continue
-            try:
-                self._take(self._port.read())
-                self._keep_up(self._port)
-            except PortLostError:
-                self._lose()
+    def _read(self, port: Port) -> None:
+        self._take(port.read())
+        self._keep_up(port)
 
     def _take(self, data: bytes) -> None:
         now = time.monotonic()
@@ -212,31 +146,25 @@ class SensorInput(Input):
             what = "silent" if silent else "nothing new understood"
             self._messages.append(f"{what} for {SILENT_S:g} s; the disk is let go")
 
-    def _let_go(self) -> bool:
-        return self._writer.let_go(self._hand.release())
+    def _release(self) -> Event | None:
+        return self._hand.release()
 
     def _lose(self) -> None:
-        assert self._port is not None
-        self._let_go()
-        self._port.close()
-        self._port = None
-        self._lost += 1
+        super()._lose()
         self._missing = ""
-        self._messages.append("unplugged; the disk is let go, waiting for it to come back")
 
-    def _find_again(self) -> None:
+    def _open_again(self) -> Port | None:
         try:
-            device = find_again(self._device, self._identity)
+            device = find_again(self._where, self._identity)
             port = self._open_port(device, self._baud)
         except InputError as error:
-            why = str(error).removeprefix(f"serial:{self._device}: ")
+            why = str(error).removeprefix(f"{self._name}: ")
             if why != self._missing and "no such port" not in why:
                 self._messages.append(f"{why} (waiting)")
             self._missing = why
-            return
+            return None
         self._hand = Hand(self._sensor, TouchRules.of(self._preset), self._hand.counters)
-        self._writer.restart()
-        self._device, self._port = device, port
-        self._heard_at = self._understood_at = self._kept_up_at = time.monotonic()
+        self._where = device
+        self._understood_at = self._kept_up_at = time.monotonic()
         self._behind = 0
-        self._messages.append("is back")
+        return port

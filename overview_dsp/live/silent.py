@@ -15,9 +15,35 @@ from overview_dsp.live.stream_meters import StreamMeters, read_meters
 
 
 class SilentStream:
-    """Runs an engine at its sample rate and throws the sound away.
+    """Runs an engine at its sample rate and throws the sound away, where there is no device.
 
-    Thread: main; the engine's `process` runs in a thread of its own.
+    As a context it starts and closes. Thread: main; the engine's `process` runs in a thread of its
+    own.
+
+    Parameters
+    ----------
+    engine : Engine
+        Prepared.
+    block_size : int
+        Frames.
+    settings : OutputSettings or None
+        As `OutputStream` takes them.
+
+    Raises
+    ------
+    NotPreparedError
+        The engine isn't prepared.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> engine = ov.Engine(football, match)
+    >>> engine.prepare(sample_rate=8000, max_block_size=256)
+    >>> with ov.live.SilentStream(engine) as stream:
+    ...     engine.control(theta2=1.2, touching=True)
+    >>> stream.active
+    False
     """
 
     callback = "python"
@@ -26,7 +52,6 @@ class SilentStream:
     def __init__(
         self, engine: Engine, block_size: int = 256, settings: OutputSettings | None = None
     ) -> None:
-        """Prepare to play; `start` plays."""
         self._engine = engine
         self.block_size = block_size
         channels = connect(engine, settings)
@@ -35,7 +60,20 @@ class SilentStream:
         compile_python_path(engine)
 
     def start(self) -> None:
-        """Begin to play."""
+        """Begin to play.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.SilentStream(engine)
+        >>> stream.start()
+        >>> stream.active
+        True
+        >>> stream.close()
+        """
         self._thread = threading.Thread(target=self._run, name="silent output", daemon=True)
         self._thread.start()
 
@@ -50,7 +88,20 @@ class SilentStream:
             time.sleep(max(0.0, due - time.perf_counter()))
 
     def close(self) -> None:
-        """Fade out and end; may be called twice."""
+        """Fade out and end; may be called twice.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.SilentStream(engine)
+        >>> stream.start()
+        >>> stream.close()
+        >>> stream.active
+        False
+        """
         self._engine.memory.view(np.int64)[layout.L_STOP] = 1
         if self._thread is not None:
             self._thread.join()
@@ -63,5 +114,15 @@ class SilentStream:
 
     @property
     def meters(self) -> StreamMeters:
-        """Counters and block times so far."""
+        """Counters and block times (s) so far."""
         return read_meters(self._engine.memory, self.block_size / self._engine.sample_rate)
+
+    def __enter__(self) -> SilentStream:
+        self.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<SilentStream: {'playing' if self.active else 'not playing'}>"

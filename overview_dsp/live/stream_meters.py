@@ -8,15 +8,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
+from overview_dsp.public.reprs import counted
 
 
 @dataclass(frozen=True)
 class StreamMeters:
     """What the device side reports since the stream began.
 
-    `callbacks`, `frames` delivered, `underflows` (callbacks told of one), `late` (callbacks that
-    took longer than their own frames last), `median_s`, `p99_s`, `longest_s` (callback time; the
-    first two to a fifth), `latency_s` (as PortAudio tells it).
+    Attributes
+    ----------
+    callbacks, frames : int
+        How often the device called, and what it was given.
+    underflows, late : int
+        Callbacks that were told of one, and that took longer than their own frames last.
+    median_s, p99_s, longest_s : float
+        Callback times, s; the first two to a fifth.
+    latency_s : float
+        As PortAudio gives it, s.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> engine = ov.Engine(football, match)
+    >>> engine.prepare(sample_rate=8000, max_block_size=256)
+    >>> stream = ov.live.SilentStream(engine)
+    >>> stream.meters.late
+    0
     """
 
     callbacks: int
@@ -27,6 +45,13 @@ class StreamMeters:
     p99_s: float
     longest_s: float
     latency_s: float
+
+    def __repr__(self) -> str:
+        return (
+            f"<StreamMeters: {counted(self.callbacks, 'callback')}, {self.late} late, "
+            f"{counted(self.underflows, 'underflow')}, median {1e6 * self.median_s:.0f} us, "
+            f"longest {1e6 * self.longest_s:.0f} us>"
+        )
 
 
 def clear_meters(memory: NDArray[np.float64], channels: int) -> None:

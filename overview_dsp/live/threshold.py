@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.actuators import Actuator
 from overview_dsp.actuators.calibration import HIGHEST_DB, LOWEST_DB
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import ActuatorStage
 from overview_dsp.actuators.tones import EDGE_S, edges
 from overview_dsp.errors import InputError

@@ -1,1 +1,78 @@
-"""What a finger or an ear gets: felt levels by stroke and event, onsets in the clicks."""
+"""What a finger or an ear gets: feel reports, felt levels, onsets; and presets tuned by them.
+
+`ov.measure` is for who designs presets or studies what is felt. Each name is imported when it is
+first used.
+
+Examples
+--------
+>>> import overview_dsp as ov
+>>> match, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+>>> sweeps = {"fast": ov.sweep(1.0)}
+>>> report = ov.measure.feel_report(preset, match, sweeps, sample_rate=8000)
+>>> [stroke.name for stroke in report.strokes]
+['fast', 'fast recoil']
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from overview_dsp.public.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from overview_dsp.measure.apart import events_felt_apart
+    from overview_dsp.measure.felt import Stroke, event_levels, strokes, window_db
+    from overview_dsp.measure.onset_detector import Onsets, onsets
+    from overview_dsp.measure.report import (
+        FeelReport,
+        KindFeel,
+        StrokeReport,
+        character_steps,
+        feel_report,
+        steps_apart,
+    )
+    from overview_dsp.measure.tuning.moves import Tuned
+    from overview_dsp.measure.tuning.ordering import tuned
+    from overview_dsp.measure.tuning.separating import separated
+
+__all__ = [
+    "FeelReport",
+    "KindFeel",
+    "Onsets",
+    "Stroke",
+    "StrokeReport",
+    "Tuned",
+    "character_steps",
+    "event_levels",
+    "events_felt_apart",
+    "feel_report",
+    "onsets",
+    "separated",
+    "steps_apart",
+    "strokes",
+    "tuned",
+    "window_db",
+]
+
+if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+    __getattr__, __dir__ = lazy_names(
+        __name__,
+        {
+            "FeelReport": "report",
+            "KindFeel": "report",
+            "Onsets": "onset_detector",
+            "Stroke": "felt",
+            "StrokeReport": "report",
+            "Tuned": "tuning.moves",
+            "character_steps": "report",
+            "event_levels": "felt",
+            "events_felt_apart": "apart",
+            "feel_report": "report",
+            "onsets": "onset_detector",
+            "separated": "tuning.separating",
+            "steps_apart": "report",
+            "strokes": "felt",
+            "tuned": "tuning.ordering",
+            "window_db": "felt",
+        },
+    )

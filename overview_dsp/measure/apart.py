@@ -38,12 +38,35 @@ def events_felt_apart(
     tactor: NDArray[np.float32],
     sample_rate: float,
 ) -> int:
-    """How many events of the surface are felt one by one in a stroke.
+    """Count the events of a surface that are felt one by one in a stroke.
 
     Parameters
     ----------
-    columns : the trace (`cursor` is used)
-    tactor : float32 (frames,), the tactor channel of the same render
+    stroke : Stroke
+        Which part of the render.
+    surface : Surface
+        What the disk moved on.
+    columns : Trace or mapping
+        Its column `cursor` is used.
+    tactor : float32 (frames,)
+        The tactor's channel of the same render.
+    sample_rate : float
+        Hz.
+
+    Returns
+    -------
+    int
+        Knocks 30 ms apart or more, while the disk is on an event.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> trace, surface = result.trace, result.engine.surface
+    >>> stroke = ov.measure.strokes(trace.touching, trace.cursor)[0]
+    >>> ov.measure.events_felt_apart(stroke, surface, trace, result.samples[:, 1], 8000) > 0
+    True
     """
     cursor = columns["cursor"][stroke.start : stroke.stop]
     starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, HOP_S)

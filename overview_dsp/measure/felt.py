@@ -31,7 +31,21 @@ BACK_AT = 0.01
 
 @dataclass(frozen=True)
 class Stroke:
-    """Frames `start` to `stop` of a trace; `name` is "out" or "recoil"."""
+    """One movement of the disk: frames of a trace.
+
+    Attributes
+    ----------
+    name : str
+        `out` or `recoil`.
+    start, stop : int
+        First frame, and the one behind the last.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.measure.Stroke("out", 0, 8000)
+    Stroke(name='out', start=0, stop=8000)
+    """
 
     name: str
     start: int
@@ -60,7 +74,26 @@ class StrokeFeel:
 
 
 def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
-    """The strokes of a trace, from its touching and cursor columns."""
+    """Find the strokes of a trace: from touching down to letting go, and back.
+
+    Parameters
+    ----------
+    touching, cursor : float64 (frames,)
+        The trace's columns.
+
+    Returns
+    -------
+    list of Stroke
+        In order.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> [stroke.name for stroke in ov.measure.strokes(result.trace.touching, result.trace.cursor)]
+    ['out', 'recoil']
+    """
     held = touching > 0.5
     edges = np.flatnonzero(np.diff(held)) + 1
     bounds = [0, *edges.tolist(), len(held)]
@@ -79,9 +112,33 @@ def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[
 def window_db(
     signal: NDArray[np.float32], sample_rate: float, hop_s: float = WINDOW_S
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Level of each window: where it starts (frames) and dB (-200 for silence), `hop_s` apart.
+    """Measure the level of windows of 10 ms.
 
     Windows begin and end between samples where they must, so that rates can be compared.
+
+    Parameters
+    ----------
+    signal : float32 (frames,)
+        One channel.
+    sample_rate : float
+        Hz.
+    hop_s : float
+        From one window to the next, s.
+
+    Returns
+    -------
+    starts : float64 (windows,)
+        Where each window starts, frames.
+    level : float64 (windows,)
+        RMS, dB of full scale; -200 for silence.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> starts, level = ov.measure.window_db(np.ones(800, dtype=np.float32), 8000)
+    >>> starts[:2], float(level[0])
+    (array([ 0., 80.]), 0.0)
     """
     length, hop = WINDOW_S * sample_rate, hop_s * sample_rate
     starts = np.arange(0.0, max(0.0, len(signal) - length) + 0.5, hop)
@@ -157,9 +214,32 @@ def event_levels(
     tactor: NDArray[np.float32],
     sample_rate: float,
 ) -> NDArray[np.float64]:
-    """Highest level at each event of the surface's table in any stroke, dB; NaN if not passed.
+    """Measure the highest level at each event of a surface in any stroke.
 
-    `columns` (`touching` and `cursor` are used) and `tactor` are those of `stroke_feel`.
+    Parameters
+    ----------
+    surface : Surface
+        What the disk moved on.
+    columns : Trace or mapping
+        Its columns `touching` and `cursor` are used.
+    tactor : float32 (frames,)
+        The tactor's channel of the same render.
+    sample_rate : float
+        Hz.
+
+    Returns
+    -------
+    float64 (events,)
+        RMS over 10 ms, dB of full scale; NaN for events that weren't passed.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> surface, tactor = result.engine.surface, result.samples[:, 1]
+    >>> ov.measure.event_levels(surface, result.trace, tactor, 8000).shape == surface.event.shape
+    True
     """
     found = np.full(len(surface.position), np.nan)
     for stroke in strokes(columns["touching"], columns["cursor"]):

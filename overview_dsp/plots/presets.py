@@ -20,7 +20,7 @@ from overview_dsp.rendering.offline import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from overview_dsp.measure.feel_report import FeelReport
+    from overview_dsp.measure.report import FeelReport
 
 
 def plot_gallery(result: Result, preset: Preset) -> Figure:
@@ -29,7 +29,6 @@ def plot_gallery(result: Result, preset: Preset) -> Figure:
     heard, felt = figure.subplots(2, 1, sharex=True)
     rate = result.sample_rate
     trace = result.trace
-    assert trace is not None
     # out only: the recoil is the same backwards, and slower
     count = int(np.argmax(trace.touching < 0.5)) or len(trace.time)
     time = trace.time[:count]

@@ -37,7 +37,6 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
     grid: Any = figure.subplots(4, len(results), sharex="col", sharey="row", squeeze=False)
     for column, (name, result) in enumerate(results):
         trace = result.trace
-        assert trace is not None
         # the last part of the recoil is all alike
         shown = trace.time <= _end_of_interest(trace.time, trace.cursor)
         time, held = trace.time[shown], trace.touching[shown] > 0.5

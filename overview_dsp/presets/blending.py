@@ -22,12 +22,32 @@ MAX_STEPS = 1000
 
 
 def morph(first: Preset, second: Preset, steps: int) -> list[Preset]:
-    """`steps` presets from one to the other, both among them (2 to 1000).
+    """Make presets from one to the other, both among them.
+
+    Parameters
+    ----------
+    first, second : Preset
+        Where it begins and ends.
+    steps : int
+        How many, 2 to 1000.
+
+    Returns
+    -------
+    list of Preset
+        The first of them feels like `first`, the last one like `second`.
 
     Raises
     ------
     InputError
         Fewer or more steps; more kinds together than a preset may have.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> football, heart = ov.load_preset("football"), ov.load_preset("heart")
+    >>> _, between, _ = ov.presets.morph(football, heart, steps=3)
+    >>> between.title
+    'Football to Heart, 50 %'
     """
     if not 2 <= steps <= MAX_STEPS:
         raise InputError(f"{steps} steps; a morph has 2 to {MAX_STEPS}")
@@ -107,20 +127,33 @@ def _mixed_modes(
 
 
 def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
-    """A preset near another one, by chance.
+    """Make a preset near another one, by chance.
 
     Parameters
     ----------
-    seed
+    preset : Preset
+        Which one.
+    seed : int
         The same seed gives the same preset.
-    amount
+    amount : float
         How far values go: a part of the way to a value drawn from all of their range, 0 to 1.
         Levels, mutes and the carrier stay.
+
+    Returns
+    -------
+    Preset
+        Called `NAME-SEED`.
 
     Raises
     ------
     InputError
         An amount out of range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.presets.randomized(ov.load_preset("football"), seed=7).name
+    'football-7'
     """
     # written so that NaN fails
     if not 0.0 <= amount <= 1.0:

@@ -11,7 +11,24 @@ from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS
 
 @dataclass(frozen=True)
 class Difference:
-    """One value that differs: its id (`disk.inertia`, `kinds.goal.height`), in each preset."""
+    """One value that differs between two presets.
+
+    Attributes
+    ----------
+    id : str
+        `disk.inertia`, `kinds.goal.height`.
+    first, second : float, bool or str
+        In each preset.
+    unit : str
+        Of both.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> football = ov.load_preset("football")
+    >>> ov.presets.differences(football, football.with_changes({"tactor.gain_db": -6.0}))
+    [Difference(id='tactor.gain_db', first=0.0, second=-6.0, unit='dB')]
+    """
 
     id: str
     first: Any
@@ -20,7 +37,25 @@ class Difference:
 
 
 def differences(first: Preset, second: Preset) -> list[Difference]:
-    """Everything that differs, in the order of the parameter table, then kind by kind."""
+    """List everything that differs between two presets.
+
+    Parameters
+    ----------
+    first, second : Preset
+        What is compared.
+
+    Returns
+    -------
+    list of Difference
+        In the order of the parameter table, then kind by kind.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> football, stadium = ov.load_preset("football"), ov.load_preset("football-stadium")
+    >>> "surface.friction" in [found.id for found in ov.presets.differences(football, stadium)]
+    True
+    """
     found = [
         Difference(id, first.values[id], second.values[id], known.unit)
         for id, known in PARAMETERS.items()

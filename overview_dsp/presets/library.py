@@ -27,7 +27,19 @@ def bundled_folder() -> Path:
 
 
 def bundled_presets() -> tuple[str, ...]:
-    """Names of the bundled presets, sorted."""
+    """List the bundled presets.
+
+    Returns
+    -------
+    tuple of str
+        Names, sorted.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> "football" in ov.bundled_presets()
+    True
+    """
     return names_in(bundled_folder())
 
 
@@ -37,7 +49,23 @@ def own_folder() -> Path:
 
 
 def own_names() -> tuple[str, ...]:
-    """Names of a person's own presets, sorted; a bundled name stays the bundled preset's."""
+    """List a person's own presets, which lie in a folder of the user's configuration.
+
+    Returns
+    -------
+    tuple of str
+        Names, sorted; a bundled name stays the bundled preset's.
+
+    Examples
+    --------
+    >>> import os
+    >>> import overview_dsp as ov
+    >>> os.environ["OVERVIEW_PRESETS"] = "."  # the folder, where it is another one
+    >>> path = ov.presets.save(ov.load_preset("football"), "mine.toml")
+    >>> ov.presets.own()
+    ('mine',)
+    >>> del os.environ["OVERVIEW_PRESETS"]
+    """
     return tuple(sorted(set(names_in(own_folder())) - set(bundled_presets())))
 
 
@@ -69,12 +97,31 @@ def preset_path(name: str | Path) -> Path:
 
 
 def load_preset(name: str | Path) -> Preset:
-    """A preset: a bundled or own name (`football`) or the path of a TOML file.
+    """Load a preset.
+
+    Parameters
+    ----------
+    name : str or path
+        A bundled or own name (`football`), or the path of a TOML file.
+
+    Returns
+    -------
+    Preset
+        Complete: what it extends is in it.
 
     Raises
     ------
     InputError
         No such preset, or one that is not valid: names file, line, key and range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.load_preset("football").title
+    'Football'
+    >>> ov.load_preset("futball")
+    Traceback (most recent call last):
+    overview_dsp.errors.InputError: no preset is called 'futball'; did you mean 'football'? ...
     """
     path = preset_path(name)
     return parse_preset(read_text(path), path.stem, str(path), _base)

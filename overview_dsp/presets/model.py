@@ -18,6 +18,7 @@ from overview_dsp.presets.parameters import (
     PARAMETERS,
     parameter,
 )
+from overview_dsp.public.reprs import changed_fields, counted, short
 
 DEFAULT_KIND = "default"
 
@@ -30,7 +31,23 @@ def _default(key: str) -> float:
 
 @dataclass(frozen=True)
 class ClickMode:
-    """A modal resonator of a click: frequency (Hz), time to -60 dB (ms), level (dB)."""
+    """A modal resonator of a click.
+
+    Parameters
+    ----------
+    frequency_hz : float
+        Hz, 20 to 20 000.
+    decay_ms : float
+        Time to fall by 60 dB, ms, 1 to 5000.
+    gain_db : float
+        Level, dB, -60 to 0.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.ClickMode(1180.0, 45.0, gain_db=-2.0)
+    ClickMode(frequency_hz=1180.0, decay_ms=45.0, gain_db=-2.0)
+    """
 
     frequency_hz: float
     decay_ms: float
@@ -39,14 +56,52 @@ class ClickMode:
 
 @dataclass(frozen=True)
 class EventKind:
-    """What an event kind does to the surface, and how it clicks.
+    """What a kind of event does to the surface, and how it clicks.
 
-    `height` is in bare surfaces (x `surface.friction`); exactly one of the widths is given, at half
-    height: `width_percent` of the timeline or `width_ms` of the data's time. `points` (0..1, over
-    two widths) are a course in place of the shape's. `also` are other event kinds that feel like
-    this one.
-    `model` says what friction it is, the five below it what its bristles are like. Where there are
-    no `modes`, `material`, `pitch_hz` and `ring` make them.
+    Exactly one of the two widths is given. Where there are no `modes`, `material`, `pitch_hz` and
+    `ring` make the click.
+
+    Parameters
+    ----------
+    height : float
+        In bare surfaces (x `surface.friction`).
+    width_percent : float or None
+        Width at half height, % of the timeline.
+    width_ms : float or None
+        Width at half height, ms of the data's time.
+    shape : str
+        The friction's course over the event.
+    points : tuple of float
+        A course of 2 to 256 numbers, 0 to 1, over two widths, in place of the shape's.
+    spacing_percent : float
+        Mean distance the kind's events need, %: denser ones are left out until a zoom spreads them.
+    gain_db : float
+        Level of the click, dB.
+    modes : tuple of ClickMode
+        The click's resonators.
+    also : tuple of str
+        Other event kinds that feel like this one.
+    model : {"viscous", "bristle", "detent", "end_stop"}
+        What friction it is.
+    stiffness, damping, static_ratio, stribeck_speed, break_away : float
+        What its bristles or its stop are like; `ov.presets.KIND_PARAMETERS` has units and ranges.
+    material : {"none", "glass", "wood", "metal", "plastic", "card"}
+        What the click sounds like, without `modes`.
+    pitch_hz : float
+        Lowest mode of the material, Hz.
+    ring : float
+        How long the material rings, as a ratio.
+
+    Raises
+    ------
+    InputError
+        A value out of range, both widths or neither.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.EventKind(height=40.0, width_percent=0.5, material="wood")
+    EventKind(height=40.0, width_percent=0.5, material='wood')
     """
 
     height: float
@@ -95,6 +150,9 @@ class EventKind:
         ):
             raise InputError("points are 0 to 1, and not all of them 0")
 
+    def __repr__(self) -> str:
+        return changed_fields(self, modes=f"<{len(self.modes)}>")
+
 
 TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")
 """What a preset feels like, on scales of 1 to 5 (after VibViz, Seifi, Zhang and MacLean 2015)."""
@@ -102,7 +160,26 @@ TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")
 
 @dataclass(frozen=True)
 class Tags:
-    """What a preset feels like, 1 (low) to 5 (high) or None, and what it is for."""
+    """What a preset feels like, 1 (low) to 5 (high) or None, and what it is for.
+
+    Parameters
+    ----------
+    energy, roughness, tempo, pleasantness : float or None
+        1 to 5.
+    usage : tuple of str
+        Words.
+
+    Raises
+    ------
+    InputError
+        A number out of range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.load_preset("football").tags.usage
+    ('football', 'matches')
+    """
 
     energy: float | None = None
     roughness: float | None = None
@@ -120,17 +197,37 @@ class Tags:
 
 @dataclass(frozen=True)
 class Preset:
-    """A named set of parameter values and event kinds; values not given are the table's defaults.
+    """A named set of parameter values and event kinds; it never changes.
 
-    Attributes
+    Parameters
     ----------
     name, title, description : str
-    values : mapping of parameter id to value
-        Complete: every id of the parameter table.
-    kinds : mapping of event kind to EventKind
+        What it is called (its file's name), in a few words, and what it feels like.
+    values : mapping of str to float, bool or str
+        By parameter id; what is left out gets the table's default, so that all are there.
+    kinds : mapping of str to EventKind
         Always has `default`, which serves kinds the preset doesn't name.
     tags : Tags
+        What it feels like and is for.
     authors : tuple of str
+        Names.
+
+    Raises
+    ------
+    InputError
+        No such parameter, a value out of range, too many kinds or no `default`.
+
+    See Also
+    --------
+    load_preset : Reads one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> football = ov.load_preset("football")
+    >>> loud = football.with_changes({"surface.friction": 6e-4})
+    >>> loud.values["surface.friction"], football == loud
+    (0.0006, False)
     """
 
     name: str
@@ -173,30 +270,130 @@ class Preset:
         object.__setattr__(self, "_served", served | {name: name for name in self.kinds})
 
     def kind_for(self, event_kind: str) -> str | None:
-        """The name of the kind that events of this kind take; None if it is `default` for want."""
+        """Look up the kind that serves a kind of event.
+
+        Parameters
+        ----------
+        event_kind : str
+            Of an event.
+
+        Returns
+        -------
+        str or None
+            A name of `kinds`; None where `default` serves it, for want of another.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> football.kind_for("goal"), football.kind_for("heartbeat")
+        ('goal', None)
+        """
         return self._served.get(event_kind)
 
     def number(self, id: str) -> float:
-        """The value of a numeric parameter."""
+        """Look up a numeric parameter.
+
+        Parameters
+        ----------
+        id : str
+            `tactor.frequency_hz`, say.
+
+        Returns
+        -------
+        float
+            In the parameter's unit.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.load_preset("football").number("tactor.frequency_hz")
+        250.0
+        """
         value = self.values[id]
         assert isinstance(value, float)
         return value
 
     def with_values(self, **changes: Value) -> Preset:
-        """This preset with other values; ids are written with `__` for the dot."""
-        return self.with_changes({id.replace("__", "."): value for id, value in changes.items()})
+        """Make a preset with other values, by parameter id with `__` for the dot.
 
-    def with_changes(self, changes: Mapping[str, Value]) -> Preset:
-        """This preset with other values, by parameter id."""
-        return replace(self, values={**self.values, **changes})
+        Parameters
+        ----------
+        **changes : float, bool or str
+            In the parameters' units.
 
-    def with_value(self, id: str, value: object) -> Preset:
-        """This preset with another value of a parameter: `tactor.gain_db`, `kinds.goal.height`.
+        Returns
+        -------
+        Preset
+            This one but for them.
 
         Raises
         ------
         InputError
             No such parameter, or a value that is not allowed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> football.with_values(tactor__gain_db=-6.0).number("tactor.gain_db")
+        -6.0
+        """
+        return self.with_changes({id.replace("__", "."): value for id, value in changes.items()})
+
+    def with_changes(self, changes: Mapping[str, Value]) -> Preset:
+        """Make a preset with other values, by parameter id.
+
+        Parameters
+        ----------
+        changes : mapping of str to float, bool or str
+            In the parameters' units.
+
+        Returns
+        -------
+        Preset
+            This one but for them.
+
+        Raises
+        ------
+        InputError
+            No such parameter, or a value that is not allowed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> football.with_changes({"tactor.gain_db": -6.0}).number("tactor.gain_db")
+        -6.0
+        """
+        return replace(self, values={**self.values, **changes})
+
+    def with_value(self, id: str, value: object) -> Preset:
+        """Make a preset with another value of a parameter or of an event kind.
+
+        Parameters
+        ----------
+        id : str
+            `tactor.gain_db`, `kinds.goal.height`.
+        value : float, bool or str
+            In the parameter's unit.
+
+        Returns
+        -------
+        Preset
+            This one but for it.
+
+        Raises
+        ------
+        InputError
+            No such parameter, or a value that is not allowed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> football.with_value("kinds.goal.height", 90.0).kinds["goal"].height
+        90.0
         """
         if not id.startswith("kinds."):
             return self.with_changes({id: parameter(id).check(value)})
@@ -226,4 +423,11 @@ class Preset:
             dict(self.kinds),
             self.tags,
             self.authors,
+        )
+
+    def __repr__(self) -> str:
+        changed = sum(value != PARAMETERS[id].default for id, value in self.values.items())
+        return (
+            f"<Preset {short(self.name)}: {counted(len(self.kinds), 'kind')}, "
+            f"{counted(changed, 'value')} other than the default>"
         )

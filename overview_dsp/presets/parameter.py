@@ -13,10 +13,35 @@ Value = float | bool | str
 
 @dataclass(frozen=True)
 class Parameter:
-    """One thing a person sets.
+    """One thing a person sets: its unit, range, default and a sentence.
 
-    `choices` is empty for numbers; a flag's choices are False and True. `surface` marks what is
-    part of the friction table: changing it makes a new surface.
+    Parameters
+    ----------
+    id : str
+        `section.key`.
+    default : float, bool, str or None
+        None where it must be given.
+    low, high : float
+        The range of a number, in the unit.
+    unit : str
+        As written after a value; empty without one.
+    doc : str
+        A sentence for a person.
+    choices : tuple
+        What it may be; empty for numbers, False and True for a flag.
+    scale : {"linear", "log"}
+        How a slider moves it.
+    surface : bool
+        Whether it is part of the friction table: changing it makes a new surface.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> known = ov.presets.PARAMETERS["tactor.gain_db"]
+    >>> known.allowed
+    '-60 to 12 dB'
+    >>> known.check(-6)
+    -6.0
     """
 
     id: str
@@ -36,7 +61,7 @@ class Parameter:
 
     @property
     def allowed(self) -> str:
-        """What a value may be, in words."""
+        """What a value may be, in words with the unit."""
         if self.choices:
             return " or ".join(
                 str(choice).lower() if isinstance(choice, bool) else f'"{choice}"'
@@ -46,12 +71,29 @@ class Parameter:
         return f"{self.low:g} to {self.high:g}{unit}"
 
     def check(self, value: object) -> Value:
-        """The value in the parameter's own type.
+        """Check a value; nothing is clamped.
+
+        Parameters
+        ----------
+        value : object
+            What was given.
+
+        Returns
+        -------
+        float, bool or str
+            It, in the parameter's own type.
 
         Raises
         ------
         InputError
-            Wrong type, not a number, or outside the range; nothing is clamped.
+            Wrong type, not a number, or outside the range.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.presets.PARAMETERS["tactor.gain_db"].check(99.0)
+        Traceback (most recent call last):
+        overview_dsp.errors.InputError: tactor.gain_db = 99 is out of range; it is -60 to 12 dB
         """
         if self.choices:
             if not isinstance(value, bool | str) or (
@@ -70,6 +112,9 @@ class Parameter:
         if not self.low <= number <= self.high:
             raise InputError(f"{self.id} = {number:g} is out of range; it is {self.allowed}")
         return number
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.id}: {self.allowed}, default {self.default}>"
 
 
 def number(

@@ -56,7 +56,35 @@ def _kind(kind: EventKind) -> dict[str, Any]:
 
 
 def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
-    """Write a preset file, whole or not at all; InputError if the place can't be written."""
+    """Write a preset file, whole or not at all: what differs from the parameter table's defaults.
+
+    Parameters
+    ----------
+    preset : Preset
+        What is written.
+    path : str or path
+        The TOML file.
+
+    Returns
+    -------
+    path
+        The file.
+
+    Raises
+    ------
+    InputError
+        A place that can't be written.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> loud = ov.load_preset("football").with_changes({"surface.friction": 6e-4})
+    >>> path = ov.presets.save(loud, "loud.toml")
+    >>> ov.presets.load(path).values == loud.values
+    True
+    """
     target = Path(path)
     with whole_file(target) as temporary:
         temporary.write_text(preset_toml(preset), encoding="utf-8", newline="\n")

@@ -163,14 +163,29 @@ def encode(timeline: Timeline) -> bytes:
 
 
 def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
-    """Write a Timeline as a native file, whole or not at all; reading it gives an equal Timeline.
+    """Write a timeline in the native JSON format, whole or not at all.
+
+    Parameters
+    ----------
+    timeline : Timeline
+        What is written.
+    path : str or path
+        The file.
 
     Raises
     ------
     InputError
-        The folder doesn't exist or can't be written, or the curve has too many points.
+        A curve of too many points for a JSON file, a place that can't be written.
     OutputError
-        The disk is full or broken.
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match = ov.load_timeline("world-cup-final-2018")
+    >>> ov.save_timeline(match, "match.json")
+    >>> ov.load_timeline("match.json") == match
+    True
     """
     data = encode(timeline)
     with whole_file(path) as temporary:

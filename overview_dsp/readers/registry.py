@@ -170,22 +170,49 @@ def load_timeline(
 
     Parameters
     ----------
-    path
-        A file, told by its content; or a name of `BUNDLED` (for a file of that name, write
-        `./world-cup-final-2018`).
-    duration_s
-        Length in s, for a format that takes it (event lists).
-    value, time, map, rate, match
-        As `LoadOptions` says, each for the formats that take it.
-    max_mb, max_depth
-        As `LoadOptions` says, for all formats.
-    progress
+    path : str or path
+        A file, told by its content; or `"world-cup-final-2018"` or `"made-up-share"`, which come
+        with the package (for a file of that name, write `./made-up-share`).
+    duration_s : float or None
+        Length, s, for a format that doesn't say it (event lists).
+    value, time : str or None
+        The columns of the values and of the times, for tables; left out, they are found.
+        `time="day:dmy"` says how dates are written.
+    map : str or None
+        What of a table's values becomes friction: `level`, `change`, `activity`,
+        `volatility[:WINDOW]` or a column.
+    rate : float or None
+        Samples a second, Hz, for tables and records without times.
+    match : str or None
+        Which match of a file that holds several: words of its line, or its number from 1.
+    max_mb : float or None
+        How large a file read as a whole may be, and what packed ones unpack to, MB.
+    progress : callable or None
         Called with the part of the file that is read, 0 to 1, by formats that may take long.
+    max_depth : int or None
+        How many levels of JSON may be nested.
+
+    Returns
+    -------
+    Timeline
+        Events, curve and gaps; `notes` says what was decided.
 
     Raises
     ------
     InputError
         One line: what is wrong, where, what is known, what to try.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.load_timeline("world-cup-final-2018").duration_s
+    5880.0
+    >>> rows = ("time,load", "2024-06-03 09:00,1", "2024-06-03 10:00,3", "2024-06-03 11:00,2")
+    >>> with open("load.csv", "w") as file:
+    ...     for row in rows:
+    ...         print(row, file=file)
+    >>> ov.load_timeline("load.csv", value="load").duration_s
+    7200.0
     """
     options = _checked(
         LoadOptions(

@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sized
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import Generic, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +28,11 @@ from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets.model import Preset
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.growable_array import GrowableArray
 from overview_dsp.rendering.offline import join_strikes
 from overview_dsp.rendering.schedule import GesturePlayer, Tail, checked_tail
-from overview_dsp.rendering.trace import Trace
+from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.surface.cache import SurfaceCache
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
@@ -50,43 +52,114 @@ WAITING = 2
 
 @dataclass(frozen=True)
 class RenderJob:
-    """One of many independent renders: the arguments of `render`."""
+    """One of many independent renders: the arguments of `render`.
+
+    Parameters
+    ----------
+    timeline : Timeline
+        What is felt.
+    preset : Preset
+        How it is felt and heard.
+    gesture : Gesture
+        What the hand does.
+    seed : int
+        Of the surface's grain.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> ov.RenderJob(match, football, ov.tap(0.8), seed=3).seed
+    3
+    """
 
     timeline: Timeline
     preset: Preset
     gesture: Gesture
     seed: int = 0
 
+    def __repr__(self) -> str:
+        return (
+            f"<RenderJob: {short(self.preset.name)} on {short(self.timeline.title)}, "
+            f"a gesture of {self.gesture.duration_s:g} s, seed {self.seed}>"
+        )
+
 
 @dataclass(frozen=True, eq=False)
-class RenderedJob:
+class RenderedJob(Generic[Traced]):
     """A rendered job.
 
     Attributes
     ----------
     job : RenderJob
+        What was asked for.
     surface : Surface
         What the disk moved on.
     samples : float32 (frames, 2)
-        Click, tactor.
+        Click, tactor; linear, full scale is 1.
     sample_rate : float
         Hz.
     trace : Trace or None
-        What the disk did, one value a frame.
+        What the disk did, one value a frame; None where it was rendered with `trace=False`.
     strikes : Strikes
         The events passed.
+
+    See Also
+    --------
+    render_many : Makes them.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = [ov.RenderJob(match, football, ov.tap(0.5))]
+    >>> (rendered,) = ov.render_many(jobs, sample_rate=8000, trace=True)
+    >>> rendered.trace.cursor.max() > 0.4
+    np.True_
     """
 
     job: RenderJob
     surface: Surface
     samples: NDArray[np.float32]
     sample_rate: float
-    trace: Trace | None
+    trace: Traced
     strikes: Strikes
 
     def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
-        """Write the samples to a sound file; the suffix says the format (WAV, FLAC, ...)."""
+        """Write the samples to a sound file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
+        subtype : str or None
+            Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
+
+        Raises
+        ------
+        InputError
+            An unknown format, a sample rate that isn't a whole number, a place that can't be
+            written.
+        OutputError
+            A full disk.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.5, 0.1), ov.tap(0.9, 0.1)])
+        >>> for number, rendered in enumerate(ov.render_many(jobs, sample_rate=8000)):
+        ...     rendered.save(f"tap-{number}.wav")
+        """
         save_sound(path, self.samples, self.sample_rate, subtype)
+
+    def __repr__(self) -> str:
+        seconds = len(self.samples) / self.sample_rate
+        return (
+            f"<RenderedJob: {seconds:.3f} s at {self.sample_rate:g} Hz, "
+            f"{counted(len(self.strikes), 'strike')}, {short(self.job.preset.name)} on "
+            f"{short(self.job.timeline.title)}, seed {self.job.seed}>"
+        )
 
 
 def render_jobs(
@@ -95,7 +168,32 @@ def render_jobs(
     gestures: Iterable[Gesture],
     seeds: Iterable[int] = (0,),
 ) -> Iterator[RenderJob]:
-    """Every combination, seeds fastest, then gestures, presets, timelines."""
+    """Make a job of every combination, seeds fastest, then gestures, presets, timelines.
+
+    Parameters
+    ----------
+    timelines : iterable of Timeline
+        What is felt.
+    presets : iterable of Preset
+        How it is felt and heard.
+    gestures : iterable of Gesture
+        What the hand does.
+    seeds : iterable of int
+        Of the surfaces' grain.
+
+    Yields
+    ------
+    RenderJob
+        One of the combinations.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.8), ov.sweep(2.0)], seeds=range(50))
+    >>> len(list(jobs))
+    100
+    """
     for parts in itertools.product(timelines, presets, gestures, seeds):
         yield RenderJob(*parts)
 
@@ -113,7 +211,7 @@ class _Playing:
     strikes: list[Strikes] = field(default_factory=list)
 
 
-Rendered = RenderedJob | Exception
+Rendered = RenderedJob[Trace | None] | Exception
 """A job as rendered, or why it can't be."""
 
 
@@ -215,7 +313,9 @@ class VoiceRenderer:
                 playing[lane] = None
                 yield one.number, self._result(lane, one, trace)
 
-    def _result(self, lane: int, one: _Playing, trace: tuple[str, ...]) -> RenderedJob:
+    def _result(
+        self, lane: int, one: _Playing, trace: tuple[str, ...]
+    ) -> RenderedJob[Trace | None]:
         engine = self._engines[lane]
         assert engine is not None
         if not one.strikes:
@@ -230,6 +330,33 @@ class VoiceRenderer:
         )
 
 
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[False] = ...,
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[None]]: ...
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[True],
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[Trace]]: ...
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: bool,
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[Trace | None]]: ...
 def render_many(
     jobs: Iterable[RenderJob],
     sample_rate: float = 48_000,
@@ -237,27 +364,43 @@ def render_many(
     tail: Tail = "rest",
     trace: bool = False,
     threads: int | None = None,
-) -> Iterator[RenderedJob]:
+) -> Iterator[RenderedJob[Trace | None]]:
     """Render independent jobs, on all cores; results come in the order of the jobs.
 
-    Each has the bits of `render` with the same arguments, whatever the others are. Voices are taken
+    Each has the bits of `render` with the same arguments, whatever the others are. Jobs are taken
     and rendered as results are asked for, a few ahead, so memory stays bounded.
 
     Parameters
     ----------
-    jobs : of `RenderJob`
+    jobs : iterable of RenderJob
         May be endless.
     sample_rate : float
         Hz.
-    tail, trace : as in `render`
+    tail : {"rest", "none"} or float
+        As in `render`.
+    trace : bool
+        Whether to keep what the disk did.
     threads : int or None
-        How many jobs at a time; None is one a core.
+        How many threads render; None is one a core.
+
+    Returns
+    -------
+    iterator of RenderedJob
+        One a job.
 
     Raises
     ------
     InputError
-        A tail or a number of threads that isn't one, at once; as `render`, when a job's result
-        is asked for.
+        A tail or a number of threads that isn't one, at once; as `render`, when a job's result is
+        asked for.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.8, 0.1)], seeds=range(3))
+    >>> [len(rendered.samples) for rendered in ov.render_many(jobs, 8000, tail="none")]
+    [801, 801, 801]
     """
     tail = checked_tail(tail)
     if threads is None:
@@ -291,7 +434,7 @@ def _groups(jobs: Iterable[RenderJob], most: int, longest_s: float) -> Iterator[
 
 def _rendered(
     groups: Iterator[list[RenderJob]], sample_rate: float, tail: Tail, trace: bool, threads: int
-) -> Iterator[RenderedJob]:
+) -> Iterator[RenderedJob[Trace | None]]:
     surfaces = SurfaceCache()
     own = threading.local()
 
@@ -302,7 +445,7 @@ def _rendered(
         done = dict(renderer.render(enumerate(group), tail, TRACE_COLUMNS if trace else ()))
         return [done[number] for number in range(len(group))]
 
-    def results(future: Future[list[Rendered]]) -> Iterator[RenderedJob]:
+    def results(future: Future[list[Rendered]]) -> Iterator[RenderedJob[Trace | None]]:
         for result in future.result():
             if isinstance(result, Exception):
                 raise result

@@ -1,4 +1,4 @@
-"""A render shown in a notebook: a player and a picture, in HTML that fetches nothing.
+"""A render shown in a notebook: a player, a picture and a transcript, in HTML that fetches nothing.
 
 The picture is drawn here as SVG: a notebook that shows ten results shouldn't wait for a plotting
 library ten times.
@@ -23,9 +23,14 @@ Row = tuple[str, NDArray[np.float64], str]
 
 
 def result_page(
-    title: str, samples: NDArray[np.float32], sample_rate: float, rows: Sequence[Row]
+    title: str,
+    samples: NDArray[np.float32],
+    sample_rate: float,
+    rows: Sequence[Row],
+    spoken: Sequence[str] = (),
+    passed: int = 0,
 ) -> str:
-    """HTML with the title, a player (16-bit FLAC inside) and a row a curve.
+    """HTML with the title, a player (16-bit FLAC inside), a row a curve, and the sound in words.
 
     Parameters
     ----------
@@ -36,22 +41,40 @@ def result_page(
         Hz; the player gets it rounded.
     rows
         Curves over the same time.
+    spoken
+        Lines of a transcript, folded away until asked for.
+    passed
+        Events passed, of which the lines are the strongest.
     """
     seconds = len(samples) / sample_rate
+    name = html.escape(f"{title}, {seconds:.2f} s", quote=True)
     player = ""
     if len(samples):
         sound = base64.b64encode(_flac(samples, round(sample_rate))).decode()
-        player = f'<audio controls src="data:audio/flac;base64,{sound}"></audio>'
+        player = (
+            f'<audio controls aria-label="Sound of {name}" '
+            f'src="data:audio/flac;base64,{sound}"></audio>'
+        )
     drawn = "".join(_curve(row, i) for i, row in enumerate(rows) if len(row[1]))
     height = ROW * len(rows) + 16
     return (
         f"<div><b>{html.escape(title)}</b>, {seconds:.2f} s: left is heard, right is felt<br>"
         f'{player}<br><svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" '
         f'font-family="sans-serif" font-size="11" role="img" '
-        f'aria-label="{html.escape(title, quote=True)}">{drawn}'
+        f'aria-label="Curves of {name}">{drawn}'
         f'<text x="{WIDTH - 4}" y="{height - 4}" text-anchor="end">{seconds:.2f} s</text></svg>'
-        "</div>"
+        f"{_transcript(spoken, passed)}</div>"
     )
+
+
+def _transcript(lines: Sequence[str], passed: int) -> str:
+    if not lines:
+        return "<p>Transcript: no event is passed.</p>"
+    count = f"{passed} events passed" + (
+        ", the strongest of each way" if len(lines) < passed else ""
+    )
+    items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
+    return f"<details><summary>Transcript: {count}</summary><ul>{items}</ul></details>"
 
 
 def _flac(samples: NDArray[np.float32], rate: int) -> bytes:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Generic, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,11 @@ from overview_dsp.files.sound import save_sound
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import TACTOR, TRACE_COLUMNS
 from overview_dsp.presets.model import Preset
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail
-from overview_dsp.rendering.trace import Trace
+from overview_dsp.rendering.trace import Trace, Traced
+from overview_dsp.rendering.transcript import transcript
 from overview_dsp.timeline import Timeline
 
 BLOCK = 4096
@@ -37,38 +40,76 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
-    """A rendered gesture.
+class Result(Generic[Traced]):
+    """A rendered gesture. In a notebook it is a player and its curves.
 
     Attributes
     ----------
     samples : float32 (frames, 2)
-        Click, tactor.
+        Click, tactor; linear, full scale is 1.
     sample_rate : float
         Hz.
     trace : Trace or None
-        What the disk did, one value a frame.
+        What the disk did, one value a frame; None where it was rendered with `trace=False`.
     strikes : Strikes
         The events passed.
     engine : Engine
         As it stands after the gesture: surface, meters, parameters.
     protected : Protected or None
         What an actuator's protection did; the tactor's samples are its drive then.
+
+    See Also
+    --------
+    render : Makes it.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> clicks, vibration = result.samples.T
+    >>> len(result.trace.cursor) == len(clicks)
+    True
+    >>> result.engine.preset.name
+    'football'
     """
 
     samples: NDArray[np.float32]
     sample_rate: float
-    trace: Trace | None
+    trace: Traced
     strikes: Strikes
     engine: Engine
     protected: Protected | None = None
 
     def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
-        """Write the samples to a sound file; the suffix says the format (WAV, FLAC, ...)."""
+        """Write the samples to a sound file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
+        subtype : str or None
+            Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
+
+        Raises
+        ------
+        InputError
+            An unknown format, a sample rate that isn't a whole number, a place that can't be
+            written.
+        OutputError
+            A full disk.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+        >>> result.save("sweep.wav", subtype="PCM_16")
+        """
         save_sound(path, self.samples, self.sample_rate, subtype)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: a player and the gesture's curves."""
+        """What a notebook shows: a player, the gesture's curves and a transcript."""
         rows: list[Row] = []
         if self.trace is not None:
             rows = [
@@ -77,8 +118,19 @@ class Result:
                 ("torque, mN·m", 1e3 * self.trace.torque, "#0072B2"),
                 ("vibration", self.trace.envelope, "#D55E00"),
             ]
-        title = f"{self.engine.timeline.title or 'timeline'}, preset {self.engine.preset.name}"
-        return result_page(title, self.samples, self.sample_rate, rows)
+        timeline = self.engine.timeline
+        title = f"{timeline.title or 'timeline'}, preset {self.engine.preset.name}"
+        held = self.trace.touching if self.trace is not None else None
+        spoken = transcript(self.strikes, timeline, held, self.sample_rate)
+        passed = len(self.strikes.of_events())
+        return result_page(title, self.samples, self.sample_rate, rows, spoken, passed)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Result: {len(self.samples) / self.sample_rate:.3f} s at {self.sample_rate:g} Hz, "
+            f"{counted(len(self.strikes), 'strike')}, {short(self.engine.preset.name)} on "
+            f"{short(self.engine.timeline.title)}>"
+        )
 
 
 def blocks(
@@ -112,6 +164,42 @@ def blocks(
             progress(play.part)
 
 
+@overload
+def render(
+    timeline: Timeline,
+    preset: Preset,
+    gesture: Gesture,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[True] = ...,
+    actuator: Actuator | None = ...,
+) -> Result[Trace]: ...
+@overload
+def render(
+    timeline: Timeline,
+    preset: Preset,
+    gesture: Gesture,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[False],
+    actuator: Actuator | None = ...,
+) -> Result[None]: ...
+@overload
+def render(
+    timeline: Timeline,
+    preset: Preset,
+    gesture: Gesture,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: bool,
+    actuator: Actuator | None = ...,
+) -> Result[Trace | None]: ...
 def render(
     timeline: Timeline,
     preset: Preset,
@@ -122,17 +210,50 @@ def render(
     tail: Tail = "rest",
     trace: bool = True,
     actuator: Actuator | None = None,
-) -> Result:
+) -> Result[Trace | None]:
     """Render a gesture to arrays.
 
-    `tail` is "rest" (on until the disk has come to rest, at most 30 s), "none" or seconds.
-    With an `actuator` the tactor's channel is its drive, within what it may be given.
     The same arguments give the same bits on every machine.
+
+    Parameters
+    ----------
+    timeline : Timeline
+        What is felt.
+    preset : Preset
+        How it is felt and heard.
+    gesture : Gesture
+        What the hand does.
+    sample_rate : float
+        Hz, 1 000 to 768 000; the preset's carrier must stay below 0.45 of it.
+    seed : int
+        Of the surface's grain.
+    tail : {"rest", "none"} or float
+        How long to go on after the gesture: until the disk has come to rest (at most 30 s), not at
+        all, or seconds.
+    trace : bool
+        Whether to keep what the disk did, nine numbers a frame.
+    actuator : Actuator or None
+        With one, the tactor's channel is its drive, within what it may be given.
+
+    Returns
+    -------
+    Result
+        Samples, trace, strikes, and the engine as it stands after the gesture.
 
     Raises
     ------
     InputError
-        A sample rate out of range, or parameters that don't fit it.
+        A sample rate or a tail out of range, or parameters that don't fit the rate.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000, tail="none")
+    >>> result.samples.shape
+    (8001, 2)
+    >>> result.trace.torque.max() > 0.0
+    np.True_
     """
     engine = Engine(preset, timeline, seed=seed)
     engine.prepare(sample_rate, BLOCK)
@@ -144,7 +265,7 @@ def render(
     samples = np.concatenate([block.samples for block in rendered])
     table = np.concatenate([b.trace for b in rendered if b.trace is not None])
     strikes = join_strikes([block.strikes for block in rendered])
-    kept = Trace(table) if trace else None
+    kept: Trace | None = Trace(table) if trace else None
     protected = stage.protected if stage is not None else None
     return Result(samples, engine.sample_rate, kept, strikes, engine, protected)
 
@@ -168,9 +289,29 @@ def join_strikes(parts: list[Strikes]) -> Strikes:
 
 @dataclass(frozen=True)
 class Rendered:
-    """What was written: duration (s), peak of click and tactor (linear), strikes, format note.
+    """What `render_to_file` wrote.
 
-    `protected` is what an actuator's protection did, if there was one.
+    Attributes
+    ----------
+    duration_s : float
+        Length, s.
+    peaks : tuple of float
+        Of click and tactor, linear.
+    strikes : int
+        How many events were passed, and slips where bristles held the disk.
+    note : str
+        What the format made of the samples, for a person; may be empty.
+    engine : Engine
+        As it stands after the gesture.
+    protected : Protected or None
+        What an actuator's protection did, if there was one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> ov.render_to_file(match, football, ov.sweep(0.5), "a.wav", 8000, tail="none").duration_s
+    1.000125
     """
 
     duration_s: float
@@ -179,6 +320,12 @@ class Rendered:
     note: str
     engine: Engine
     protected: Protected | None = None
+
+    def __repr__(self) -> str:
+        return (
+            f"<Rendered: {self.duration_s:.3f} s, {counted(self.strikes, 'strike')}, "
+            f"peaks {self.peaks[0]:.3g} and {self.peaks[1]:.3g}>"
+        )
 
 
 def render_to_file(
@@ -199,10 +346,50 @@ def render_to_file(
 
     Both files are whole or absent.
 
+    Parameters
+    ----------
+    timeline : Timeline
+        What is felt.
+    preset : Preset
+        How it is felt and heard.
+    gesture : Gesture
+        What the hand does.
+    path : str or path
+        The sound file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
+    sample_rate : float
+        Hz, a whole number.
+    seed : int
+        Of the surface's grain.
+    tail : {"rest", "none"} or float
+        As in `render`.
+    subtype : str or None
+        Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
+    trace_path : str or path or None
+        Where the trace goes, if anywhere.
+    progress : callable or None
+        Called with the part done, 0 to 1.
+    actuator : Actuator or None
+        As in `render`.
+
+    Returns
+    -------
+    Rendered
+        What was written, in a few numbers.
+
     Raises
     ------
-    InputError, OutputError
-        As `render`; an unknown format, an unwritable place, a full disk.
+    InputError
+        As `render`; an unknown format, a place that can't be written.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> written = ov.render_to_file(match, football, ov.tap(0.8), "tap.flac", sample_rate=8000)
+    >>> written.strikes > 0
+    True
     """
     from overview_dsp.files.sound import SoundWriter
     from overview_dsp.rendering.trace_file import TraceWriter

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +12,43 @@ from overview_dsp.kernels.layout import TRACE_COLUMNS
 
 
 class Trace(Mapping[str, NDArray[np.float64]]):
-    """The trace's columns, float64, one value a frame: `trace.torque` or `trace["torque"]`.
+    """What the disk did: columns of one value a frame, `trace.torque` or `trace["torque"]`.
 
-    time (s, frame end), theta2 (rad, the smoothed value used), touching (0 or 1), theta1 (rad) and
-    omega1 (rad/s) at the frame's end, cursor, friction (N m s/rad, the B used), torque (N m,
-    friction times the step's mean omega1, and what bristles and detents add), envelope (the
-    tactor's amplitude).
+    Parameters
+    ----------
+    table : float64 (frames, columns)
+        The columns beside each other.
+    names : tuple of str
+        What they are, of the attributes below; all of them if left out.
+
+    Attributes
+    ----------
+    time : float64 (frames,)
+        The frame's end, s.
+    theta2 : float64 (frames,)
+        The input angle, smoothed, as it was used, rad.
+    touching : float64 (frames,)
+        1 while the hand holds on, else 0.
+    theta1, omega1 : float64 (frames,)
+        Angle (rad) and angular velocity (rad/s) of the disk at the frame's end.
+    cursor : float64 (frames,)
+        Where on the timeline the disk is, 0 to 1.
+    friction : float64 (frames,)
+        The B that was used, N m s/rad.
+    torque : float64 (frames,)
+        Friction times the step's mean omega1, and what bristles and detents add, N m.
+    envelope : float64 (frames,)
+        Amplitude of the tactor's carrier, linear.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> result.trace.cursor.max().round(2)
+    np.float64(1.0)
+    >>> list(result.trace)[:3]
+    ['time', 'theta2', 'touching']
     """
 
     time: NDArray[np.float64]
@@ -30,17 +62,18 @@ class Trace(Mapping[str, NDArray[np.float64]]):
     envelope: NDArray[np.float64]
 
     def __init__(self, table: NDArray[np.float64], names: tuple[str, ...] = TRACE_COLUMNS) -> None:
-        """`table` is float64 (frames, columns), the columns those of `names`."""
         self._table = table
         self._names = names
 
-    def __getattr__(self, name: str) -> NDArray[np.float64]:
-        # a column is made when it is first asked for
-        if name not in self._names:
-            raise AttributeError(name)
-        column = np.ascontiguousarray(self._table[:, self._names.index(name)])
-        setattr(self, name, column)
-        return column
+    if not TYPE_CHECKING:  # a type checker knows the columns above, and no others
+
+        def __getattr__(self, name: str) -> NDArray[np.float64]:
+            # a column is made when it is first asked for
+            if name.startswith("_") or name not in self._names:
+                raise AttributeError(f"the trace has no column {name!r}")
+            column = np.ascontiguousarray(self._table[:, self._names.index(name)])
+            setattr(self, name, column)
+            return column
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """A column by its name."""
@@ -54,3 +87,15 @@ class Trace(Mapping[str, NDArray[np.float64]]):
 
     def __len__(self) -> int:
         return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"<Trace: {len(self._table)} frames of {', '.join(self._names)}>"
+
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar as DefaultTypeVar
+
+    Traced = DefaultTypeVar("Traced", bound=Trace | None, covariant=True, default=Trace)
+else:
+    Traced = TypeVar("Traced")
+"""What a render keeps of its trace: `Trace`, or `None` without one."""

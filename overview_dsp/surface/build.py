@@ -137,16 +137,39 @@ def _width_cells(kind: EventKind, name: str, duration_s: float) -> float:
 
 
 def build_surface(timeline: Timeline, preset: Preset) -> Surface:
-    """The surface of a timeline under a preset.
+    """Build the surface of a timeline under a preset.
 
-    Warns (OverviewWarning) of event kinds the preset doesn't name, which take its `default`, of
-    gaps too narrow to be felt, and of more events than a surface tells apart (16384): then the
-    strongest in each cell, or in each two, four, ... cells, strikes for all there.
+    Parameters
+    ----------
+    timeline : Timeline
+        What is felt.
+    preset : Preset
+        How it is felt.
+
+    Returns
+    -------
+    Surface
+        For `Engine`; friction > 0 everywhere.
 
     Raises
     ------
     InputError
         The bare surface's pattern has more crests than a surface holds strikes.
+
+    Warns
+    -----
+    OverviewWarning
+        Event kinds the preset doesn't name, which take its `default`; gaps too narrow to be felt;
+        more events than a surface tells apart (16384): then the strongest in each cell, or in
+        each two, four, ... cells, strikes for all there.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> surface = ov.build_surface(match, football)
+    >>> len(surface.event) == len(match.events)
+    True
     """
     by_kind, left_out = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))

@@ -53,7 +53,7 @@ def ribs(
     widened = np.maximum(width, MIN_GAP_CELLS)
     start = np.clip(start - (widened - width) / 2.0, 0.0, cells - widened)
     # the last gap that has begun at a point is the only one that can hold it
-    begun = np.bincount(np.ceil(start).astype(np.int64), minlength=cells + 1)[: cells + 1]
+    begun = np.bincount(np.ceil(start).astype(np.int64), minlength=cells + 1)
     gap = np.cumsum(begun) - 1
     point = np.arange(cells + 1, dtype=np.float64)
     inside = (gap >= 0) & (point <= (start + widened)[gap])

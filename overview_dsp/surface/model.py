@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.presets.model import ClickMode
+from overview_dsp.public.reprs import counted
 from overview_dsp.surface.bristles import BristleField
 from overview_dsp.surface.detents import DetentField
 from overview_dsp.surface.texture_strikes import NONE as NO_TEXTURE_STRIKES
@@ -23,7 +24,7 @@ class Surface:
 
     Attributes
     ----------
-    friction : float64 (CELLS + 1,)
+    friction : float64 (cells + 1,)
         B at equal steps of the surface angle phi from 0 to pi, N m s/rad; > 0.
     position : float64 (events,)
         Cursor (0..1) at which each event strikes, ascending.
@@ -36,20 +37,36 @@ class Surface:
     span : float64 (events, 2)
         Cursor from and to: where the event's profile exceeds a tenth of its height; without end
         (-inf, inf) where that reaches an end of the timeline.
-    kind_names, kind_modes : tuples
-        Event kinds with their clicks; a mode's gain includes its kind's.
-    left_out : mapping of kind to count
-        Events that lie too densely to be felt one by one.
+    kind_names : tuple of str
+        Event kinds.
+    kind_modes : tuple of tuple of ClickMode
+        Their clicks; a mode's gain includes its kind's.
+    left_out : mapping of str to int
+        Kinds whose events lie too densely to be felt one by one, and how many there are.
     own_modes : tuple of ClickMode
         What the bare surface sounds like.
     texture_strikes : TextureStrikes
         Where it is struck, besides events.
-    kind_models, own_model : tuple of str, str
-        What friction the kinds are, and the bare surface.
+    kind_models : tuple of str
+        What friction the kinds are.
+    own_model : str
+        What friction the bare surface is.
     bristles : BristleField or None
         Where bristles grip, if anywhere.
     detents : DetentField or None
         Where detents and stops pull, if anywhere.
+
+    See Also
+    --------
+    build_surface : Makes one of a timeline and a preset.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> surface = ov.build_surface(match, football)
+    >>> surface.kind_names[surface.kind[0]]
+    'period'
     """
 
     friction: NDArray[np.float64]
@@ -82,16 +99,62 @@ class Surface:
         return total
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
-        """B at surface angles (rad, clamped to [0, pi]), linear between the table's points."""
-        x = np.clip(np.asarray(phi, dtype=np.float64) / math.pi, 0.0, 1.0) * CELLS
+        """Look up B, linear between the table's points.
+
+        Parameters
+        ----------
+        phi : float64 or float
+            Surface angles, rad, clamped to [0, pi].
+
+        Returns
+        -------
+        float64
+            Of that shape, N m s/rad.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> surface = ov.build_surface(match, football)
+        >>> surface.friction_at(0.0) == surface.friction[0]
+        np.True_
+        """
+        x = np.asarray(phi, dtype=np.float64) / math.pi * CELLS
         return np.interp(x, np.arange(CELLS + 1, dtype=np.float64), self.friction)
 
     def in_span(
         self, cursor: NDArray[np.float64], events: NDArray[np.bool_] | None = None
     ) -> NDArray[np.bool_]:
-        """Whether each cursor lies in the span of any event (or of any of the marked ones)."""
+        """Find out whether each cursor lies in the span of an event.
+
+        Parameters
+        ----------
+        cursor : float64 (n,)
+            Places, 0 to 1.
+        events : bool (events,) or None
+            Which events of the surface count; None is all.
+
+        Returns
+        -------
+        bool (n,)
+            True in a span.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> surface = ov.build_surface(match, football)
+        >>> surface.in_span(surface.position[:2])
+        array([ True,  True])
+        """
         spans = self.span if events is None else self.span[events]
         inside = np.zeros(np.shape(cursor), dtype=bool)
         for first, last in spans:
             inside |= (cursor >= first) & (cursor <= last)
         return inside
+
+    def __repr__(self) -> str:
+        return (
+            f"<Surface: friction {self.friction.min():.3g} to {self.friction.max():.3g} N·m·s/rad, "
+            f"{counted(len(self.event), 'event')} of {counted(len(self.kind_names), 'kind')}>"
+        )

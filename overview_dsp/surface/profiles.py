@@ -47,7 +47,7 @@ def _raised_cosine(d: Array) -> Array:
 
 
 def _ramp_up(d: Array) -> Array:
-    return np.clip(np.minimum(1.0 + d / _RISE, 1.0 - d / _FALL), 0.0, 1.0)
+    return np.maximum(np.minimum(1.0 + d / _RISE, 1.0 - d / _FALL), 0.0)
 
 
 def _ramp_down(d: Array) -> Array:

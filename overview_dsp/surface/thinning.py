@@ -28,11 +28,11 @@ def thin_events(
     stands_for : int64 (events,)
         For each event the number, in `kept`, of the one that strikes for it.
     """
-    order = np.lexsort((-release, position))
+    order = np.argsort(position, kind="stable")
     cell = np.floor(position[order]).astype(np.int64)
     while len(np.unique(cell)) > most:
         cell >>= 1
-    group = np.unique(cell, return_inverse=True)[1].reshape(-1)
+    group = np.unique(cell, return_inverse=True)[1]
     strongest = np.lexsort((np.arange(len(order)), -release[order], group))
     first = np.flatnonzero(np.diff(group[strongest], prepend=-1))
     stands_for = np.empty(len(order), dtype=np.int64)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.reprs import counted
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.gaps import Gaps
@@ -24,21 +25,24 @@ from overview_dsp.timeline.samples import Points, Times
 class CurveBuilder:
     """Takes values chunk by chunk, in bounded memory, and gives an `Intensity`.
 
-    ::
-
-        builder = CurveBuilder(np.float32)
-        for chunk in chunks:
-            builder.append(chunk)                  # or append(chunk, times)
-        intensity = builder.finish(step_s=0.001)   # or finish()
-        gaps = builder.gaps(duration_s)
-
     What is long goes to temporary files that vanish with the last use of the curve. NaN is missing
     data: it becomes gaps, from the last known value to the next one.
 
     Parameters
     ----------
-    dtype
-        How values are kept, float32 or float64; times are float64.
+    dtype : type
+        How values are kept, `np.float32` or `np.float64`; times are float64.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> builder = ov.CurveBuilder(np.float32)
+    >>> for chunk in np.arange(3_000.0).reshape(3, 1_000):
+    ...     builder.append(chunk)
+    >>> curve = builder.finish(step_s=0.001, unit="g")
+    >>> curve.count, curve.last_s
+    (3000, 2.999)
     """
 
     def __init__(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> None:
@@ -59,7 +63,14 @@ class CurveBuilder:
         return self._values.count + self._leading
 
     def append(self, values: ArrayLike, time_s: ArrayLike | None = None) -> None:
-        """Take the next values, shape (n,), and their times (s), all chunks or none.
+        """Take the next values: all of a chunk, or none.
+
+        Parameters
+        ----------
+        values : array_like (n,)
+            In any unit; NaN is missing.
+        time_s : array_like (n,) or None
+            Their times, s; for every chunk or for none.
 
         Raises
         ------
@@ -67,6 +78,14 @@ class CurveBuilder:
             Infinite or too large values, times that don't increase; the line names the point.
         OutputError
             The temporary folder is full.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> builder = ov.CurveBuilder()
+        >>> builder.append([1.0, 2.0], time_s=[0.0, 0.7])
+        >>> builder.count
+        2
         """
         chunk = np.asarray(values, dtype=np.float64)
         self._take_times(len(chunk), time_s)
@@ -147,17 +166,38 @@ class CurveBuilder:
         unit: str = "",
         percentiles: tuple[float, float] = EXTREMES,
     ) -> Intensity:
-        """Return the curve; nothing more can be appended.
+        """Finish the curve; nothing more can be appended.
 
         Parameters
         ----------
-        step_s, first_s
-            Seconds from value to value and of the first one, where no times were given.
+        step_s : float or None
+            Seconds from value to value, where no times were given.
+        first_s : float
+            Of the first value, s, where no times were given.
+        unit : str
+            What the values are, for a person.
+        percentiles : (float, float)
+            As `Intensity` takes them.
+
+        Returns
+        -------
+        Intensity
+            The curve.
 
         Raises
         ------
         InputError
             No value at all; no times and no step, or both.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> builder = ov.CurveBuilder(np.float32)
+        >>> for chunk in np.arange(3_000.0).reshape(3, 1_000):
+        ...     builder.append(chunk)
+        >>> builder.finish(step_s=0.5).last_s
+        1499.5
         """
         if self._known is None:
             raise InputError("the series has no value; give at least one")
@@ -175,7 +215,28 @@ class CurveBuilder:
         return self._built
 
     def gaps(self, duration_s: float) -> Gaps:
-        """Return where values were missing in a timeline of that length, once finished."""
+        """Find where values were missing, once finished.
+
+        Parameters
+        ----------
+        duration_s : float
+            Length of the timeline, s.
+
+        Returns
+        -------
+        tuple of (float, float)
+            Spans (start_s, end_s) without data, for `Timeline`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> builder = ov.CurveBuilder()
+        >>> builder.append([1.0, 2.0, np.nan, 4.0])
+        >>> curve = builder.finish(step_s=1.0)
+        >>> builder.gaps(duration_s=3.0)
+        ((1.0, 3.0),)
+        """
         assert self._built is not None
         points = self._built.points
         count = len(points.value)
@@ -185,3 +246,6 @@ class CurveBuilder:
         times[edges < 0] = 0.0
         times[edges >= count] = duration_s
         return tuple((start, end) for start, end in times.tolist() if start < end)
+
+    def __repr__(self) -> str:
+        return f"<CurveBuilder: {counted(self.count, 'value')}, {np.dtype(self._dtype).name}>"

@@ -14,13 +14,31 @@ from overview_dsp.timeline import checks
 
 @dataclass(frozen=True)
 class EvenTimes:
-    """The times first_s + i * step_s, i = 0 ... count - 1: read like a float64 array.
+    """The times first_s + i * step_s, i = 0 ... count - 1, read like a float64 array.
+
+    Parameters
+    ----------
+    count : int
+        How many, at least 1.
+    step_s : float
+        Seconds from one to the next, > 0.
+    first_s : float
+        The first one, s, >= 0.
 
     Raises
     ------
     InputError
         A count below 1, a step that isn't above 0, a start below 0, or times too far from 0 to
         tell apart.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> times = ov.EvenTimes(count=7200, step_s=0.5)
+    >>> curve = ov.Intensity(times, np.zeros(7200, dtype=np.float32))
+    >>> curve.last_s
+    3599.5
     """
 
     count: int
@@ -59,17 +77,69 @@ class EvenTimes:
         return every if dtype is None else every.astype(dtype)
 
     def tolist(self) -> list[float]:
-        """All of them."""
+        """List all of them.
+
+        Returns
+        -------
+        list of float
+            Seconds.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times.tolist()
+        [0.0, 0.5, 1.0]
+        """
         every: list[float] = self[:].tolist()
         return every
 
     def at(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the times of some indices."""
+        """Look up the times of some indices.
+
+        Parameters
+        ----------
+        index : int64 (n,)
+            From 0.
+
+        Returns
+        -------
+        float64 (n,)
+            Seconds.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times.at(np.array([2]))
+        array([1.])
+        """
         times: NDArray[np.float64] = self.first_s + index.astype(np.float64) * self.step_s
         return times
 
     def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the first index whose time is at or after each of `times` (up to count)."""
+        """Find the first index whose time is at or after each of some times.
+
+        Parameters
+        ----------
+        times : float64 (n,)
+            Seconds.
+
+        Returns
+        -------
+        int64 (n,)
+            Up to `count`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times.first_from(np.array([0.5, 0.6]))
+        array([1, 2])
+        """
         guess = np.ceil(np.clip((times - self.first_s) / self.step_s, 0.0, float(self.count)))
         index = guess.astype(np.int64)
         # rounding may have put it one off
@@ -78,7 +148,26 @@ class EvenTimes:
         return index
 
     def first_after(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the first index whose time is after each of `times` (up to count)."""
+        """Find the first index whose time is after each of some times.
+
+        Parameters
+        ----------
+        times : float64 (n,)
+            Seconds.
+
+        Returns
+        -------
+        int64 (n,)
+            Up to `count`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times.first_after(np.array([0.5, 0.6]))
+        array([2, 2])
+        """
         index = self.first_from(times)
         index += (index < self.count) & (self.at(index) <= times)
         return index

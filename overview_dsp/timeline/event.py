@@ -18,19 +18,25 @@ class Event:
 
     Parameters
     ----------
-    time_s
+    time_s : float
         Seconds from the timeline's start, finite, >= 0.
-    kind
+    kind : str
         What it is, for a preset to look up: 1 to 64 characters of a-z, 0-9 and _ (`near_miss`).
-    label
+    label : str
         Words for a person.
-    weight
+    weight : float
         How strong, relative to others of its kind; finite, > 0, 1 = ordinary.
 
     Raises
     ------
     InputError
         A value outside these ranges; the line begins with the field's name.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.Event(786.2, "goal", "1-0 Parris (pen)").weight
+    1.0
     """
 
     time_s: float
@@ -51,7 +57,24 @@ class Event:
         object.__setattr__(self, "weight", weight)
 
     def moved(self, time_s: float) -> Event:
-        """Return this event at another time, which is not checked."""
+        """Move this event to another time, which is not checked.
+
+        Parameters
+        ----------
+        time_s : float
+            Seconds from the start of the timeline.
+
+        Returns
+        -------
+        Event
+            The same but for its time.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.Event(10.0, "goal").moved(4.0)
+        Event(time_s=4.0, kind='goal', label='', weight=1.0)
+        """
         event = object.__new__(Event)
         event.__dict__.update(self.__dict__, time_s=time_s)
         return event

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.reprs import counted
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.gaps import Gaps, in_gap
@@ -33,26 +34,34 @@ SAMPLED = 1 << 14
 class Intensity:
     """A curve over time, straight between its points; a single point is a constant.
 
-    Parameters
-    ----------
-    time_s
-        Seconds, shape (n,), n >= 1, finite, >= 0, strictly increasing; or `EvenTimes`.
-    value
-        Shape (n,), finite, magnitude up to 1e300, in any unit.
-    unit
-        What the values are, for a person.
-    percentiles
-        Which percentiles of the values become 0 and 1 when the curve is scaled, 0 <= low < high
-        <= 100; values beyond them are clipped there, and only there.
-
     Arrays are copied to float64 and made read-only. With `EvenTimes` the values are kept as they
     are given (float32 or float64, a memory map too): don't change them afterwards. A series too
     long for memory is built in chunks by `CurveBuilder`.
+
+    Parameters
+    ----------
+    time_s : array_like (n,) or EvenTimes
+        Seconds, n >= 1, finite, >= 0, strictly increasing.
+    value : array_like (n,)
+        Finite, magnitude up to 1e300, in any unit.
+    unit : str
+        What the values are, for a person.
+    percentiles : (float, float)
+        Which percentiles of the values become 0 and 1 when the curve is scaled, 0 <= low < high
+        <= 100; values beyond them are clipped there, and only there.
 
     Raises
     ------
     InputError
         Anything else; the line names the first bad place (`intensity.time_s[5]`).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+    >>> curve.at(np.array([5.0]))
+    array([2.5])
     """
 
     time_s: Times
@@ -90,7 +99,30 @@ class Intensity:
     def checked(
         cls, points: Points, unit: str = "", percentiles: tuple[float, float] = EXTREMES
     ) -> Intensity:
-        """Return the curve of points that were checked already, which are not copied."""
+        """Make a curve of points that were checked already, which are not copied.
+
+        Parameters
+        ----------
+        points : Points
+            Of another curve, or of a `CurveBuilder`.
+        unit : str
+            What the values are, for a person.
+        percentiles : (float, float)
+            As in the constructor.
+
+        Returns
+        -------
+        Intensity
+            The curve.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> ov.Intensity.checked(curve.points, unit="km/h").unit
+        'km/h'
+        """
         curve = object.__new__(cls)
         curve.__dict__.update(
             time_s=points.time_s,
@@ -122,17 +154,17 @@ class Intensity:
 
     @property
     def first_s(self) -> float:
-        """The first point's time."""
+        """The first point's time, s."""
         return float(self.time_s[0])
 
     @property
     def last_s(self) -> float:
-        """The last point's time."""
+        """The last point's time, s."""
         return float(self.time_s[-1])
 
     @property
     def is_constant(self) -> bool:
-        """True for a curve of one point, which has that value at all times."""
+        """Whether it is a curve of one point, which has that value at all times."""
         return self.count == 1
 
     @cached_property
@@ -141,19 +173,54 @@ class Intensity:
         return Points(self.time_s, self.value)
 
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the values at `times`, shape (n,): straight between points, exact at them.
+        """Look up the curve: straight between points, exact at them.
 
-        0 before the first point, after the last and for NaN; a constant everywhere.
+        Parameters
+        ----------
+        times : float64 (n,)
+            Seconds.
+
+        Returns
+        -------
+        float64 (n,)
+            In the curve's unit; 0 before the first point, after the last and for NaN. A constant
+            has its value everywhere.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> curve.at(np.array([0.0, 5.0, 11.0]))
+        array([0. , 2.5, 0. ])
         """
         if self.is_constant:
             return np.full(times.shape, float(self.value[0]))
         return self._filled(times, None)
 
     def along(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the curve at evenly spaced, ascending times, shape (n,), each for its part.
+        """Look up the curve at evenly spaced times, each of which stands for those nearest to it.
 
-        Where the curve has up to `LONG` points it's `at`; where it has more, what is felt of the
-        points nearest to each time (`detail`).
+        Where the curve has up to 65 536 points this is `at`; where it has more, what is felt of the
+        points nearest to each time: their mean, and a peak at its full height.
+
+        Parameters
+        ----------
+        times : float64 (n,)
+            Seconds, ascending.
+
+        Returns
+        -------
+        float64 (n,)
+            In the curve's unit.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> curve.along(np.array([0.0, 5.0, 10.0]))
+        array([0. , 2.5, 5. ])
         """
         if self.is_constant:
             return self.at(times)
@@ -171,10 +238,26 @@ class Intensity:
         return np.where((times >= self.first_s) & (times <= self.last_s), felt, 0.0)
 
     def cut(self, start: float, end: float) -> Intensity | None:
-        """Return the part between two times on an axis that begins at `start`; None if it's empty.
+        """Cut out a part; its ends are interpolated, so it has the same value at the same moment.
 
-        The ends are interpolated, so that the part has the same value at the same moment. A part
-        of many points is a view.
+        Parameters
+        ----------
+        start, end : float
+            Seconds.
+
+        Returns
+        -------
+        Intensity or None
+            On an axis that begins at `start`, a view where the points are many; None if it is
+            empty.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> curve.cut(2.0, 6.0).value
+        array([1., 3.])
         """
         if self.is_constant:
             return replace(self, time_s=np.zeros(1), value=np.asarray(self.value, np.float64))
@@ -194,9 +277,27 @@ class Intensity:
         return Intensity(shifted[apart], self.at(times)[apart], self.unit, self.percentiles)
 
     def scale(self, known: NDArray[np.bool_]) -> tuple[float, float]:
-        """Return the values that become 0 and 1: the percentiles of the points marked as known.
+        """Find the values that become 0 and 1: the percentiles of the known points.
 
         Where those are equal (more than half of a rainfall is 0), the smallest and the largest.
+
+        Parameters
+        ----------
+        known : bool (n,)
+            Which points count.
+
+        Returns
+        -------
+        (float, float)
+            In the curve's unit.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> curve.scale(np.array([True, True]))
+        (0.0, 5.0)
         """
         value = self.value[known] if known.any() else self.value
         if self.percentiles == EXTREMES:
@@ -205,9 +306,25 @@ class Intensity:
         return (low, high) if low < high else (float(value.min()), float(value.max()))
 
     def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
-        """Return the values that become 0 and 1, for a long curve: without looking at all points.
+        """Find the values that become 0 and 1 of a long curve, without looking at all points.
 
-        Points inside gaps don't count, unless all are.
+        Parameters
+        ----------
+        gaps : tuple of (float, float)
+            Spans (start_s, end_s) whose points don't count, unless all points lie in them.
+
+        Returns
+        -------
+        (float, float)
+            In the curve's unit.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> curve.scale_outside(((8.0, 10.5),))
+        (0.0, 0.0)
         """
         first, stop = self._known(gaps)
         extremes = self.points.extremes(first, stop)
@@ -263,6 +380,11 @@ class Intensity:
 
     def _clipped(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         return times
+
+    def __repr__(self) -> str:
+        unit = f", in {self.unit}" if self.unit else ""
+        span = f"{self.first_s:g} to {self.last_s:g} s"
+        return f"<Intensity: {counted(self.count, 'point')}, {span}{unit}>"
 
 
 class Part(Intensity):

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.reprs import counted, short
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.fine_events import shown_details
@@ -25,37 +26,50 @@ __all__ = ["Event", "Intensity", "Timeline"]
 
 @dataclass(frozen=True)
 class Timeline:
-    """What happened, in order, and how intense it was.
+    """What happened, in order, and how intense it was. All values are checked on construction.
 
     Parameters
     ----------
-    title
+    title : str
         Words for a person.
-    duration_s
+    duration_s : float
         Length in seconds, finite, > 0. Every time lies in [0, duration_s].
-    events
+    events : tuple of Event
         In any order; kept sorted by time, those of equal time in the order given. Two events of
         the same time, kind and label are an error; a foul and its card at one time are not.
-    intensity
-        The curve, or None. Either events or an intensity must be there.
-    gaps
+    intensity : Intensity or None
+        The curve. Either events or an intensity must be there.
+    gaps : tuple of (float, float)
         Spans (start_s, end_s) without data, start < end, not overlapping; kept sorted. Inside a
         gap the curve counts as missing, points that lie in it too.
-    provenance
+    provenance : str
         Where the data are from and what was derived from what.
-    notes
+    notes : tuple of str
         What a person should know about them (warnings of the reader).
-    start
-        The calendar moment of time 0, with or without a time zone, or None where there is none
-        (a match clock).
-    details
-        Smaller things (a match's passes), as events; kept sorted. They are felt only in a `window`
-        so short that a hand can tell them apart.
+    start : datetime or None
+        The calendar moment of time 0, with or without a time zone; None where there is none (a
+        match clock).
+    details : tuple of Event
+        Smaller things (a match's passes); kept sorted. They are felt only in a `window` so short
+        that a hand can tell them apart.
 
     Raises
     ------
     InputError
         A broken invariant, in one line that names it.
+
+    See Also
+    --------
+    load_timeline : Reads one from a file.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> curve = ov.Intensity(np.array([0.0, 60.0]), np.array([0.2, 0.9]))
+    >>> timeline = ov.Timeline("a minute", 60.0, (ov.Event(12.0, "goal"),), curve)
+    >>> timeline.kinds()
+    {'goal': 1}
     """
 
     title: str
@@ -94,23 +108,55 @@ class Timeline:
             )
 
     def intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
-        """Return the curve's value at `times` (s, any shape), in the curve's unit.
+        """Look up the curve, straight between its points and exact at them.
 
-        Straight between the points and exact at them. 0 where there is no curve: before the first
-        point and after the last, inside a gap (its ends excluded), for a timeline without
-        intensity, and for NaN. A curve of one point has that value over the whole timeline.
+        Parameters
+        ----------
+        times : array_like
+            Seconds, any shape.
+
+        Returns
+        -------
+        float64
+            Of that shape, in the curve's unit. 0 where there is no curve: before the first point
+            and after the last, inside a gap (its ends excluded), for a timeline without intensity,
+            and for NaN. A curve of one point has that value over the whole timeline.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.intensity_at([-1.0, 1e9])
+        array([0., 0.])
         """
         at = np.asarray(times, dtype=np.float64)
         flat = at.reshape(-1)  # a scalar too: boolean indexing needs an axis
         return np.where(self._has_data(flat), self._curve_at(flat), 0.0).reshape(at.shape)
 
     def normalised_intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
-        """Return the curve at `times` (s, any shape) on a scale of 0 to 1.
+        """Look up the curve on a scale of 0 to 1.
 
         If all points (outside gaps) lie within [0, 1] already, values are taken as they are, a
-        constant too. Otherwise the smallest becomes 0 and the largest 1, and a constant curve 0.
-        A curve with percentiles of its own is scaled by these, always, and clipped beyond them.
-        0 where there is no curve, as `intensity_at`.
+        constant too. Otherwise the smallest becomes 0 and the largest 1, and a constant curve 0. A
+        curve with percentiles of its own is scaled by these, always, and clipped beyond them.
+
+        Parameters
+        ----------
+        times : array_like
+            Seconds, any shape.
+
+        Returns
+        -------
+        float64
+            Of that shape, 0 to 1; 0 where there is no curve, as `intensity_at`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([-5.0, 5.0]))
+        >>> ov.Timeline("rising", 10.0, (), curve).normalised_intensity_at([5.0, 10.0])
+        array([0.5, 1. ])
         """
         at = np.asarray(times, dtype=np.float64)
         flat = at.reshape(-1)
@@ -121,11 +167,28 @@ class Timeline:
         return np.where(self._has_data(flat), scaled, 0.0).reshape(at.shape)
 
     def normalised_levels(self, steps: int) -> NDArray[np.float64]:
-        """Return the curve on a scale of 0 to 1 at steps + 1 moments from the start to the end.
+        """Look up the curve on a scale of 0 to 1 at even moments from the start to the end.
 
         For a surface: each moment stands for those nearest to it. Where the curve has few points
-        it's `normalised_intensity_at`; where many points fall on one moment, what is felt of them
-        (`detail`). Inside a gap it may be anything from 0 to 1.
+        this is `normalised_intensity_at`; where many points fall on one moment, what is felt of
+        them.
+
+        Parameters
+        ----------
+        steps : int
+            Into how many equal parts the timeline is cut.
+
+        Returns
+        -------
+        float64 (steps + 1,)
+            0 to 1; anything in between inside a gap.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.normalised_levels(100).shape
+        (101,)
         """
         at = np.arange(steps + 1, dtype=np.float64) * (self.duration_s / steps)
         low, span = self._scale
@@ -138,19 +201,51 @@ class Timeline:
         return levels
 
     def kinds(self) -> dict[str, int]:
-        """Return how many events of each kind there are, in order of first appearance."""
+        """Count the events of each kind.
+
+        Returns
+        -------
+        dict of str to int
+            In order of first appearance.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.kinds()["goal"]
+        5
+        """
         counts: dict[str, int] = {}
         for event in self.events:
             counts[event.kind] = counts.get(event.kind, 0) + 1
         return counts
 
     def event(self, kind: str, number: int) -> Event:
-        """Return the event number `number` (from 1, in time order) of a kind: `event("goal", 1)`.
+        """Find the n-th event of a kind.
+
+        Parameters
+        ----------
+        kind : str
+            Of the event.
+        number : int
+            From 1, in time order.
+
+        Returns
+        -------
+        Event
+            That one.
 
         Raises
         ------
         InputError
             No event of that kind, or not so many; the line says which and how many there are.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.event("goal", 2).time_s > match.event("goal", 1).time_s
+        True
         """
         found = [event for event in self.events if event.kind == kind]
         if not found:
@@ -166,7 +261,7 @@ class Timeline:
         return found[number - 1]
 
     def window(self, start_s: float, end_s: float) -> Timeline:
-        """Return the part from `start_s` to `end_s` as a timeline of its own, starting at 0.
+        """Cut out a part as a timeline of its own, which starts at 0.
 
         Events at the two ends belong to it, and details become events where they are few enough to
         be told apart: the shorter the part, the more of them. The curve is cut with interpolated
@@ -174,10 +269,28 @@ class Timeline:
         which nothing is known (no event, no curve) becomes a flat curve of 0 with a note, since its
         emptiness is what a hand should feel. The title stays; a note names the part.
 
+        Parameters
+        ----------
+        start_s, end_s : float
+            Seconds, 0 <= start_s < end_s <= duration_s.
+
+        Returns
+        -------
+        Timeline
+            The part.
+
         Raises
         ------
         InputError
-            Not 0 <= start_s < end_s <= duration_s.
+            A window that is empty or outside the timeline.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> goal = match.event("goal", 1)
+        >>> match.window(goal.time_s - 45.0, goal.time_s + 5.0).duration_s
+        50.0
         """
         start, end = self.require_window(start_s, end_s)
         events = cut_events(self.events, start, end)
@@ -206,14 +319,55 @@ class Timeline:
         return part
 
     def moment_text(self, time_s: float) -> str:
-        """Return a moment for a person: its date where there is a calendar, else a clock."""
+        """Write a moment for a person: its date where there is a calendar, else a clock.
+
+        Parameters
+        ----------
+        time_s : float
+            Seconds from the start.
+
+        Returns
+        -------
+        str
+            A date and time, or a clock.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.moment_text(754.0)
+        '12:34.0'
+        """
         if self.start is None:
             return clock_text(time_s)
         moment = self.start + timedelta(seconds=time_s)
         return moment.isoformat(sep=" ", timespec="seconds")
 
     def require_window(self, start_s: float, end_s: float) -> tuple[float, float]:
-        """Return a window's ends as floats; InputError if it is none, as `window`."""
+        """Check a window's ends.
+
+        Parameters
+        ----------
+        start_s, end_s : float
+            Seconds.
+
+        Returns
+        -------
+        (float, float)
+            The same.
+
+        Raises
+        ------
+        InputError
+            Not 0 <= start_s < end_s <= duration_s.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.require_window(0, 600)
+        (0.0, 600.0)
+        """
         hint = f"give 0 <= start < end <= {self.duration_s!r} seconds"
         start = checks.number(start_s, "window start", hint)
         end = checks.number(end_s, "window end", hint)
@@ -250,3 +404,11 @@ class Timeline:
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
+
+    def __repr__(self) -> str:
+        parts = [clock_text(self.duration_s), counted(len(self.events), "event")]
+        if self.intensity is not None:
+            parts.append(f"a curve of {counted(self.intensity.count, 'point')}")
+        if self.gaps:
+            parts.append(counted(len(self.gaps), "gap"))
+        return f"<Timeline {short(self.title)}: {', '.join(parts)}>"

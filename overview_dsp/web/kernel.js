@@ -121,7 +121,7 @@ class Copy {
 }
 
 export class Kernel {
-  /** `wasm`: the bytes of kernel.wasm; `image`: those of encoding.py's `encode_engine`. */
+  /** `wasm`: the bytes of kernel.wasm; `image`: those of browser_memory.py's `encode_engine`. */
   constructor(wasm, image) {
     const { sampleRate, channels } = checkBytes(image, WHOLE);
     this.sampleRate = sampleRate;
@@ -173,7 +173,7 @@ export class Kernel {
     }
   }
 
-  /** Queue a change of encoding.py's `encode_change`: in the order of their coming. */
+  /** Queue a change of browser_memory.py's `encode_change`: in the order of their coming. */
   change(bytes) {
     const { sampleRate } = checkBytes(bytes, CHANGE);
     if (sampleRate !== this.sampleRate) {

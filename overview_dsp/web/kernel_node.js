@@ -7,7 +7,7 @@ const PROCESSOR = new URL("./processor.js", import.meta.url);
 const KERNEL = new URL("./kernel.wasm", import.meta.url);
 
 /**
- * A node that plays a memory image (encoding.py) into `context`.
+ * A node that plays a memory image (browser_memory.py) into `context`.
  *
  * `events` and `changes` are there before the first sample: rows as in `KernelNode.control`, and
  * bytes of `encode_change`. Clicks are left, the tactor is right, unless the image's settings say

@@ -1,4 +1,4 @@
-// Made by tools/write_layout_js.py from kernels/layout.py and web/encoding.py.
+// Made by tools/write_layout.py from kernels/layout.py and export/browser_memory.py.
 
 export const L = Object.freeze({
   CELLS: 65536,
@@ -96,8 +96,8 @@ export const L = Object.freeze({
   RINGING_KIND: 186,
   BANK_LEFT: 219,
   BANK_MODES: 252,
-  BANK: 285,
   BANK_SIZE: 24,
+  BANK: 285,
   PULSE_KEY: 5037,
   PULSE_REST: 5039,
   PULSE_RE: 5041,
@@ -235,12 +235,13 @@ export const L = Object.freeze({
   SLOT_KIND: 163850,
   KIND_MODES: 180234,
   KIND_RING: 180267,
-  MODES: 180300,
   MODE_SIZE: 40,
+  MODES: 180300,
   SLOT_SLIDING_TORQUE: 188220,
   SLOT_OWNER: 319294,
   SLOT_PULL: 384831,
   SLOT_DETENT_ENERGY: 515905,
+  BRISTLE_PARAMETERS: 8,
   BRISTLES: 581442,
   P_STIFFNESS: 0,
   P_DAMPING: 1,
@@ -251,7 +252,6 @@ export const L = Object.freeze({
   STRIKE_BY_APPROACH: 0,
   STRIKE_BY_TORQUE: 1,
   STRIKE_BY_SPEED: 2,
-  BRISTLE_PARAMETERS: 8,
   SLOT_SIZE: 581712,
   TOTAL: 2221345,
   BANK_RE: 0,
@@ -281,4 +281,4 @@ export const ENCODING = Object.freeze({
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([1137269659, 557844203]);
+export const DIGEST = Object.freeze([1216409847, 1375867459]);

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
-from overview_dsp.actuators import Actuator
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface

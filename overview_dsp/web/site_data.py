@@ -25,12 +25,12 @@ from typing import Any
 
 import numpy as np
 
+from overview_dsp.export.browser_memory import event_numbers
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.plots.style import KIND_STYLE
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
-from overview_dsp.web.encoding import event_numbers
 from overview_dsp.web.site_windows import Part
 
 COLUMNS = 1025

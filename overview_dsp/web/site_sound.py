@@ -14,13 +14,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from overview_dsp.actuators import Actuator
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.engine.engine import Engine
+from overview_dsp.export.browser_memory import encode_change, encode_engine
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
-from overview_dsp.web.encoding import encode_change, encode_engine
 
 BLOCK = 128
 """Frames of a browser's block."""

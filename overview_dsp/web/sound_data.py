@@ -12,10 +12,10 @@ from __future__ import annotations
 from typing import Any
 
 from overview_dsp.errors import InputError
+from overview_dsp.export.browser_memory import encode_change
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.build import build_surface
 from overview_dsp.timeline import Timeline
-from overview_dsp.web.encoding import encode_change
 from overview_dsp.web.preset_data import preset_given
 from overview_dsp.web.site_data import window_json
 

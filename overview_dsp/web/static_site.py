@@ -11,7 +11,7 @@ import json
 import os
 from collections.abc import Callable
 
-from overview_dsp.actuators import Actuator
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.files.atomic import whole_folder
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from overview_dsp.actuators import Actuator
+from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import ActuatorStage
 
 RATE = 48_000

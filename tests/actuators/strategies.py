@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from overview_dsp.actuators import Actuator
-from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, MAX_CALIBRATION_DB, ONE_OF
+from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, MAX_CALIBRATION_DB, ONE_OF, Actuator
 from overview_dsp.errors import InputError
 
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.actuators import load_actuator
+from overview_dsp.actuators.library import load_actuator
 from overview_dsp.actuators.stage import ActuatorStage
 
 INTERPRETED = """
 import sys
 import numpy as np
-from overview_dsp.actuators import load_actuator
+from overview_dsp.actuators.library import load_actuator
 from overview_dsp.actuators.stage import ActuatorStage
 
 time = np.arange(9600) / 48_000

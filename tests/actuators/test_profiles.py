@@ -6,12 +6,16 @@ import math
 import os
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.actuators import actuator_names, load_actuator
-from overview_dsp.actuators.library import FOLDER_VARIABLE, bundled_folder
+from overview_dsp.actuators.library import (
+    FOLDER_VARIABLE,
+    actuator_names,
+    bundled_folder,
+    load_actuator,
+)
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS
 from overview_dsp.actuators.validation import parse_actuator
 from tests.actuators.strategies import actuators
@@ -86,7 +90,6 @@ def test_a_resonance_may_be_said_as_a_q_a_width_or_a_rise():
         assert speed == pytest.approx(-10.0 * math.log10(2.0))
 
 
-@settings(deadline=None, max_examples=60)
 @given(actuators())
 def test_any_actuator_survives_the_way_through_toml(actuator):
     again = parse_actuator(toml_of(actuator), "drawn", "mine.toml")
@@ -136,7 +139,6 @@ def test_a_mistake_in_a_file_is_one_line_that_names_it(old, new, words):
         refused(C2.replace(old, new, 1), *words)
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.binary(max_size=300) | st.text(max_size=200).map(str.encode))
 def test_garbage_is_one_line(tmp_path_factory, garbage):
     path = tmp_path_factory.mktemp("a") / "mine.toml"

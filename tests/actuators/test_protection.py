@@ -10,11 +10,12 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.actuators import actuator_names, load_actuator
+from overview_dsp.actuators.library import actuator_names, load_actuator
 from overview_dsp.kernels import layout
 from tests.actuators.driving import RATE, ROUNDING, burst, changed, driven, highest_mean_square
 from tests.actuators.strategies import actuators, signals
 from tests.presets.strategies import presets
+from tests.profiles import share
 
 KINDS = ("noise", "tone", "square", "bursts", "constant", "broken")
 
@@ -37,7 +38,6 @@ def test_no_drive_passes_a_bundled_actuators_peak_or_rating(name, kind):
     assert highest_mean_square(drive, frames) > 0.4 * actuator.mean_square
 
 
-@settings(deadline=None, max_examples=150)
 @given(
     actuators(longest_burst_ms=400.0),
     st.sampled_from((4500.0, 8000.0, 44_100.0, 192_000.0)),
@@ -59,7 +59,6 @@ FAINT = changed(
 """As little heat a sample as there can be."""
 
 
-@settings(deadline=None, max_examples=100)
 @example(FAINT, 768_000.0, "tone")
 @given(actuators(), st.sampled_from((4500.0, 768_000.0)), st.sampled_from(KINDS))
 def test_the_heat_of_any_actuator_is_kept_and_never_passes_its_limit(actuator, rate, kind):
@@ -76,7 +75,6 @@ def test_the_heat_of_any_actuator_is_kept_and_never_passes_its_limit(actuator, r
     assert heat == pytest.approx(np.sum(np.square(drive) * kept), rel=1e-5, abs=0.0)
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     presets(max_kinds=2),
     actuators(longest_burst_ms=100.0),
@@ -134,7 +132,7 @@ def test_a_cold_actuator_bears_most_of_a_burst_at_its_rating():
     assert whole > 0.4  # of half a second
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=share(0.5))
 @given(st.lists(st.integers(1, 900), min_size=1, max_size=60), st.sampled_from(actuator_names()))
 def test_no_partition_changes_a_bit(sizes, name):
     actuator = load_actuator(name)

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import hilbert
 
 import overview_dsp as ov
-from overview_dsp.actuators import load_actuator
+from overview_dsp.actuators.library import load_actuator
 from overview_dsp.actuators.tones import log_sweep
 from tests.actuators.driving import RATE, driven, motion
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import contextlib
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -26,7 +26,6 @@ def test_a_grid_has_every_combination_once_with_seeds_fastest(tmp_path):
     assert [case.timeline for case in cases] == sorted(case.timeline for case in cases)
 
 
-@settings(max_examples=50)
 @given(
     sizes=st.lists(st.integers(1, 4), min_size=3, max_size=6),
     seeds=st.lists(st.integers(-(2**62), 2**62), min_size=1, max_size=4, unique=True),
@@ -149,7 +148,6 @@ def test_a_file_that_is_not_there_is_one_line(tmp_path):
         load_study(tmp_path / "no such")
 
 
-@settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_a_broken_jobs_file_is_a_study_or_one_line(data, tmp_path_factory):
     text = list(JOBS)

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.batch.manifest import MEASURES, PARTS, encode_part, read_rows
@@ -30,7 +30,6 @@ rendered = st.fixed_dictionaries(
 failed = st.fixed_dictionaries({"key": texts, "error": texts})
 
 
-@settings(max_examples=50, deadline=None)
 @given(rows=st.lists(rendered | failed, min_size=1, max_size=4))
 def test_a_part_gives_back_its_rows_to_the_bit(tmp_path_factory, rows):
     place = Place(str(tmp_path_factory.mktemp("study")))

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from tests.profiles import share
 
 RATE = 48_000
 FRAMES = 40_000
@@ -87,7 +88,7 @@ def test_no_block_size_changes_a_bit(match, football, whole, size):
     assert np.array_equal(trace, whole[1])
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=share(0.3))
 @given(st.lists(st.integers(1, 3000), min_size=5, max_size=200))
 def test_no_random_partition_changes_a_bit(match, football, whole, sizes):
     engine = fresh(football, match)

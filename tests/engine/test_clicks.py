@@ -13,7 +13,7 @@ from overview_dsp.engine.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import PULSE_SPACING
 from overview_dsp.kernels.modal_bank import ring
-from overview_dsp.measure.onsets import find_onsets
+from overview_dsp.measure.onset_detector import onsets
 from tests.examples import preset_with, timeline_of
 from tests.feel.test_football import MATCHES, SWEEPS, busy_match, timeline_named  # noqa: F401
 
@@ -87,8 +87,9 @@ def test_strikes_add_up():
 
 
 def test_a_mode_that_would_fold_back_is_left_out():
-    assert mode_coefficients(ov.ClickMode(4000.0, 20.0), 8000.0) is None
-    assert mode_coefficients(ov.ClickMode(3900.0, 20.0), 8000.0) is not None
+    edge = 4900.0  # 0.49 of the rate, and not a bit more
+    assert mode_coefficients(ov.ClickMode(edge, 20.0), 10_000.0) is not None
+    assert mode_coefficients(ov.ClickMode(math.nextafter(edge, 5000.0), 20.0), 10_000.0) is None
     assert np.all(struck(ov.ClickMode(4500.0, 20.0), [3.5], 8000.0, 200) == 0.0)
 
 
@@ -181,15 +182,15 @@ def test_every_strike_is_heard_as_an_onset_and_nothing_else_is(timeline_named, f
         ov.tap(0.5, 1.0),
     ]:
         result = ov.render(timeline, football, gesture, trace=False)
-        onsets = find_onsets(result.samples[:, 0], result.sample_rate)
+        found = onsets(result.samples[:, 0], result.sample_rate)
         time = result.strikes.time_s
-        near = np.abs(onsets.time_s[None, :] - time[:, None])
+        near = np.abs(found.time_s[None, :] - time[:, None])
         heard = near.min(axis=1) < 4e-3
         alone = np.minimum(np.diff(time, prepend=-1.0), np.diff(time, append=1e9)) >= 0.030
         assert heard[alone].all()
-        level = np.median(onsets.level_db[near.argmin(axis=1)[heard]])
+        level = np.median(found.level_db[near.argmin(axis=1)[heard]])
         stray = near.min(axis=0) >= 4e-3
-        assert not (onsets.level_db[stray] > level - 30.0).any()
+        assert not (found.level_db[stray] > level - 30.0).any()
 
 
 def test_a_harder_passing_is_a_louder_strike():

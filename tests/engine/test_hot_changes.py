@@ -7,7 +7,11 @@ import pytest
 from scipy.signal import butter, sosfilt
 
 import overview_dsp as ov
+from overview_dsp.engine.coefficients import FADE_S
+from overview_dsp.kernels import layout
 from overview_dsp.presets.parameters import PARAMETERS
+from overview_dsp.rendering.trace import Trace
+from tests.examples import plain_preset, preset_with, timeline_of
 
 RATE = 48_000
 AT = RATE  # the sample of the change
@@ -77,6 +81,54 @@ def test_a_hard_switch_would_be_heard_as_a_click(football):
     sound = played(football, lambda engine: None)
     sound[AT + 55 :] = 0.0
     assert added_click(sound)[1] > 1e-3
+
+
+def held(preset):
+    """An engine whose disk has been held for a second."""
+    engine = ov.Engine(preset, timeline_of())
+    engine.prepare(RATE, RATE)
+    engine.control(2.0, True)
+    trace_of(engine)
+    return engine
+
+
+def trace_of(engine, frames=RATE):
+    table = np.zeros((frames, layout.TRACE))
+    engine.process(np.zeros((frames, 2), dtype=np.float32), table)
+    return Trace(table)
+
+
+@pytest.mark.parametrize(
+    ("id", "value", "times"), [("surface.friction", 4e-3, 4.0), ("kinds.default.height", 2.0, 3.0)]
+)
+def test_a_surface_set_while_it_sounds_is_under_the_disk_after_its_fade(id, value, times):
+    preset = preset_with(height=0.0, width=20.0, shape="plateau", surface__friction=1e-3)
+    engine = ov.Engine(preset, timeline_of(50.0))
+    engine.prepare(RATE, RATE)
+    engine.control(0.5 * np.pi, True)
+    before = trace_of(engine).friction
+    assert np.all(before == 1e-3)
+    engine.set(id, value, sample_time=RATE + 100)
+    friction = trace_of(engine).friction
+    fade = round(FADE_S * RATE)
+    assert np.all(friction[:100] == 1e-3)
+    assert np.all(np.diff(friction[100 : 100 + fade]) >= 0.0)
+    assert friction[100 + fade :] == pytest.approx(times * 1e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize(("before", "after"), [("recoil", "return"), ("return", "recoil")])
+def test_a_release_set_while_it_sounds_is_that_of_a_preset_that_has_it(before, after):
+    engine = held(plain_preset(disk__release=before))
+    engine.set("disk.release", after)
+    direct = held(plain_preset(disk__release=after))
+    traces = []
+    for one in (engine, direct):
+        one.control(2.0, False)
+        traces.append(trace_of(one))
+    # letting go, "return" keeps the shaft and takes it back; "recoil" takes it away
+    assert np.all(traces[0].touching == (after == "return"))
+    for name in traces[0]:
+        assert np.array_equal(traces[0][name], traces[1][name])
 
 
 def test_what_cannot_be_swapped_changes_nothing(football):

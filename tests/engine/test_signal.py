@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -90,7 +90,6 @@ def kinds():
     )
 
 
-@settings(deadline=None, max_examples=120)
 @given(
     changes=st.fixed_dictionaries(
         {id: values(known) for id, known in ov.presets.PARAMETERS.items()}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -78,7 +78,6 @@ def hands(draw):
     return events
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     given_hands=st.lists(hands(), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH),
     presets=st.lists(st.sampled_from(PRESETS), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH),

@@ -13,8 +13,8 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.export import FORMATS, export
 from overview_dsp.export.clip import clip_of
+from overview_dsp.export.writing import FORMATS, export
 from tests.export import schemas
 
 SCHEMAS = {

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.export import export
 from overview_dsp.export.clip import clip_of
 from overview_dsp.export.felt_error import felt_error
 from overview_dsp.export.layers import course, modes, with_layer
 from overview_dsp.export.reading import read_clip
+from overview_dsp.export.writing import export
 from overview_dsp.presets.validation import parse_preset
 from overview_dsp.presets.writing import preset_toml
 
@@ -171,9 +171,7 @@ def test_garbage_is_refused_in_one_line(tmp_path):
 LEAVES = st.none() | st.booleans() | st.floats() | st.text(max_size=3) | st.integers()
 
 
-@settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_any_change_of_a_clip_is_read_or_one_line(tmp_path, data):
     document = json.loads(json.dumps(data.draw(st.sampled_from([GOOD, HAPTIC]))))

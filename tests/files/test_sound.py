@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.files.sound import SoundWriter, check_sound, save_sound, sound_bytes
+from tests.profiles import share
 
 RATE = 8000
 
@@ -101,7 +102,7 @@ def test_dither_carries_what_is_smaller_than_a_step(tmp_path):
     assert back.mean() == pytest.approx(level, rel=0.1)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=share(0.6))
 @given(st.lists(st.integers(0, 3000), max_size=6), st.sampled_from(["PCM_16", "FLOAT", "PCM_24"]))
 def test_the_blocks_in_which_samples_come_change_no_bit(tmp_path_factory, cuts, subtype):
     folder, samples = tmp_path_factory.getbasetemp(), chord()
@@ -198,7 +199,6 @@ def test_floats_in_memory_say_nothing_of_when_they_were_written(tmp_path, name):
     assert sound_bytes(name, chord(), RATE, "FLOAT") == expected
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     subtype=st.sampled_from(["PCM_16", "PCM_24", "PCM_32", "PCM_U8"]),
     frames=st.integers(0, 5000),

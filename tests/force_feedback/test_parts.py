@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -77,7 +77,6 @@ def test_a_fast_knob_is_known_sooner_than_a_slow_one():
     assert ages[1] < 0.1 * ages[0]
 
 
-@settings(deadline=None)
 @given(st.lists(st.sampled_from([-STEP, 0.0, STEP]), min_size=2, max_size=200))
 def test_an_angle_that_trembles_within_its_resolution_stands_still(trembling):
     estimator = SpeedEstimator(2.01 * STEP)
@@ -86,7 +85,6 @@ def test_an_angle_that_trembles_within_its_resolution_stands_still(trembling):
     assert estimator.motion().speed == 0.0
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.floats(0.0, 1.0), finite), max_size=60))
 def test_any_angles_give_a_finite_speed(points):
     estimator = SpeedEstimator(STEP)
@@ -113,7 +111,6 @@ def test_the_ledger_is_the_work_of_a_known_torque():
     assert ledger.credit == pytest.approx(ledger.rubbed, abs=1e-12)
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.floats(-0.1, 0.1), st.floats(-5.0, 5.0)), max_size=80))
 def test_the_ledger_never_flatters(reports):
     """However the torque went between two reports, no more was put in than it says."""
@@ -198,7 +195,6 @@ def test_a_target_that_nobody_reports_makes_the_delay_long_until_it_is_forgotten
 motions = st.builds(Motion, st.floats(-200.0, 200.0), st.floats(0.0, 0.03))
 
 
-@settings(deadline=None)
 @given(
     st.floats(-10.0, 10.0), motions, st.floats(-1.0, 1.0), st.floats(1e-3, 0.5), st.floats(0, 9.0)
 )
@@ -280,7 +276,6 @@ def test_a_stammering_motor_gets_no_torque():
 # --- words ----------------------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(st.floats(-1e4, 1e4), st.sampled_from("MmAx"))
 def test_every_command_fits_the_commanders_buffer_and_says_the_target(value, letter):
     commander = Commander(letter, 100_000)
@@ -377,7 +372,6 @@ def test_a_torque_that_is_not_finite_is_none():
         assert loop.torque == 0.0
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(finite, finite, finite, st.floats(0.0, 0.1)), max_size=100))
 def test_whatever_is_reported_the_command_keeps_the_ceiling(steps):
     sensor = load_sensor("simplefoc")

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from overview_dsp.force_feedback.ledger import ENOUGH_J
 from overview_dsp.sensors.profile_file import load_sensor
 from tests.force_feedback.simulation import sim, simulate
+from tests.profiles import share
 
 SENSOR = load_sensor("simplefoc")
 FRICTION = 3.1e-4
@@ -79,7 +80,7 @@ def test_over_a_goal_the_knob_is_braked_more_than_beside_it(match, football):
     assert np.percentile(torque, 99.5) > 4.0 * np.median(torque[course["time"] > 1.5])
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=share(0.25))
 @given(
     delay_s=st.floats(0.0, 0.02),
     times=st.floats(1.0, 10.0),

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -13,7 +13,6 @@ from overview_dsp.gestures.scripts import ARRIVAL_S
 PLACES = st.floats(0.0, 1.0)
 
 
-@settings(deadline=None, max_examples=100)
 @given(st.floats(1e-3, 20.0), PLACES, PLACES)
 def test_a_sweep_moves_steadily_from_one_place_to_the_other_and_lets_go(seconds, start, end):
     gesture = ov.sweep(seconds, start, end)
@@ -33,14 +32,12 @@ def test_a_sweep_moves_steadily_from_one_place_to_the_other_and_lets_go(seconds,
     assert gesture.theta2.max() <= math.pi
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.floats(1e-3, 20.0))
 def test_a_moving_hand_gives_at_least_a_hundred_control_events_a_second(seconds):
     moving = ov.sweep(seconds).time_s[:-1]
     assert np.diff(moving).max() <= 0.01 + 1e-9
 
 
-@settings(deadline=None, max_examples=50)
 @given(PLACES, st.floats(1e-3, 100.0))
 def test_a_tap_is_one_step_held_and_let_go(position, hold):
     gesture = ov.tap(position, hold)
@@ -130,7 +127,6 @@ def test_a_gesture_keeps_its_own_copy_that_cannot_be_changed():
         gesture.theta2[0] = 1.0
 
 
-@settings(deadline=None)
 @given(st.integers(0, 10**9), st.sampled_from([1000, 8000, 44_100, 48_000, 192_000]))
 def test_an_event_falls_on_the_sample_nearest_to_its_time(sample, rate):
     sample %= 3600 * rate

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -83,7 +83,6 @@ PIECES = st.one_of(
 )
 
 
-@settings(deadline=None, max_examples=200)
 @given(st.lists(PIECES, max_size=12).map("".join))
 def test_any_text_is_a_gesture_or_one_line(spec):
     assume(".csv" not in spec.lower())

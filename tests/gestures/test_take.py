@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -28,7 +28,6 @@ def gestures(draw: st.DrawFn) -> ov.Gesture:
     return ov.Gesture(np.array(times), np.array(theta2), np.array(touching), times[-1] + rest)
 
 
-@settings(deadline=None, max_examples=100)
 @given(gestures())
 def test_a_take_comes_back_from_its_file_to_the_bit(tmp_path_factory, gesture):
     path = tmp_path_factory.getbasetemp() / "take.csv"
@@ -137,7 +136,6 @@ def test_a_bad_take_is_one_line_that_names_file_and_line(text, line, words, tmp_
     assert words in message
 
 
-@settings(deadline=None, max_examples=100)
 @given(
     st.one_of(
         st.binary(max_size=300),

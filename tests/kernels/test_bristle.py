@@ -7,7 +7,7 @@ import math
 import numba
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -19,7 +19,6 @@ leave = elementary.plain(speed_after)
 INERTIA, SPRING, VISCOUS = 2e-5, 6e-3, 1e-4  # kg m2, N m/rad, N m s/rad
 
 
-@settings(max_examples=300, deadline=None)
 @given(
     hands=st.lists(st.floats(-3.0, 3.0).map(lambda x: round(x, 9)), min_size=2, max_size=40),
     zs=st.lists(st.floats(1e-9, 1.0), min_size=40, max_size=40),
@@ -65,7 +64,6 @@ def test_every_step_gives_no_energy_and_books_what_it_takes(
         x, v, z = x_after, after, bent
 
 
-@settings(deadline=None)
 @given(z=st.floats(-1e3, 1e3), before=st.floats(0.1, 1e6), stiffness=st.floats(0.1, 1e6))
 def test_bristles_that_change_their_stiffness_gain_no_energy(z, before, stiffness):
     after = elementary.plain(converted)(z, before, stiffness)

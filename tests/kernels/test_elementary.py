@@ -6,7 +6,7 @@ import math
 
 import numba
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.kernels import elementary
@@ -28,7 +28,6 @@ def compiled(x, y):
     return (log2(x), exp2(y), power(x, 0.6), sin_turns(y), cos_turns(y), tanh_positive(x))
 
 
-@settings(deadline=None, max_examples=300)
 @given(x=st.floats(1e-300, 1e300))
 @example(x=1.0)
 @example(x=math.sqrt(0.5))
@@ -37,7 +36,6 @@ def test_log2_is_within_2e_12(x):
     assert abs(plain(log2)(x) - math.log2(x)) <= 2e-12 + 2e-16 * abs(math.log2(x))
 
 
-@settings(deadline=None, max_examples=300)
 @given(y=st.floats(-900.0, 900.0))
 @example(y=0.5)
 @example(y=-0.5)
@@ -50,7 +48,6 @@ def test_exp2_stays_finite_and_positive_at_any_argument():
         assert 0.0 < plain(exp2)(y) < math.inf
 
 
-@settings(deadline=None, max_examples=300)
 @given(p=st.floats(0.0, 10.0))
 @example(p=0.25)
 @example(p=0.75)
@@ -60,13 +57,11 @@ def test_sine_and_cosine_of_turns_are_within_1e_13(p):
     assert compiled_cosine == pytest.approx(math.cos(2 * math.pi * p), abs=1e-13)
 
 
-@settings(deadline=None, max_examples=200)
 @given(x=st.floats(0.0, 40.0))
 def test_tanh_is_within_1e_12(x):
     assert compiled(x + 1e-300, 0.0)[5] == pytest.approx(math.tanh(x), abs=1e-12)
 
 
-@settings(deadline=None, max_examples=200)
 @given(x=st.floats(1e-12, 1e12), y=st.floats(-100.0, 100.0))
 def test_compiled_and_plain_functions_give_the_same_bits(x, y):
     fast = compiled(x, y)

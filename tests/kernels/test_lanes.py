@@ -7,7 +7,7 @@ import math
 import numba
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.kernels import layout
@@ -87,7 +87,6 @@ def bits(values):
     return np.where(np.isnan(values), np.nan, values).view(np.int64)
 
 
-@settings(max_examples=200, deadline=None)
 @given(
     columns=st.lists(
         st.lists(ANY, min_size=SIMD_WIDTH, max_size=SIMD_WIDTH), min_size=6, max_size=6
@@ -117,7 +116,6 @@ def elementary_number(x):
     return log2(x), exp2(x), power(x, 0.6), sin_turns(x)
 
 
-@settings(max_examples=200, deadline=None)
 @given(x=st.lists(st.floats(1e-300, 1e300), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH))
 def test_elementary_functions_give_a_lane_the_bits_of_a_number(x):
     out = np.zeros(4 * SIMD_WIDTH)
@@ -136,7 +134,6 @@ def look_up(m, start, position):
     return friction_at(m, start, position)
 
 
-@settings(max_examples=200, deadline=None)
 @given(
     positions=st.lists(
         st.one_of(ANY, st.floats(-1.0, layout.CELLS + 1.0)),

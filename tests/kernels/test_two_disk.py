@@ -7,7 +7,7 @@ import math
 import numba
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -57,7 +57,6 @@ def played(preset, events, seconds, sample_rate=48_000.0, surface=None):
     return Trace(table)
 
 
-@settings(max_examples=200, deadline=None)
 @given(
     frictions=st.lists(st.floats(0.0, 10.0), min_size=2, max_size=30),
     dt=st.floats(1e-7, 1.0),

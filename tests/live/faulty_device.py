@@ -34,7 +34,7 @@ for _byte in range(256):
 
 
 def frame(number, stamp_us, roll, speed, trembling):
-    """`docs/sensors.md`, kind 2."""
+    """`docs/guide/sensors.md`, kind 2."""
     gravity = (trembling, round(2048 * math.sin(roll)), round(2048 * math.cos(roll)))
     turning = (round(math.degrees(speed) * 16.384), 0, 0)
     payload = struct.pack("<BHI6h", 2, number & 0xFFFF, stamp_us & 0xFFFFFFFF, *gravity, *turning)

@@ -16,8 +16,9 @@ INSTALL = (
     "apt install jackd2 libportaudio2; pip install JACK-Client"
 )
 START_WITHIN_S = 5.0
-ATTEMPTS = 8
-"""Of what a machine may disturb by losing a period: what is wrong each time is wrong."""
+ATTEMPTS = 3
+"""Of what a machine may disturb by losing a period, at most two repeats: what is wrong each time is
+wrong."""
 
 _numbers = itertools.count()
 

@@ -12,8 +12,6 @@ from overview_dsp.units import HALF_TURN
 from tests.live import jack_server
 from tests.live.test_portaudio import aligned
 
-pytestmark = pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
-
 TAPS = """
 import json, random, sys, time
 from dataclasses import asdict
@@ -73,6 +71,8 @@ def rendered(taps):
     return out
 
 
+@pytest.mark.realtime
+@pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
 @pytest.mark.parametrize("block", [64, 256, 1024])
 def test_a_tap_changes_a_sample_of_the_next_block_at_the_latest(tmp_path, block):
     path = tmp_path / "heard.npy"

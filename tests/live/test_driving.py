@@ -24,6 +24,7 @@ from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.silent import SilentStream
+from tests.profiles import share
 
 FRAMES = 24_000
 C2 = ov.load_actuator("c2")
@@ -64,7 +65,7 @@ def rendered(match, football):
 
 
 @pytest.mark.parametrize("actuator", [C2, LRA], ids=["c2", "lra"])
-@settings(deadline=None, max_examples=12)
+@settings(max_examples=share(0.25))
 @given(sizes=st.lists(st.integers(1, 3000), max_size=60))
 def test_live_is_the_render_sample_for_sample_in_any_blocks(
     match, football, rendered, actuator, sizes

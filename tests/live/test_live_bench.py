@@ -37,6 +37,7 @@ def test_what_belongs_to_live_is_refused_without_it():
     refused(overview("bench", "--device", "system"), "--live")
 
 
+@pytest.mark.realtime
 @needs_server
 def test_no_such_output_is_one_line():
     with jack_server.Server(period=256) as server:
@@ -49,6 +50,7 @@ def test_no_such_output_is_one_line():
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.realtime
 @needs_server
 def test_the_live_bench_reports_every_row_and_block_size():
     with jack_server.Server(period=256) as server:

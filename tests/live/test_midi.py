@@ -10,6 +10,7 @@ import pytest
 from tests.live import jack_server
 
 pytestmark = [
+    pytest.mark.realtime,
     pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL),
     pytest.mark.skipif(
         importlib.util.find_spec("rtmidi") is None,

@@ -16,7 +16,9 @@ import overview_dsp as ov
 from overview_dsp.live.motor_input import MotorInput
 from overview_dsp.sensors.profile_file import load_sensor
 from tests.cli.running import overview
-from tests.live.test_sensor_input import KNOB, PLAY, ROOT, MadePort, needs_pty, played
+from tests.live import stepped
+from tests.live.stepped import SteppedPort, SteppedTime
+from tests.live.test_sensor_input import KNOB, PLAY, ROOT, needs_pty, played
 
 SENSOR = load_sensor("simplefoc")
 
@@ -27,16 +29,17 @@ def line_fits(data):
     return True
 
 
-class MadeMotorPort(MadePort):
-    """Also keeps what is written."""
+class MotorPort(SteppedPort):
+    """Keeps what is written, with its time."""
 
-    def __init__(self):
+    def __init__(self, clock):
         super().__init__()
+        self._clock = clock
         self.written = []
         self.targets = []
 
     def write(self, data):
-        self.written.append((time.monotonic(), data))
+        self.written.append((self._clock.now, data))
         self.targets += [
             float(line[1:])
             for line in data.decode().split()
@@ -49,10 +52,10 @@ class MadeMotorPort(MadePort):
 
 
 class Bench:
-    """An engine run by hand, and a motor that says its angle every millisecond."""
+    """An engine run by hand, and a motor that says its angle every millisecond of its time."""
 
-    def __init__(self, engine):
-        self.engine = engine
+    def __init__(self, engine, clock):
+        self.engine, self.clock = engine, clock
         self.there = True
         self.input = MotorInput(engine, "made", SENSOR, open_port=self._open)
         self.angle = 0.0
@@ -60,30 +63,33 @@ class Bench:
     def _open(self, *_):
         if not self.there:
             raise ov.InputError("serial:made: no such port")
-        self.port = MadeMotorPort()
+        self.port = MotorPort(self.clock)
         return self.port
 
     def turn(self, speed, seconds):
-        """Turn at `speed` (rad/s) in real time, the engine kept in time with it."""
-        began, done, rate = time.monotonic(), 0, self.engine.sample_rate
-        while done < round(seconds * 1000):
-            done += 1
+        """Turn at `speed` (rad/s), the engine kept in time with it."""
+        for done in range(1, round(seconds * 1000) + 1):
+            self.clock.now += 1e-3
             self.angle += speed * 1e-3
             applied = self.targets()[-1:] or [0.0]
-            self.port.put(f"{applied[0]:.4f}\t{self.angle:.4f}\r\n".encode())
+            self.port.step(f"{applied[0]:.4f}\t{self.angle:.4f}\r\n".encode())
             if done % 5 == 0:
-                self.engine.process(np.zeros((round(0.005 * rate), 2), dtype=np.float32))
-            time.sleep(max(0.0, began + done * 1e-3 - time.monotonic()))
+                self.engine.process(np.zeros((round(0.005 * RATE), 2), dtype=np.float32))
 
     def targets(self):
         return self.port.targets[:]
 
 
+RATE = 8_000
+
+
 @pytest.fixture
-def bench(match, football):
+def bench(match, football, monkeypatch):
+    clock = SteppedTime()
+    stepped.use(clock, monkeypatch)
     engine = ov.Engine(football, match)
-    engine.prepare(8_000, 48_000)
-    bench = Bench(engine)
+    engine.prepare(RATE, 48_000)
+    bench = Bench(engine, clock)
     yield bench
     bench.input.close()
 
@@ -107,14 +113,17 @@ def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
     bench.turn(0.0, 0.3)
     bench.turn(3.0, 0.6)
     assert bench.targets()[-1] < 0.0
-    silent_at = time.monotonic()
-    while not any("said nothing" in said for said in bench.input.take_messages()):
-        assert time.monotonic() < silent_at + 2.0
-        time.sleep(0.002)
+    silent_at = bench.clock.now
+    messages = ()
+    while not any("said nothing" in said for said in messages):
+        assert bench.clock.now < silent_at + 2.0
+        bench.clock.now += 0.002
+        bench.port.step()
+        messages = bench.input.take_messages()
     bench.engine.process(np.zeros((800, 2), dtype=np.float32))
     assert bench.engine.holder is None
     last = max(at for at, data in bench.port.written if not data.endswith(b"M0.0000\n"))
-    print(f"last torque {1e3 * (last - silent_at):.1f} ms after the last report")
+    assert last <= silent_at + 0.05
     assert bench.targets()[-1] == 0.0
 
 
@@ -136,19 +145,23 @@ def test_the_motor_has_no_torque_and_no_power_after_the_end(bench):
     assert bench.port.closed
 
 
+def until(condition):
+    """Wait for the input's thread."""
+    end = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
 def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
     bench.turn(0.0, 0.3)
     bench.turn(3.0, 0.3)
     bench.there = False
     gone, bench.port.lost = bench.port, True
-    time.sleep(0.2)
-    assert gone.closed
+    until(lambda: gone.closed)
     assert "no force" in bench.input.words
     bench.there = True
-    until = time.monotonic() + 5.0
-    while bench.port is gone:
-        assert time.monotonic() < until
-        time.sleep(0.01)
+    until(lambda: bench.port is not gone)
     bench.turn(0.0, 0.3)
     assert bench.port.lines()[0] == "@0"
     assert not any(bench.targets())
@@ -158,8 +171,8 @@ def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
 
 def test_a_motor_that_reports_too_seldom_is_told_once(bench):
     for n in range(140):
-        bench.port.put(f"0.0000\t{0.001 * n:.4f}\r\n".encode())
-        time.sleep(0.02)
+        bench.clock.now += 0.02
+        bench.port.step(f"0.0000\t{0.001 * n:.4f}\r\n".encode())
     said = [one for one in bench.input.take_messages() if "times a second" in one]
     assert len(said) == 1
     assert "motor.downsample" in said[0]
@@ -193,6 +206,7 @@ def motor(tmp_path):
 FORCE = ("--sensor", "simplefoc", "--force")
 
 
+@pytest.mark.realtime
 @needs_pty
 @pytest.mark.parametrize("delay_ms", [0, 20])
 def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms):
@@ -211,6 +225,7 @@ def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms)
     assert lines[-1]["summary"]["block_size"] == 128
 
 
+@pytest.mark.realtime
 @needs_pty
 def test_a_knob_that_is_held_lies_still_over_a_port(motor):
     port = motor("--hand", "hold", "--delay-ms", 20)
@@ -243,6 +258,7 @@ def test_a_host_that_is_killed_leaves_no_torque(motor):
     assert told["target"] == 0.0
 
 
+@pytest.mark.realtime
 @needs_pty
 def test_a_motor_that_falls_silent_is_let_go(motor):
     port = motor("--mute", 6)

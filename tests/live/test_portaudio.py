@@ -10,7 +10,10 @@ import pytest
 import overview_dsp as ov
 from tests.live import jack_server
 
-pytestmark = pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL),
+]
 
 GESTURE = ov.pause(1.0) + ov.tap(0.95, 0.7)
 PLAY = """

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.gestures import SOURCES
 from overview_dsp.live.recorder import Recorder
+from tests.profiles import share
 
 CONTROLS = st.lists(
     st.tuples(
@@ -65,8 +66,7 @@ def play(match, preset, blocks, path):
 
 @given(BLOCKS)
 @settings(
-    max_examples=30,
-    deadline=None,
+    max_examples=share(0.6),
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @pytest.mark.filterwarnings("ignore::overview_dsp.OverviewWarning")

@@ -8,7 +8,6 @@ import math
 import os
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
@@ -20,12 +19,13 @@ from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
 from overview_dsp.live import serial_port
 from overview_dsp.live.event_clock import EventClock
-from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.sensor_input import SensorInput
 from overview_dsp.live.serial_port import SerialPort
 from overview_dsp.sensors.frames import decode_frame
 from overview_dsp.sensors.profile import Sensor
 from tests.cli.running import overview
+from tests.live import stepped
+from tests.live.stepped import SteppedPort, SteppedTime
 
 ROOT = Path(__file__).resolve().parents[2]
 KNOB = ROOT / "tools" / "simulated_knob.py"
@@ -39,57 +39,28 @@ def knob_module():
     return module
 
 
-class MadePort:
-    """A port that gives what a test puts in."""
-
-    def __init__(self):
-        self._ready = threading.Event()
-        self._data = b""
-        self._lock = threading.Lock()
-        self.lost = self.closed = False
-
-    def put(self, data):
-        with self._lock:
-            self._data += data
-        self._ready.set()
-
-    @property
-    def waiting(self):
-        return len(self._data)
-
-    def read(self):
-        if self.lost:
-            raise PortLostError("gone")
-        self._ready.wait(0.02)
-        with self._lock:
-            data, self._data = self._data, b""
-        self._ready.clear()
-        return data
-
-    def close(self):
-        self.closed = True
-
-
 POT = Sensor(columns=("t_ms", "pot"))
 SERIAL = SOURCES.index("serial")
 
 
 class Bench:
-    """An engine run by hand, and a potentiometer on a made-up port."""
+    """An engine run by hand, and a potentiometer on a made-up port, in a time made by hand."""
 
-    def __init__(self, engine):
-        self.engine = engine
+    def __init__(self, engine, clock):
+        self.engine, self.clock = engine, clock
         self.opened = []
+        self.refused = 0
         self.there = True
         self.refusal = ov.InputError("serial:made: no such port")
         self.input = SensorInput(engine, "made", POT, open_port=self._open)
         self.now_ms = 0
-        self.port.put(b"\n")
+        self.port.step(b"\n")
 
     def _open(self, device, baud):
         if not self.there:
+            self.refused += 1
             raise self.refusal
-        self.opened.append(MadePort())
+        self.opened.append(SteppedPort())
         return self.opened[-1]
 
     @property
@@ -101,21 +72,30 @@ class Bench:
         """Events handed to the engine so far."""
         return int(self.engine.memory.view(np.int64)[layout.RING_WRITTEN + SERIAL])
 
+    def send(self, data):
+        """Ten milliseconds on, this is read."""
+        self.clock.now += 0.01
+        self.port.step(data)
+
+    def read(self, value):
+        """Ten milliseconds on, the potentiometer is there, of 1023."""
+        self.now_ms += 10
+        self.send(f"{self.now_ms},{value}\n".encode())
+
     def turn(self, place, samples=1):
         for _ in range(samples):
-            self.now_ms += 10
-            self.port.put(f"{self.now_ms},{round(1023 * place)}\n".encode())
-        wanted = self.input.report()["readings"]
-        self.until(lambda: self.input.report()["readings"] >= min(wanted + samples, samples))
-        time.sleep(0.05)
-        out = np.zeros((480 * samples, 2), dtype=np.float32)
-        self.engine.process(out)
+            self.read(round(1023 * place))
+            self.run(0.01)
 
-    def until(self, condition, seconds=5.0):
-        end = time.monotonic() + seconds
+    def until(self, condition):
+        """Let time go on, with nothing more to read, until something is so."""
+        end = time.monotonic() + 30.0
         while not condition():
             assert time.monotonic() < end, self.input.report()
-            time.sleep(0.005)
+            if self.input._port is self.port and not self.port.lost:
+                self.send(b"")
+            else:
+                time.sleep(0.002)
 
     def run(self, seconds):
         for _ in range(round(seconds * 100)):
@@ -123,10 +103,12 @@ class Bench:
 
 
 @pytest.fixture
-def bench(match, football):
+def bench(match, football, monkeypatch):
+    clock = SteppedTime()
+    stepped.use(clock, monkeypatch)
     engine = ov.Engine(football, match)
     engine.prepare(48_000, 48_000)
-    bench = Bench(engine)
+    bench = Bench(engine, clock)
     yield bench
     bench.input.close()
 
@@ -163,7 +145,7 @@ def test_silence_and_unplugging_let_go_and_it_comes_back(bench):
     bench.until(lambda: any("is back" in said for said in bench.input.take_messages()))
     assert len(bench.opened) == 2
     assert bench.opened[0].closed
-    bench.port.put(b"\n")
+    bench.send(b"\n")
     bench.turn(0.1, 2)
     bench.turn(0.9, 10)
     assert bench.engine.holder[0] == "serial"
@@ -202,13 +184,9 @@ def test_while_the_output_is_lost_no_stale_events_are_kept(bench):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
     for n in range(80):  # the engine stands still
-        bench.now_ms += 10
-        bench.port.put(f"{bench.now_ms},{600 + n}\n".encode())
-        time.sleep(0.01)
+        bench.read(600 + n)
     waiting = bench.written
-    bench.now_ms += 10
-    bench.port.put(f"{bench.now_ms},1023\n".encode())
-    time.sleep(0.1)
+    bench.read(1023)
     assert bench.written == waiting
     bench.run(0.5)
     assert bench.engine.holder[1] < 0.9 * math.pi
@@ -222,9 +200,7 @@ def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
     bench.turn(0.5, 10)
     assert bench.engine.holder[0] == "serial"
     for n in range(120):  # the engine stands still, and the knob is turned back to rest
-        bench.now_ms += 10
-        bench.port.put(f"{bench.now_ms},{511 if n < 80 else 0}\n".encode())
-        time.sleep(0.01)
+        bench.read(511 if n < 80 else 0)
     bench.until(lambda: not bench.input.report()["holding"])
     bench.run(0.6)  # with what came before it was known that the engine stands still
     assert bench.engine.holder is None
@@ -245,29 +221,33 @@ def test_what_is_no_new_sample_lets_go_and_is_said_once(bench, sent, said):
     assert bench.engine.holder[0] == "serial"
     messages = []
     for _ in range(60):
-        bench.port.put(sent(bench))
+        bench.send(sent(bench))
         bench.run(0.01)
-        time.sleep(0.01)
         messages += bench.input.take_messages()
     assert bench.engine.holder is None
     assert sum("the disk is let go" in line for line in messages) == 1
     assert sum(said in line for line in messages) == 1
-    bench.port.put(b"\n")
+    bench.send(b"\n")
     bench.turn(0.9, 10)
     assert bench.engine.holder[0] == "serial"
 
 
 def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(bench, monkeypatch):
     here = {"made": "1:2:mine"}
-    monkeypatch.setattr(
-        serial_port, "ports", lambda: [serial_port.PortInfo(a, "", b) for a, b in here.items()]
-    )
+    looked = []
+
+    def ports():
+        looked.append(here.copy())
+        return [serial_port.PortInfo(a, "", b) for a, b in here.items()]
+
+    monkeypatch.setattr(serial_port, "ports", ports)
     bench.input._identity = "1:2:mine"
     here.clear()
     here["made"] = "1:2:another"
     bench.port.lost = True
     bench.until(lambda: not bench.input.report()["connected"])
-    time.sleep(1.3)
+    looked.clear()
+    bench.until(lambda: len(looked) > 3)
     assert len(bench.opened) == 1
     here["elsewhere"] = "1:2:mine"
     bench.until(lambda: bench.input.report()["connected"])
@@ -282,7 +262,7 @@ def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
     bench.there = False
     bench.port.lost = True
     bench.until(lambda: not bench.input.report()["connected"])
-    time.sleep(2.3)
+    bench.until(lambda: bench.refused > 3)
     messages = bench.input.take_messages()
     assert sum("held by another program" in line for line in messages) == 1
     bench.there = True
@@ -298,6 +278,7 @@ def test_who_does_not_keep_up_gives_up_what_waits(bench):
         waiting = 4096
 
         def read(self):
+            bench.clock.now += 0.01
             bench.now_ms += 1
             return f"{bench.now_ms},512\n".encode() * 20
 
@@ -324,7 +305,7 @@ def test_one_long_wait_of_the_machine_gives_nothing_up(bench):
 
         def read(self):
             self.reads += 1
-            time.sleep(0.2 if self.reads == 1 else 0.001)
+            bench.clock.now += 0.2 if self.reads == 1 else 0.001
             bench.now_ms += 1
             return f"{bench.now_ms},512\n".encode()
 
@@ -349,8 +330,8 @@ def test_what_had_piled_up_delays_nothing_once_it_is_worked_off():
 
 def test_far_too_much_is_given_up_and_counted(bench):
     bench.turn(0.0, 2)
-    bench.port.put(b"12,12\n" * 20_000)
-    bench.until(lambda: bench.input.report()["overrun_bytes"] > 0)
+    bench.send(b"12,12\n" * 20_000)
+    assert bench.input.report()["overrun_bytes"] > 0
     assert "overrun bytes" in bench.input.words
 
 
@@ -430,6 +411,7 @@ def played(*arguments):
     return [json.loads(line) for line in done.stdout.splitlines()], done.stderr
 
 
+@pytest.mark.realtime
 @needs_pty
 @pytest.mark.parametrize("form", ["frames", "text", "json"])
 def test_a_device_on_a_port_is_told_played_and_recorded(device, tmp_path, form, match, football):
@@ -449,6 +431,7 @@ def test_a_device_on_a_port_is_told_played_and_recorded(device, tmp_path, form, 
     assert replay.trace.cursor.max() > 0.3
 
 
+@pytest.mark.realtime
 @needs_pty
 def test_noise_on_the_wire_is_counted_and_does_not_stop_it(device):
     pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")

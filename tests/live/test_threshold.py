@@ -175,6 +175,7 @@ print(told)
 """
 
 
+@pytest.mark.realtime
 @pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
 def test_a_device_plays_the_samples_and_ends_without_a_step(tmp_path):
     with jack_server.Server() as server:

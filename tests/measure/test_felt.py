@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -95,7 +95,6 @@ def test_an_events_level_is_that_of_its_strongest_stroke():
     assert np.isnan(strongest[2])
 
 
-@settings(max_examples=100)
 @given(
     steps=st.lists(st.floats(-0.02, 0.02) | st.floats(-0.3, 0.3), min_size=1, max_size=700),
     start=st.floats(0.0, 1.0),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.onsets import find_onsets
+from overview_dsp.measure.onset_detector import onsets
 
 RATE = 48_000.0
 
@@ -21,26 +21,26 @@ def clicks(times, levels, frequency=2000.0, decay_s=0.03, seconds=1.0, noise=0.0
 
 def test_each_click_is_found_within_two_milliseconds():
     times = [0.1, 0.2, 0.35, 0.9]
-    onsets = find_onsets(clicks(times, [0.5] * 4), RATE)
-    assert onsets.time_s == pytest.approx(times, abs=2e-3)
+    found = onsets(clicks(times, [0.5] * 4), RATE)
+    assert found.time_s == pytest.approx(times, abs=2e-3)
 
 
 def test_a_click_12_db_weaker_is_found_30_ms_after_another():
-    onsets = find_onsets(clicks([0.2, 0.23], [0.8, 0.2]), RATE)
-    assert len(onsets.time_s) == 2
+    found = onsets(clicks([0.2, 0.23], [0.8, 0.2]), RATE)
+    assert len(found.time_s) == 2
 
 
 def test_strength_follows_the_clicks_level():
-    onsets = find_onsets(clicks([0.2, 0.5], [0.4, 0.1]), RATE)
-    assert onsets.level_db[0] - onsets.level_db[1] == pytest.approx(12.04, abs=0.5)
+    found = onsets(clicks([0.2, 0.5], [0.4, 0.1]), RATE)
+    assert found.level_db[0] - found.level_db[1] == pytest.approx(12.04, abs=0.5)
 
 
 def test_steady_noise_and_silence_have_no_onset_but_the_first():
-    assert len(find_onsets(np.zeros(48_000, dtype=np.float32), RATE).time_s) == 0
+    assert len(onsets(np.zeros(48_000, dtype=np.float32), RATE).time_s) == 0
     noise = clicks([], [], noise=0.1)
-    assert len(find_onsets(noise, RATE).time_s) <= 1
+    assert len(onsets(noise, RATE).time_s) <= 1
 
 
 def test_a_click_under_noise_18_db_below_it_is_found():
-    onsets = find_onsets(clicks([0.4], [0.5], noise=0.02), RATE)
-    assert np.abs(onsets.time_s - 0.4).min() < 2e-3
+    found = onsets(clicks([0.4], [0.5], noise=0.02), RATE)
+    assert np.abs(found.time_s - 0.4).min() < 2e-3

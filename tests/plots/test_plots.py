@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -164,7 +164,6 @@ def test_a_picture_that_cannot_be_written_is_one_line(tmp_path, stem):
     assert os.listdir(tmp_path) == ["file"]
 
 
-@settings(deadline=None, max_examples=200)
 @given(
     hnp.arrays(np.float64, st.integers(0, 400), elements=st.floats(-1e9, 1e9)),
     st.integers(1, 60),

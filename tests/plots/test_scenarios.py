@@ -1,4 +1,4 @@
-"""The paper's two scenarios, as the README has them."""
+"""The paper's two scenarios, as the guide has them."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from overview_dsp.timeline.moments import window_of
 from tests.cli.running import overview
 from tests.readers.made_up_share import share
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+GUIDE = (Path(__file__).parents[2] / "docs" / "guide" / "zoom.md").read_text(encoding="utf-8")
 COMMANDS = [
     line
-    for block in re.findall(r"```\n(.*?)```", README.partition("## Two looks")[2], re.S)[:2]
+    for block in re.findall(r"```sh\n(.*?)```", GUIDE.partition("## Two looks")[2], re.S)
     for line in block.strip().splitlines()
 ]
 
@@ -85,7 +85,7 @@ def test_the_preset_knows_every_kind_of_the_share(year, series):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_the_readmes_commands_do_what_they_say(command, tmp_path, monkeypatch):
+def test_the_guides_commands_do_what_they_say(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     program, *arguments = shlex.split(command)
     assert program == "overview"
@@ -95,5 +95,5 @@ def test_the_readmes_commands_do_what_they_say(command, tmp_path, monkeypatch):
     assert np.abs(samples).max(axis=0).min() > 0.0
 
 
-def test_the_readme_has_five_commands():
+def test_the_guide_has_five_commands():
     assert len(COMMANDS) == 5

@@ -10,12 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.feel_report import character_steps, feel_report
+from overview_dsp.measure.report import character_steps, feel_report
 from overview_dsp.presets import library
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.rendering.audition import pages
@@ -130,7 +130,6 @@ def changed(draw):
 
 
 @pytest.mark.filterwarnings("ignore::overview_dsp.OverviewWarning")
-@settings(deadline=None, max_examples=60)
 @given(changed(), st.floats(0.05, 1.0))
 def test_no_parameter_takes_a_preset_over_its_ceiling_or_out_of_numbers(preset, seconds):
     timeline = ov.Timeline(

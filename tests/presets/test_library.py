@@ -5,7 +5,7 @@ import os
 import warnings
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -98,7 +98,6 @@ def test_a_file_that_is_too_long_or_no_text_is_one_line(tmp_path):
     refused(path, "mine.toml", "UTF-8", "byte 11")
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.binary(max_size=200))
 def test_any_bytes_are_a_preset_or_one_line(tmp_path_factory, data):
     path = tmp_path_factory.getbasetemp() / "any.toml"

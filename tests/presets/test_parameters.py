@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -85,7 +85,6 @@ def test_an_unknown_name_is_one_line_that_knows_a_near_one():
 
 
 @pytest.mark.filterwarnings("ignore:.*:overview_dsp.OverviewWarning")
-@settings(deadline=None, max_examples=50)
 @given(presets())
 def test_values_of_the_tables_ranges_make_valid_presets(preset):
     assert set(preset.values) == set(PARAMETERS)
@@ -137,7 +136,6 @@ def test_a_preset_needs_a_default_kind():
         ov.Preset("bare", "", "", {}, {"goal": good_kind()})
 
 
-@settings(deadline=None, max_examples=50)
 @given(st.data())
 def test_a_changed_preset_differs_in_what_was_changed_only(data):
     preset = ov.Preset("p", "", "", {}, {"default": good_kind()})

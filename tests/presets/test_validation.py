@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -68,7 +68,6 @@ def test_every_parameter_survives_the_way_through_a_file(id, tmp_path):
         assert ov.load_preset(path).values[id] == value
 
 
-@settings(deadline=None, max_examples=60)
 @given(presets())
 def test_any_preset_survives_the_way_through_toml(preset):
     assert parse_preset(toml_of(preset), preset.name, "mine.toml") == preset
@@ -232,7 +231,6 @@ EDITS = st.one_of(
 )
 
 
-@settings(deadline=None, max_examples=200)
 @given(st.lists(st.tuples(st.floats(0, 1), EDITS), min_size=1, max_size=6), st.booleans())
 def test_a_mutated_file_is_a_preset_or_one_line_and_never_another_exception(edits, small):
     text = SMALL if small else FOOTBALL
@@ -279,7 +277,6 @@ def toml_of_any(value: object) -> str:
     return str(value)
 
 
-@settings(deadline=None, max_examples=150)
 @given(
     st.sampled_from(
         [

@@ -8,7 +8,7 @@ import tomllib
 
 import jsonschema
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -31,7 +31,6 @@ def same(first, second):
     )
 
 
-@settings(deadline=None, max_examples=50)
 @given(presets())
 def test_a_preset_comes_back_from_its_file_and_from_a_state_byte_for_byte(preset):
     text = preset_toml(preset)
@@ -101,7 +100,6 @@ def test_a_morph_goes_from_one_to_the_other_by_steps_of_one_ratio(football):
             morph(football, heart, steps)
 
 
-@settings(deadline=None, max_examples=40)
 @given(presets(), st.integers(0, 2**31), st.floats(0.0, 1.0))
 def test_chance_makes_valid_presets_and_the_same_seed_the_same_one(preset, seed, amount):
     found = randomized(preset, seed, amount)

@@ -20,9 +20,7 @@ from tests.readers.make_crowd import murmur, swelled, write_long
 from tests.readers.outcome import timeline_or_one_line
 
 RATE = 44_100
-HYPOTHESIS = settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+HYPOTHESIS = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 def load(path: Path, sound: Any, rate: int = RATE, **options: Any) -> Timeline:

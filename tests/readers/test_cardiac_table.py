@@ -169,9 +169,7 @@ def test_a_missing_detector_is_one_line(tmp_path: Path, monkeypatch: pytest.Monk
     refused(path, r"finding beats in an ECG needs the package sleepecg .*\[ecg\]", rate=RATE)
 
 
-@settings(
-    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_any_damage_ends_in_a_timeline_or_one_line(tmp_path: Path, data: st.DataObject) -> None:
     rows = [f"{t:.3f},{v:.3f}" for t, v in zip(TIMES[:1500], LEAD[:1500], strict=True)]

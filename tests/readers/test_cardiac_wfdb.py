@@ -27,9 +27,7 @@ from tests.readers.outcome import timeline_or_one_line
 pytest.importorskip("wfdb", reason="needs the extra [ecg]")
 pytest.importorskip("sleepecg", reason="needs the extra [ecg]")
 
-HYPOTHESIS = settings(
-    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+HYPOTHESIS = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 SECONDS = 30.0
 RATE = 250.0
 

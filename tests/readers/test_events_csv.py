@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -182,7 +182,6 @@ def test_any_list_written_as_csv_is_read_back(
     assert read.events == Timeline("", 1e6, tuple(events)).events
 
 
-@settings(max_examples=300)
 @given(st.data())
 def test_any_change_of_a_list_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
     text = '# title: x\n# duration_s: 99\ntime_s,kind,label,weight\n1,goal,"a, b",2\n3,foul,,\n'

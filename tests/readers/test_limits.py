@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -152,7 +152,6 @@ def test_brackets_in_text_are_no_depth(tmp_path: Path) -> None:
     assert len(load_timeline(tmp_path / "x").events[0].label) > 600
 
 
-@settings(max_examples=200, deadline=None)
 @given(
     st.recursive(
         st.none() | st.floats(allow_nan=False, allow_infinity=False) | st.text(max_size=5),
@@ -312,7 +311,6 @@ def test_xz_takes_no_memory_of_its_choice(tmp_path: Path) -> None:
     refused(tmp_path / "x", "can't be unpacked .*[Mm]emory")
 
 
-@settings(max_examples=150, deadline=None)
 @given(
     suffix=st.sampled_from(sorted(PACKERS)),
     at=st.integers(0, 400),

@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -113,7 +113,6 @@ def test_a_wrong_row_is_named(before: str, after: str, words: str) -> None:
         decode(text)
 
 
-@settings(max_examples=200, deadline=None)
 @given(st.integers(0, len(METRICA)), st.integers(0, 80), st.text(max_size=6))
 def test_any_change_gives_a_timeline_or_one_line(at: int, length: int, put: str) -> None:
     timeline_or_one_line(lambda: decode(METRICA[:at] + put + METRICA[at + length :]))

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -78,7 +78,6 @@ def test_a_table_of_something_else_is_left_to_other_readers(text: str, tmp_path:
     assert not sniff(Source.open(tmp_path / "x"))
 
 
-@settings(max_examples=300, deadline=None)
 @given(
     names=st.lists(
         st.sampled_from(sorted({n for known in COLUMNS.values() for n in known})), max_size=6
@@ -340,7 +339,6 @@ def test_a_wrong_row_is_named(text: str, words: str) -> None:
         decode(text)
 
 
-@settings(max_examples=200, deadline=None)
 @given(
     st.sampled_from((MINUTES, GOALSCORERS)),
     st.integers(0, 300),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -214,7 +214,6 @@ JSON = st.recursive(
 )
 
 
-@settings(max_examples=200)
 @given(
     st.sampled_from(
         [("title",), ("duration_s",), ("gaps",), ("gaps", 0), ("gaps", 0, 1), ("notes",)]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -162,7 +162,6 @@ def test_a_wrong_goal_is_named(goal: Any, words: str) -> None:
         decode(openfootball(fixture(goals1=[goal])))
 
 
-@settings(max_examples=200, deadline=None)
 @given(st.data())
 def test_any_change_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
     document = mutated(data, copy.deepcopy(openfootball(fixture())))

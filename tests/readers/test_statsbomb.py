@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -136,6 +136,16 @@ def test_own_goal_records_that_name_each_other_belong_together_however_near_othe
             entry["related_events"] = [names[entry["id"]]]
     labels = [label for _, label in found(document, "own_goal")]
     assert labels == ["0-1 own goal, One", "0-2 own goal, Two"]
+
+
+@pytest.mark.parametrize(("clock", "pair"), [("00:18:10.000", True), ("00:18:10.001", False)])
+def test_own_goal_records_up_to_ten_seconds_apart_are_one_goal(clock: str, pair: bool) -> None:
+    document = match(
+        record(1, "00:18:00.000", "Own Goal Against", HOME, player="A One"),
+        record(1, clock, "Own Goal For", AWAY),
+    )
+    labels = [label for _, label in found(document, "own_goal")]
+    assert labels == (["0-1 own goal, One"] if pair else ["0-1 own goal, One", "0-2 own goal"])
 
 
 def test_half_an_own_goal_counts_too() -> None:
@@ -366,7 +376,6 @@ VALUES = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None)
 @given(st.data())
 def test_any_change_of_a_match_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
     document: Any = copy.deepcopy(FULL)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
@@ -180,14 +180,12 @@ def test_a_goal_tagged_twice_counts_once() -> None:
     assert any("event 23 repeats the goal of event 3" in note for note in timeline.notes)
 
 
-@settings(max_examples=200, deadline=None)
 @given(st.data())
 def test_any_change_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
     document = mutated(data, {"events": copy.deepcopy(wyscout_match()), "teams": {}, "players": {}})
     timeline_or_one_line(lambda: decode(document))
 
 
-@settings(max_examples=100, deadline=None)
 @given(st.data())
 def test_any_change_of_the_companion_gives_a_timeline(data: st.DataObject) -> None:
     from overview_dsp.readers.football.wyscout_matches import _companion

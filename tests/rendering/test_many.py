@@ -16,6 +16,7 @@ from overview_dsp.rendering import many
 from overview_dsp.surface import cache as surface_cache
 from overview_dsp.surface.cache import SurfaceCache
 from tests.examples import plain_preset, preset_with, timeline_of
+from tests.profiles import share
 
 RATE = 8000
 
@@ -65,7 +66,7 @@ def same(result, job, tail, trace, rate=RATE):
     np.testing.assert_array_equal(result.surface.friction, alone.engine.surface.friction)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=share(0.3))
 @given(
     chosen=st.lists(st.sampled_from(ALL), max_size=12),
     threads=st.integers(1, 4),
@@ -202,7 +203,7 @@ def test_a_surface_is_built_once_for_all_it_serves(monkeypatch):
     assert len(built) == 4
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=share(0.6))
 @given(data=st.data())
 def test_an_engine_started_again_is_as_new(data):
     one, two = data.draw(st.sampled_from(ALL)), data.draw(st.sampled_from(ALL))

@@ -52,3 +52,30 @@ def test_a_render_without_a_trace_or_of_nothing_is_shown_too(match, football):
     assert "<audio" in bare._repr_html_()
     nothing = ov.render(match, football, ov.pause(0.0), tail="none")
     assert "0.00 s" in nothing._repr_html_()
+
+
+def test_the_transcript_has_the_strongest_events_in_order_with_their_level(match, football):
+    shown = ov.render(match, football, ov.sweep(2.0))
+    page = shown._repr_html_()
+    strikes = shown.strikes.of_events()
+    lines = re.findall(r"<li>([\d.]+) s: ([^<]+)</li>", page)
+    times = [float(time) for time, _ in lines]
+    held = shown.trace.touching[(strikes.time_s * shown.sample_rate).astype(int)] > 0.5
+    order = np.argsort(-strikes.level, kind="stable")
+    strongest = np.concatenate([order[held[order]][:8], order[~held[order]][:8]])
+    np.testing.assert_allclose(times, np.sort(strikes.time_s[strongest]), atol=0.006)
+    (loudest,) = [
+        words for _, words in lines if words.endswith("the strongest") and " dB" not in words
+    ]
+    assert loudest.startswith(match.events[strikes.event[order[0]]].kind.replace("_", " "))
+    for time, words in lines:
+        released = shown.trace.touching[int(float(time) * shown.sample_rate)] < 0.5
+        assert ("on the way back" in words) == released
+    assert f"{len(strikes)} events passed, the strongest of each way" in page
+
+
+def test_the_player_and_the_picture_have_names_and_a_silent_render_says_so(match, football):
+    quiet = ov.render(match, football, ov.pause(0.1), tail="none")._repr_html_()
+    assert "Transcript: no event is passed." in quiet
+    assert re.search(r'<audio controls aria-label="Sound of [^"]+, 0.10 s"', quiet)
+    assert re.search(r'<svg [^>]+aria-label="Curves of [^"]+"', quiet)

@@ -11,6 +11,7 @@ from hypothesis.extra import numpy as hnp
 import overview_dsp as ov
 from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.rendering.trace_file import TraceWriter
+from tests.profiles import share
 
 TABLES = hnp.arrays(
     np.float64,
@@ -31,7 +32,7 @@ def read(path) -> np.ndarray:
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv"])
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=share(0.6))
 @given(st.lists(TABLES, max_size=4))
 def test_a_trace_comes_back_bit_for_bit_however_it_was_cut(tmp_path_factory, suffix, tables):
     path = tmp_path_factory.getbasetemp() / f"trace{suffix}"

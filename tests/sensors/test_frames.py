@@ -3,7 +3,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.sensors import cobs
@@ -87,7 +87,6 @@ def test_no_burst_of_up_to_16_bits_is_taken_for_a_sample():
             assert decode_frame(flip(whole[:-1], first, shape)) is None
 
 
-@settings(max_examples=300)
 @given(damages, places)
 def test_whatever_happens_to_a_stream_only_sent_frames_come_out(harms, where):
     frames = frame_stream(12)
@@ -99,7 +98,6 @@ def test_whatever_happens_to_a_stream_only_sent_frames_come_out(harms, where):
     assert counters.readings == len(got)
 
 
-@settings(max_examples=300)
 @given(damages)
 def test_after_the_last_damage_at_most_one_frame_is_lost(harms):
     before, after = frame_stream(6), frame_stream(4, start=100)

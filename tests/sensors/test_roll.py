@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.sensors.roll import JOIN_RAD_S, Roll
@@ -48,7 +48,6 @@ def test_over_the_top_the_place_is_held_and_joined_without_a_jump():
     assert path[-1] == pytest.approx(math.pi - 0.0997, abs=0.01)
 
 
-@settings(max_examples=60)
 @given(st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-1, 1)), max_size=60))
 def test_theta2_stays_in_its_range_whatever_is_up(ups):
     one = Roll()

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.sensors.clock import WRAP
@@ -39,7 +39,6 @@ def streams():
 STREAMS = streams()
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.sampled_from(sorted(STREAMS)), damages, places, st.sampled_from([0.0, 1e-4, 0.01, 1.0]))
 def test_whatever_happens_to_a_stream_events_stay_sane(name, harms, where, apart_s):
     if name in ("frames", "text"):
@@ -53,7 +52,6 @@ def test_whatever_happens_to_a_stream_events_stay_sane(name, harms, where, apart
     assert one.counters.received_bytes == len(data)
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.lists(st.binary(max_size=300), max_size=20))
 def test_noise_raises_nothing_and_holds_nothing(pieces):
     one = hand()
@@ -63,7 +61,6 @@ def test_noise_raises_nothing_and_holds_nothing(pieces):
 NUMBERS = st.floats(-1e30, 1e30) | st.sampled_from([0.0, 1.0, 9.81, -9.81, 1e300, -1e300])
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     st.sampled_from([("ax", "ay", "az"), ("t_s", "ax", "ay", "az"), ("t_us", "roll_deg"),
                      ("count",), ("pot",), ("t_ms", "touch", "pot"), ("touch",)]),

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -147,7 +147,6 @@ def test_a_sensor_of_touch_decides_by_itself():
     ]  # fmt: skip
 
 
-@settings(max_examples=80)
 @given(
     st.lists(
         st.tuples(st.floats(0, math.pi), st.booleans(), st.none() | st.floats(0, math.pi),

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -22,7 +22,6 @@ PLACES = np.arange(CELLS + 1) / CELLS
 
 
 @pytest.mark.filterwarnings("ignore::overview_dsp.OverviewWarning")
-@settings(deadline=None, max_examples=50)
 @given(timelines(), presets())
 def test_any_preset_on_any_timeline_gives_a_surface_with_friction_everywhere(timeline, preset):
     surface = ov.build_surface(timeline, preset)
@@ -225,7 +224,6 @@ def test_a_kinds_level_is_added_to_its_modes():
     assert [mode.gain_db for mode in modes] == [-9.0, -6.0]
 
 
-@settings(deadline=None)
 @given(st.floats(-10.0, 10.0))
 def test_the_friction_between_two_points_is_on_the_line_between_them(phi):
     surface = ov.build_surface(timeline_of(50.0), preset_with(width=5.0))

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -68,7 +68,6 @@ def energies(engine, theta1, omega1, touching=False):
     )
 
 
-@settings(deadline=None, max_examples=40)
 @given(
     height=st.floats(0.0, 1000.0),
     width=st.floats(0.03, 10.0),

@@ -17,6 +17,7 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.presets.describe import bristle_hold
 from tests.examples import preset_with, timeline_of
+from tests.profiles import share
 
 RATE = 48_000
 
@@ -90,7 +91,7 @@ def test_bristles_that_no_spring_can_pull_over_are_named():
         ov.build_surface(timeline_of(), creaking(surface__grip=10_000.0))
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=share(0.5))
 @given(
     stiffness=st.floats(0.1, 1e6),
     other=st.floats(0.1, 1e6),

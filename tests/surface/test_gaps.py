@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -177,7 +177,6 @@ def test_a_zoom_into_a_narrow_gap_shows_its_ribs_without_a_warning():
     assert surface.friction.max() == pytest.approx(1.8e-3, rel=1e-3)
 
 
-@settings(deadline=None, max_examples=60)
 @given(st.data())
 def test_every_gap_of_any_list_has_points_on_the_table_and_nothing_else_has(data):
     edges = sorted(data.draw(st.sets(st.floats(0.0, 100.0, allow_subnormal=False), max_size=30)))

@@ -16,7 +16,8 @@ from overview_dsp.engine.surface_slots import struck_event
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.layout import MAX_MODES
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MATERIALS
-from overview_dsp.surface.materials import modes_of
+from overview_dsp.surface.materials import louder, modes_of
+from overview_dsp.surface.texture_strikes import crests_of, troughs_of
 from tests.examples import plain_preset, preset_with, timeline_of
 
 PITCH = KIND_PARAMETERS["pitch_hz"]
@@ -131,3 +132,31 @@ def test_what_is_held_rings_as_much_shorter_at_the_same_pitches():
     free, held = modes_of("metal", 2000.0), modes_of("metal", 2000.0, 0.1)
     assert [mode.frequency_hz for mode in held] == [mode.frequency_hz for mode in free]
     assert held[0].decay_ms == pytest.approx(0.1 * free[0].decay_ms)
+
+
+def test_modes_end_at_20_khz_and_no_decay_leaves_what_a_mode_may_have():
+    pitch = 20_000.0 / 2.32
+    assert [mode.frequency_hz for mode in modes_of("glass", pitch)] == [pitch, pitch * 2.32]
+    assert len(modes_of("glass", math.nextafter(pitch, 1e5))) == 1
+    assert modes_of("metal", 20.0)[0].decay_ms == 5000.0
+    assert modes_of("card", 4000.0, 0.1)[0].decay_ms == 1.0
+
+
+def test_each_mode_is_softer_than_the_one_before_by_what_the_surface_lets_through():
+    assert [mode.gain_db for mode in modes_of("glass", 500.0)] == [0.0, -2.5, -5.0, -7.5, -10.0]
+    raised = louder(modes_of("card", 500.0), -7.0)
+    assert [mode.gain_db for mode in raised] == [-7.0, -10.0, -13.0, -16.0]
+    assert [(mode.frequency_hz, mode.decay_ms) for mode in raised] == [
+        (mode.frequency_hz, mode.decay_ms) for mode in modes_of("card", 500.0)
+    ]
+
+
+def test_crests_and_troughs_of_a_course():
+    course = np.array([1.0, 0.2, 0.5, 0.5, 0.1, 0.1, 0.8, 0.3, 0.4])
+    top, bottom = crests_of(course, 3.0), troughs_of(course, 5.0)
+    # of a flat top the first point; the ends are none
+    assert top.position == pytest.approx(np.array([2, 6]) / 8)
+    assert top.release == pytest.approx([1.5, 2.4])
+    assert bottom.position == pytest.approx(np.array([1, 4, 7]) / 8)
+    assert bottom.release.tolist() == [5.0, 5.0, 5.0]
+    assert crests_of(np.array([0.0, 1.0, 0.0]), 1.0).position.tolist() == [0.5]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.feel_report import character_steps, feel_report
+from overview_dsp.measure.report import character_steps, feel_report
 from overview_dsp.presets.parameters import PATTERNS
 from overview_dsp.surface.patterns import pattern
 from tests.examples import plain_preset, timeline_of
@@ -80,3 +80,33 @@ def test_twice_the_friction_is_steps_of_level():
     )
     assert one.stroke("slow").level_db < two.stroke("slow").level_db
     assert character_steps(one, two) > 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "course"),
+    [
+        ("waves", {0.0: 0.0, 0.25: 0.5, 0.5: 1.0, 1.0 / 3.0: 0.75, 0.75: 0.5}),
+        ("ridges", {0.5: 1.0, 0.4: 0.5, 0.6: 0.5, 0.3: 0.0625, 0.0: 2.0**-25}),
+        ("teeth", {0.0: 0.0, 0.45: 0.5, 0.9: 1.0, 0.95: 0.5}),
+    ],
+)
+def test_a_period_of_a_pattern_has_its_stated_course(name, course):
+    # tables of 120 points a period, which hold these parts of it
+    found = pattern(name, 600, 20.0)
+    for part, value in course.items():
+        at = round(part * 120) + 120 * np.arange(5)
+        assert found[at] == pytest.approx(np.full(5, value), abs=1e-12), part
+
+
+def test_grains_are_heights_by_chance_joined_by_half_cosines():
+    heights = np.random.default_rng(1).random(7)
+    found = pattern("grains", 600, 20.0)
+    assert found[::120] == pytest.approx(heights[:6])
+    way = 0.5 - 0.5 * np.cos(np.pi * np.arange(120) / 120)
+    for n in range(5):
+        expected = heights[n] + (heights[n + 1] - heights[n]) * way
+        assert found[120 * n : 120 * (n + 1)] == pytest.approx(expected)
+    # however long the period is
+    assert pattern("grains", 600, 250.0)[[0, 600]] == pytest.approx(
+        [heights[0], heights[0] + (heights[1] - heights[0]) * (0.5 - 0.5 * np.cos(0.4 * np.pi))]
+    )

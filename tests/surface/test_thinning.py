@@ -65,3 +65,19 @@ def test_merged_bristles_belong_to_the_event_that_strikes():
     gripped = np.flatnonzero(owner >= 0)
     away = np.abs(surface.position[owner[gripped]] * 65_536 - gripped)
     assert away.max() < 32.0
+
+
+@pytest.mark.parametrize("most", [1, 7, 30, 120, 200])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_cells_are_joined_in_pairs_only_as_often_as_needed_and_ties_go_to_the_first(seed, most):
+    random = np.random.default_rng(seed)
+    place = random.choice([1.0, 0.25], 200) * random.integers(0, 65_536, 200)
+    release = random.integers(0, 4, 200).astype(float)
+    width = 1
+    while len(np.unique(place // width)) > most:
+        width *= 2
+    kept, stands_for = thin_events(place, release, most)
+    assert np.array_equal(np.unique(place // width)[stands_for], place // width)
+    for number, index in enumerate(kept):
+        (together,) = np.nonzero(stands_for == number)
+        assert index == min(together, key=lambda i: (-release[i], place[i], i))

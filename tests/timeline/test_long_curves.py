@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -97,7 +97,6 @@ def test_even_times_are_found_as_in_an_array(
 # --- the pyramid --------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=40)
 @given(st.integers(1, 20_000), st.integers(1, 5000), st.sampled_from((np.float32, np.float64)))
 def test_every_bin_has_the_extremes_and_the_mean_of_its_values(
     count: int, chunk: int, dtype: type
@@ -122,7 +121,6 @@ def test_every_bin_has_the_extremes_and_the_mean_of_its_values(
         np.testing.assert_allclose(level.mean[:whole], means, atol=2e-6)
 
 
-@settings(deadline=None, max_examples=60)
 @given(st.data())
 def test_the_extremes_of_any_stretches_are_exact(data: st.DataObject) -> None:
     count = data.draw(st.sampled_from((1, 17, 1000, 400_000)))
@@ -380,7 +378,6 @@ def test_a_full_temporary_folder_is_one_line(monkeypatch: pytest.MonkeyPatch) ->
         Store(np.float64).append(np.zeros(10))
 
 
-@settings(deadline=None)
 @given(
     st.lists(st.sampled_from((0.0, 1.0, 2.0, float("nan"))), min_size=1, max_size=60),
     st.integers(1, 20),

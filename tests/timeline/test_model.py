@@ -372,9 +372,11 @@ def test_percentiles_scale_a_curve_and_clip_it_there_alone() -> None:
 
 
 def test_percentiles_that_fall_together_give_way_to_the_extremes() -> None:
-    rain = Intensity(np.arange(100.0), np.eye(1, 100, 60)[0] * 8.0, "mm", (1.0, 99.0))
-    timeline = Timeline("", 99.0, intensity=rain)
-    assert timeline.normalised_intensity_at([0.0, 60.0]).tolist() == [0.0, 1.0]
+    fallen = np.zeros(1000)
+    fallen[600], fallen[700] = 4.0, 8.0
+    rain = Intensity(np.arange(1000.0), fallen, "mm", (1.0, 99.0))
+    timeline = Timeline("", 999.0, intensity=rain)
+    assert timeline.normalised_intensity_at([0.0, 600.0, 700.0]).tolist() == [0.0, 0.5, 1.0]
 
 
 @pytest.mark.parametrize("given", [(50.0, 50.0), (-1.0, 99.0), (1.0, 101.0), (1.0,), "ab", None])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -31,6 +32,12 @@ def player(match):
     player.close()
 
 
+def run(coroutine):
+    """What a coroutine returns, in a thread: a browser's driver may keep this one's event loop."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, coroutine).result()
+
+
 def drive(player, script, size=(100, 30), **given):
     """Run `script(app, pilot)` in the application; what it returns."""
 
@@ -42,7 +49,7 @@ def drive(player, script, size=(100, 30), **given):
         assert app.failure is None
         return result
 
-    return asyncio.run(inside())
+    return run(inside())
 
 
 async def until(pilot, condition, seconds=15.0):
@@ -274,4 +281,4 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
             assert "hold it still" in str(app.query_one("#messages").render())
             assert await until(pilot, lambda: shown.size.height == 6)
 
-    asyncio.run(inside())
+    run(inside())

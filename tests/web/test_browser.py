@@ -9,11 +9,11 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.engine.surface_slots import write_surface
+from overview_dsp.export.browser_memory import encode_change, encode_engine, event_numbers
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 from overview_dsp.live.python_path import run_block
 from overview_dsp.units import db_to_gain
-from overview_dsp.web.encoding import encode_change, encode_engine, event_numbers
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played
 from tests.web.surfaces import preset_of
 
@@ -46,6 +46,7 @@ def test_drag_tap_and_release_are_the_native_samples(browser, match, football):
     )
 
 
+@pytest.mark.soak
 def test_firefox_gives_the_native_samples_too(firefox, match, football):
     expected = played(engine(match, football))
     firefox.give(image=encode_engine(engine(match, football, hands=False)))

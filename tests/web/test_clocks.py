@@ -13,6 +13,7 @@ import overview_dsp as ov
 from overview_dsp.web.clocks import MAX_DELAY_S, Delay, PageClock, SampleClock
 from overview_dsp.web.hands import SILENCE_S, RemoteHands
 from overview_dsp.web.messages import RemoteEvent
+from tests.profiles import share
 
 RATE, BLOCK = 48_000, 256
 
@@ -118,7 +119,7 @@ def test_a_movement_keeps_its_course_however_late_its_events_come(machine):
         max_size=25,
     )
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=share(0.5))
 def test_whatever_hands_do_events_stay_in_order_and_nothing_sticks(match, football, steps):
     machine = Machine(match, football)
     hands = [machine.hands.join() for _ in range(3)]

@@ -9,7 +9,7 @@ import time
 
 import httpx
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.web import connections
@@ -166,7 +166,6 @@ def test_hosts_are_told_apart():
 
 
 @given(st.text(max_size=40), st.text(max_size=40), st.booleans())
-@settings(max_examples=500, deadline=None)
 def test_any_host_and_origin_are_told_apart_without_an_error(host, origin, must):
     here = ("192.168.1.5", 8765)
     if host_is_ours(host, "https", here, {"laptop"}):

@@ -458,6 +458,7 @@ def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
         assert bytes(made) == expected
 
 
+@pytest.mark.soak
 def test_firefox_shows_it_to_keys_and_zooms_it_too(firefox, site, tmp_path):
     folder = shutil.copytree(site, tmp_path / "site")
     shutil.copy(Path(__file__).parent / "page" / "alone.js", folder)

@@ -40,7 +40,7 @@ PLACES = [path for path in paths(FOOTBALL) if path]
 
 
 @given(st.data())
-@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 def test_a_preset_that_was_tampered_with_is_a_preset_or_one_line(match, football, data):
     given_preset = copy.deepcopy(FOOTBALL)
     for path in data.draw(st.lists(st.sampled_from(PLACES), min_size=1, max_size=3)):
@@ -67,7 +67,7 @@ def test_a_preset_that_was_tampered_with_is_a_preset_or_one_line(match, football
 
 
 @given(st.dictionaries(st.sampled_from(["sample_rate", "before", "after", "window"]), values))
-@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 def test_any_question_for_a_change_is_refused_in_one_line(match, football, asked):
     with pytest.raises(ov.InputError):
         sound_data.change(
@@ -76,14 +76,14 @@ def test_any_question_for_a_change_is_refused_in_one_line(match, football, asked
 
 
 @given(st.dictionaries(st.sampled_from(["preset", "window"]), values))
-@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 def test_any_question_for_a_window_is_refused_in_one_line(match, football, asked):
     with pytest.raises(ov.InputError):
         sound_data.window(match, football, asked)
 
 
 @given(st.text(max_size=300), st.text(max_size=80))
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 def test_any_text_under_any_name_is_refused_and_leaves_no_file(tmp_path, monkeypatch, text, name):
     monkeypatch.setenv("OVERVIEW_PRESETS", str(tmp_path))
     with pytest.raises(ov.InputError):

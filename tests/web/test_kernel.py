@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
+from tests.profiles import share
 from tests.web.schedule import BLOCK, FRAMES, RELEASE, change, engine, played
 from tests.web.surfaces import preset_of
 from tests.web.wasm_runner import WasmKernel
@@ -58,7 +59,7 @@ def test_the_wasm_gives_the_native_bits(match, football, native, size):
     assert np.array_equal(out, native)
 
 
-@settings(deadline=None, max_examples=8)
+@settings(max_examples=share(0.16))
 @given(sizes=st.lists(st.integers(1, 3_000), max_size=300))
 def test_no_partition_changes_a_bit(match, football, native, sizes):
     made = engine(match, football)

@@ -24,7 +24,10 @@ from tests.cli.test_serve import MATCH, running
 from tests.live import jack_server
 from tests.live.test_portaudio import aligned
 
-pytestmark = pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL),
+]
 
 SECONDS = 6.0
 RECORD = """

@@ -7,10 +7,12 @@
  * One hand; surfaces and parameters stand still; bristles, detents and end stops are left out.
  */
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
-enum { CELLS = 65536, BANKS = 33, MAX_MODES = 6, PHASES = 8, CONTACT = 8, QUEUE = 16384, CHUNK = 64 };
+#include "layout.h"
+
 static const double PI = 3.141592653589793;
 static const double FAR_AWAY = 1e300, RETREAT = 1e-6, STANDSTILL = 1e-150, STILL = 1e-150;
 
@@ -22,10 +24,24 @@ typedef struct {
         pace_most;
 } Coefficients;
 
+#define IS_COLUMN(type, member, column, start) \
+    _Static_assert(offsetof(type, member) == 8 * ((column) - (start)), #member)
+IS_COLUMN(Coefficients, smooth, C_SMOOTH, COEFF);
+IS_COLUMN(Coefficients, carrier, C_CARRIER, COEFF);
+IS_COLUMN(Coefficients, strike_torque, C_STRIKE_TORQUE, COEFF);
+IS_COLUMN(Coefficients, ceiling, C_CEILING, COEFF);
+IS_COLUMN(Coefficients, forget, C_FORGET, COEFF);
+IS_COLUMN(Coefficients, pace_most, C_PACE_MOST, COEFF);
+
 /* a mode of a surface */
 typedef struct {
     double re[2 * PHASES], im[2 * PHASES], cos, sin, turns, decay, gain, unused[3];
 } Mode;
+
+IS_COLUMN(Mode, im, MODE_IM, MODE_RE);
+IS_COLUMN(Mode, cos, MODE_COS, MODE_RE);
+IS_COLUMN(Mode, gain, MODE_GAIN, MODE_RE);
+_Static_assert(sizeof(Mode) == 8 * MODE_SIZE, "Mode");
 
 /* a surface slot, and the clicks of each kind */
 typedef struct {
@@ -59,7 +75,7 @@ typedef struct {
     double follower, envelope_1, envelope_2, tactor_in, tactor_out;
     double grain, texture, click_in, click_out;
     Bank bank[BANKS];
-    Strike queue[QUEUE];
+    Strike queue[STRIKE_LOG];
 } Voice;
 
 /* --- elementary functions: kernels/elementary.py ------------------------------------------- */
@@ -140,7 +156,7 @@ static void strike(Voice *voice, const Coefficients *c, const Surface *surface, 
         level = power(hardness, c->strike_exponent);
         level = level / (1.0 + level);
     }
-    Strike *entry = &voice->queue[voice->strikes % QUEUE];
+    Strike *entry = &voice->queue[voice->strikes % STRIKE_LOG];
     entry->time = (double)sample + fraction;
     entry->level = level;
     entry->event = event;
@@ -181,7 +197,7 @@ static int64_t sound_strikes(Voice *voice, const Surface *surface, int64_t sampl
     int64_t due = INT64_MAX;
     for (int number = 0; number < CONTACT; number++) {
         while (voice->sounded[number] < voice->strikes) {
-            const Strike *entry = &voice->queue[voice->sounded[number] % QUEUE];
+            const Strike *entry = &voice->queue[voice->sounded[number] % STRIKE_LOG];
             double time = entry->time + (double)number * 0.5;
             double rest = (double)(sample + 1) - time;
             if (rest < 0.0) {

@@ -19,7 +19,7 @@ from overview_dsp.bench.live.load import MAX_BLOCK, RATE, SETTLE_S, SILENT_S
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.portaudio import OutputStream
-from overview_dsp.presets import load_preset
+from overview_dsp.presets.library import load_preset
 from overview_dsp.timeline import Event, Timeline
 from overview_dsp.units import HALF_TURN
 

@@ -21,7 +21,7 @@ import numpy as np
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.portaudio import CallbackKind, OutputStream
-from overview_dsp.presets import load_preset
+from overview_dsp.presets.library import load_preset
 from overview_dsp.readers import bundled_timeline
 from overview_dsp.units import HALF_TURN
 

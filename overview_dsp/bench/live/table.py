@@ -18,7 +18,7 @@ from typing import Any
 from overview_dsp.bench.live.latency import LatencyResult, measure_latency, probe
 from overview_dsp.bench.live.load import RATE, LoadResult, measure_load
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.portaudio import outputs
+from overview_dsp.live.portaudio import devices
 
 BLOCK = 256
 BLOCKS = (64, 128, 256, 512, 1024)
@@ -201,7 +201,7 @@ def _in_own_process(what: dict[str, Any]) -> dict[str, Any]:
 
 
 def _run(what: dict[str, Any]) -> LoadResult | LatencyResult:
-    if not outputs():
+    if not devices():
         raise InputError(
             "no audio output: plug in a sound card or start a sound server (PipeWire, PulseAudio, "
             "JACK); `overview devices` lists what is there"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from overview_dsp.actuators import Actuator
+    from overview_dsp.actuators.model import Actuator
     from overview_dsp.live.output_settings import SignalSettings
     from overview_dsp.live.sample_output import Playback
 
@@ -60,13 +60,13 @@ def calibrate(
     --actuator NAME drives it so much more, or less, that what presets do is as far above your
     threshold as they mean it.
     """
-    from overview_dsp.actuators import load_actuator
     from overview_dsp.actuators.calibration import (
         calibration_file,
         forget_threshold,
         gain_for,
         save_threshold,
     )
+    from overview_dsp.actuators.library import load_actuator
     from overview_dsp.errors import InputError
 
     actuator = load_actuator(name)
@@ -162,9 +162,9 @@ def _output(
     if device == SILENT:
         settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None
     else:
-        from overview_dsp.live.portaudio import find_output
+        from overview_dsp.live.portaudio import find_device
 
-        found = find_output(device_named(device))
+        found = find_device(device_named(device))
         name, rate, index = f"{found.name} ({found.host})", found.sample_rate, found.index
         settings = load_settings(name)
     tactor = settings.tactor if channel is None else replace(settings.tactor, channel=channel)

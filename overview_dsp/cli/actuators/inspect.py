@@ -11,8 +11,8 @@ from overview_dsp.cli.common import print_json
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def list_(as_json: bool) -> None:
     """The bundled actuators and your own, and what each is."""
-    from overview_dsp.actuators import actuator_names
     from overview_dsp.actuators.calibration import calibrated_actuator
+    from overview_dsp.actuators.library import actuator_names
     from overview_dsp.errors import InputError
 
     found = []

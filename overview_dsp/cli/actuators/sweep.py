@@ -41,7 +41,7 @@ def sweep(
     """
     import numpy as np
 
-    from overview_dsp.actuators import load_actuator
+    from overview_dsp.actuators.library import load_actuator
     from overview_dsp.actuators.stage import ActuatorStage, protected_report
     from overview_dsp.actuators.tones import log_sweep
     from overview_dsp.files.sound import save_sound

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from overview_dsp.actuators import Actuator
+    from overview_dsp.actuators.model import Actuator
     from overview_dsp.actuators.stage import Protected
 
 NONE = "none"

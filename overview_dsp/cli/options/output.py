@@ -11,7 +11,7 @@ import click
 from overview_dsp.cli.options.actuator import calibrated
 
 if TYPE_CHECKING:
-    from overview_dsp.actuators import Actuator
+    from overview_dsp.actuators.model import Actuator
     from overview_dsp.live.output_settings import OutputSettings
 
 

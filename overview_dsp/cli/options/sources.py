@@ -43,8 +43,8 @@ def input_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--baud", type=click.IntRange(300, 4_000_000), help="Of the serial port, "
                      "instead of the sensor file's (115200)."),
         click.option("--force", is_flag=True, help="Brake the motor on the serial port as the "
-                     "surface brakes the disk (docs/motors.md); blocks are of 128 frames if no "
-                     "size is given."),
+                     "surface brakes the disk (docs/guide/force.md); blocks are of 128 frames if "
+                     "no size is given."),
         click.option("--midi-map", metavar="FILE.toml", help="What the controls of a MIDI "
                      "controller do; `overview midi learn` writes one."),
         click.option("--osc-out", metavar="[HOST:]PORT", help="Send cursor, torque and events."),

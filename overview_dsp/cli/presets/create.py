@@ -48,8 +48,7 @@ def new(name: str, base: str, out: str | None, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def edit(preset: str, as_json: bool) -> None:
     """Open one of your presets in your editor ($VISUAL, $EDITOR), and check it afterwards."""
-    from overview_dsp.presets import load_preset, preset_path
-    from overview_dsp.presets.library import bundled_presets
+    from overview_dsp.presets.library import bundled_presets, load_preset, preset_path
 
     if preset in bundled_presets():
         raise InputError(
@@ -78,8 +77,8 @@ def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
     """Presets on the way from FIRST to SECOND."""
     from overview_dsp.files.atomic import make_folder
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets import load_preset
     from overview_dsp.presets.blending import morph as blend
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.presets.writing import save_preset
 
     found = blend(load_preset(first), load_preset(second), steps)
@@ -97,8 +96,8 @@ def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
 def randomize(preset: str, seed: int, amount: float, out: str | None, as_json: bool) -> None:
     """A preset near PRESET, by chance."""
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets import load_preset
     from overview_dsp.presets.blending import randomized
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.presets.writing import save_preset
 
     if seed < 0:

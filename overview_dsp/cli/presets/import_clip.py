@@ -34,7 +34,7 @@ def import_(clip: str, kind: str, into: str, layer: str, out: str | None, as_jso
     from overview_dsp.export.layers import with_layer
     from overview_dsp.export.reading import read_clip
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.presets.writing import save_preset
 
     keep_input(clip)

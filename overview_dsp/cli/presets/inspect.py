@@ -12,8 +12,7 @@ from overview_dsp.cli.common import print_json
 def list_(as_json: bool) -> None:
     """The bundled presets and your own, and what each is for."""
     from overview_dsp.errors import InputError
-    from overview_dsp.presets import bundled_presets, load_preset
-    from overview_dsp.presets.library import own_names, preset_path
+    from overview_dsp.presets.library import bundled_presets, load_preset, own_names, preset_path
 
     report = []
     faults = []
@@ -47,8 +46,8 @@ def list_(as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def show(preset: str, as_json: bool) -> None:
     """Every parameter of PRESET with its value, range and meaning, and its event kinds."""
-    from overview_dsp.presets import load_preset
     from overview_dsp.presets.describe import describe, describe_json
+    from overview_dsp.presets.library import load_preset
 
     loaded = load_preset(preset)
     if as_json:
@@ -63,7 +62,7 @@ def show(preset: str, as_json: bool) -> None:
 def check(presets: tuple[str, ...], as_json: bool) -> None:
     """Check PRESETS (names or .toml files): file, line, key and range of the first fault."""
     from overview_dsp.errors import InputError
-    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import load_preset
 
     faults = []
     report = []
@@ -91,8 +90,8 @@ def check(presets: tuple[str, ...], as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def diff(first: str, second: str, as_json: bool) -> None:
     """What differs between two presets, value by value."""
-    from overview_dsp.presets import load_preset
     from overview_dsp.presets.comparing import differences
+    from overview_dsp.presets.library import load_preset
 
     found = differences(load_preset(first), load_preset(second))
     if as_json:

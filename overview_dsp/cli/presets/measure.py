@@ -33,7 +33,7 @@ def audition(preset: str, out: str | None, seed: int, as_json: bool) -> None:
     """
     from overview_dsp.plots.presets import plot_gallery
     from overview_dsp.plots.saving import save_figure
-    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.rendering.audition import audition as sound
 
     loaded = load_preset(preset)
@@ -79,10 +79,10 @@ def feel(
     On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
     told apart, which are masked or merged, and what to change.
     """
-    from overview_dsp.measure.feel_report import feel_report
+    from overview_dsp.measure.report import feel_report
     from overview_dsp.plots.presets import plot_feel
     from overview_dsp.plots.saving import require_picture, save_picture
-    from overview_dsp.presets import load_preset
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.rendering.audition import pages
 
     loaded = load_preset(preset)
@@ -124,9 +124,9 @@ def tune(
     next.
     """
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets import load_preset
+    from overview_dsp.measure.tuning import separated, tuned
+    from overview_dsp.presets.library import load_preset
     from overview_dsp.presets.writing import save_preset
-    from overview_dsp.tuning import separated, tuned
 
     if target is None and not apart:
         raise InputError("give --target KIND>KIND, --apart, or both")

@@ -13,7 +13,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import recover
 from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
-from overview_dsp.kernels.control import apply_due, next_due
+from overview_dsp.kernels.control import apply_due, next_due, waits
 from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
 from overview_dsp.kernels.limiter import KNEE
 from overview_dsp.kernels.modal_bank import ring
@@ -46,7 +46,7 @@ TRACE_COLUMNS = (
 @inlined
 def is_plain(f64, i64):
     """Whether nothing but hands moves a voice in the next block, over viscous friction alone."""
-    if i64[layout.HOST_READ] < i64[layout.HOST_WRITTEN] or i64[layout.FADE_LEFT] > 0:
+    if waits(i64, layout.HOST_READ, layout.HOST_WRITTEN) or i64[layout.FADE_LEFT] > 0:
         return False
     if i64[layout.S_CLICK_CHANNEL] != 0 or i64[layout.S_TACTOR_CHANNEL] != 1:
         return False

@@ -12,8 +12,8 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 
-COEFFICIENTS = 0  # all of a voice's own, in their order
-STATE = COEFFICIENTS + layout.COEFFS * SIMD_WIDTH
+row = layout.Columns()
+COEFFICIENTS = row(layout.COEFFS * SIMD_WIDTH)  # all of a voice's own, in their order
 # what the lanes' loops change in the state; the rest of it stays with the voice
 MOVED = (
     layout.APPROACH,
@@ -42,41 +42,42 @@ MOVED = (
     layout.M_PEAK_CLICK,
     layout.M_PEAK_TACTOR,
 )
-INPUT = STATE + len(MOVED) * SIMD_WIDTH
-HOLD = INPUT + SIMD_WIDTH  # 1 while shaft 2 is engaged, else 0
-SPRING = HOLD + SIMD_WIDTH
-DENOMINATOR = SPRING + SIMD_WIDTH
-PACING = DENOMINATOR + SIMD_WIDTH  # smoothing of the hand's pace, 0 where nobody holds the disk
-CATCH = PACING + SIMD_WIDTH  # the clutch's reach where shaft 2 is engaged, else without end
-HIGHEST = CATCH + SIMD_WIDTH  # position in the last chunk, cells
-LOWEST = HIGHEST + SIMD_WIDTH
-TABLE = LOWEST + SIMD_WIDTH  # i64: where the voice's friction table begins
-DUE = TABLE + SIMD_WIDTH  # i64: sample of the voice's next control event
-WANTED = DUE + SIMD_WIDTH  # i64: 1 = the lane has a voice
-MEMBER = WANTED + SIMD_WIDTH  # i64: 1 = which goes with the others
-BEFORE = MEMBER + SIMD_WIDTH  # position before the chunk, cells
-ECHO = BEFORE + SIMD_WIDTH  # i64: 1 = its RING columns are not all zero
-LOUDEST_CLICK = ECHO + SIMD_WIDTH  # in the last chunk
-LOUDEST_TACTOR = LOUDEST_CLICK + SIMD_WIDTH
+STATE = row(len(MOVED) * SIMD_WIDTH)
+INPUT = row(SIMD_WIDTH)
+HOLD = row(SIMD_WIDTH)  # 1 while shaft 2 is engaged, else 0
+SPRING = row(SIMD_WIDTH)
+DENOMINATOR = row(SIMD_WIDTH)
+PACING = row(SIMD_WIDTH)  # smoothing of the hand's pace, 0 where nobody holds the disk
+CATCH = row(SIMD_WIDTH)  # the clutch's reach where shaft 2 is engaged, else without end
+HIGHEST = row(SIMD_WIDTH)  # position in the last chunk, cells
+LOWEST = row(SIMD_WIDTH)
+TABLE = row(SIMD_WIDTH)  # i64: where the voice's friction table begins
+DUE = row(SIMD_WIDTH)  # i64: sample of the voice's next control event
+WANTED = row(SIMD_WIDTH)  # i64: 1 = the lane has a voice
+MEMBER = row(SIMD_WIDTH)  # i64: 1 = which goes with the others
+BEFORE = row(SIMD_WIDTH)  # position before the chunk, cells
+ECHO = row(SIMD_WIDTH)  # i64: 1 = its RING columns are not all zero
+LOUDEST_CLICK = row(SIMD_WIDTH)  # in the last chunk
+LOUDEST_TACTOR = row(SIMD_WIDTH)
 # between the stages: a row for each sample of a chunk
 ROWS = layout.CHUNK * SIMD_WIDTH
-TORQUE = LOUDEST_TACTOR + SIMD_WIDTH
-OMEGA = TORQUE + ROWS
-PHASE = OMEGA + ROWS
-POSITION = PHASE + ROWS
-APPROACH = POSITION + ROWS
-AMPLITUDE = APPROACH + ROWS
-SINE = AMPLITUDE + ROWS
-GRAIN = SINE + ROWS
-COLOUR = GRAIN + ROWS
-RING = COLOUR + ROWS
-CLICK = RING + ROWS
-TACTOR = CLICK + ROWS
-SPEED = TACTOR + ROWS  # from here on for traces alone
-THETA2 = SPEED + ROWS
-FRICTION = THETA2 + ROWS
-ENVELOPE = FRICTION + ROWS
-SIZE = ENVELOPE + ROWS
+TORQUE = row(ROWS)
+OMEGA = row(ROWS)
+PHASE = row(ROWS)
+POSITION = row(ROWS)
+APPROACH = row(ROWS)
+AMPLITUDE = row(ROWS)
+SINE = row(ROWS)
+GRAIN = row(ROWS)
+COLOUR = row(ROWS)
+RING = row(ROWS)
+CLICK = row(ROWS)
+TACTOR = row(ROWS)
+SPEED = row(ROWS)  # from here on for traces alone
+THETA2 = row(ROWS)
+FRICTION = row(ROWS)
+ENVELOPE = row(ROWS)
+SIZE = row.end
 MEMORY = SIZE + SIMD_WIDTH * layout.TOTAL  # the lanes' own, then the voices' blocks
 
 

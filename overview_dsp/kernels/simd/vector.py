@@ -19,7 +19,9 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import (
+
+from overview_dsp.kernels.intrinsics import (
+    column_pointer,
     intrinsic,
     lower_builtin,
     models,
@@ -35,11 +37,6 @@ _WORD = ir.IntType(64)
 _ELEMENT = {"float64": ir.DoubleType(), "uint64": _WORD, "bool": ir.IntType(1)}
 
 
-def _intrinsic(function: Callable[..., Any]) -> Any:
-    """What the compiler writes out where it is called; its first argument is the compiler's."""
-    return intrinsic(function)
-
-
 class _Lanes(types.Type):
     """The type of `SIMD_WIDTH` numbers of one kind."""
 
@@ -52,7 +49,7 @@ FLOATS, WORDS, MASK = _Lanes("float64"), _Lanes("uint64"), _Lanes("bool")
 
 
 @register_model(_Lanes)
-class _LanesModel(models.PrimitiveModel):
+class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]
     def __init__(self, manager: Any, type_: _Lanes) -> None:
         super().__init__(manager, type_, type_.vector)
 
@@ -203,7 +200,7 @@ def store(f64, at, value):
     f64[at : at + SIMD_WIDTH] = value
 
 
-@_intrinsic
+@intrinsic
 def _select(typing: Any, condition: Any, yes: Any, no: Any) -> Any:
     of = WORDS if WORDS in (yes, no) else FLOATS
 
@@ -224,7 +221,7 @@ def _choose(condition, yes, no):
 
 
 def _seen_as(given: _Lanes, wanted: _Lanes, instruction: str) -> Any:
-    @_intrinsic
+    @intrinsic
     def seen(typing: Any, x: Any) -> Any:
         def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             return getattr(builder, instruction)(args[0], wanted.vector)
@@ -260,16 +257,11 @@ def _count(word):
     return lambda word: float(np.int64(word))
 
 
-def _column(context: Any, builder: Any, of_array: Any, array: Any, at: Any) -> Any:
-    data = context.make_array(of_array)(context, builder, array).data
-    return builder.gep(data, [at])
-
-
 def _loading(of: _Lanes) -> Any:
-    @_intrinsic
+    @intrinsic
     def loaded(typing: Any, f64: Any, at: Any) -> Any:
         def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            place = _column(context, builder, signature.args[0], *args)
+            place = column_pointer(context, builder, signature.args[0], *args)
             return builder.load(builder.bitcast(place, of.vector.as_pointer()), align=8)
 
         return of(f64, types.int64), emit
@@ -282,12 +274,12 @@ load_words = _loading(WORDS)
 """`load` of words: `load_words(m, at)`. Compiled code only."""
 
 
-@_intrinsic
+@intrinsic
 def _store(typing: Any, f64: Any, at: Any, value: Any) -> Any:
     of = WORDS if value is WORDS else FLOATS
 
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        place = _column(context, builder, signature.args[0], *args[:2])
+        place = column_pointer(context, builder, signature.args[0], *args[:2])
         value = _in_all(context, builder, args[2], signature.args[2], of)
         builder.store(value, builder.bitcast(place, of.vector.as_pointer()), align=8)
         return context.get_dummy_value()
@@ -295,7 +287,7 @@ def _store(typing: Any, f64: Any, at: Any, value: Any) -> Any:
     return types.void(f64, types.int64, value), emit
 
 
-@_intrinsic
+@intrinsic
 def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) -> Any:
     """Of a table of pairs for each lane, those at the whole part of `position`. Compiled code only.
 
@@ -314,8 +306,8 @@ def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) ->
             number = builder.extract_element(whole, ir.Constant(_INDEX, lane))
             twice = builder.shl(builder.zext(number, _WORD), ir.Constant(_WORD, 1))
             slot = builder.add(first, ir.Constant(_WORD, lane))
-            start = builder.load(_column(context, builder, signature.args[1], starts, slot))
-            at = _column(context, builder, signature.args[0], f64, builder.add(start, twice))
+            start = builder.load(column_pointer(context, builder, signature.args[1], starts, slot))
+            at = column_pointer(context, builder, signature.args[0], f64, builder.add(start, twice))
             found.append(builder.load(builder.bitcast(at, pair.as_pointer()), align=8))
         while len(found) > 1:  # two by two into one vector
             order = _order(list(range(2 * found[0].type.count)))
@@ -333,7 +325,7 @@ def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) ->
     return types.UniTuple(FLOATS, 3)(f64, starts, types.int64, FLOATS), emit
 
 
-@_intrinsic
+@intrinsic
 def store_pairs(typing: Any, f64: Any, at: Any, apart: Any, first: Any, second: Any) -> Any:
     """Write each lane's two numbers, rounded, side by side into float32. Compiled code only.
 
@@ -349,7 +341,7 @@ def store_pairs(typing: Any, f64: Any, at: Any, apart: Any, first: Any, second: 
         pairs = builder.bitcast(builder.shuffle_vector(first, second, order), WORDS.vector)
         for lane in range(SIMD_WIDTH):
             pair = builder.extract_element(pairs, ir.Constant(_INDEX, lane))
-            place = _column(context, builder, signature.args[0], f64, at)
+            place = column_pointer(context, builder, signature.args[0], f64, at)
             builder.store(pair, builder.bitcast(place, _WORD.as_pointer()), align=4)
             at = builder.add(at, apart)
         return context.get_dummy_value()

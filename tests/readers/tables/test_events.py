@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy import signal
 
-from overview_dsp.presets import load_preset
+from overview_dsp.presets.library import load_preset
 from overview_dsp.readers.tables.event_rules import (
     MOST_CROSSINGS,
     MOST_TICKS,
@@ -85,7 +85,6 @@ def test_turning_points_are_the_most_prominent_and_apart(tmp_path: Path) -> None
         assert max(left_out) <= max(prominent[i] for i in chosen)
 
 
-@settings(max_examples=300)
 @given(hnp.arrays(np.float64, st.integers(1, 60), elements=st.integers(-5, 5).map(float)))
 def test_prominences_are_scipys(value: np.ndarray) -> None:
     indices, prominence = peaks(value)

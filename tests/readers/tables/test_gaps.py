@@ -117,14 +117,16 @@ def test_nights_of_an_exchange_are_no_gaps_and_a_pause_within_a_day_is(tmp_path:
     assert timeline.start + timedelta(seconds=gap[1]) == datetime(2020, 1, 9, 13)
 
 
-def test_uneven_samples_have_gaps_only_where_much_is_missing(tmp_path: Path) -> None:
+@pytest.mark.parametrize("count", [20, 99, 100, 400])  # few: the hole is 1 % of the steps or more
+def test_uneven_samples_have_gaps_only_where_much_is_missing(tmp_path: Path, count: int) -> None:
     random = np.random.default_rng(0)
-    steps = random.uniform(0.5, 4.0, 400)
-    steps[200] = 60.0
+    steps = random.uniform(0.5, 4.0, count)
+    hole = count // 2
+    steps[hole] = 60.0
     at = np.concatenate([[0.0], np.cumsum(steps)])
     timeline = load(tmp_path, series([(f"{t:.3f}", i % 5) for i, t in enumerate(at)]))
     (gap,) = timeline.gaps
-    assert gap == pytest.approx((at[200], at[201]), abs=1e-3)
+    assert gap == pytest.approx((at[hole], at[hole + 1]), abs=1e-3)
     assert noted(timeline, "samples are uneven")
 
 

@@ -72,8 +72,6 @@ def check(path: Path, data: bytes, options: dict[str, Any]) -> None:
 
 
 relaxed = settings(
-    max_examples=400,
-    deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 

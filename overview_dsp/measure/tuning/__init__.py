@@ -1,0 +1,7 @@
+"""Presets tuned by search: kinds ordered by strength, or just told apart."""
+
+from overview_dsp.measure.tuning.moves import Tuned
+from overview_dsp.measure.tuning.ordering import tuned
+from overview_dsp.measure.tuning.separating import separated
+
+__all__ = ["Tuned", "separated", "tuned"]

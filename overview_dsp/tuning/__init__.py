@@ -1,7 +1,0 @@
-"""Presets tuned by search: kinds ordered by strength, or just told apart."""
-
-from overview_dsp.tuning.moves import Tuned
-from overview_dsp.tuning.ordering import tuned
-from overview_dsp.tuning.separating import separated
-
-__all__ = ["Tuned", "separated", "tuned"]

@@ -1,0 +1,138 @@
+"""What a preset's numbers mean to the kernel: each coefficient against its definition."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.engine.coefficients import (
+    changes,
+    check_carrier,
+    coefficients,
+    mode_coefficients,
+    one_pole,
+    ring_samples,
+)
+from overview_dsp.kernels import layout
+from tests.examples import plain_preset
+
+RATES = [1000.0, 44_100.0, 48_000.0, 192_000.0]
+VALUES = {
+    "disk.inertia": 2e-5,
+    "disk.k1": 3e-3,
+    "disk.k2": 2e-2,
+    "input.smoothing_ms": 5.0,
+    "tactor.full_torque_mnm": 40.0,
+    "tactor.compression": 0.6,
+    "tactor.threshold_db": -50.0,
+    "tactor.rise_ms": 2.0,
+    "tactor.decay_ms": 12.0,
+    "tactor.frequency_hz": 180.0,
+    "tactor.gain_db": -6.0,
+    "click.full_torque_mnm": 25.0,
+    "click.compression": 0.4,
+    "click.gain_db": 3.0,
+    "texture.gain_db": -40.0,
+    "texture.brightness_hz": 800.0,
+    "output.ceiling_db": -2.0,
+}
+
+
+def db(level):
+    return 10.0 ** (level / 20.0)
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_every_coefficient_is_what_its_parameter_says(rate):
+    given = plain_preset().with_changes(VALUES)
+    found = coefficients(given, rate)
+    ratio = 2e-2 / (3e-3 + 2e-2)  # of the springs: how far disk 1 follows the hand
+    expected = {
+        layout.C_SPRING_HELD: (math.sqrt(2.3e-2 / 2e-5) / rate) ** 2,  # natural frequencies
+        layout.C_SPRING_FREE: (math.sqrt(3e-3 / 2e-5) / rate) ** 2,
+        layout.C_INERTIA: 2e-5 * rate,
+        layout.C_THETA: math.pi * ratio / layout.CELLS,
+        layout.C_OMEGA: math.pi * ratio / layout.CELLS * rate,
+        layout.C_TORQUE: 1.0 / 40e-3,
+        layout.C_GATE: db(-50.0),
+        layout.C_EXPONENT: 0.6,
+        layout.C_CARRIER: 180.0 / rate,
+        layout.C_TACTOR_GAIN: db(-6.0),
+        layout.C_CLICK_GAIN: db(3.0),
+        layout.C_STRIKE_TORQUE: 1.0 / 25e-3,
+        layout.C_STRIKE_EXPONENT: 0.4,
+        # at 1 mW, of white noise with variance 1/3 in a band of half of 48 kHz
+        layout.C_TEXTURE_GAIN: db(-40.0) * math.sqrt(3.0 / 1e-3 * rate / 48e3),
+        layout.C_TEXTURE_CUTOFF: 2.0 * math.pi * 800.0 / rate,
+        layout.C_CEILING: db(-2.0),
+    }
+    falls = {  # what is left after a time constant is 1/e
+        layout.C_SMOOTH: (1.0 - found[layout.C_SMOOTH], 5e-3),
+        layout.C_RISE: (1.0 - found[layout.C_RISE], 2e-3),
+        layout.C_DECAY: (1.0 - found[layout.C_DECAY], 12e-3),
+        layout.C_GRAIN: (1.0 - found[layout.C_GRAIN], 50e-3),
+        layout.C_FORGET: (found[layout.C_FORGET], 200e-3),
+        layout.C_DC_POLE: (found[layout.C_DC_POLE], 1.0 / (2.0 * math.pi * 20.0)),
+    }
+    assert found.keys() == expected.keys() | falls.keys()
+    for column, value in expected.items():
+        assert found[column] == pytest.approx(value, rel=1e-12), column
+    for column, (left, time_s) in falls.items():
+        assert left ** (time_s * rate) == pytest.approx(math.exp(-1.0), rel=1e-9), column
+
+
+@pytest.mark.parametrize("signal", ["tactor", "click"])
+def test_mute_is_no_gain_at_any_level(signal):
+    column = layout.C_TACTOR_GAIN if signal == "tactor" else layout.C_CLICK_GAIN
+    muted = plain_preset().with_changes({f"{signal}.mute": True, f"{signal}.gain_db": 12.0})
+    assert coefficients(muted, 48_000.0)[column] == 0.0
+
+
+@pytest.mark.parametrize("tau", [1e-4, 1e-2, 1.0])
+def test_a_one_pole_rises_by_1_minus_1_over_e_in_its_time_constant(tau):
+    a = one_pole(tau, 48_000.0)
+    assert (1.0 - a) ** (tau * 48_000.0) == pytest.approx(math.exp(-1.0), rel=1e-9)
+
+
+def test_only_what_differs_is_told():
+    base = plain_preset()
+    assert changes(base, base, 48_000.0) == []
+    quiet = base.with_changes({"tactor.gain_db": -20.0})
+    assert changes(base, quiet, 48_000.0) == [(layout.C_TACTOR_GAIN, pytest.approx(0.1))]
+    back = base.with_changes({"disk.release": "return"})
+    assert changes(base, back, 48_000.0) == [(layout.COMMAND_RELEASE_RETURNS, 1.0)]
+    assert changes(back, base, 48_000.0) == [(layout.COMMAND_RELEASE_RETURNS, 0.0)]
+    assert changes(back, back, 48_000.0) == []
+
+
+def test_a_carrier_stays_below_0_45_of_the_rate():
+    rate = 1000.0
+    check_carrier(plain_preset(tactor__frequency_hz=449.0), rate)
+    with pytest.raises(ov.InputError, match=r"450 is too high for 1000 Hz.*below 450 Hz"):
+        check_carrier(plain_preset(tactor__frequency_hz=450.0), rate)
+
+
+def test_a_mode_falls_by_160_db_while_it_rings_and_by_60_in_its_decay():
+    mode, rate = ov.ClickMode(1000.0, 60.0, -6.0), 48_000.0
+    assert ring_samples(mode, rate) == 7680  # 160/60 of 60 ms
+    columns = mode_coefficients(mode, rate)
+    assert math.exp(columns[layout.MODE_DECAY] * 0.060 * rate) == pytest.approx(1e-3)
+    assert columns[layout.MODE_TURNS] == 1000.0 / rate
+    assert columns[layout.MODE_GAIN] == pytest.approx(db(-6.0))
+    # turned on by n samples, each twice over, and by all of them at once
+    turn = cmath.exp(complex(-math.log(1000.0) / (0.060 * rate), 2.0 * math.pi * 1000.0 / rate))
+    for n in range(2 * layout.PHASES):
+        found = complex(columns[layout.MODE_RE + n], columns[layout.MODE_IM + n])
+        assert found == pytest.approx(turn ** (n % layout.PHASES), rel=1e-12)
+    whole = complex(columns[layout.MODE_COS], columns[layout.MODE_SIN])
+    assert whole == pytest.approx(turn**layout.PHASES, rel=1e-12)
+
+
+def test_a_modes_columns_are_shared_and_read_only():
+    mode = ov.ClickMode(1000.0, 60.0)
+    columns = mode_coefficients(mode, 48_000.0)
+    with pytest.raises(ValueError, match="read-only"):
+        columns[0] = 1.0

@@ -1,0 +1,30 @@
+"""The reference's examples run, in a folder of their own, without a device."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+
+import pytest
+
+from tests.public_names import FACES, members, public_objects
+
+
+def examples():
+    found = {face.__name__: face for face in FACES}
+    for name, value in public_objects().items():
+        found[name] = value
+        if inspect.isclass(value):
+            found |= {f"{name}.{key}": member for key, member in members(value).items()}
+    return {name: value for name, value in found.items() if ">>>" in (value.__doc__ or "")}
+
+
+@pytest.mark.parametrize("name", EXAMPLES := examples())
+def test_an_example_shows_what_happens(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    # where a threshold is kept
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    parsed = doctest.DocTestParser().get_doctest(EXAMPLES[name].__doc__, {}, name, None, 0)
+    said = []
+    result = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(parsed, out=said.append)
+    assert result.failed == 0, "".join(said)

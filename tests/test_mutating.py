@@ -1,0 +1,83 @@
+"""The mutation run's own part: decorators as mutmut can change them, names, the plan."""
+
+from __future__ import annotations
+
+import importlib.util
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def mutate():
+    spec = importlib.util.spec_from_file_location("mutate", ROOT / "tools/mutate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+SOURCE = """
+import functools
+
+def doubled(function):
+    return lambda *given: 2 * function(*given)
+
+@doubled
+def one():
+    return 1
+
+@functools.lru_cache(maxsize=3)
+def two():
+    '''Kept.'''
+    return 2
+
+class Class:
+    @property
+    def three(self):
+        return 3
+
+    @classmethod
+    def four(cls):
+        return 4
+"""
+
+
+def test_decorators_become_assignments_and_caches_go(mutate):
+    changed = mutate.decorators_as_assignments(SOURCE)
+    assert changed.count("@") == 1
+    names = {}
+    exec(changed, names)
+    assert names["one"]() == 2
+    assert names["two"]() == 2
+    assert not hasattr(names["two"], "cache_info")
+    assert names["Class"]().three == 3
+    assert names["Class"].four() == 4
+
+
+def test_a_mutants_name_tells_its_module_and_function(mutate):
+    module = "overview_dsp/surface/build.py"
+    dotted = "overview_dsp.surface.build"
+    assert mutate.place_of(f"{dotted}.x__place__mutmut_12") == (module, "_place")
+    assert mutate.place_of(f"{dotted}.xǁ_Placedǁof__mutmut_1") == (
+        module,
+        "_Placed.of",
+    )
+
+
+def test_what_the_plan_names_is_there_and_every_survivor_has_a_reason():
+    plan = tomllib.loads((ROOT / "tools/mutation.toml").read_text())
+    known = tomllib.loads((ROOT / "tools/surviving_mutants.toml").read_text())["mutant"]
+    modules = [module for part in plan["part"] for module in part["modules"]]
+    assert len(set(modules)) == len(modules)
+    tests = [test.partition("::") for part in plan["part"] for test in part["tests"]]
+    assert all((ROOT / module).is_file() for module in modules)
+    assert all(f"def {name}(" in (ROOT / file).read_text() or not name for file, _, name in tests)
+    surface = {str(path.relative_to(ROOT)) for path in (ROOT / "overview_dsp/surface").glob("*.py")}
+    assert surface - {"overview_dsp/surface/__init__.py"} <= set(modules)
+    for one in known:
+        assert one["module"] in modules
+        assert one["was"] in " ".join((ROOT / one["module"]).read_text().split())
+        assert len(one["why"]) > 10
