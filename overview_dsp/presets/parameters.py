@@ -226,8 +226,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 0.0,
                 20.0,
                 "x",
-                "Friction added where the intensity curve is at its top, in bare surfaces; below,"
-                " equal steps of the curve are equal ratios, which a hand feels as equal steps.",
+                "Friction added where the intensity curve is at its top, in bare surfaces.",
                 surface=True,
             ),
             Parameter(

@@ -59,8 +59,7 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
     """
     number = preset.number
     bare, model = number("surface.friction"), preset.values["surface.model"]
-    # equal steps of the intensity are equal ratios of friction, and so equal steps for a hand
-    loud = np.exp(np.log1p(number("surface.ambience")) * timeline.normalised_levels(cells))
+    loud = 1.0 + number("surface.ambience") * timeline.normalised_levels(cells)
     friction = bare * loud
     made_of = str(preset.values["surface.pattern"])
     period = number("surface.pattern_period_percent")
