@@ -704,10 +704,12 @@ class Engine:
         return reports.read_holder(self._f64)
 
     @property
-    def events_ahead(self) -> int:
-        """Events between the disk and the finger that holds it, as of the last block."""
+    def arrived_at(self) -> int | None:
+        """Sample since which the disk is where the finger points, past every event between; None
+        while it isn't.
+        """
         self._require_prepared()
-        return reports.count_events_ahead(self._f64)
+        return reports.read_arrival(self._f64)
 
     @property
     def latency_samples(self) -> int:

@@ -63,16 +63,25 @@ def read_holder(memory: NDArray[np.float64]) -> tuple[str, float] | None:
     return SOURCES[source], float(memory[layout.SOURCE_THETA2 + source])
 
 
-def count_events_ahead(memory: NDArray[np.float64]) -> int:
-    """Events between the disk and the finger that holds it (texture strikes count)."""
+def read_arrival(memory: NDArray[np.float64]) -> int | None:
+    """The sample since which the disk is where the finger points and no event lies between them.
+
+    None while it isn't so, or nobody holds the disk.
+    """
     i64 = memory.view(np.int64)
-    if not i64[layout.TOUCHING]:
-        return 0
+    still = int(i64[layout.M_STILL])
+    if still == 0 or not i64[layout.TOUCHING]:
+        return None
     slot = layout.SURFACES + int(i64[layout.ACTIVE_SLOT]) * layout.SLOT_SIZE
-    count = int(i64[slot + layout.SLOT_EVENTS])
-    positions = memory[slot + layout.SLOT_POSITION :][:count]
+    positions = memory[slot + layout.SLOT_POSITION :][: int(i64[slot + layout.SLOT_EVENTS])]
     below = int(np.searchsorted(positions, memory[layout.INPUT], side="right"))
-    return abs(below - int(i64[layout.NEXT_EVENT]))
+    if below != i64[layout.NEXT_EVENT]:
+        return None
+    since = int(i64[layout.CLOCK]) - still
+    strikes = int(i64[layout.M_STRIKES])
+    if strikes == 0:
+        return since
+    return max(since, int(memory[layout.LOG_TIME + (strikes - 1) % layout.STRIKE_LOG]))
 
 
 def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.void], int]:

@@ -16,8 +16,8 @@ MAX_TAIL_S = 24 * 3600.0
 FED_AHEAD = 4000
 """Control events that may wait in the engine: its ring holds 4096."""
 
-ARRIVED_S = 0.03
-"""Arrived: for so long the disk is where the finger points, and no event lies between them."""
+SETTLE_S = 0.03
+"""How long after it has arrived a disk is let go."""
 
 LOOK_S = 0.01
 """How often a disk is looked at that has to arrive, counted from the hand's arrival."""
@@ -77,7 +77,7 @@ class GesturePlayer:
         else:
             self._end = self._most = length + round(tail * rate)
         self._quiet = round(REST_S * rate)
-        self._arrived = round(ARRIVED_S * rate)
+        self._settle = round(SETTLE_S * rate)
         self._look = max(1, round(LOOK_S * rate))
         self._on_arrival = list(gesture.on_arrival)
         self._start = engine.sample_time
@@ -151,11 +151,16 @@ class GesturePlayer:
         if self._fed <= event:
             if self._fed < event or since % self._look:
                 return self._look - since % self._look
-            still = self._engine.meters.still_samples >= self._arrived
-            if not still or self._engine.events_ahead or since < self._arrived:
+            arrived = self._engine.arrived_at
+            if arrived is None:
                 return self._look
-            self._stamps = self._stamps.copy()
-            self._stamps[event] = done
+            release = max(arrived - self._start, int(self._stamps[event - 1])) + self._settle
+            # not yet settled: look again before that time
+            if release - done > self._look:
+                return self._look
+            if release < self._stamps[event]:
+                self._stamps = self._stamps.copy()
+                self._stamps[event] = max(release, done)
         self._on_arrival.pop(0)
         return self._until_look(done)
 
