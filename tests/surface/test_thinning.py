@@ -40,6 +40,12 @@ def test_events_in_cells_of_their_own_are_all_kept():
     assert list(stands_for) == [3, 0, 1, 2]
 
 
+def test_of_many_as_strong_at_one_place_the_first_is_kept():
+    kept, stands_for = thin_events(np.full(300, 7.5), np.ones(300), 1)
+    assert list(kept) == [0]
+    assert not stands_for.any()
+
+
 def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
     preset = preset_with(height=2.0, width=0.03)
     timeline = timeline_of(*np.linspace(0.0, 100.0, 100_000))
