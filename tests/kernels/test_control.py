@@ -7,7 +7,7 @@ import math
 import numba
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.engine.queues import ControlQueues
@@ -80,25 +80,36 @@ HANDS = st.lists(
 )
 
 
+def hands(*sources):
+    """Each of the sources takes hold, or lets go if it holds on already."""
+    return [
+        (source, 0.1 + 0.2 * n, sources[:n].count(source) % 2 == 0)
+        for n, source in enumerate(sources)
+    ]
+
+
+@example(hands(1, 5, 0, 0, 5, 1), False)
+@example(hands(0, 0, 5, 1, 0, 0, 1, 5), False)
+@example(hands(0, 1, 1, 0), True)
 @given(HANDS, st.booleans())
-def test_the_hand_that_touched_last_of_those_that_touch_holds_the_disk(hands, returns):
+def test_the_hand_that_touched_last_of_those_that_touch_holds_the_disk(touches, returns):
     block = Block()
     f64, i64 = block.f64, block.i64
     i64[layout.S_RELEASE_RETURNS] = returns
     touching, theta2_of = [], {}  # in the order in which they took hold
     expected = 0.0
     steps = 0  # takes hold: no smoothing
-    for source, theta2, touches in hands:
+    for source, theta2, on in touches:
         held = touching[-1:] == [source]
         theta2_of[source] = theta2
-        takes = touches and source not in touching
+        takes = on and source not in touching
         if takes:
             touching.append(source)
             steps += 1
-        elif not touches and source in touching:
+        elif not on and source in touching:
             touching.remove(source)
         f64[layout.SMOOTH_1] = f64[layout.SMOOTH_2] = -1.0
-        apply_one(f64, i64, source, theta2, int(touches))
+        apply_one(f64, i64, source, theta2, int(on))
         if takes or (held and touching):
             expected = theta2_of[touching[-1]]
         elif held and returns:
@@ -109,7 +120,7 @@ def test_the_hand_that_touched_last_of_those_that_touch_holds_the_disk(hands, re
         assert f64[layout.SMOOTH_1] == f64[layout.SMOOTH_2] == smoothed
         # where the shaft stays on release, it is engaged from the first touch on
         assert i64[layout.TOUCHING] == (steps > 0 if returns else bool(touching))
-    assert block.applied() == [(0, source, theta2, int(touch)) for source, theta2, touch in hands]
+    assert block.applied() == [(0, source, theta2, int(touch)) for source, theta2, touch in touches]
 
 
 @pytest.mark.parametrize(
