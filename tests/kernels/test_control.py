@@ -317,3 +317,12 @@ def test_commands_are_no_coefficients_and_what_is_neither_does_nothing():
     block.queues.push([(layout.COEFFS, 1.0), (-3, 1.0)], 0)
     block.apply(0)
     assert block.f64[: layout.TOTAL_STATE].tobytes() == before
+
+
+@pytest.mark.parametrize("tiny", [5e-324, 2.2e-313, 1e-200])
+def test_an_angle_too_small_for_the_arithmetic_is_the_start(tiny):
+    block = Block()
+    apply_one(block.f64, block.i64, 0, tiny, 1)
+    assert block.f64[layout.SOURCE_THETA2] == 0.0
+    assert block.f64[layout.INPUT] == block.f64[layout.SMOOTH_2] == 0.0
+    assert block.i64[layout.M_CLAMPED] == 0
