@@ -302,6 +302,8 @@ class Engine:
     ) -> None:
         """Queue many events of `control`, in order.
 
+        Thread: any.
+
         Parameters
         ----------
         theta2 : float64 (events,)
@@ -312,8 +314,6 @@ class Engine:
             When, in samples since reset.
         sources : int8 (events,)
             Which hand, as an index of the sources in `control`'s order.
-
-        Thread: any.
 
         Raises
         ------

@@ -35,6 +35,7 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     own = np.full(len(surface.texture_strikes.position), layout.MAX_KINDS)
     w[base + layout.SLOT_KIND :][:count] = np.concatenate([surface.kind, own])[order]
     w[base + layout.SLOT_MODELS] = 0
+    m[base + layout.SLOT_HOLD] = 0.0
     for bank, model in [*enumerate(surface.kind_models), (layout.MAX_KINDS, surface.own_model)]:
         row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
         w[row + layout.P_STRIKE] = _STRIKES[model]
@@ -85,6 +86,8 @@ def _write_bristles(
     w[base + layout.SLOT_MODELS] |= layout.HAS_BRISTLES
     _write_table(m[base + layout.SLOT_SLIDING_TORQUE :][: 2 * (layout.CELLS + 1)], field.grip)
     w[base + layout.SLOT_OWNER :][: layout.CELLS + 1] = rank[field.owner]
+    stuck = max(kind.static_ratio for kind in (*field.of_kind, field.bare))
+    m[base + layout.SLOT_HOLD] += float(field.grip.max()) * stuck
     of_bank = [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]
     for bank, bristles in of_bank:
         row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
@@ -101,3 +104,4 @@ def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> Non
     m[base + layout.SLOT_DETENT_ENERGY :][: layout.CELLS + 1] = field.energy
     m[base + layout.SLOT_END_STIFFNESS] = field.end_stiffness
     m[base + layout.SLOT_END_DAMPING] = field.end_damping
+    m[base + layout.SLOT_HOLD] += float(np.abs(field.pull).max())

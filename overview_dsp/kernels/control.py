@@ -17,6 +17,7 @@ from overview_dsp.kernels.ordering import load_acquire, store_release
 
 PI = 3.141592653589793
 CELLS_PER_RAD = layout.CELLS / PI
+LEAST_ANGLE = 1e-150  # rad: smaller would become denormal
 NEVER = 0x7FFFFFFFFFFFFFFF
 
 
@@ -77,6 +78,8 @@ def apply_control(f64, i64, source, theta2, touching):
         elif theta2 > PI:
             theta2 = PI
             i64[layout.M_CLAMPED] += 1
+        elif theta2 < LEAST_ANGLE:
+            theta2 = 0.0
         f64[layout.SOURCE_THETA2 + source] = theta2
     log_applied(f64, i64, source, touching)
     was = i64[layout.SOURCE_TOUCHING + source]

@@ -5,9 +5,10 @@ Thread: audio.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import NOT_NEGATIVE, inlined
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, inlined, outlined
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.simd.vector import choose, load_pairs
+from overview_dsp.kernels.two_disk import ROUNDS, midpoint_speed
 
 
 @inlined
@@ -30,3 +31,29 @@ def frictions_at(f64, tables, first, position):
     position = choose(position > CELLS, float(CELLS), position)
     whole, friction, slope = load_pairs(f64, tables, first, position)
     return friction + (position - whole) * slope
+
+
+@inlined
+def friction_between(f64, table, old_table, left, position):
+    """B at a position (cells) of a surface of which `left` is still that of another table."""
+    friction = friction_at(f64, table, position)
+    if left > 0.0:
+        before = friction_at(f64, old_table, position)
+        friction = friction + (before - friction) * left
+    return friction
+
+
+@outlined
+def corrected(f64, table, old_table, left, x, v, stretch, spring, inertia, middle):
+    """B at a step's own midpoint, and its midpoint speed: where `middle` missed the predicted one.
+
+    The tables are as in `friction_between`, the other arguments as in `two_disk`.
+    """
+    denominator = inertia * (2.0 + 0.5 * spring)
+    friction = 0.0
+    for _ in range(ROUNDS):
+        friction = friction_between(f64, table, old_table, left, x + 0.5 * middle)
+        again = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
+        middle = 0.5 * (middle + again)
+    friction = friction_between(f64, table, old_table, left, x + 0.5 * middle)
+    return friction, midpoint_speed(v, stretch, spring, inertia, denominator, friction)

@@ -287,7 +287,8 @@ HAS_BRISTLES = 1
 HAS_DETENTS = 2  # or end stops
 SLOT_END_STIFFNESS = slot(1)  # of the springs beyond the ends, N m/rad
 SLOT_END_DAMPING = slot(1)  # N m s/rad
-slot(4)  # unused
+SLOT_HOLD = slot(1)  # the most that bristles and detents hold the disk with anywhere, N m
+slot(3)  # unused
 SLOT_TABLE = slot(2 * (CELLS + 1))  # friction and its slope to the next point, interleaved
 SLOT_POSITION = slot(MAX_EVENTS)  # where each event strikes, cells, ascending
 SLOT_RELEASE = slot(MAX_EVENTS)  # friction that lets go there, N m s/rad

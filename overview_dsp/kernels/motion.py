@@ -11,13 +11,13 @@ from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
 from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.friction import corrected, friction_between
 from overview_dsp.kernels.glide import smooth_step
-from overview_dsp.kernels.nonviscous_step import holding_torque, slide
+from overview_dsp.kernels.nonviscous_step import slide
 from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
-from overview_dsp.kernels.two_disk import midpoint_speed
+from overview_dsp.kernels.two_disk import MISSED, midpoint_speed
 from overview_dsp.kernels.viscous import STANDSTILL, snapped, travel
 
 RAD_PER_CELL = 3.141592653589793 / layout.CELLS
@@ -51,14 +51,14 @@ def step(f64, i64, n, old_slot, modelled):
     f64[layout.SMOOTH_1] = y1
     f64[layout.SMOOTH_2] = y2
     ahead = x + 0.5 * v
-    friction = friction_at(f64, slot + layout.SLOT_TABLE, ahead)
     left = 0.0
     if i64[layout.FADE_LEFT] > 0:
-        before = friction_at(f64, old_slot + layout.SLOT_TABLE, ahead)
         per_fade = 1.0 / float(i64[layout.S_FADE])
         left = smooth_step(float(i64[layout.FADE_LEFT]) * per_fade)
-        friction = friction + (before - friction) * left
         i64[layout.FADE_LEFT] -= 1
+    table = slot + layout.SLOT_TABLE
+    old_table = old_slot + layout.SLOT_TABLE
+    friction = friction_between(f64, table, old_table, left, ahead)
     held = i64[layout.TOUCHING] == 1
     hold = 1.0 if held else 0.0
     moved = abs(y2 - was)
@@ -72,9 +72,8 @@ def step(f64, i64, n, old_slot, modelled):
     holding = friction
     if modelled and catch < CLUTCH_OFF:
         # the friction that would hold as much at the hand's pace
-        holding = holding + holding_torque(f64, i64, slot, old_slot, ahead) / (
-            pace * f64[layout.C_OMEGA]
-        )
+        most = max(f64[slot + layout.SLOT_HOLD], f64[old_slot + layout.SLOT_HOLD])
+        holding = holding + most / (pace * f64[layout.C_OMEGA])
     stretch = y2 * hold - x
     used = y2
     reach = reach_of(stretch, pace, f64[layout.C_UNFOLD], holding, catch)
@@ -95,6 +94,10 @@ def step(f64, i64, n, old_slot, modelled):
             log_strike(f64, i64, event, released, i64[layout.CLOCK] + n, 0.5)
     else:
         middle = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
+        if abs(0.5 * v - 0.5 * middle) > MISSED:
+            friction, middle = corrected(
+                f64, table, old_table, left, x, v, stretch, spring, inertia, middle
+            )
         torque = friction * (middle * to_omega)
         v = 2.0 * middle - v
     omega = middle * to_omega

@@ -13,7 +13,7 @@ from math import sqrt
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import converted, moving, speed_after, steady_torque
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.detents import contact, mixed, pull_at, step_in_detents, within
+from overview_dsp.kernels.detents import contact, mixed, step_in_detents, within
 from overview_dsp.kernels.friction import friction_at
 
 LEAST_SLIDING_TORQUE = 1e-12  # N m: from here there are no bristles
@@ -84,25 +84,6 @@ def slip(f64, torque, omega, gives, sliding, stribeck):
         peak = abs(torque)
     f64[layout.SLIP_PEAK] = peak
     return released
-
-
-@inlined
-def holding_torque(f64, i64, slot, old_slot, position):
-    """What may hold the disk at a position besides viscous friction: the greater of two slots, N m.
-
-    Of bristles the torque that breaks them loose, and the pull of detents and stops.
-    """
-    most = 0.0
-    for one in (slot, old_slot):
-        torque = abs(pull_at(f64, i64, one, position))
-        sliding = sliding_torque_at(f64, i64, one, position)
-        if sliding > LEAST_SLIDING_TORQUE:
-            owner = owner_at(i64, one, position)
-            bank = layout.MAX_KINDS if owner < 0 else i64[one + layout.SLOT_KIND + owner]
-            row = one + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
-            torque = torque + sliding * f64[row + layout.P_STATIC]
-        most = max(most, torque)
-    return most
 
 
 @outlined

@@ -14,7 +14,10 @@ is linear in vm. Scaled by J/dt so that the table's B needs no factor, it has on
     vm = (J/dt) * (2*v0 + K*(s*u - x0)) / ((J/dt) * (2 + K/2) + B)
 
 Every step keeps the contract's energy ledger, dE = dt*(-B*wm**2 + s*k2*theta2*wm), for any B >= 0
-and any dt; it is of second order when B is taken at the predicted midpoint x0 + v0/2.
+and any dt; it is of second order when B is taken at the predicted midpoint x0 + v0/2. Where the
+disk runs into a steep ridge that midpoint is not reached: there B is sought at the step's own
+midpoint x0 + vm/2, in a few rounds (`MISSED`, `ROUNDS`), so that how deep the disk comes, and with
+it how long the ridge holds it, depends little on the sample rate.
 
 Thread: audio.
 """
@@ -22,6 +25,9 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined
+
+MISSED = 0.002  # cells: a predicted midpoint further off is corrected
+ROUNDS = 4  # of the correction, each half of the way: plain ones swing from edge to edge
 
 
 @inlined

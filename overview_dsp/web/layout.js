@@ -229,6 +229,7 @@ export const L = Object.freeze({
   HAS_DETENTS: 2,
   SLOT_END_STIFFNESS: 2,
   SLOT_END_DAMPING: 3,
+  SLOT_HOLD: 4,
   SLOT_TABLE: 8,
   SLOT_POSITION: 131082,
   SLOT_RELEASE: 147466,
@@ -281,4 +282,4 @@ export const ENCODING = Object.freeze({
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([1216409847, 1375867459]);
+export const DIGEST = Object.freeze([-1467985270, 1684506694]);

@@ -111,6 +111,16 @@ def test_changes_are_told_in_order_once_each_when_they_have_been_applied():
     assert engine.take_changes() == [(900, {"set": {"click.gain_db": -9.0}})]
 
 
+def test_of_changes_that_nobody_asks_for_the_latest_are_kept():
+    engine = prepared(plain_preset(), BARE, RATE)
+    count = layout.HOST_RING + 50
+    for n in range(count):
+        engine.set("tactor.gain_db", -1.0 - n % 2)
+        run(engine, 1)
+    taken = engine.take_changes()
+    assert [sample for sample, _ in taken] == list(range(50, count))
+
+
 @pytest.mark.parametrize("rate", [1000.0, 48_000.0])
 def test_a_glide_and_a_fade_take_their_milliseconds_at_any_rate(rate):
     engine = prepared(plain_preset(), BARE, rate)

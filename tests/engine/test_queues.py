@@ -160,18 +160,16 @@ def test_a_changes_number_tells_when_it_was_applied_until_its_place_is_used_agai
 
 
 @pytest.mark.parametrize("active", range(layout.SLOTS))
-@pytest.mark.parametrize("fading", range(layout.SLOTS))
-@pytest.mark.parametrize("left", [0, 1])
-def test_the_free_slot_neither_sounds_nor_fades_nor_waits(active, fading, left):
+@pytest.mark.parametrize("fading", range(-1, layout.SLOTS))
+def test_the_free_slot_neither_sounds_nor_fades_nor_waits(active, fading):
     queues, memory, words = block()
     words[layout.ACTIVE_SLOT], words[layout.FADING_SLOT] = active, fading
-    words[layout.FADE_LEFT] = left
     # what was applied already, and a coefficient, name no slot
     words[layout.HOST_WRITTEN] = words[layout.HOST_READ] = layout.HOST_RING - 1
     words[layout.HOST_WHAT : layout.HOST_WHAT + layout.HOST_RING] = layout.COMMAND_SURFACE
     memory[layout.HOST_VALUE : layout.HOST_VALUE + layout.HOST_RING] = 1.0
     queues.push([(layout.C_GATE, 0.0), (layout.C_GATE, 1.0), (layout.C_GATE, 2.0)], 0)
-    free = set(range(layout.SLOTS)) - {active} - ({fading} if left else set())
+    free = set(range(layout.SLOTS)) - {active, fading}
     while free:
         slot = queues.free_slot()
         assert slot in free
@@ -179,30 +177,6 @@ def test_the_free_slot_neither_sounds_nor_fades_nor_waits(active, fading, left):
         queues.push([(layout.COMMAND_SURFACE, float(slot))], 0)
     with pytest.raises(ov.OverviewError, match="two surfaces wait or fade"):
         queues.free_slot()
-
-
-class Racing:
-    """The block's integers; at one of its reads the audio thread begins the waiting crossfade."""
-
-    def __init__(self, words, at_read):
-        self._words, self._left = words, at_read
-
-    def __getitem__(self, index):
-        if self._left == 0:
-            self._words[layout.FADING_SLOT] = self._words[layout.ACTIVE_SLOT]
-            self._words[layout.ACTIVE_SLOT] = 1
-            self._words[layout.FADE_LEFT] = 100
-            self._words[layout.HOST_READ] += 1
-        self._left -= 1
-        return self._words[index]
-
-
-@pytest.mark.parametrize("at_read", range(10))
-def test_a_crossfade_that_begins_while_a_free_slot_is_sought_is_not_overlooked(at_read):
-    queues, _, words = block()
-    queues.push([(layout.COMMAND_SURFACE, 1.0)], 0)
-    queues._i64 = Racing(words, at_read)
-    assert queues.free_slot() == 2
 
 
 # --- stamps ---------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import pytest
 from overview_dsp.force_feedback.commander import Commander
 from tests.force_feedback.simulation import ROOT
 
-PAGE = ROOT / "docs" / "motors.md"
+PAGE = ROOT / "docs" / "guide" / "force.md"
 LIBRARY = """
 #include <cstdio>
 #include <cstdlib>

@@ -7,7 +7,7 @@ import math
 import numba
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.engine.queues import ControlQueues
@@ -45,6 +45,10 @@ def events_below(f64, i64, slot, position):
     return control.events_below(f64, i64, slot, position)
 
 
+# smaller ones are the start: a test of their own
+ANGLES = st.just(0.0) | st.floats(1e-150, math.pi)
+
+
 class Block:
     """A memory block that has just been reset."""
 
@@ -75,30 +79,41 @@ class Block:
 
 
 HANDS = st.lists(
-    st.tuples(st.sampled_from([0, 1, len(SOURCES) - 1]), st.floats(0.0, math.pi), st.booleans()),
+    st.tuples(st.sampled_from([0, 1, len(SOURCES) - 1]), ANGLES, st.booleans()),
     max_size=40,
 )
 
 
+def hands(*sources):
+    """Each of the sources takes hold, or lets go if it holds on already."""
+    return [
+        (source, 0.1 + 0.2 * n, sources[:n].count(source) % 2 == 0)
+        for n, source in enumerate(sources)
+    ]
+
+
+@example(hands(1, 5, 0, 0, 5, 1), False)
+@example(hands(0, 0, 5, 1, 0, 0, 1, 5), False)
+@example(hands(0, 1, 1, 0), True)
 @given(HANDS, st.booleans())
-def test_the_hand_that_touched_last_of_those_that_touch_holds_the_disk(hands, returns):
+def test_the_hand_that_touched_last_of_those_that_touch_holds_the_disk(touches, returns):
     block = Block()
     f64, i64 = block.f64, block.i64
     i64[layout.S_RELEASE_RETURNS] = returns
     touching, theta2_of = [], {}  # in the order in which they took hold
     expected = 0.0
     steps = 0  # takes hold: no smoothing
-    for source, theta2, touches in hands:
+    for source, theta2, on in touches:
         held = touching[-1:] == [source]
         theta2_of[source] = theta2
-        takes = touches and source not in touching
+        takes = on and source not in touching
         if takes:
             touching.append(source)
             steps += 1
-        elif not touches and source in touching:
+        elif not on and source in touching:
             touching.remove(source)
         f64[layout.SMOOTH_1] = f64[layout.SMOOTH_2] = -1.0
-        apply_one(f64, i64, source, theta2, int(touches))
+        apply_one(f64, i64, source, theta2, int(on))
         if takes or (held and touching):
             expected = theta2_of[touching[-1]]
         elif held and returns:
@@ -109,7 +124,7 @@ def test_the_hand_that_touched_last_of_those_that_touch_holds_the_disk(hands, re
         assert f64[layout.SMOOTH_1] == f64[layout.SMOOTH_2] == smoothed
         # where the shaft stays on release, it is engaged from the first touch on
         assert i64[layout.TOUCHING] == (steps > 0 if returns else bool(touching))
-    assert block.applied() == [(0, source, theta2, int(touch)) for source, theta2, touch in hands]
+    assert block.applied() == [(0, source, theta2, int(touch)) for source, theta2, touch in touches]
 
 
 @pytest.mark.parametrize(
@@ -306,3 +321,12 @@ def test_commands_are_no_coefficients_and_what_is_neither_does_nothing():
     block.queues.push([(layout.COEFFS, 1.0), (-3, 1.0)], 0)
     block.apply(0)
     assert block.f64[: layout.TOTAL_STATE].tobytes() == before
+
+
+@pytest.mark.parametrize("tiny", [5e-324, 2.2e-313, 1e-200])
+def test_an_angle_too_small_for_the_arithmetic_is_the_start(tiny):
+    block = Block()
+    apply_one(block.f64, block.i64, 0, tiny, 1)
+    assert block.f64[layout.SOURCE_THETA2] == 0.0
+    assert block.f64[layout.INPUT] == block.f64[layout.SMOOTH_2] == 0.0
+    assert block.i64[layout.M_CLAMPED] == 0

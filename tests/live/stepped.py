@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import threading
 
-from overview_dsp.live import motor_input, sensor_input
+from overview_dsp.live import motor_input, sensor_input, threaded_input
 from overview_dsp.live.port_lost import PortLostError
 
 
@@ -55,8 +55,8 @@ class SteppedPort:
 
 def use(clock, monkeypatch):
     """Have the inputs opened from now on live in this time."""
-    for module in (motor_input, sensor_input):
+    for module in (motor_input, sensor_input, threaded_input):
         monkeypatch.setattr(module, "time", clock)
-    timed = functools.partial(sensor_input.HandWriter, now=clock.monotonic)
-    monkeypatch.setattr(sensor_input, "HandWriter", timed)
-    monkeypatch.setattr(sensor_input, "RETRY_S", 0.01)  # a real wait
+    timed = functools.partial(threaded_input.HandWriter, now=clock.monotonic)
+    monkeypatch.setattr(threaded_input, "HandWriter", timed)
+    monkeypatch.setattr(threaded_input, "RETRY_S", 0.01)  # a real wait

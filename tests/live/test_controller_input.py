@@ -216,15 +216,17 @@ def test_two_controllers_change_over_without_a_jump(opened, running):
         osc_port.put(message("/overview/theta2", float(theta2)))
         time.sleep(0.005)
     until(lambda: running.holder is not None and running.holder[1] == pytest.approx(2.0))
-    seen = [2.0]
+    _, before = running.take_applied(0)
     for value in range(8192, 13000, 100):
+        read = midi.report()["messages"]
         midi_port.put(bend(value))
-        time.sleep(0.01)
-        if running.holder is not None:
-            seen.append(running.holder[1])
+        until(lambda read=read: midi.report()["messages"] > read)
     until(lambda: running.holder[1] == pytest.approx((12992 - 8192) / 8191 * math.pi, abs=0.01))
     assert running.holder[0] == "midi"
-    assert np.abs(np.diff(seen)).max() < 0.4
+    applied, _ = running.take_applied(before)
+    held = [2.0, *(event["theta2"] for event in applied if event["touching"])]
+    assert len(held) > 20
+    assert np.abs(np.diff(held)).max() < 0.4
     # the fader that lies at 2.0 is turned again
     for theta2 in np.linspace(2.0, 3.0, 20):
         osc_port.put(message("/overview/theta2", float(theta2)))

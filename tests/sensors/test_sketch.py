@@ -12,7 +12,7 @@ import pytest
 from overview_dsp.sensors.frames import FrameDecoder
 from overview_dsp.sensors.reading import Counters
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "sensors.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "sensors.md"
 BOARD = """
 #include <cstdint>
 #include <cstdio>

@@ -14,6 +14,7 @@ from overview_dsp.kernels.layout import CELLS
 from overview_dsp.surface import build
 from overview_dsp.surface.build import MAX_FRICTION
 from overview_dsp.surface.detents import impedance
+from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.profiles import profile, span
 from tests.examples import plain_preset
 
@@ -29,7 +30,8 @@ def surface_of(*events, preset=None, title="test", **kinds):
     """Events (time_s of 100, kind, weight) under kinds of these names, in place of `KINDS`'."""
     preset = preset or plain_preset(surface__friction=2e-3)
     changed = {**KINDS, **kinds}
-    timeline = ov.Timeline(title, 100.0, tuple(ov.Event(t, k, weight=w) for t, k, w in events))
+    rows = tuple(ov.Event(t, k, str(n), weight=w) for n, (t, k, w) in enumerate(events))
+    timeline = ov.Timeline(title, 100.0, rows)
     return ov.build_surface(timeline, replace(preset, kinds=changed))
 
 
@@ -100,6 +102,69 @@ def test_wells_take_an_impedance_and_stops_and_bristles_let_go_their_height():
     assert surface.bristles.owner.max() == 2
 
 
+@pytest.mark.parametrize("model", ["viscous", "bristle", "detent"])
+def test_a_course_drawn_by_hand_is_that_of_the_event_in_every_model(model):
+    course = (0.1, 1.0, 0.4, 0.05)
+    kind = ov.EventKind(height=4.0, width_percent=4.0, points=course, model=model)
+    surface = surface_of((30.0, "slim", 1.0), slim=kind)
+    distance = np.arange(CELLS + 1) / CELLS - 0.3
+    expected = profile("gaussian", distance, 0.04, course)
+    if model == "detent":
+        found = surface.detents.energy.max() - surface.detents.energy
+        found = found / found.max()
+        within = np.abs(distance) < 0.039  # its steps pull more
+        assert np.abs(surface.detents.pull[within]).max() == pytest.approx(8e-3, rel=0.01)
+    else:
+        found = (surface.friction - 2e-3 if model == "viscous" else surface.bristles.grip) / 8e-3
+        assert surface.release == pytest.approx([8e-3 * profile("", np.zeros(1), 1.0, course)[0]])
+    edge = np.abs(np.abs(distance) - 0.04) < 3.0 / CELLS  # its steps fall between points
+    assert found[~edge] == pytest.approx(expected[~edge], abs=2e-3)
+    first, last = span("gaussian", 0.04, course)
+    assert surface.span[0] == pytest.approx([0.3 + first, 0.3 + last])
+
+
+def test_a_surface_has_only_the_fields_that_its_preset_has():
+    plain = surface_of((30.0, "slim", 1.0))
+    assert plain.bristles is plain.detents is None
+    assert plain.own_model == "viscous"
+    sticky = plain_preset(surface__friction=2e-3, surface__model="bristle", surface__grip=1.0)
+    surface = surface_of((30.0, "slim", 1.0), preset=sticky)
+    assert surface.own_model == "bristle"
+    assert surface.detents is None
+    # a viscous event on it is viscous
+    assert np.array_equal(surface.friction, plain.friction)
+    assert np.all(surface.bristles.grip == 2e-3)
+
+
+def test_a_kind_of_a_material_rings_as_its_parameters_say():
+    kind = replace(KINDS["slim"], modes=(), material="wood", pitch_hz=600.0, ring=0.3, gain_db=-2.0)
+    expected = louder(modes_of("wood", 600.0, 0.3), -2.0)
+    assert surface_of((30.0, "slim", 1.0), slim=kind).kind_modes[2] == expected
+
+
+def test_events_that_strike_at_one_place_keep_their_order():
+    # within half a width of the end all wide ones strike there
+    events = [(95.0 + 0.02 * n, "wide" if n % 2 else "slim", 1.0) for n in range(200)]
+    at = [95.0 if kind == "wide" else time_s for time_s, kind, _ in events]
+    expected = sorted(range(200), key=lambda n: (at[n], n))
+    assert surface_of(*events).event.tolist() == expected
+
+
+def test_two_events_are_too_dense_where_half_the_timeline_is_too_little_for_each():
+    for spacing, dense in ((50.0, False), (51.0, True)):
+        kind = replace(KINDS["slim"], spacing_percent=spacing)
+        surface = surface_of(
+            (30.0, "slim", 1.0), (60.0, "slim", 1.0), (90.0, "wide", 1.0), slim=kind
+        )
+        assert surface.left_out == ({"slim": 2} if dense else {})
+
+
+def test_a_span_that_begins_within_the_first_cell_has_a_beginning():
+    first = span("raised_cosine", 0.5)[0]
+    surface = surface_of((0.5 / CELLS * 100.0 - first, "slim", 1.0))
+    assert surface.span[0, 0] == pytest.approx(0.5 / CELLS)
+
+
 def test_bristles_name_the_row_of_their_event_in_its_order():
     sticky = {name: replace(KINDS[name], model="bristle") for name in ("slim", "wide")}
     surface = surface_of((97.0, "slim", 1.0), (99.0, "wide", 0.5), **sticky)
@@ -164,23 +229,25 @@ def test_the_strongest_of_each_cell_stands_for_all_there(monkeypatch):
         assert len(surface_of(*events[1:]).event) == 3
 
 
+@pytest.mark.filterwarnings("ignore:rough:overview_dsp.OverviewWarning")
 def test_crests_leave_room_for_one_event_at_least(monkeypatch):
     values = {
         "surface__pattern": "waves", "surface__pattern_height": 2.0, "surface__material": "wood",
         "surface__pattern_period_percent": 5.0,
     }  # fmt: skip
     rough = plain_preset(**values)
-    for most, events, fits in ((20, 0, True), (20, 1, False), (19, 1, False), (21, 1, True)):
+    with_room = ((20, 0, True), (20, 1, False), (19, 1, False), (21, 1, True), (21, 2, True))
+    for most, events, fits in with_room:
         monkeypatch.setattr(build, "MAX_EVENTS", most)
         timeline = ov.Timeline(
             "rough",
             100.0,
-            tuple(ov.Event(50.0, "default") for _ in range(events)),
+            tuple(ov.Event(50.0, "default", str(n)) for n in range(events)),
             ov.Intensity(np.array([0.0]), np.array([0.0])),
         )
         if fits:
             surface = ov.build_surface(timeline, replace(rough, kinds=KINDS))
-            assert len(surface.event) == events
+            assert len(surface.event) == min(events, 1)
             assert len(surface.texture_strikes.position) == 20
             assert len(surface.own_modes) == 4
         else:

@@ -17,6 +17,8 @@ from tests.examples import plain_preset, preset_with, timeline_of
 
 J = 2e-5
 
+LEAST_J = 1e-40  # a disk that lies in its detent; sums of energies round at the size of each
+
 
 def clicking(height=20.0, width=2.0, model="detent", **changes):
     """A surface whose events are detents (or stops), of a disk with a soft shaft."""
@@ -111,9 +113,9 @@ def test_let_go_the_disk_keeps_the_ledger_in_any_well(
         gained = after.sum() - before.sum()
         if grip == 0.0 and damping == 0.0:
             # nothing but viscous friction takes energy
-            assert abs(gained + lost) <= 1e-12 * size
+            assert abs(gained + lost) <= 1e-12 * size + LEAST_J
         else:
-            assert gained <= 1e-12 * size
+            assert gained <= 1e-12 * size + LEAST_J
         before, omega = after, table[0, 4]
 
 

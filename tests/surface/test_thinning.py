@@ -40,6 +40,12 @@ def test_events_in_cells_of_their_own_are_all_kept():
     assert list(stands_for) == [3, 0, 1, 2]
 
 
+def test_of_many_as_strong_at_one_place_the_first_is_kept():
+    kept, stands_for = thin_events(np.tile([3.5, 1.5, 2.5], 100), np.ones(300), 3)
+    assert list(kept) == [1, 2, 0]
+    assert list(stands_for) == [2, 0, 1] * 100
+
+
 def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
     preset = preset_with(height=2.0, width=0.03)
     timeline = timeline_of(*np.linspace(0.0, 100.0, 100_000))

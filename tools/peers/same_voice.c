@@ -312,6 +312,17 @@ typedef struct {
     double click[CHUNK], tactor[CHUNK];
 } Chunk;
 
+/* kernels/two_disk.py */
+static const double MISSED = 0.002;
+enum { ROUNDS = 4 };
+
+static inline double friction_at(const Surface *surface, double ahead) {
+    ahead = ahead > 0.0 ? ahead : 0.0;
+    ahead = ahead > CELLS ? CELLS : ahead;
+    int64_t i = (int64_t)ahead;
+    return surface->table[2 * i] + (ahead - (double)i) * surface->table[2 * i + 1];
+}
+
 static void move(Voice *voice, const Coefficients *c, const Surface *surface, Chunk *chunk,
                  int64_t frames) {
     double x = voice->x, half = 0.5 * voice->v, y1 = voice->smooth_1, y2 = voice->smooth_2;
@@ -330,11 +341,7 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
         y2 = y2 + c->smooth * (y1 - y2);
         y1 = y1 > STILL ? y1 : 0.0;
         y2 = y2 > STILL ? y2 : 0.0;
-        double ahead = x + half;
-        ahead = ahead > 0.0 ? ahead : 0.0;
-        ahead = ahead > CELLS ? CELLS : ahead;
-        int64_t i = (int64_t)ahead;
-        double friction = surface->table[2 * i] + (ahead - (double)i) * surface->table[2 * i + 1];
+        double friction = friction_at(surface, x + half);
         double stretch = voice->touching ? y2 - x : 0.0 - x;
         if (voice->touching) { /* kernels/clutch.py */
             moved = fabs(y2 - moved);
@@ -345,8 +352,17 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
             if (fabs(stretch) > reach) stretch = stretch > 0.0 ? reach : -reach;
         }
         double was = x;
-        double middle =
-            c->inertia * (4.0 * half + spring * stretch) / (denominator + friction);
+        double middle = c->inertia * (4.0 * half + spring * stretch) / (denominator + friction);
+        if (fabs(half - 0.5 * middle) > MISSED) {
+            for (int round = 0; round < ROUNDS; round++) {
+                friction = friction_at(surface, x + 0.5 * middle);
+                double again =
+                    c->inertia * (4.0 * half + spring * stretch) / (denominator + friction);
+                middle = 0.5 * (middle + again);
+            }
+            friction = friction_at(surface, x + 0.5 * middle);
+            middle = c->inertia * (4.0 * half + spring * stretch) / (denominator + friction);
+        }
         x = x + middle;
         half = middle - half;
         half = fabs(half) < 0.5 * STANDSTILL ? 0.0 : half;

@@ -17,6 +17,7 @@ from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd import memory as own
 from overview_dsp.kernels.simd.vector import (
     SIMD_WIDTH,
+    any_of,
     choose,
     load,
     load_words,
@@ -26,7 +27,7 @@ from overview_dsp.kernels.simd.vector import (
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.texture import brightness, colour, grain_level, spread
-from overview_dsp.kernels.two_disk import midpoint_speed
+from overview_dsp.kernels.two_disk import MISSED, ROUNDS, midpoint_speed
 from overview_dsp.kernels.viscous import STANDSTILL, snapped
 
 APPROACH = own.of_state(layout.APPROACH)
@@ -118,6 +119,32 @@ def travel_all(batch_f64, batch_i64, frames, traced):
             load(batch_f64, own.DENOMINATOR),
             friction,
         )
+        off = abs(half - 0.5 * middle) > MISSED
+        if any_of(off):
+            sought = middle
+            drag = friction
+            for _ in range(ROUNDS):
+                drag = frictions_at(batch_f64, batch_i64, own.TABLE, x + 0.5 * sought)
+                again = midpoint_speed(
+                    2.0 * half,
+                    stretch,
+                    load(batch_f64, own.SPRING),
+                    load(batch_f64, C_INERTIA),
+                    load(batch_f64, own.DENOMINATOR),
+                    drag,
+                )
+                sought = 0.5 * (sought + again)
+            drag = frictions_at(batch_f64, batch_i64, own.TABLE, x + 0.5 * sought)
+            again = midpoint_speed(
+                2.0 * half,
+                stretch,
+                load(batch_f64, own.SPRING),
+                load(batch_f64, C_INERTIA),
+                load(batch_f64, own.DENOMINATOR),
+                drag,
+            )
+            middle = choose(off, again, middle)
+            friction = choose(off, drag, friction)
         x = x + middle
         half = middle - half
         omega = middle * load(batch_f64, C_OMEGA)

@@ -175,6 +175,11 @@ def choose(condition, yes, no):
     return yes if condition else no
 
 
+def any_of(condition):
+    """Whether a condition holds: of a number, or of any lane."""
+    return condition
+
+
 def bits_of(x):
     """The 64 bits of a float64, as an integer."""
     return np.float64(x).view(np.int64)
@@ -218,6 +223,22 @@ def _choose(condition, yes, no):
     if condition is MASK:
         return lambda condition, yes, no: _select(condition, yes, no)
     return lambda condition, yes, no: yes if condition else no
+
+
+@intrinsic
+def _any(typing: Any, condition: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        bits = ir.IntType(SIMD_WIDTH)
+        return builder.icmp_unsigned("!=", builder.bitcast(args[0], bits), ir.Constant(bits, 0))
+
+    return types.boolean(condition), emit
+
+
+@overload(any_of)
+def _any_of(condition):
+    if condition is MASK:
+        return lambda condition: _any(condition)
+    return lambda condition: condition
 
 
 def _seen_as(given: _Lanes, wanted: _Lanes, instruction: str) -> Any:
