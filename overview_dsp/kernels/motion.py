@@ -84,6 +84,11 @@ def step(f64, i64, n, old_slot, modelled):
     inertia = f64[layout.C_INERTIA]
     denominator = inertia * (2.0 + 0.5 * spring)
     to_omega = f64[layout.C_OMEGA]
+    middle = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
+    if abs(0.5 * v - 0.5 * middle) > MISSED:
+        friction, middle = corrected(
+            f64, table, old_table, left, x, v, stretch, spring, inertia, middle
+        )
     if modelled:
         push = inertia * (2.0 * v + spring * stretch)
         middle, v, torque, released, event = slide(
@@ -93,11 +98,6 @@ def step(f64, i64, n, old_slot, modelled):
         if released > 0.0:
             log_strike(f64, i64, event, released, i64[layout.CLOCK] + n, 0.5)
     else:
-        middle = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
-        if abs(0.5 * v - 0.5 * middle) > MISSED:
-            friction, middle = corrected(
-                f64, table, old_table, left, x, v, stretch, spring, inertia, middle
-            )
         torque = friction * (middle * to_omega)
         v = 2.0 * middle - v
     omega = middle * to_omega

@@ -3,8 +3,8 @@
 Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk:
 from touching down to letting go (out), or from letting go until the disk is back (recoil). An event
 is felt while the disk is within its span (where its profile exceeds a tenth of its height): its
-level is the highest of the windows that overlap that time, or follow it at once. Windows that
-overlap no event's span are the event-free rest of the stroke; its level is their median.
+level is the highest of the windows that overlap that time. Windows that overlap no event's span are
+the event-free rest of the stroke; its level is their median.
 """
 
 from __future__ import annotations
@@ -202,8 +202,7 @@ def _highest(
 ) -> NDArray[np.float64]:
     """The highest level of the windows that overlap frames `first` to `last`; NaN without any."""
     begin = np.searchsorted(starts + length, first, side="right")
-    # the vibration rises within a window after the torque: a narrow event is over by then
-    end = np.searchsorted(starts, last + length, side="right")
+    end = np.searchsorted(starts, last, side="right")
     bounds = np.stack([begin, end], axis=1).ravel()
     highest = np.maximum.reduceat(np.append(level, -np.inf), bounds)[::2]
     return np.where(begin < end, highest, np.nan)

@@ -24,6 +24,8 @@ VALUES = {
     "disk.inertia": 2e-5,
     "disk.k1": 3e-3,
     "disk.k2": 2e-2,
+    "disk.catch_up": 1.2,
+    "disk.unfold_s": 1.5,
     "input.smoothing_ms": 5.0,
     "tactor.full_torque_mnm": 40.0,
     "tactor.compression": 0.6,
@@ -68,11 +70,16 @@ def test_every_coefficient_is_what_its_parameter_says(rate):
         layout.C_TEXTURE_GAIN: db(-40.0) * math.sqrt(3.0 / 1e-3 * rate / 48e3),
         layout.C_TEXTURE_CUTOFF: 2.0 * math.pi * 800.0 / rate,
         layout.C_CEILING: db(-2.0),
+        layout.C_CATCH: 1.2 / (2.3e-2 / rate),  # at 1.2 times a hand's pace
+        layout.C_UNFOLD: 1.0 / (1.5 * rate),
+        layout.C_PACE_LEAST: 0.02 * layout.CELLS / rate,
+        layout.C_PACE_MOST: 6.0 * layout.CELLS / rate,
     }
     falls = {  # what is left after a time constant is 1/e
         layout.C_SMOOTH: (1.0 - found[layout.C_SMOOTH], 5e-3),
         layout.C_RISE: (1.0 - found[layout.C_RISE], 2e-3),
         layout.C_DECAY: (1.0 - found[layout.C_DECAY], 12e-3),
+        layout.C_PACE: (1.0 - found[layout.C_PACE], 80e-3),
         layout.C_GRAIN: (1.0 - found[layout.C_GRAIN], 50e-3),
         layout.C_FORGET: (found[layout.C_FORGET], 200e-3),
         layout.C_DC_POLE: (found[layout.C_DC_POLE], 1.0 / (2.0 * math.pi * 20.0)),

@@ -75,9 +75,8 @@ def test_every_step_keeps_the_energy_ledger_for_any_friction_and_any_step(
         spring = k / inertia * dt * dt
         position, speed = theta / scale, omega / scale * dt
         middle = step(
-            position,
             speed,
-            theta2 if touching else 0.0,
+            (theta2 if touching else 0.0) - position,
             spring,
             inertia / dt,
             inertia / dt * (2.0 + 0.5 * spring),
@@ -157,7 +156,7 @@ def smooth_path(sample_rate, seconds=0.6):
     for n in range(round(seconds * sample_rate)):
         hand = 1.5 * (1.0 - math.cos(2.0 * math.pi * (n + 0.5) * dt))
         b = 1e-3 * (1.5 + math.sin(3.0 * (x + 0.5 * v)))
-        middle = step(x, v, hand, spring, scale, scale * (2.0 + 0.5 * spring), b)
+        middle = step(v, hand - x, spring, scale, scale * (2.0 + 0.5 * spring), b)
         x, v = x + middle, 2.0 * middle - v
     return x
 
