@@ -705,9 +705,7 @@ class Engine:
 
     @property
     def arrived_at(self) -> int | None:
-        """Sample since which the disk is where the finger points, past every event between; None
-        while it isn't.
-        """
+        """Sample since which the disk is at the finger, past every event between, or None."""
         self._require_prepared()
         return reports.read_arrival(self._f64)
 

@@ -66,7 +66,7 @@ def read_holder(memory: NDArray[np.float64]) -> tuple[str, float] | None:
 def read_arrival(memory: NDArray[np.float64]) -> int | None:
     """The sample since which the disk is where the finger points and no event lies between them.
 
-    None while it isn't so, or nobody holds the disk.
+    Where friction sticks: since which it stands still. None while it isn't so, or nobody holds it.
     """
     i64 = memory.view(np.int64)
     still = int(i64[layout.M_STILL])
@@ -75,7 +75,8 @@ def read_arrival(memory: NDArray[np.float64]) -> int | None:
     slot = layout.SURFACES + int(i64[layout.ACTIVE_SLOT]) * layout.SLOT_SIZE
     positions = memory[slot + layout.SLOT_POSITION :][: int(i64[slot + layout.SLOT_EVENTS])]
     below = int(np.searchsorted(positions, memory[layout.INPUT], side="right"))
-    if below != i64[layout.NEXT_EVENT]:
+    # friction that sticks may hold the disk before an event for ever
+    if below != i64[layout.NEXT_EVENT] and i64[slot + layout.SLOT_MODELS] == 0:
         return None
     since = int(i64[layout.CLOCK]) - still
     strikes = int(i64[layout.M_STRIKES])

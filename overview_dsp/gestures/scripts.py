@@ -131,7 +131,7 @@ def pause(seconds: float) -> Gesture:
     --------
     >>> import overview_dsp as ov
     >>> (ov.sweep(1.0) + ov.pause(2.0) + ov.tap(0.5, 1.0)).duration_s
-    4.5
+    5.5
     """
     _seconds(seconds, "a rest", zero=True)
     return Gesture(np.empty(0), np.empty(0), np.empty(0, dtype=bool), float(seconds))

@@ -251,7 +251,7 @@ def render(
     >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000, tail="none")
     >>> result.samples.shape
-    (8001, 2)
+    (16001, 2)
     >>> result.trace.torque.max() > 0.0
     np.True_
     """
@@ -311,7 +311,7 @@ class Rendered:
     >>> import overview_dsp as ov
     >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> ov.render_to_file(match, football, ov.sweep(0.5), "a.wav", 8000, tail="none").duration_s
-    1.000125
+    2.000125
     """
 
     duration_s: float

@@ -73,13 +73,13 @@ def test_a_window_is_a_part_of_the_timeline(folder, match, football):
 
 
 def test_a_take_and_a_preset_file_are_given_by_their_paths(folder):
-    ov.save_gesture(ov.sweep(0.1), folder / "take.csv")
+    ov.save_gesture(ov.tap(0.6, 0.2), folder / "take.csv")
     from overview_dsp.presets.library import preset_path
 
     (folder / "mine.toml").write_bytes(preset_path("football").read_bytes())
     arguments = ("--sample-rate", "8000", "--tail", "0", "--subtype", "FLOAT")
     for number, given in enumerate(
-        [("sweep:0.1", "football"), ("take.csv", "mine.toml")],
+        [("tap:0.6:0.2", "football"), ("take.csv", "mine.toml")],
     ):
         outcome = overview(
             *("render", MATCH, "--gesture", given[0], "--preset", given[1]),
