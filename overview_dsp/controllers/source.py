@@ -34,7 +34,7 @@ class ControllerHand:
         self._fingers: dict[str, float] = {}
         self._holding: list[str] = []  # the last to touch is last
         self._theta2 = 0.0
-        self._told: float | None = None
+        self._reported: float | None = None
 
     @property
     def rules(self) -> TouchRules:
@@ -103,7 +103,7 @@ class ControllerHand:
             touch.release(time_s)
         self._holding.clear()
         self._fingers.clear()
-        self._told = None
+        self._reported = None
         return Event(time_s, self._theta2, False) if held else None
 
     # --- inside -----------------------------------------------------------------------------------
@@ -127,7 +127,7 @@ class ControllerHand:
     def _lift(self, name: str, time_s: float) -> list[Event]:
         self._fingers.pop(name, None)
         if name in self._touches:
-            # told to let go, a control that turns must engage anew
+            # once released by its message, a control that turns must engage anew
             self._touches[name].release(time_s)
         return self._leave(name, time_s)
 
@@ -136,7 +136,7 @@ class ControllerHand:
         was_last = self._holding[-1] == name
         self._holding.remove(name)
         if not self._holding:
-            self._told = None
+            self._reported = None
             return [Event(time_s, self._theta2, False)]
         heir = self._holding[-1]
         # a control follows where the disk was, and joins its own place at the next tick
@@ -166,7 +166,7 @@ class ControllerHand:
         return self._at(event.theta2, turn.time_s, again)
 
     def _at(self, theta2: float, time_s: float, again: bool = False) -> list[Event]:
-        if theta2 == self._told and not again:
+        if theta2 == self._reported and not again:
             return []
-        self._theta2 = self._told = theta2
+        self._theta2 = self._reported = theta2
         return [Event(time_s, theta2, True, again)]

@@ -23,7 +23,7 @@ def run(
 ) -> Iterator[dict[str, Any]]:
     """Play until the hand's input is over and the disk at rest, `seconds` are over, or `stopped()`.
 
-    Yields a report a second and a summary at the end; `note` is told messages as they come.
+    Yields a report a second and a summary at the end; `note` receives messages as they come.
     """
     started = last = time.monotonic()
     click = tactor = 0.0

@@ -28,7 +28,7 @@ class MotorPort(Port, Protocol):
     """A port that is written too."""
 
     def write(self, data: bytes) -> bool:
-        """Send; whether all of it found room. PortLostError if the device is gone."""
+        """Send; whether all of it was accepted. PortLostError if the device is gone."""
 
 
 def open_motor_port(device: str, baud: int) -> MotorPort:
@@ -84,7 +84,7 @@ class MotorInput(SensorInput):
         return f"{super().words}; {force}"
 
     def report(self) -> dict[str, Any]:
-        """As `SensorInput.report`, with `force`: the loop's, and what found no room on the wire."""
+        """As `SensorInput.report`, with `force`: the loop's, and what the port didn't accept."""
         now = time.monotonic()
         rate = self._loop.commands / max(now - self._began_at, 1e-3)
         force = {**self._loop.report(now), "per_s": round(rate, 1), "blocked": self._blocked}

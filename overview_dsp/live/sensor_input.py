@@ -10,7 +10,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError
 from overview_dsp.live.serial_port import SerialPort, find_again, identity_of
 from overview_dsp.live.threaded_input import ThreadedInput
-from overview_dsp.sensors.diagnostics import Trouble
+from overview_dsp.sensors.diagnostics import Diagnostics
 from overview_dsp.sensors.profile import Sensor
 from overview_dsp.sensors.source import Hand
 from overview_dsp.sensors.touching import Event, TouchRules
@@ -75,7 +75,7 @@ class SensorInput(ThreadedInput[Port]):
         port = open_port(device, self._baud)
         super().__init__(engine, self.SOURCE, port, device)
         self._hand = Hand(sensor, TouchRules.of(self._preset))
-        self._trouble = Trouble()
+        self._diagnostics = Diagnostics()
         self._understood_at = self._heard_at
         self._kept_up_at, self._behind = self._heard_at, 0
         self._silent = False
@@ -124,7 +124,7 @@ class SensorInput(ThreadedInput[Port]):
         if turn is not None and turn is not before:
             self._writer.saw(turn.time_s)
         self._writer.write(events)
-        self._messages.extend(self._trouble.new(counters))
+        self._messages.extend(self._diagnostics.new(counters))
         if counters.readings - counters.repeated > understood:
             self._understood_at, self._silent = now, False
         elif now - self._understood_at > SILENT_S and not self._silent:

@@ -96,7 +96,7 @@ class Hand:
         """How it stands: what it is, its angle, every counter."""
         turn = self.turn
         return {
-            "told": str(self._stream.told) if self._stream.told is not None else None,
+            "told": str(self._stream.detected) if self._stream.detected is not None else None,
             "state": self._words,
             "theta2_rad": None if turn is None else round(turn.theta2, 6),
             "holding": self.holding,
@@ -111,8 +111,8 @@ class Hand:
             return None
         try:
             if self._angle is None:
-                told = self._stream.told
-                binary = told is not None and told.format == "frames"
+                detected = self._stream.detected
+                binary = detected is not None and detected.format == "frames"
                 self._angle = angle_of(self._sensor, binary, reading, self.counters)
                 if self._angle is None:
                     return None

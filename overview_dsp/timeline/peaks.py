@@ -22,7 +22,7 @@ MATTERS = 0.02
 """A peak stands out by at least this part of what the part shown spans."""
 
 SOME = 7
-"""Every so many places tell what is usual."""
+"""What is usual is measured at every so many positions."""
 
 WIDENED = 1.0 / 2048.0
 """Part of the places on either side of a peak that get its height: a thousandth in all."""

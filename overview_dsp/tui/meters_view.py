@@ -46,11 +46,11 @@ class MetersView(Static):
         )
         if status.actuator is not None and status.protected is not None:
             text.append(f", {status.actuator.name} {-status.protected.taken_db:.1f} dB")
-        trouble = status.late + status.underflows + status.dropped
+        faults = status.late + status.underflows + status.dropped
         text.append(
             f"\n{status.callbacks} callbacks, {status.late} late, {status.underflows} underflows, "
             f"{status.frames_lost} frames lost, {status.dropped} events dropped",
-            "red" if trouble else "dim",
+            "red" if faults else "dim",
         )
         if hand:
             text.append(f"\n{hand}", "dim")

@@ -39,7 +39,7 @@ def input_options(function: Callable[..., Any]) -> Callable[..., Any]:
                      "osc:HOST:PORT; midi:NAME; - for lines of standard input: theta2 (rad) and "
                      "touching (0 or 1); several together. Or a gesture or take to play."),
         click.option("--sensor", help="What is on the serial port: a name (imu, roll, encoder, "
-                     "potentiometer, simplefoc) or a TOML file; told by content if left out."),
+                     "potentiometer, simplefoc) or a TOML file; left out: detected by content."),
         click.option("--baud", type=click.IntRange(300, 4_000_000), help="Of the serial port, "
                      "instead of the sensor file's (115200)."),
         click.option("--force", is_flag=True, help="Brake the motor on the serial port as the "
@@ -73,7 +73,7 @@ class Hands:
         return "lines" in self.openers
 
     def opened(self, engine: Engine, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
-        """The hands, begun, as one; `closing` is told what gives each back. InputError as they."""
+        """The hands, begun, as one; `closing` receives what closes each. InputError as they."""
         from overview_dsp.live.inputs import LineInput
         from overview_dsp.live.several_inputs import SeveralInputs
 

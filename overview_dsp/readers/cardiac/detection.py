@@ -82,7 +82,7 @@ class Detection:
 
 
 def find_beats(
-    signal: Signal, what: str | None = None, tell: Callable[[float], None] = lambda part: None
+    signal: Signal, what: str | None = None, progress: Callable[[float], None] = lambda part: None
 ) -> Detection:
     """Search a signal block by block.
 
@@ -91,8 +91,8 @@ def find_beats(
     signal
         Of `MIN_RATE` or more.
     what
-        `ECG` or `pulse wave`; None = told by its spectrum.
-    tell
+        `ECG` or `pulse wave`; None = detected from its spectrum.
+    progress
         Called with the part done, 0 to 1.
 
     Raises
@@ -120,12 +120,12 @@ def find_beats(
             for beat in (search(part * turned, signal.rate) + low + begin).tolist():
                 if first <= beat < end and (not found or beat - found[-1] >= near):
                     found.append(beat)
-        tell(end / signal.length)
+        progress(end / signal.length)
     return Detection(np.array(found, np.int64), finder.finish(), finder.lost, what or "ECG")
 
 
 def silent_parts(
-    signal: Signal, tell: Callable[[float], None] = lambda part: None
+    signal: Signal, progress: Callable[[float], None] = lambda part: None
 ) -> tuple[Spans, int]:
     """Return the stretches without signal, and how many samples are missing outside of them."""
     finder = SilenceFinder(signal.rate)
@@ -133,7 +133,7 @@ def silent_parts(
     for first in range(0, signal.length, block):
         end = min(first + block, signal.length)
         finder.feed(signal.read(first, end))
-        tell(end / signal.length)
+        progress(end / signal.length)
     return finder.finish(), finder.lost
 
 

@@ -53,7 +53,7 @@ class Crossing:
 
 
 def round_levels(low: float, high: float) -> list[float]:
-    """Return one to three round numbers strictly between two values; none where no room is."""
+    """Return one to three round numbers strictly between two values; none in a span too narrow."""
     span = high - low
     if not math.isfinite(span) or span <= 0.0 or span < 1e-9 * max(abs(low), abs(high)):
         return []
