@@ -273,7 +273,7 @@ class Engine:
         sample_time : int or None
             When, in samples since reset; None is as soon as possible.
         source : {"touch", "twist", "serial", "osc", "midi", "remote"}
-            Which hand; the last to touch holds the disk.
+            Which source; the last to touch holds the disk.
 
         Raises
         ------
@@ -313,7 +313,7 @@ class Engine:
         sample_times : int64 (events,)
             When, in samples since reset.
         sources : int8 (events,)
-            Which hand, as an index of the sources in `control`'s order.
+            Which source, as an index of the sources in `control`'s order.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Hands that aren't at the keyboard: a take, and lines on standard input."""
+"""Sources other than the keyboard: a take, and lines on standard input."""
 
 from __future__ import annotations
 

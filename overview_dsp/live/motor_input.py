@@ -1,4 +1,4 @@
-"""A motor knob on a serial port: a sensor's hand, to which the disk's torque is given back."""
+"""A motor knob on a serial port: a sensor, to which the disk's torque is given back."""
 
 from __future__ import annotations
 
@@ -96,10 +96,10 @@ class MotorInput(SensorInput):
         super()._take(data)
         now = time.monotonic()
         if data:
-            self._loop.hear(self._hand.heard, now)
+            self._loop.hear(self._source.heard, now)
         torque = self._torque.look(self._engine.impulse, now)
         held = self._engine.holder
-        if held is None or held[0] != self.SOURCE:  # the disk is another hand's, or nobody's
+        if held is None or held[0] != self.SOURCE:  # the disk is another source's, or nobody's
             torque = 0.0
         sent = self._loop.step(torque, now)
         if self._was_alive and not self._loop.alive:

@@ -53,7 +53,7 @@ def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
         surface = build_surface(timeline, preset)
     assert len(surface.position) <= MAX_EVENTS
     assert np.all(np.diff(surface.position) > 0.0)
-    with pytest.warns(OverviewWarning, match="tells"):
+    with pytest.warns(OverviewWarning, match="keeps"):
         result = ov.render(timeline, preset, ov.sweep(0.5), tail="none")
     assert len(result.strikes.time_s) > 15_000
     assert np.isfinite(result.samples).all()
@@ -63,7 +63,7 @@ def test_merged_bristles_belong_to_the_event_that_strikes():
     preset = preset_with(height=2.0, width=0.03)
     kind = ov.EventKind(height=5.0, width_percent=0.03, model="bristle")
     preset = type(preset)("b", "b", "b", preset.values, {"default": kind})
-    with pytest.warns(OverviewWarning, match="tells"):
+    with pytest.warns(OverviewWarning, match="keeps"):
         surface = build_surface(timeline_of(*np.linspace(0.0, 100.0, 40_000)), preset)
     assert surface.bristles is not None
     owner = surface.bristles.owner

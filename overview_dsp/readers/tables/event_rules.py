@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from overview_dsp.timeline.event import Event
 
 MOST_CROSSINGS = 16
-"""Most crossings: more would be a texture, not places."""
+"""Most crossings: more would be a texture, not positions."""
 
 _LEVELS = 3
 _HYSTERESIS = (0.03, 0.06, 0.12, 0.24)

@@ -102,7 +102,7 @@ def test_the_order_of_rows_tells_day_from_month_where_no_part_does(tmp_path: Pat
 @pytest.mark.parametrize(
     ("told", "start"), [("dmy", datetime(2020, 2, 1)), ("mdy", datetime(2020, 1, 2))]
 )
-def test_a_date_that_fits_both_is_asked_about_and_can_be_told(
+def test_a_date_that_fits_both_is_asked_about_and_can_be_given(
     tmp_path: Path, told: str, start: datetime
 ) -> None:
     text = series(["01/02/2020", "02/02/2020", "03/03/2020"])
