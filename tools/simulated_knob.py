@@ -192,7 +192,7 @@ class Wire:
             return b""
 
     def send(self, data: bytes) -> None:
-        """What finds no room, or nobody, is lost, as on a wire."""
+        """What finds no buffer space, or no reader, is lost, as on a wire."""
         with contextlib.suppress(OSError):
             os.write(self._ours, data)
 
@@ -298,7 +298,7 @@ def play_motor(options: argparse.Namespace) -> None:
         pass
     finally:
         wire.close()
-    told = {
+    totals = {
         "put_in_mj": 1e3 * motor.put_in,
         "given_mj": 1e3 * motor.given,
         "hand_mj": 1e3 * motor.hand_work,
@@ -307,7 +307,7 @@ def play_motor(options: argparse.Namespace) -> None:
         "enabled": motor.enabled,
         "silences": motor.silences,
     }
-    print(json.dumps(told), flush=True)
+    print(json.dumps(totals), flush=True)
 
 
 def main() -> None:

@@ -21,7 +21,7 @@ from overview_dsp.units import db_to_gain
 HIGHEST_PART = 0.45
 """A resonance must lie below this part of the sample rate."""
 
-LEAST_ROOM = 1e-6
+LEAST_HEADROOM = 1e-6
 """From the nominal drive to the peak, where they are the same."""
 
 MEMORY = 1.0 / 8.0
@@ -75,7 +75,7 @@ def write_actuator(
             layout.ACT_NOMINAL: actuator.nominal * db_to_gain(actuator.gain_db),
             layout.ACT_BEND: TOP * actuator.nominal,
             layout.ACT_PEAK: TOP * actuator.peak,
-            layout.ACT_ROOM: max(LEAST_ROOM, TOP * (actuator.peak - actuator.nominal)),
+            layout.ACT_ROOM: max(LEAST_HEADROOM, TOP * (actuator.peak - actuator.nominal)),
             **_sharpening(actuator, sample_rate),
             **_protection(actuator, sample_rate),
             **_weighting(actuator, sample_rate),

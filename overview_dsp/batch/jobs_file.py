@@ -156,8 +156,8 @@ def _timelines(file: _JobsFile) -> Iterable[tuple[str, Callable[[], Timeline]]]:
         for one in _matching(file, name) if name not in BUNDLED else [name]:
             label = one
             if options:
-                told = (f"{key}={_plain(value)}" for key, value in options.items())
-                label = f"{label} ({', '.join(told)})"
+                pairs = (f"{key}={_plain(value)}" for key, value in options.items())
+                label = f"{label} ({', '.join(pairs)})"
             yield label, lambda one=one, options=options: _timeline(file, one, options)  # type: ignore[misc]
 
 

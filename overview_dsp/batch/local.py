@@ -79,15 +79,15 @@ def run_in_processes(
     """
     left = dict(enumerate(tasks))
     deaths = 0
-    told: set[str] = set()
+    warned: set[str] = set()
     while left:
         try:
             for number, (done, notes) in _run_once(study, dict(left), processes):
                 del left[number]
                 for note in notes:
-                    if note not in told:
+                    if note not in warned:
                         warnings.warn(note, OverviewWarning, stacklevel=2)
-                told.update(notes)
+                warned.update(notes)
                 yield done
         except BrokenProcessPool:
             deaths += 1

@@ -53,7 +53,7 @@ def _loudness(click: NDArray[np.float32], sample_rate: float) -> float | None:
 
 
 def _felt(result: RenderedJob[Trace | None]) -> list[dict[str, Any]]:
-    """The events that the disk passed, in the order of their places."""
+    """The events that the disk passed, in the order of their positions."""
     assert result.trace is not None
     surface, events = result.surface, result.job.timeline.events
     levels = event_levels(surface, result.trace, result.samples[:, 1], result.sample_rate)

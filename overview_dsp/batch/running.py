@@ -27,7 +27,7 @@ MOST_A_TASK = 256
 """Cases of a task: few enough that all workers end together, enough that handing out is cheap."""
 
 Progress = Callable[[int, int], None]
-"""Told how many cases are finished, of how many."""
+"""Receives how many cases are finished, of how many."""
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ Job = tuple[int, str]
 
 @dataclass(frozen=True)
 class Done:
-    """What a worker tells of its cases: how many were finished, and which failed why."""
+    """What a worker reports of its cases: how many were finished, and which failed why."""
 
     finished: int
     failed: tuple[tuple[int, str], ...]
@@ -55,7 +55,7 @@ class Worker:
         self._last_preset: dict[tuple[int, tuple[Value, ...]], Preset] = {}
 
     def run(self, jobs: Sequence[Job]) -> Done:
-        """Render, measure and store some cases; those that can't be rendered are told.
+        """Render, measure and store some cases; those that can't be rendered are reported.
 
         Raises
         ------

@@ -32,7 +32,7 @@ def measure(
     progress: Callable[[float], None] | None = None,
 ) -> Report:
     """Measure speeds, then costs; streams of up to `longest_s` of sound."""
-    tell = progress or (lambda part: None)
+    report_part = progress or (lambda part: None)
     contenders: list[Contender] = overview_rows.contenders() + many_voices.contenders()
     left_out = []
     for add in NEIGHBOURS:
@@ -40,10 +40,10 @@ def measure(
             contenders += add()
         except MissingError as missing:
             left_out.append(str(missing))
-    rows = interleaved(contenders, rounds, lambda part: tell(SPEEDS_PART * part))
+    rows = interleaved(contenders, rounds, lambda part: report_part(SPEEDS_PART * part))
     memory = scaling.memory(longest_s)
     costs = scaling.measure(
-        rounds, longest_s, lambda part: tell(SPEEDS_PART + (1.0 - SPEEDS_PART) * part)
+        rounds, longest_s, lambda part: report_part(SPEEDS_PART + (1.0 - SPEEDS_PART) * part)
     )
     return Report(rounds, rows, costs, memory, left_out)
 

@@ -193,7 +193,7 @@ def peak_mb() -> float:
     """The process's highest resident memory so far."""
     status = Path("/proc/self/status")
     if status.exists():
-        # what getrusage tells may be the parent's, from before this program was loaded
+        # what getrusage reports may be the parent's, from before this program was loaded
         found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
         if found:
             return int(found[1]) * 1024 / 1e6

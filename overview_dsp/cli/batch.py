@@ -50,14 +50,14 @@ def command(
         return
     count = 0
 
-    def tell(finished: int, of: int) -> None:
+    def progress(finished: int, of: int) -> None:
         nonlocal count
         count = finished
         bar(finished / of)
 
     try:
         with progress_bar(f"rendering {len(study)}") as bar:
-            outcome = run_study(study, workers=workers, scheduler=scheduler, progress=tell)
+            outcome = run_study(study, workers=workers, scheduler=scheduler, progress=progress)
     except KeyboardInterrupt:
         click.echo(
             f"error: stopped with {count} of {len(study)} finished; run it again to go on",

@@ -65,8 +65,8 @@ def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> No
     if plot is not None:
         require_writable(plot)
     announce_compile("disk_alone")
-    with progress_bar("measuring") as tell:
-        report = measure(rounds, longest_s, tell)
+    with progress_bar("measuring") as progress:
+        report = measure(rounds, longest_s, progress)
     if plot is not None:
         draw(report, plot)
     if as_json:
@@ -83,8 +83,8 @@ def _live(rounds: int, device: str | None, seconds: float, as_json: bool) -> Non
 
     announce_compile()
     where = int(device) if device is not None and device.isdecimal() else device
-    with progress_bar("playing") as tell:
-        report = measure_live(where, seconds, rounds, tell)
+    with progress_bar("playing") as progress:
+        report = measure_live(where, seconds, rounds, progress)
     if as_json:
         print_json(asdict(report))
         return

@@ -28,12 +28,12 @@ def announce_compile(*kernels: str) -> None:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr for work that takes longer than a second; tell it the part done, 0 to 1."""
+    """A bar on stderr for work longer than a second; yields its setter of the part done, 0 to 1."""
     started = time.monotonic()
     bar: Any = None
     shown = 0
 
-    def tell(part: float) -> None:
+    def report(part: float) -> None:
         nonlocal bar, shown
         if bar is None:
             if time.monotonic() - started < BAR_AFTER_S or not sys.stderr.isatty():
@@ -45,7 +45,7 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
         shown = now
 
     try:
-        yield tell
+        yield report
     finally:
         if bar is not None:
             bar.__exit__(None, None, None)

@@ -15,7 +15,7 @@ from overview_dsp.cli.common import (
     read_gesture,
     window_options,
 )
-from overview_dsp.cli.options.actuator import actuator_option, calibrated, told
+from overview_dsp.cli.options.actuator import actuator_option, calibrated, drive_line
 from overview_dsp.cli.options.timeline import (
     open_timeline,
     preset_for,
@@ -132,9 +132,9 @@ def command(
     for place in places.values():
         require_writable(place)
     announce_compile(*(("drive_block",) if driven else ()))
-    with progress_bar("rendering") as tell:
+    with progress_bar("rendering") as progress:
         result = render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
-        tell(1.0)
+        progress(1.0)
     reports: list[dict[str, Any]] = []
     for to, place in places.items():
         done = export(result, to, place, points)
@@ -158,7 +158,7 @@ def command(
         if "points" not in report:
             click.echo(f"{files}: four channels, clicks on 1 and 2, vibration on 3 and 4")
             if driven and result.protected:
-                click.echo(told(driven, result.protected))
+                click.echo(drive_line(driven, result.protected))
             continue
         click.echo(
             f"{files}: {report['points']} points, {report['transients']} strikes; against the "
@@ -190,9 +190,9 @@ def _site(
     """Write the folder and say how to open it."""
     from overview_dsp.web.static_site import write_site
 
-    with progress_bar("writing the page") as tell:
+    with progress_bar("writing the page") as progress:
         size = write_site(
-            data, preset, out, levels=zooms, seed=seed, actuator=actuator, progress=tell
+            data, preset, out, levels=zooms, seed=seed, actuator=actuator, progress=progress
         )
     if as_json:
         print_json([{"format": SITE, "files": [out], "bytes": size}])

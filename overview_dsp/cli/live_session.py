@@ -171,10 +171,10 @@ def note(message: str) -> None:
 
 
 def print_lines(
-    player: Player, hand: Input | None, received: list[int], seconds: float | None
+    player: Player, source: Input | None, received: list[int], seconds: float | None
 ) -> None:
     """Play with a line of JSON a second."""
     from overview_dsp.live.headless import run
 
-    for report in run(player, hand, lambda: bool(received), note, seconds):
+    for report in run(player, source, lambda: bool(received), note, seconds):
         print(json.dumps(report), flush=True)

@@ -22,7 +22,7 @@ from overview_dsp.cli.options.server import (
     require_server,
     server_options,
 )
-from overview_dsp.cli.options.sources import choose_force_block, input_options, parse_hands
+from overview_dsp.cli.options.sources import choose_force_block, input_options, parse_sources
 from overview_dsp.cli.options.timeline import (
     open_timeline,
     preset_for,
@@ -79,13 +79,13 @@ def command(
     part = part_of(data, window, zoom_to)
     if part is not None and window:
         data, part = data.window(*part), None
-    hands = parse_hands(sources, sensor, baud, midi_map, force)
+    named = parse_sources(sources, sensor, baud, midi_map, force)
     if force:
         choose_force_block(live)
     name = preset_for(data, preset)
     with ExitStack() as stack:
         player, received = stack.enter_context(opened_player(data, part, name, live))
-        hand = hands.opened(player.engine, stack.callback)
+        source = named.opened(player.engine, stack.callback)
         invitation = ""
         if osc_out is not None:
             from overview_dsp.live.osc_out import OscOut
@@ -95,16 +95,16 @@ def command(
             from overview_dsp.web.data import data_routes
             from overview_dsp.web.session import HostSession
 
-            hand = session = HostSession(player, hand)
+            source = session = HostSession(player, source)
             routes = data_routes(data, name, audio="host", first=part)
             invitation = stack.enter_context(open_server(server, session, routes)).text
-        if headless or hands.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
-            print_lines(player, hand, received, seconds)
+        if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
+            print_lines(player, source, received, seconds)
         else:
             from overview_dsp.tui import run
 
-            run(player, hand, lambda: bool(received), invitation)
-        lines = hands.lines
+            run(player, source, lambda: bool(received), invitation)
+        lines = named.lines
         if lines is not None and lines.refused:
             note(
                 f"{lines.refused} lines weren't `theta2 touching`; the first: {lines.first_refused}"

@@ -15,7 +15,7 @@ from overview_dsp.cli.common import (
     read_gesture,
     window_options,
 )
-from overview_dsp.cli.options.actuator import actuator_option, calibrated, told
+from overview_dsp.cli.options.actuator import actuator_option, calibrated, drive_line
 from overview_dsp.cli.options.timeline import (
     open_timeline,
     preset_for,
@@ -60,7 +60,7 @@ def command(
 ) -> None:
     """Play a gesture over TIMELINE into a sound file: left = clicks, right = tactor.
 
-    TIMELINE is any supported file, told by its content, or the bundled match
+    TIMELINE is any supported file, detected by content, or the bundled match
     (world-cup-final-2018).
     """
     from overview_dsp.actuators.stage import protected_report
@@ -78,7 +78,7 @@ def command(
     rest = tail_of(tail)
     driven = calibrated(actuator)
     announce_compile(*(("drive_block",) if driven else ()))
-    with progress_bar(f"rendering {Path(out).name}") as tell:
+    with progress_bar(f"rendering {Path(out).name}") as progress:
         done = render_to_file(
             data,
             chosen,
@@ -89,7 +89,7 @@ def command(
             tail=rest,
             subtype=subtype,
             trace_path=trace,
-            progress=tell,
+            progress=progress,
             actuator=driven,
         )
     click_db, tactor_db = (round(gain_to_db(peak), 1) if peak else None for peak in done.peaks)
@@ -115,7 +115,7 @@ def command(
         f"peaks {_level(click_db)} click and {_level(tactor_db)} tactor, {done.note}"
     )
     if driven and done.protected:
-        click.echo(told(driven, done.protected))
+        click.echo(drive_line(driven, done.protected))
     for kind, count in done.engine.surface.left_out.items():
         click.echo(
             f"left out: {count} {kind}, too dense to be felt one by one; use a shorter window"

@@ -91,19 +91,19 @@ def command(
         with opened_player(data, part, name, live) as (player, received):
             session = HostSession(player)
             with open_server(server, session, routes) as opened:
-                _tell(opened, as_json)
+                _report(opened, as_json)
                 print_lines(player, session, received, seconds)
     else:
         with (
             ended_by_signals() as received,
             open_server(server, None, routes) as opened,
         ):
-            _tell(opened, as_json)
+            _report(opened, as_json)
             _wait(received, seconds)
     exit_if_stopped(received)
 
 
-def _tell(opened: Opened, as_json: bool) -> None:
+def _report(opened: Opened, as_json: bool) -> None:
     if as_json:
         report = {
             "address": opened.address,

@@ -25,7 +25,7 @@ def command() -> None:
 def show(file: str, load: dict[str, Any], events: bool, plot: str | None, as_json: bool) -> None:
     """What was understood from FILE: span, unit, events by kind, gaps, notes, and where it is from.
 
-    FILE is any supported file, told by its content, or the bundled match (world-cup-final-2018). A
+    FILE is any supported file, detected by content, or the bundled match (world-cup-final-2018). A
     file of several matches is listed unless --match chooses one.
     """
     from overview_dsp.readers.registry import list_matches

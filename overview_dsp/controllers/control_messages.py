@@ -77,8 +77,8 @@ class Counters:
     overrun: int = 0
 
 
-class Place:
-    """A place on the timeline that something moves, and a touch that something else may say.
+class PositionControl:
+    """A position on the timeline that something moves, and a touch that something else may say.
 
     Until a touch has been said it is `Turned`; from then on the touch decides alone.
     """

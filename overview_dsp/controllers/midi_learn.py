@@ -8,7 +8,7 @@ from overview_dsp.controllers.midi_map import TAPS, THETA2, TOUCH, Control
 
 FEWEST = 6
 SPAN = 0.25
-"""A control is meant when it has been at so many places, over so much of its way."""
+"""A control is meant when it has been at so many positions, over so much of its way."""
 
 
 class Learner:

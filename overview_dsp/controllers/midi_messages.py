@@ -3,12 +3,19 @@
 A spring holds a pitch bend wheel in its middle, as a wrist lies face up: bent either way is turned
 away, its end is the end of the timeline, and let go it is back at rest. A control change is a fader
 from 0 to 1; where its fine half (number + 32) is seen it has 14 bits, else 7. Keys tap: each holds
-on at its place of the timeline until it is let go.
+on at its position on the timeline until it is let go.
 """
 
 from __future__ import annotations
 
-from overview_dsp.controllers.control_messages import Counters, Dialled, LetGo, Move, Place, Touched
+from overview_dsp.controllers.control_messages import (
+    Counters,
+    Dialled,
+    LetGo,
+    Move,
+    PositionControl,
+    Touched,
+)
 from overview_dsp.controllers.midi_map import DEFAULT, TAPS, THETA2, TOUCH, Control
 from overview_dsp.units import HALF_TURN
 
@@ -36,8 +43,10 @@ class MidiReader:
         """Nothing has come yet."""
         self.counters = Counters() if counters is None else counters
         self._controls = controls
-        self._places = {
-            one: Place(f"{one.name}/{one.channel}") for one in controls if one.to == THETA2
+        self._positions = {
+            one: PositionControl(f"{one.name}/{one.channel}")
+            for one in controls
+            if one.to == THETA2
         }
         self._coarse: dict[tuple[int, int], int] = {}
         self._fine: set[tuple[int, int]] = set()
@@ -135,10 +144,10 @@ class MidiReader:
 
     def _do(self, control: Control, part: float) -> list[Move]:
         if control.to == THETA2:
-            return self._places[control].turn(_theta2(control, part))
+            return self._positions[control].turn(_theta2(control, part))
         if control.to == TOUCH:
             touching = part >= 0.5
-            return [move for place in self._places.values() for move in place.touch(touching)]
+            return [move for one in self._positions.values() for move in one.touch(touching)]
         return [Dialled(control.to, part, control.low, control.high)]
 
 

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from overview_dsp.controllers.control_messages import Asked, Counters, Move, Place
+from overview_dsp.controllers.control_messages import Asked, Counters, Move, PositionControl
 from overview_dsp.controllers.osc_packets import decode_packet
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
@@ -33,7 +33,7 @@ class OscReader:
     def __init__(self, counters: Counters | None = None) -> None:
         """Nothing has come yet."""
         self.counters = Counters() if counters is None else counters
-        self._place = Place("theta2")
+        self._position = PositionControl("theta2")
         self._said: list[str] = []
 
     def read(self, data: bytes, time_s: float) -> list[Move]:
@@ -73,12 +73,12 @@ class OscReader:
                 raise InputError("it takes an angle, and may take a touch")
             angle = self._angle(values[0])
             if len(values) == 2:
-                return self._place.both(angle, _flag(values[1]))
-            return self._place.turn(angle)
+                return self._position.both(angle, _flag(values[1]))
+            return self._position.turn(angle)
         if len(values) != 1:
             raise InputError(f"it takes one value; {len(values)} came")
         if name == "touch":
-            return self._place.touch(_flag(values[0]))
+            return self._position.touch(_flag(values[0]))
         if not isinstance(values[0], bool | int | float | str):
             raise InputError("it takes a number, a text, true or false")
         return [Asked(name.replace("/", "."), values[0])]

@@ -1,10 +1,10 @@
-"""A controller's hands: what it says in, control events of one source out.
+"""A controller as a source: its messages in, control events of one source out.
 
 Takeover, the one rule: **the last to touch holds the disk, until it lets go or another touches.**
 
-- What feels a touch (a finger, a key) steps to its place: a tap is the same wherever the disk was.
+- What feels a touch (a finger, a key) steps to its position: a tap doesn't depend on the disk's.
 - What doesn't (a device turned, a fader, a wheel) touches by being turned, and never jumps: it
-  begins where the disk is held and goes over to its own place (`sensors.touching`).
+  begins where the disk is held and goes over to its own position (`sensors.touching`).
 - A fader that lies still holds on; turning another one, or a device, takes over from it.
 - Whoever lets go gives the disk back to the last one that still holds on; where none does, it
   recoils.
@@ -17,7 +17,7 @@ from overview_dsp.sensors.angles import Turn
 from overview_dsp.sensors.touching import Event, TouchRules, TwistTouch
 
 
-class ControllerHand:
+class ControllerSource:
     """All fingers and all controls of one controller.
 
     Attributes
@@ -34,7 +34,7 @@ class ControllerHand:
         self._fingers: dict[str, float] = {}
         self._holding: list[str] = []  # the last to touch is last
         self._theta2 = 0.0
-        self._told: float | None = None
+        self._reported: float | None = None
 
     @property
     def rules(self) -> TouchRules:
@@ -62,10 +62,10 @@ class ControllerHand:
         move: Turned | Touched | LetGo,
         time_s: float,
         elsewhere: float | None = None,
-        place: float = 0.0,
+        position: float = 0.0,
         yields: bool = False,
     ) -> list[Event]:
-        """The events of a move; `elsewhere`, `place` and `yields` as `TwistTouch.step`."""
+        """The events of a move; `elsewhere`, `position` and `yields` as `TwistTouch.step`."""
         if isinstance(move, Touched):
             return self._touch(move.finger, move.theta2, time_s)
         if isinstance(move, LetGo):
@@ -80,20 +80,20 @@ class ControllerHand:
         if move.control not in self._touches:
             self._touches[move.control] = TwistTouch(self._rules)
         self._turns[move.control] = turn
-        return self._step(move.control, turn, elsewhere, place, yields)
+        return self._step(move.control, turn, elsewhere, position, yields)
 
     def tick(
         self,
         time_s: float,
         elsewhere: float | None = None,
-        place: float = 0.0,
+        position: float = 0.0,
         yields: bool = False,
     ) -> list[Event]:
         """What time alone does: joining, following, letting go at rest."""
         events = []
         for name in [name for name in self._holding if name not in self._fingers]:
             turn = Turn(time_s, self._turns[name].theta2)
-            events += self._step(name, turn, elsewhere, place, yields)
+            events += self._step(name, turn, elsewhere, position, yields)
         return events
 
     def release(self, time_s: float) -> Event | None:
@@ -103,7 +103,7 @@ class ControllerHand:
             touch.release(time_s)
         self._holding.clear()
         self._fingers.clear()
-        self._told = None
+        self._reported = None
         return Event(time_s, self._theta2, False) if held else None
 
     # --- inside -----------------------------------------------------------------------------------
@@ -127,7 +127,7 @@ class ControllerHand:
     def _lift(self, name: str, time_s: float) -> list[Event]:
         self._fingers.pop(name, None)
         if name in self._touches:
-            # told to let go, a control that turns must engage anew
+            # once released by its message, a control that turns must engage anew
             self._touches[name].release(time_s)
         return self._leave(name, time_s)
 
@@ -136,14 +136,14 @@ class ControllerHand:
         was_last = self._holding[-1] == name
         self._holding.remove(name)
         if not self._holding:
-            self._told = None
+            self._reported = None
             return [Event(time_s, self._theta2, False)]
         heir = self._holding[-1]
-        # a control follows where the disk was, and joins its own place at the next tick
+        # a control follows where the disk was, and joins its own position at the next tick
         return self._at(self._fingers.get(heir, self._theta2), time_s) if was_last else []
 
     def _step(
-        self, name: str, turn: Turn, elsewhere: float | None, place: float, yields: bool
+        self, name: str, turn: Turn, elsewhere: float | None, position: float, yields: bool
     ) -> list[Event]:
         others = [one for one in self._holding if one != name]
         inside = elsewhere is None and bool(others) and self._holding[-1] != name
@@ -151,7 +151,7 @@ class ControllerHand:
             elsewhere, yields = self._theta2, others[-1] not in self._fingers
         touch = self._touches[name]
         was = touch.holding
-        event = touch.step(turn, elsewhere, place, yields)
+        event = touch.step(turn, elsewhere, position, yields)
         if event is None:
             return []
         if not event.touching:
@@ -166,7 +166,7 @@ class ControllerHand:
         return self._at(event.theta2, turn.time_s, again)
 
     def _at(self, theta2: float, time_s: float, again: bool = False) -> list[Event]:
-        if theta2 == self._told and not again:
+        if theta2 == self._reported and not again:
             return []
-        self._theta2 = self._told = theta2
+        self._theta2 = self._reported = theta2
         return [Event(time_s, theta2, True, again)]

@@ -102,18 +102,18 @@ def coefficients(preset: Preset, sample_rate: float) -> dict[int, float]:
 
 
 def changes(before: Preset, after: Preset, sample_rate: float) -> list[tuple[int, float]]:
-    """What the kernel must be told to go from one preset's parameters to another's.
+    """The changes that take the kernel from one preset's parameters to another's.
 
     Pairs of what (a gliding coefficient or a command of `kernels.layout`) and value; the surface
     isn't among them.
     """
     old = coefficients(before, sample_rate)
     new = coefficients(after, sample_rate)
-    told = [(column, target) for column, target in new.items() if target != old[column]]
+    changed = [(column, target) for column, target in new.items() if target != old[column]]
     returns = after.values["disk.release"] == "return"
     if returns != (before.values["disk.release"] == "return"):
-        told.append((layout.COMMAND_RELEASE_RETURNS, float(returns)))
-    return told
+        changed.append((layout.COMMAND_RELEASE_RETURNS, float(returns)))
+    return changed
 
 
 def check_carrier(preset: Preset, sample_rate: float) -> None:

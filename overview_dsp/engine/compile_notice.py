@@ -6,13 +6,13 @@ import sys
 
 from overview_dsp.kernels.compiling import is_compiled
 
-_told: set[str] = set()
+_announced: set[str] = set()
 
 
 def announce_compile(*kernels: str) -> None:
     """A line on stderr if the first use of kernels (by name) on this machine will compile them."""
-    new = set(kernels) - _told
+    new = set(kernels) - _announced
     if all(is_compiled(kernel) for kernel in new):
         return
-    _told.update(new)
+    _announced.update(new)
     print("compiling the engine for this machine (once, 10 to 40 s) ...", file=sys.stderr)

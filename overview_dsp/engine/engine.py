@@ -53,7 +53,7 @@ class Engine:
     Thread: who may call what, while others call too:
 
     - one audio thread: `process`, or the stream that runs the kernel in `memory`;
-    - any thread: `control` and `control_all`, the properties that tell how things stand (`meters`,
+    - any thread: `control` and `control_all`, the properties that report the state (`meters`,
       `holder`, `impulse`, `sample_time`, `preset` ...), and `take_applied`. Events of one source
       are applied in the order of their calls, so a source whose order matters has one writer;
     - one thread, whichever: `take_strikes`;
@@ -273,7 +273,7 @@ class Engine:
         sample_time : int or None
             When, in samples since reset; None is as soon as possible.
         source : {"touch", "twist", "serial", "osc", "midi", "remote"}
-            Which hand; the last to touch holds the disk.
+            Which source; the last to touch holds the disk.
 
         Raises
         ------
@@ -313,12 +313,12 @@ class Engine:
         sample_times : int64 (events,)
             When, in samples since reset.
         sources : int8 (events,)
-            Which hand, as an index of the sources in `control`'s order.
+            Which source, as an index of the sources in `control`'s order.
 
         Raises
         ------
         OverviewError
-            More than a queue has room for; none is taken.
+            More than a queue holds; none is taken.
         NotPreparedError
             Before `prepare`.
 
@@ -480,15 +480,15 @@ class Engine:
         if self._sample_rate:
             check_carrier(preset, self._sample_rate)
             stamp = stamp_of(sample_time)
-            told = changes(self._preset, preset, self._sample_rate)
-            self._queues.require_room(len(told) + 1)
+            changed = changes(self._preset, preset, self._sample_rate)
+            self._queues.require_capacity(len(changed) + 1)
             if surface is not None:
                 slot = self._queues.free_slot()
                 write_surface(self._f64, slot, surface, self._sample_rate)
                 self._slot_surfaces[slot] = surface
-                told.append((layout.COMMAND_SURFACE, float(slot)))
-            if told:
-                self._journal.append((self._queues.push(told, stamp), note))
+                changed.append((layout.COMMAND_SURFACE, float(slot)))
+            if changed:
+                self._journal.append((self._queues.push(changed, stamp), note))
         self._preset = preset
         if surface is not None:
             self._surface = surface

@@ -1,4 +1,4 @@
-"""What the control thread hands to the audio thread: hands' events, changes, free surface slots.
+"""What the control thread passes to the audio thread: control events, changes, free surface slots.
 
 An event is written first and published last (`kernels.ordering`), so that the audio thread sees all
 of it or nothing; what doesn't fit is counted, never waited for. A ring is written by one thread at
@@ -53,7 +53,7 @@ class ControlQueues:
                 self._dropped[ring] = 0
 
     def control(self, theta2: float, touching: bool, stamp: int, source: str) -> None:
-        """Push a hand's event; a full ring drops it, counts it and warns the first time."""
+        """Push a control event; a full ring drops it, counts it and warns the first time."""
         ring = _RING_OF.get(source)
         if ring is None:
             raise InputError(f"no source is called {source!r}; known: {', '.join(SOURCES)}")
@@ -79,7 +79,7 @@ class ControlQueues:
         stamps: NDArray[np.int64],
         sources: NDArray[np.int8],
     ) -> None:
-        """Push events of hands, in order: all, or none with OverviewError if a ring has no room."""
+        """Push control events, in order: all, or none with OverviewError if a ring is full."""
         if len(sources) and not 0 <= sources.min() <= sources.max() < len(SOURCES):
             raise InputError(
                 f"a source is an index of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
@@ -98,7 +98,7 @@ class ControlQueues:
                 if waiting + len(events) > layout.RING:
                     raise OverviewError(
                         f"{len(events)} control events of {SOURCES[ring]!r}, {waiting} wait "
-                        f"already; there is room for {layout.RING}: process a block first"
+                        f"already; the queue holds {layout.RING}: process a block first"
                     )
             for ring, events in of_ring:
                 written = int(i64[layout.RING_WRITTEN + ring])
@@ -108,7 +108,7 @@ class ControlQueues:
                 i64[layout.RING_TOUCHING + at] = touching[events]
                 publish(i64, layout.RING_WRITTEN + ring, written + len(events))
 
-    def require_room(self, changes: int) -> None:
+    def require_capacity(self, changes: int) -> None:
         """Raise OverviewError unless so many parameter or surface changes can be pushed."""
         waiting = int(self._i64[layout.HOST_WRITTEN]) - acquired(self._i64, layout.HOST_READ)
         if waiting + changes > layout.HOST_RING:
@@ -118,7 +118,7 @@ class ControlQueues:
 
     def push(self, changes: list[tuple[int, float]], stamp: int) -> int:
         """Push changes that belong together; their number, for `applied_at`."""
-        self.require_room(len(changes))
+        self.require_capacity(len(changes))
         written = int(self._i64[layout.HOST_WRITTEN])
         for index, (what, value) in enumerate(changes, written):
             at = index % layout.HOST_RING
@@ -159,7 +159,7 @@ class ControlQueues:
 
 @cache
 def _compile() -> None:
-    """Compile what events are pushed with, so that a hand's first one isn't late for it."""
+    """Compile what events are pushed with, so that the first one isn't late for it."""
     scratch = np.zeros(layout.HOST_TIME)
     push_control(scratch, scratch.view(np.int64), 0, 0, 0.0, False)
     publish(scratch.view(np.int64), 0, acquired(scratch.view(np.int64), 0))

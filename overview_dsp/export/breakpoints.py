@@ -1,7 +1,7 @@
 """An amplitude curve as few straight pieces, the points spent where they are felt.
 
 A step in amplitude is felt by its ratio, so the error is measured in dB. Points are added one by
-one, in the piece where most is wrong for longest and there at the worst place (Ramer, Douglas and
+one, in the piece where most is wrong for longest and there at the worst point (Ramer, Douglas and
 Peucker's split, with a queue), until the budget is spent or no error is a third of a step.
 """
 
@@ -32,13 +32,13 @@ def breakpoints(
     least_apart: int = 1,
     most_apart: int | None = None,
 ) -> NDArray[np.int64]:
-    """The places to join by straight lines, both ends among them.
+    """The positions to join by straight lines, both ends among them.
 
     Parameters
     ----------
     level : float64 (n,), n >= 2
     budget
-        How many places, 2 or more; those that must be are there even if they are more.
+        How many positions, 2 or more; those that must be are there even if they are more.
     kept
         Places that must be there.
     least_apart, most_apart
@@ -50,15 +50,15 @@ def breakpoints(
     """
     last = len(level) - 1
     target = felt_db(level)
-    places = {0, last}
-    for place in sorted(kept):
-        if 0 < place < last and min(abs(place - other) for other in places) >= least_apart:
-            places.add(place)
+    positions = {0, last}
+    for position in sorted(kept):
+        if 0 < position < last and min(abs(position - other) for other in positions) >= least_apart:
+            positions.add(position)
     if most_apart is not None:
-        ordered = sorted(places)
+        ordered = sorted(positions)
         for first, end in itertools.pairwise(ordered):
             pieces = -(-(end - first) // most_apart)
-            places.update(first + (end - first) * k // pieces for k in range(1, pieces))
+            positions.update(first + (end - first) * k // pieces for k in range(1, pieces))
     queue: list[tuple[float, int, int, int]] = []
 
     def measure(first: int, end: int) -> None:
@@ -72,12 +72,12 @@ def breakpoints(
         if error[worst] >= GOOD_ENOUGH_DB:
             heapq.heappush(queue, (-float(error.sum()), low + worst, first, end))
 
-    ordered = sorted(places)
+    ordered = sorted(positions)
     for first, end in itertools.pairwise(ordered):
         measure(first, end)
-    while queue and len(places) < budget:
-        _, place, first, end = heapq.heappop(queue)
-        places.add(place)
-        measure(first, place)
-        measure(place, end)
-    return np.array(sorted(places), dtype=np.int64)
+    while queue and len(positions) < budget:
+        _, position, first, end = heapq.heappop(queue)
+        positions.add(position)
+        measure(first, position)
+        measure(position, end)
+    return np.array(sorted(positions), dtype=np.int64)

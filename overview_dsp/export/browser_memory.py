@@ -12,7 +12,7 @@ The bytes, little-endian, in columns of 8:
 
     digest of the memory layout; int32 kind, int32 n; float64 sample_time (-1 = at once);
     float64 sample_rate; float64 channels (of a `WHOLE`'s output, else 0);
-    n pairs of float64: what to tell the kernel, value;
+    n pairs of float64: what to change in the kernel, value;
     runs: int32 how, int32 columns, then
         FILL: the one value; DATA: as many values; TABLE: values, without the slopes between them
 
@@ -138,8 +138,8 @@ def encode_change(
         The carrier doesn't fit the sample rate (Hz), or no such sample time.
     """
     check_carrier(after, sample_rate)
-    told = changes(before, after, sample_rate)
-    head = _head(CHANGE, told, stamp_of(sample_time), sample_rate)
+    changed = changes(before, after, sample_rate)
+    head = _head(CHANGE, changed, stamp_of(sample_time), sample_rate)
     if surface is None:
         return head
     m = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
@@ -158,13 +158,13 @@ def event_numbers(surface: Surface) -> list[int]:
 
 def _head(
     kind: int,
-    told: list[tuple[int, float]],
+    changed: list[tuple[int, float]],
     sample_time: int,
     sample_rate: float,
     channels: int = 0,
 ) -> bytes:
-    numbers = np.array([kind, len(told)], dtype="<i4")
-    pairs = [number for pair in told for number in pair]
+    numbers = np.array([kind, len(changed)], dtype="<i4")
+    pairs = [number for pair in changed for number in pair]
     rest = np.array([sample_time, sample_rate, channels, *pairs], dtype="<f8")
     return layout_digest() + numbers.tobytes() + rest.tobytes()
 

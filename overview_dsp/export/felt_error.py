@@ -1,4 +1,4 @@
-"""How far an exported clip is from what was rendered, as a finger tells it.
+"""How far an exported clip is from what was rendered, as a finger perceives it.
 
 Felt level: RMS over 10 ms in dB, as in `measure.felt`; both sides count as silent below 46 dB under
 full scale. An error of up to one just noticeable step is no error to a finger.

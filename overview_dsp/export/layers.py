@@ -28,7 +28,7 @@ _DULL_MS, _SHARP_MS = 60.0, 12.0
 
 
 def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
-    """The clip's amplitude, strikes among it, at `count` places, its highest 1."""
+    """The clip's amplitude, strikes among it, at `count` positions, its highest 1."""
     struck = [(strike.time_s, strike.amplitude) for strike in clip.transients]
     level = with_strikes(clip.level, struck)
     edges = np.linspace(0, len(level), count + 1).astype(np.int64)

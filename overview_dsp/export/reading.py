@@ -55,7 +55,7 @@ class PlayedClip:
 
 
 def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
-    """Read an AHAP or `.haptic` file, told by its content.
+    """Read an AHAP or `.haptic` file, detected from its content.
 
     Parameters
     ----------
@@ -117,11 +117,13 @@ def _ahap(document: dict[str, Any]) -> PlayedClip:
         if "Event" in entry:
             event = _table(entry["Event"], f"{place}.Event")
             time = _seconds(event.get("Time"), f"{place}.Event.Time")
-            told = _parameters(event.get("EventParameters", []), f"{place}.Event.EventParameters")
-            intensity = told.get("HapticIntensity", 1.0)
+            parameters = _parameters(
+                event.get("EventParameters", []), f"{place}.Event.EventParameters"
+            )
+            intensity = parameters.get("HapticIntensity", 1.0)
             kind = event.get("EventType")
             if kind == "HapticTransient":
-                strike = intensity**2, told.get("HapticSharpness", 0.5)
+                strike = intensity**2, parameters.get("HapticSharpness", 0.5)
                 strikes.append(Transient(time, *strike, kind=""))
             elif kind == "HapticContinuous":
                 length = _seconds(event.get("EventDuration"), f"{place}.Event.EventDuration")

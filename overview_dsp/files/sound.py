@@ -153,7 +153,7 @@ class SoundWriter:
         self.frames += len(samples)
 
     def finish(self) -> None:
-        """Write what still waits in buffers: after this, the disk had room for all of it."""
+        """Write what still waits in buffers: after this, the disk had space for all of it."""
         if self._file is not None:
             file, self._file = self._file, None
             with self._disk_errors():

@@ -78,12 +78,12 @@ def bristle_step(push, resistance, z0, stiffness, damping, steady, break_away):
     z1 = was + speed
     edge = break_away * steady
     if z1 > edge:
-        room = steady - edge
-        # (resistance/room) vm**2 + b vm - free = 0
-        b = resistance + firm - (free + firm * (was - edge)) / room
-        root = sqrt(b * b + 4.0 * resistance * free / room)
-        speed = 2.0 * free / (b + root) if b >= 0.0 else 0.5 * (root - b) * room / resistance
-        z1 = (was + speed * (steady / room)) / (1.0 + speed / room)
+        span = steady - edge
+        # (resistance/span) vm**2 + b vm - free = 0
+        b = resistance + firm - (free + firm * (was - edge)) / span
+        root = sqrt(b * b + 4.0 * resistance * free / span)
+        speed = 2.0 * free / (b + root) if b >= 0.0 else 0.5 * (root - b) * span / resistance
+        z1 = (was + speed * (steady / span)) / (1.0 + speed / span)
     return sign * speed, sign * z1, sign * (stiffness * z1 + damping * (z1 - was))
 
 

@@ -29,7 +29,7 @@ _config: Any = numba.config
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 # numba counts a negative index from the array's end, which costs three instructions wherever the
-# compiler can't see a sign: `array[i & NOT_NEGATIVE]` tells it
+# compiler can't see a sign: `array[i & NOT_NEGATIVE]` shows it
 NOT_NEGATIVE = 0x7FFFFFFFFFFFFFFF
 
 OPTIONS: dict[str, Any] = {

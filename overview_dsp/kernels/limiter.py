@@ -23,6 +23,6 @@ def limit(x, ceiling):
     knee = KNEE * ceiling
     if abs(x) <= knee:
         return x
-    room = TOP * ceiling - knee
-    y = knee + room * tanh_positive((abs(x) - knee) / room)
+    headroom = TOP * ceiling - knee
+    y = knee + headroom * tanh_positive((abs(x) - knee) / headroom)
     return y if x > 0.0 else -y

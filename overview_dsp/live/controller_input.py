@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from overview_dsp.controllers.control_messages import Asked, Counters, Dialled, Move, Turned
 from overview_dsp.controllers.parameters import PickUp, as_asked, find_parameter
-from overview_dsp.controllers.source import ControllerHand
+from overview_dsp.controllers.source import ControllerSource
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.threaded_input import ThreadedInput
@@ -55,7 +55,7 @@ class ControllerInput(ThreadedInput[Port]):
     Thread: as `ThreadedInput`.
     """
 
-    _hand: ControllerHand
+    _source: ControllerSource
 
     def __init__(
         self,
@@ -81,7 +81,7 @@ class ControllerInput(ThreadedInput[Port]):
         self.counters = Counters()
         port = open_port()
         super().__init__(engine, source, port, port.name)
-        self._hand = ControllerHand(TouchRules.of(self._preset))
+        self._source = ControllerSource(TouchRules.of(self._preset))
         self._reader = make_reader(self.counters)
         self._wanted: dict[str, Asked | Dialled] = {}
         self._wanting = threading.Lock()
@@ -127,22 +127,24 @@ class ControllerInput(ThreadedInput[Port]):
     def words(self) -> str:
         """A line for the play screen: its angle, the counters that aren't zero."""
         hold = (
-            f"{180.0 * self._hand.theta2 / HALF_TURN:.0f}°, holding" if self._hand.holding else ""
+            f"{180.0 * self._source.theta2 / HALF_TURN:.0f}°, holding"
+            if self._source.holding
+            else ""
         )
         state = self.GONE if self._port is None else hold or "listening"
         return self._line(state, vars(self.counters))
 
     def _counted(self) -> dict[str, Any]:
         return {
-            "theta2_rad": round(self._hand.theta2, 6),
-            "holding": self._hand.holding,
+            "theta2_rad": round(self._source.theta2, 6),
+            "holding": self._source.holding,
             **vars(self.counters),
         }
 
     # --- the port's thread ----------------------------------------------------------------------
 
     def _read(self, port: Port) -> None:
-        came = port.receive(TICK_S if self._hand.holding else WAIT_S)
+        came = port.receive(TICK_S if self._source.holding else WAIT_S)
         self.counters.overrun += port.dropped
         port.dropped = 0
         self._take(came, time.monotonic())
@@ -153,14 +155,14 @@ class ControllerInput(ThreadedInput[Port]):
         found = self._writer.find()
         events = []
         for move in moves:
-            if isinstance(move, Turned) and not self._hand.rules.by_rest:
+            if isinstance(move, Turned) and not self._source.rules.by_rest:
                 self._say_once('a control feels no taps: choose twist.release = "rest"')
             if isinstance(move, Asked | Dialled):
                 with self._wanting:
                     self._wanted[move.id] = move
             else:
-                events += self._hand.move(move, now, *found)
-        events += self._hand.tick(now, *found)
+                events += self._source.move(move, now, *found)
+        events += self._source.tick(now, *found)
         for line in self._reader.take_messages():
             self._say_once(line)
         if self.counters.overrun:
@@ -174,7 +176,7 @@ class ControllerInput(ThreadedInput[Port]):
             self._messages.append(f"silent for {self._silent_s:g} s; the disk is let go")
 
     def _release(self) -> Event | None:
-        return self._hand.release(time.monotonic())
+        return self._source.release(time.monotonic())
 
     def _open_again(self) -> Port | None:
         try:

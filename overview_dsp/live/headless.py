@@ -16,38 +16,38 @@ LINE_EVERY_S = 1.0
 
 def run(
     player: Player,
-    hand: Input | None,
+    source: Input | None,
     stopped: Callable[[], bool],
     note: Callable[[str], None],
     seconds: float | None = None,
 ) -> Iterator[dict[str, Any]]:
-    """Play until the hand's input is over and the disk at rest, `seconds` are over, or `stopped()`.
+    """Play until the source is over and the disk at rest, `seconds` are over, or `stopped()`.
 
-    Yields a report a second and a summary at the end; `note` is told messages as they come.
+    Yields a report a second and a summary at the end; `note` receives messages as they come.
     """
     started = last = time.monotonic()
     click = tactor = 0.0
     while True:
-        if hand is not None:
-            hand.poll(player.engine)
+        if source is not None:
+            source.poll(player.engine)
         status = player.poll()
-        for message in (*status.messages, *(() if hand is None else hand.take_messages())):
+        for message in (*status.messages, *(() if source is None else source.take_messages())):
             note(message)
         click, tactor = max(click, status.peak_click), max(tactor, status.peak_tactor)
         now = time.monotonic()
         if now - last >= LINE_EVERY_S:
             last += LINE_EVERY_S
-            yield {**_line(status, click, tactor), **_input(hand)}
+            yield {**_line(status, click, tactor), **_input(source)}
             click = tactor = 0.0
-        over = hand is not None and hand.is_over(player.engine) and player.at_rest
+        over = source is not None and source.is_over(player.engine) and player.at_rest
         if over or stopped() or (seconds is not None and now - started >= seconds):
             break
         time.sleep(LOOK_EVERY_S)
-    yield {"summary": {**_summary(player.poll()), **_input(hand)}}
+    yield {"summary": {**_summary(player.poll()), **_input(source)}}
 
 
-def _input(hand: Input | None) -> dict[str, Any]:
-    report = {} if hand is None else dict(hand.report())
+def _input(source: Input | None) -> dict[str, Any]:
+    report = {} if source is None else dict(source.report())
     return {"input": report} if report else {}
 
 

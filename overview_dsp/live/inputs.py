@@ -1,4 +1,4 @@
-"""Hands that aren't at the keyboard: a take, and lines on standard input."""
+"""Sources other than the keyboard: a take, and lines on standard input."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class TakeInput(Input):
 class LineInput(Input):
     """Control events as lines of text, `theta2 touching` (rad, 0 or 1), from a thread of its own.
 
-    Lines of another form are counted and the first one is told; the end of the text lets go.
+    Lines of another form are counted and the first one is reported; the end of the text lets go.
     """
 
     SOURCE = "twist"

@@ -1,4 +1,4 @@
-"""A motor knob on a serial port: a sensor's hand, to which the disk's torque is given back."""
+"""A motor knob on a serial port: a sensor, to which the disk's torque is given back."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class MotorPort(Port, Protocol):
     """A port that is written too."""
 
     def write(self, data: bytes) -> bool:
-        """Send; whether all of it found room. PortLostError if the device is gone."""
+        """Send; whether all of it was accepted. PortLostError if the device is gone."""
 
 
 def open_motor_port(device: str, baud: int) -> MotorPort:
@@ -84,7 +84,7 @@ class MotorInput(SensorInput):
         return f"{super().words}; {force}"
 
     def report(self) -> dict[str, Any]:
-        """As `SensorInput.report`, with `force`: the loop's, and what found no room on the wire."""
+        """As `SensorInput.report`, with `force`: the loop's, and what the port didn't accept."""
         now = time.monotonic()
         rate = self._loop.commands / max(now - self._began_at, 1e-3)
         force = {**self._loop.report(now), "per_s": round(rate, 1), "blocked": self._blocked}
@@ -96,10 +96,10 @@ class MotorInput(SensorInput):
         super()._take(data)
         now = time.monotonic()
         if data:
-            self._loop.hear(self._hand.heard, now)
+            self._loop.hear(self._source.heard, now)
         torque = self._torque.look(self._engine.impulse, now)
         held = self._engine.holder
-        if held is None or held[0] != self.SOURCE:  # the disk is another hand's, or nobody's
+        if held is None or held[0] != self.SOURCE:  # the disk is another source's, or nobody's
             torque = 0.0
         sent = self._loop.step(torque, now)
         if self._was_alive and not self._loop.alive:

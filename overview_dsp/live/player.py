@@ -1,4 +1,4 @@
-"""A live session: an engine, its output, a preset that may change, a hand, a recording.
+"""A live session: an engine, its output, a preset that may change, a source, a recording.
 
 Whoever shows it (a terminal application, lines of JSON) calls `poll` often and the hand's methods
 as the hand moves. The output may vanish and come back: the disk is let go, and the session goes on.
@@ -60,7 +60,7 @@ class Stream(Protocol):
 
 
 class Input(Protocol):
-    """A hand that isn't at the keyboard."""
+    """A control source other than mouse and keyboard."""
 
     def poll(self, engine: Engine) -> None:
         """Hand over what is due."""
@@ -184,10 +184,10 @@ class Player:
 
     # --- the hand -------------------------------------------------------------------------------
 
-    def touch(self, place: float) -> None:
-        """The finger holds at `place` (0 to 1): a tap if it wasn't down, else it moves there."""
+    def touch(self, position: float) -> None:
+        """The finger holds at `position` (0 to 1): a tap if it wasn't down, else it moves there."""
         self._release_at = None
-        self._hold(place)
+        self._hold(position)
 
     def release(self) -> None:
         """The finger lets go: the disk recoils."""
@@ -196,11 +196,11 @@ class Player:
             self._touching = False
             self.engine.control(self._finger * HALF_TURN, False)
 
-    def tap(self, place: float) -> None:
-        """A step to `place`, held for a second, and let go (paper, figure 6)."""
+    def tap(self, position: float) -> None:
+        """A step to `position`, held for a second, and let go (paper, figure 6)."""
         if self._touching:
             self.release()
-        self._hold(place)
+        self._hold(position)
         self._release_at = time.monotonic() + TAP_HOLD_S
 
     @property
@@ -213,8 +213,8 @@ class Player:
         """Whether the finger is down."""
         return self._touching
 
-    def _hold(self, place: float) -> None:
-        self._finger = min(max(place, 0.0), 1.0)
+    def _hold(self, position: float) -> None:
+        self._finger = min(max(position, 0.0), 1.0)
         self._touching = True
         if self._stream is not None:  # else nobody would take it, and it would be stale
             self.engine.control(self._finger * HALF_TURN, True)
@@ -226,24 +226,24 @@ class Player:
         wanted = Zoom(self.timeline, *(self._wanted_window or self.window)).scaled(factor, about)
         self.show(*wanted.window)
 
-    def go_to_event(self, direction: int, place: float) -> None:
-        """Touch the event after (1) or before (-1) a place of the window, in the window or beyond.
+    def go_to_event(self, direction: int, position: float) -> None:
+        """Touch the event after (1) or before (-1) a position of the window, in it or beyond.
 
         Beyond its end the window moves along.
         """
         zoom = Zoom(self.timeline, *self.window)
-        places = [float(one) for one in self.surface.position]
+        positions = [float(one) for one in self.surface.position]
         near = 1e-6
         if direction > 0:
-            wanted = min((one for one in places if one > place + near), default=None)
+            wanted = min((one for one in positions if one > position + near), default=None)
             beyond = zoom.next_event_s(zoom.end_s)
         else:
-            wanted = max((one for one in places if one < place - near), default=None)
+            wanted = max((one for one in positions if one < position - near), default=None)
             beyond = zoom.previous_event_s(zoom.start_s)
         if wanted is None and beyond is not None:
             moved = zoom.showing(beyond)
             self.show(*moved.window)
-            wanted = moved.place(beyond)
+            wanted = moved.position(beyond)
         if wanted is not None:
             self.touch(wanted)
 

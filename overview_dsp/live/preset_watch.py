@@ -13,7 +13,7 @@ LOOK_EVERY_S = 0.2
 
 
 class PresetWatch:
-    """Tells when a preset's file has changed and is whole.
+    """Reports when a preset's file has changed and is whole.
 
     Thread: control.
     """

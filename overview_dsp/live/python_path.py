@@ -11,7 +11,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.output_stage import finish_block
 from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.stream_meters import clear_meters, note_callback
+from overview_dsp.live.stream_meters import clear_meters, record_callback
 
 
 def connect(engine: Engine, settings: OutputSettings | None) -> int:
@@ -47,5 +47,5 @@ def run_block(engine: Engine, out: NDArray[np.float32], underflow: bool = False)
     engine.process(out)
     memory = engine.memory
     over = finish_block(memory, memory.view(np.int64), out.reshape(-1), *out.shape)
-    note_callback(memory, len(out), time.perf_counter() - started, underflow)
+    record_callback(memory, len(out), time.perf_counter() - started, underflow)
     return bool(over)

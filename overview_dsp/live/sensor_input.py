@@ -1,4 +1,4 @@
-"""A sensor on a serial port as a hand: its own thread reads, decodes and hands events over."""
+"""A sensor on a serial port as a source: its own thread reads, decodes and hands events over."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError
 from overview_dsp.live.serial_port import SerialPort, find_again, identity_of
 from overview_dsp.live.threaded_input import ThreadedInput
-from overview_dsp.sensors.diagnostics import Trouble
+from overview_dsp.sensors.diagnostics import Diagnostics
 from overview_dsp.sensors.profile import Sensor
-from overview_dsp.sensors.source import Hand
+from overview_dsp.sensors.source import SensorSource
 from overview_dsp.sensors.touching import Event, TouchRules
 from overview_dsp.units import HALF_TURN
 
@@ -51,7 +51,7 @@ class SensorInput(ThreadedInput[Port]):
     KIND = "serial:"
     GONE = "unplugged"
 
-    _hand: Hand
+    _source: SensorSource
 
     def __init__(
         self,
@@ -74,8 +74,8 @@ class SensorInput(ThreadedInput[Port]):
         self._identity = identity_of(device)
         port = open_port(device, self._baud)
         super().__init__(engine, self.SOURCE, port, device)
-        self._hand = Hand(sensor, TouchRules.of(self._preset))
-        self._trouble = Trouble()
+        self._source = SensorSource(sensor, TouchRules.of(self._preset))
+        self._diagnostics = Diagnostics()
         self._understood_at = self._heard_at
         self._kept_up_at, self._behind = self._heard_at, 0
         self._silent = False
@@ -86,22 +86,22 @@ class SensorInput(ThreadedInput[Port]):
 
     def take_messages(self) -> tuple[str, ...]:
         """What a person should know, new since the last call."""
-        decoded = tuple(f"{self._name}: {one}" for one in self._hand.take_messages())
+        decoded = tuple(f"{self._name}: {one}" for one in self._source.take_messages())
         return decoded + super().take_messages()
 
     @property
     def words(self) -> str:
         """A line for the play screen: what it is, its angle, the counters that aren't zero."""
-        report = self._hand.report()
-        counters = {**vars(self._hand.counters), "received_bytes": 0}
+        report = self._source.report()
+        counters = {**vars(self._source.counters), "received_bytes": 0}
         angle = report["theta2_rad"]
-        place = "" if angle is None else f", {180.0 * angle / HALF_TURN:.0f}°"
-        hold = ", holding" if self._hand.holding else ""
+        position = "" if angle is None else f", {180.0 * angle / HALF_TURN:.0f}°"
+        hold = ", holding" if self._source.holding else ""
         state = self.GONE if self._port is None else report["told"] or "listening"
-        return self._line(f"{state}{place}{hold}", counters)
+        return self._line(f"{state}{position}{hold}", counters)
 
     def _counted(self) -> dict[str, Any]:
-        return self._hand.report()
+        return self._source.report()
 
     # --- the port's thread ----------------------------------------------------------------------
 
@@ -111,20 +111,20 @@ class SensorInput(ThreadedInput[Port]):
 
     def _take(self, data: bytes) -> None:
         now = time.monotonic()
-        counters = self._hand.counters
+        counters = self._source.counters
         if data:
             self._heard_at = now
         if len(data) > MOST:
             counters.overrun_bytes += len(data) - MOST
             data = data[-MOST:]
-        before, understood = self._hand.turn, counters.readings - counters.repeated
-        elsewhere, place, yields = self._writer.find()
-        events = self._hand.feed(data, now, elsewhere, place, yields) if data else []
-        turn = self._hand.turn
+        before, understood = self._source.turn, counters.readings - counters.repeated
+        elsewhere, position, yields = self._writer.find()
+        events = self._source.feed(data, now, elsewhere, position, yields) if data else []
+        turn = self._source.turn
         if turn is not None and turn is not before:
             self._writer.saw(turn.time_s)
         self._writer.write(events)
-        self._messages.extend(self._trouble.new(counters))
+        self._messages.extend(self._diagnostics.new(counters))
         if counters.readings - counters.repeated > understood:
             self._understood_at, self._silent = now, False
         elif now - self._understood_at > SILENT_S and not self._silent:
@@ -139,7 +139,7 @@ class SensorInput(ThreadedInput[Port]):
         elif now - self._kept_up_at > BEHIND_S and self._behind >= BEHIND_READS:
             self._kept_up_at, self._behind = now, 0
             while port.waiting and time.monotonic() - now < BEHIND_S:
-                self._hand.counters.overrun_bytes += len(port.read())
+                self._source.counters.overrun_bytes += len(port.read())
 
     def _fall_silent(self, silent: bool) -> None:
         if self._let_go():
@@ -147,7 +147,7 @@ class SensorInput(ThreadedInput[Port]):
             self._messages.append(f"{what} for {SILENT_S:g} s; the disk is let go")
 
     def _release(self) -> Event | None:
-        return self._hand.release()
+        return self._source.release()
 
     def _lose(self) -> None:
         super()._lose()
@@ -163,7 +163,9 @@ class SensorInput(ThreadedInput[Port]):
                 self._messages.append(f"{why} (waiting)")
             self._missing = why
             return None
-        self._hand = Hand(self._sensor, TouchRules.of(self._preset), self._hand.counters)
+        self._source = SensorSource(
+            self._sensor, TouchRules.of(self._preset), self._source.counters
+        )
         self._where = device
         self._understood_at = self._kept_up_at = time.monotonic()
         self._behind = 0

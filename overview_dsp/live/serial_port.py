@@ -12,14 +12,14 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.live.port_lost import PortLostError
-from overview_dsp.sensors.detect_format import Told, tell
+from overview_dsp.sensors.detect_format import DetectedFormat, detect
 
 BAUD = 115_200
 WAIT_S = 0.05
 """How long a read waits for the first byte."""
 
 WRITE_S = 0.01
-"""How long a write waits for room."""
+"""How long a write waits for buffer space."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class SerialPort:
             return 0
 
     def write(self, data: bytes) -> bool:
-        """Send; whether all of it found room within 10 ms.
+        """Send; whether all of it was accepted within 10 ms.
 
         Raises
         ------
@@ -183,14 +183,14 @@ def _listen(device: str, seconds: float, baud: int, heard: dict[str, str]) -> No
         return
     data = bytearray()
     until = time.monotonic() + seconds
-    found: Told | str | None = None
+    found: DetectedFormat | str | None = None
     try:
-        while time.monotonic() < until and not isinstance(found, Told):
+        while time.monotonic() < until and not isinstance(found, DetectedFormat):
             data += port.read()
-            found = tell(bytes(data[-8192:]))
+            found = detect(bytes(data[-8192:]))
     except PortLostError as error:
         found = str(error)
     finally:
         port.close()
-    silent = f"nothing in {seconds:g} s" if not data else f"{len(data)} bytes, not enough to tell"
+    silent = f"nothing in {seconds:g} s" if not data else f"{len(data)} bytes, too few to detect"
     heard[device] = str(found) if found is not None else silent

@@ -1,4 +1,4 @@
-"""Several hands in one session; the rule by which they change over is `controllers.hand`'s."""
+"""Several sources in one session; the rule by which they change over is `controllers.source`'s."""
 
 from __future__ import annotations
 

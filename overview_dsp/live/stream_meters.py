@@ -20,7 +20,7 @@ class StreamMeters:
     callbacks, frames : int
         How often the device called, and what it was given.
     underflows, late : int
-        Callbacks that were told of one, and that took longer than their own frames last.
+        Callbacks that reported one, and that took longer than their own frames last.
     median_s, p99_s, longest_s : float
         Callback times, s; the first two to a fifth.
     latency_s : float
@@ -66,10 +66,10 @@ def clear_meters(memory: NDArray[np.float64], channels: int) -> None:
     w[layout.L_CHANNELS] = channels
 
 
-def note_callback(
+def record_callback(
     memory: NDArray[np.float64], frames: int, seconds: float, underflow: bool = False
 ) -> None:
-    """Book a callback that ran in Python."""
+    """Record a callback that ran in Python."""
     w = memory.view(np.int64)
     w[layout.L_CALLBACKS] += 1
     w[layout.L_FRAMES] += frames

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from typing import Any, Generic, TypeVar
 
 from overview_dsp.engine.engine import Engine
-from overview_dsp.live.hand_writer import HandWriter
 from overview_dsp.live.player import Input
 from overview_dsp.live.port_lost import PortLostError
+from overview_dsp.live.source_writer import SourceWriter
 from overview_dsp.sensors.touching import Event, TouchRules
 
 RETRY_S = 1.0
@@ -29,7 +29,7 @@ class ThreadedInput(Input, ABC, Generic[Port]):
     KIND = ""  # what messages put before the port's name
     GONE = "gone"  # what a port is that was lost
 
-    _hand: Any  # what makes events of what is read, by `rules`
+    _source: Any  # what makes events of what is read, by `rules`
     _port: Any  # None while it is lost
 
     def __init__(self, engine: Engine, source: str, port: Port, where: str) -> None:
@@ -38,7 +38,7 @@ class ThreadedInput(Input, ABC, Generic[Port]):
         self._preset = engine.preset
         self._where = where
         self._port = port
-        self._writer = HandWriter(engine, source)
+        self._writer = SourceWriter(engine, source)
         self._messages: deque[str] = deque()
         self._said: set[str] = set()
         self._heard_at = time.monotonic()
@@ -68,7 +68,7 @@ class ThreadedInput(Input, ABC, Generic[Port]):
             raise self._failure
         if engine.preset is not self._preset:
             self._preset = engine.preset
-            self._hand.rules = TouchRules.of(self._preset)
+            self._source.rules = TouchRules.of(self._preset)
 
     def is_over(self, engine: Engine) -> bool:
         """Never: what is gone is waited for."""

@@ -23,7 +23,7 @@ JUST_NOTICEABLE_DB = 2.5
 """One step of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
 _RUN = 64
-"""Frames whose lowest and highest place are looked at together."""
+"""Frames whose lowest and highest position are looked at together."""
 
 BACK_AT = 0.01
 """A recoil ends where the cursor is back to this."""
@@ -163,9 +163,9 @@ def _first_within(
     run = np.minimum(run, len(runs) - 1)
     there = runs[run]
     within = (there >= first[:, None]) & (there <= last[:, None])
-    place = within.argmax(axis=1)
-    frame: NDArray[np.int64] = run * _RUN + place
-    for i in np.flatnonzero(~within[np.arange(len(run)), place]):
+    position = within.argmax(axis=1)
+    frame: NDArray[np.int64] = run * _RUN + position
+    for i in np.flatnonzero(~within[np.arange(len(run)), position]):
         # it leapt over the span
         later = runs[run[i] :].ravel()
         inside = np.flatnonzero((later >= first[i]) & (later <= last[i]))

@@ -1,4 +1,4 @@
-"""What a person gets of each kind of event, gesture by gesture, and what can't be told apart.
+"""What a person gets of each kind of event, gesture by gesture, and what can't be distinguished.
 
 Measured on the tactor and click channels of renders, as a finger and an ear take them:
 

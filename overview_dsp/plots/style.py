@@ -1,6 +1,6 @@
 """Colours, markers and frames that all pictures share.
 
-Colours are Okabe and Ito's, which colour-blind eyes tell apart; event kinds differ in shape too.
+Colours are Okabe and Ito's, which colour-blind eyes distinguish; event kinds differ in shape too.
 """
 
 from __future__ import annotations

@@ -122,6 +122,6 @@ def _with_expressions(node: Any) -> Any:
         return node
     found = {key: _with_expressions(value) for key, value in node.items()}
     if found.get("type") == "number":
-        told = {key: found.pop(key) for key in ("description", "default", "unit") if key in found}
-        return {**told, "anyOf": [found, {"type": "string", "pattern": r"\$"}]}
+        kept = {key: found.pop(key) for key in ("description", "default", "unit") if key in found}
+        return {**kept, "anyOf": [found, {"type": "string", "pattern": r"\$"}]}
     return found

@@ -44,7 +44,7 @@ _MARKS = (
 
 
 def packing(head: bytes) -> str | None:
-    """Return how a file is compressed, told by its first bytes; None if it isn't."""
+    """Return how a file is compressed, by its first bytes; None if it isn't."""
     if head[:3] == b"BZh" and head[3:4].isdigit() and head[4:10] in (b"1AY&SY", b"\x17rE8P\x90"):
         return _BZIP2
     return next((name for mark, name in _MARKS if head.startswith(mark)), None)

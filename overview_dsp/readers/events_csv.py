@@ -47,7 +47,7 @@ _COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTA
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is text whose first row (comments skipped) has a column `kind`."""
+    """Return whether the file is text whose first row (comments skipped) has a column `kind`."""
     if source.head_text is None or source.looks_like_json:
         return False
     for line in io.StringIO(source.head_text, newline=""):

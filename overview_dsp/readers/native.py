@@ -60,7 +60,7 @@ _EVENT_KEYS = ("time_s", "kind", "label", "weight")
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is a JSON object with the key `overview_timeline`."""
+    """Return whether the file is a JSON object with the key `overview_timeline`."""
     if not source.looks_like_json or f'"{_KEY}"' not in source.text:
         return False
     return isinstance(source.json, dict) and _KEY in source.json

@@ -1,4 +1,4 @@
-"""Any supported file, told by its content, into a Timeline.
+"""Any supported file, detected from its content, into a Timeline.
 
 A new format is one module with `sniff(source) -> bool` and `read(source, options) -> Timeline`, and
 one entry in `FORMATS`.
@@ -36,7 +36,7 @@ class Format:
     name
         What an error line calls it.
     sniff
-        Tells from the source whether it is this format; cheap, never by the file's name.
+        Whether the source is in this format; cheap, never by the file's name.
     read
         Makes the Timeline; errors begin with the file's path.
     options
@@ -171,7 +171,7 @@ def load_timeline(
     Parameters
     ----------
     path : str or path
-        A file, told by its content; or `"world-cup-final-2018"` or `"made-up-share"`, which come
+        A file, detected by content; or `"world-cup-final-2018"` or `"made-up-share"`, which come
         with the package (for a file of that name, write `./made-up-share`).
     duration_s : float or None
         Length, s, for a format that doesn't say it (event lists).

@@ -71,10 +71,10 @@ class LoadOptions:
 
     def given(self) -> frozenset[str]:
         """Return the names of the options that were set and say something about the data."""
-        told = {name for name, value in vars(self).items() if value is not None}
-        return frozenset(told - {"progress"})
+        names = {name for name, value in vars(self).items() if value is not None}
+        return frozenset(names - {"progress"})
 
-    def tell(self, part: float) -> None:
+    def report_progress(self, part: float) -> None:
         """Report how much is read, 0 to 1."""
         if self.progress is not None:
             self.progress(part)
@@ -86,7 +86,7 @@ def shown_path(path: str | os.PathLike[str]) -> str:
 
 
 def text_encoding(data: bytes) -> str:
-    """Return the encoding that a byte order mark tells, UTF-8 without one."""
+    """Return the encoding that a byte order mark gives, UTF-8 without one."""
     return next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
 
 
@@ -157,9 +157,9 @@ class Source:
     size
         Bytes.
     head
-        Its first bytes, up to `HEAD_BYTES`, for telling the format.
+        Its first bytes, up to `HEAD_BYTES`, for detecting the format.
     options
-        What the caller added, for formats that bare data alone can't tell apart.
+        What the caller added, for formats that the data alone doesn't distinguish.
     origin
         The compressed file that was unpacked to `path`, None for any other.
     """

@@ -15,7 +15,7 @@ MANY = 10
 
 PAGE_KINDS = 6
 SECONDS_EACH = 0.3
-"""The hand's way from one event to the next: far enough apart to tell them."""
+"""The hand's way from one event to the next: far enough apart to distinguish them."""
 
 
 def gallery(preset: Preset) -> Timeline:

@@ -13,7 +13,7 @@ class GrowableArray:
     """An array (rows, columns) to add to; what is reserved in time is never copied again."""
 
     def __init__(self, columns: int, dtype: DTypeLike, reserved: int) -> None:
-        """Room for `reserved` rows; more are found when they come."""
+        """Space for `reserved` rows; it grows when more are added."""
         self._table: NDArray[Any] = np.empty((reserved, columns), dtype)
         self._count = 0
 
@@ -24,12 +24,12 @@ class GrowableArray:
             larger = np.empty((max(end, 2 * len(self._table)), *self._table.shape[1:]), rows.dtype)
             larger[: self._count] = self._table[: self._count]
             self._table = larger
-        room = self._table[self._count : end]
+        added = self._table[self._count : end]
         if columns is None:
-            room[:] = rows
+            added[:] = rows
         else:
             # no other mode writes to its place at once; every column is there
-            rows.take(columns, axis=1, out=room, mode="clip")
+            rows.take(columns, axis=1, out=added, mode="clip")
         self._count = end
 
     @property

@@ -144,7 +144,7 @@ def blocks(
 ) -> Iterator[Block]:
     """Play a gesture through a prepared engine, block by block, in constant memory.
 
-    `progress` is told the part done, 0 to 1. The blocks' arrays are their reader's to keep.
+    `progress` receives the part done, 0 to 1. The blocks' arrays are their reader's to keep.
     With an actuator's `stage`, the tactor's samples are its drive. A block has up to `block` frames
     (None: `BLOCK`).
     """

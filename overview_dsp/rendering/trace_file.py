@@ -74,7 +74,7 @@ class TraceWriter:
             raise output_error(self._path, error) from None
 
     def finish(self) -> None:
-        """Write what still waits: after this, the disk had room for all of it."""
+        """Write what still waits: after this, the disk had space for all of it."""
         if self._path is None or self._finished:
             return
         self._finished = True

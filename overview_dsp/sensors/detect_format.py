@@ -1,4 +1,4 @@
-"""What a stream of bytes is, told by its content where that is safe."""
+"""What a stream of bytes is, detected from its content where that is safe."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Decoder(Protocol):
 
 
 @dataclass(frozen=True)
-class Told:
+class DetectedFormat:
     """What a stream is: its format, and for text its columns."""
 
     format: Format
@@ -48,17 +48,17 @@ class Told:
         return names[self.format] + ",".join(self.columns)
 
 
-def tell(data: bytes) -> Told | str | None:
-    """What a stream is from the bytes so far: told, why it can't be told, or None: not yet."""
+def detect(data: bytes) -> DetectedFormat | str | None:
+    """What a stream is from the bytes so far, why it can't be detected, or None: not yet."""
     if len(FrameDecoder(Counters()).feed(data)) >= FRAMES:
-        return Told("frames")
+        return DetectedFormat("frames")
     counters = Counters()
     lines = LineSplitter(counters).feed(data)
     if len(lines) < LINES:
         return _unknown(data)
     latest = lines[-LINES:]
     if all(reading_of(line) is not None for line in latest):
-        return Told("json")
+        return DetectedFormat("json")
     rows = [numbers_of(line) for line in latest]
     counts = {len(row) for row in rows if row is not None}
     if None in rows or len(counts) != 1:
@@ -76,13 +76,13 @@ def _unknown(data: bytes) -> str | None:
     )
 
 
-def _text(lines: list[str], count: int, header: tuple[str, ...]) -> Told | str:
+def _text(lines: list[str], count: int, header: tuple[str, ...]) -> DetectedFormat | str:
     if len(header) == count:
-        return Told("text", header)
+        return DetectedFormat("text", header)
     if count == len(ACCELERATION):
-        return Told("text", ACCELERATION)
+        return DetectedFormat("text", ACCELERATION)
     if count == len(ACCELERATION + ANGULAR_VELOCITY):
-        return Told("text", ACCELERATION + ANGULAR_VELOCITY)
+        return DetectedFormat("text", ACCELERATION + ANGULAR_VELOCITY)
     example = lines[-1][:60]
     if count > 1:
         return (
@@ -91,7 +91,7 @@ def _text(lines: list[str], count: int, header: tuple[str, ...]) -> Told | str:
         )
     values = [float(line) for line in lines]
     if all("." in line for line in lines) and all(abs(value) <= 180.0 for value in values):
-        return Told("text", ("roll_deg",))
+        return DetectedFormat("text", ("roll_deg",))
     return (
         f"lines of one number ({example!r}): degrees, an encoder's count or a potentiometer? "
         "say it with --sensor roll, --sensor encoder or --sensor potentiometer"

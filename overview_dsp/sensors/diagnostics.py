@@ -16,8 +16,8 @@ LINES = {
 """By counter; the rest of them is nothing to mend."""
 
 
-class Trouble:
-    """Looks at counters and says what is new."""
+class Diagnostics:
+    """Reports each fault that counters show, once."""
 
     def __init__(self) -> None:
         self._said: set[str] = set()

@@ -112,9 +112,9 @@ class FrameDecoder:
         return readings
 
     def _append(self, piece: bytes) -> None:
-        room = FRAME + 1 - len(self._pending)  # one more than fits says that it is too long
-        self._pending += piece[:room]
-        self._too_long += max(0, len(piece) - room)
+        space = FRAME + 1 - len(self._pending)  # one more than fits says that it is too long
+        self._pending += piece[:space]
+        self._too_long += max(0, len(piece) - space)
 
     def _end(self) -> Reading | None:
         frame, self._pending = self._pending, bytearray()

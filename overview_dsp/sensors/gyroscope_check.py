@@ -1,4 +1,4 @@
-"""Whether a gyroscope and gravity tell of the same turning; if not, what is wrong with the file.
+"""Whether a gyroscope and gravity show the same turning; if not, what is wrong with the file.
 
 Over a third of a second gravity's direction turns by an angle that the accelerometer shows, and
 the gyroscope's path across gravity can't be shorter. Degrees taken for radians make it 57 times as

@@ -32,9 +32,9 @@ class LineSplitter:
         return lines
 
     def _append(self, piece: bytes) -> None:
-        room = LONGEST + 1 - len(self._pending)
-        self._pending += piece[:room]
-        self._too_long += max(0, len(piece) - room)
+        space = LONGEST + 1 - len(self._pending)
+        self._pending += piece[:space]
+        self._too_long += max(0, len(piece) - space)
 
     def _end(self) -> str:
         piece, self._pending = self._pending, bytearray()

@@ -14,7 +14,8 @@ from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.sensors.reading import COLUMNS
 
-TOLD = "told"
+DETECT = "told"
+"""The value of a key whose setting is detected from the data, as profiles write it."""
 
 MOTOR_COLUMNS = ("motor_target", "shaft_rad")
 """What a motor reports."""
@@ -30,17 +31,17 @@ SENSOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     {
         known.id: known
         for known in (
-            Parameter("stream.format", TOLD, doc="How samples are written; told by content.",
-                      choices=(TOLD, "frames", "json", "text")),
+            Parameter("stream.format", DETECT, doc="How samples are written; told = by content.",
+                      choices=(DETECT, "frames", "json", "text")),
             _number("stream.baud", 115_200.0, 300.0, 4e6, "bit/s",
                     "Speed of the port; a USB device takes any."),
-            Parameter("acceleration.unit", TOLD, doc="Told by gravity.",
-                      choices=(TOLD, "m/s²", "g", "mg")),
+            Parameter("acceleration.unit", DETECT, doc="told = by gravity at rest.",
+                      choices=(DETECT, "m/s²", "g", "mg")),
             _number("acceleration.scale", 1.0, -1e6, 1e6, "",
                     "What 1 of the sensor is in that unit; negative if gravity shows downwards."),
-            Parameter("angular_velocity.unit", TOLD,
-                      doc="Told by the acceleration's: rad/s with m/s², else deg/s.",
-                      choices=(TOLD, "rad/s", "deg/s")),
+            Parameter("angular_velocity.unit", DETECT,
+                      doc="told = rad/s with m/s², else deg/s.",
+                      choices=(DETECT, "rad/s", "deg/s")),
             _number("angular_velocity.scale", 1.0, -1e6, 1e6, "",
                     "What 1 of the sensor is in that unit."),
             Parameter("angular_velocity.use", True, doc="False: roll by gravity alone.",
@@ -60,7 +61,7 @@ SENSOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
             Parameter("encoder.reverse", False, doc="It counts down.", choices=(False, True)),
             _number("potentiometer.low", 0.0, -1e9, 1e9, "", "At the timeline's start."),
             _number("potentiometer.high", 1023.0, -1e9, 1e9, "", "At its end."),
-            Parameter("motor.protocol", "none", doc="How its motor is told a torque.",
+            Parameter("motor.protocol", "none", doc="How a torque is sent to its motor.",
                       choices=("none", "simplefoc")),
             Parameter("motor.letter", "M", doc="The motor's in its Commander.",
                       choices=tuple(string.ascii_letters)),
@@ -97,7 +98,7 @@ class Sensor:
     values : mapping
         By id, those of `SENSOR_PARAMETERS`; what is left out gets its default.
     columns : tuple of str
-        Of its lines of text, names of `reading.COLUMNS`; empty = told by content.
+        Of its lines of text, names of `reading.COLUMNS`; empty = detected from the content.
     source : str
         Its file.
     """
@@ -135,7 +136,7 @@ class Sensor:
         if len(set(self.columns)) != len(self.columns):
             raise InputError("stream.columns names a column twice")
         self._check_motor()
-        if self.columns and self.values["stream.format"] not in (TOLD, "text"):
+        if self.columns and self.values["stream.format"] not in (DETECT, "text"):
             raise InputError('stream.columns is for stream.format = "text"')
         if self.values["stream.format"] == "text" and not self.columns:
             raise InputError('stream.columns is missing; text has a list of names: ["ax", "ay", …]')
@@ -150,7 +151,7 @@ class Sensor:
             )
         if self.columns != MOTOR_COLUMNS:
             names = ", ".join(f'"{name}"' for name in MOTOR_COLUMNS)
-            raise InputError(f"stream.columns of a motor are what it is told to report: [{names}]")
+            raise InputError(f"stream.columns of a motor are what it is set to report: [{names}]")
 
     def number(self, id: str) -> float:
         """A numeric value by its id."""

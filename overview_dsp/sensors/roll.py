@@ -54,7 +54,7 @@ class Roll:
         if self.steep and self._theta2 is not None:
             self._offset = self._theta2 - true
         self.steep = False
-        room = JOIN_RAD_S * elapsed_s
-        self._offset -= max(-room, min(room, self._offset))
+        most = JOIN_RAD_S * elapsed_s
+        self._offset -= max(-most, min(most, self._offset))
         self._theta2 = max(0.0, min(math.pi, true + self._offset))
         return self._theta2

@@ -16,7 +16,7 @@ CLOSEST_S = 0.9e-3
 """Events closer together than a millisecond move the disk no differently."""
 
 
-class Hand:
+class SensorSource:
     """One sensor.
 
     Attributes
@@ -63,19 +63,19 @@ class Hand:
         data: bytes,
         arrival_s: float,
         elsewhere: float | None = None,
-        place: float = 0.0,
+        position: float = 0.0,
         yields: bool = False,
     ) -> list[Event]:
         """The events that these bytes make.
 
-        `arrival_s`: when they came, s of any clock that goes forward; `elsewhere`, `place` and
+        `arrival_s`: when they came, s of any clock that goes forward; `elsewhere`, `position` and
         `yields` as `TwistTouch.step`. Event times are of the sensor's clock, or of `arrival_s`'s
         where the sensor has none.
         """
         events = []
         self.heard = tuple(self._stream.feed(data, arrival_s))
         for sample in self.heard:
-            event = self._event(sample, elsewhere, place, yields)
+            event = self._event(sample, elsewhere, position, yields)
             if event is not None:
                 events.append(event)
         if self._stream.problem:
@@ -96,7 +96,7 @@ class Hand:
         """How it stands: what it is, its angle, every counter."""
         turn = self.turn
         return {
-            "told": str(self._stream.told) if self._stream.told is not None else None,
+            "told": str(self._stream.detected) if self._stream.detected is not None else None,
             "state": self._words,
             "theta2_rad": None if turn is None else round(turn.theta2, 6),
             "holding": self.holding,
@@ -104,15 +104,15 @@ class Hand:
         }
 
     def _event(
-        self, sample: Sample, elsewhere: float | None, place: float, yields: bool
+        self, sample: Sample, elsewhere: float | None, position: float, yields: bool
     ) -> Event | None:
         time_s, reading = sample
         if self._stopped:
             return None
         try:
             if self._angle is None:
-                told = self._stream.told
-                binary = told is not None and told.format == "frames"
+                detected = self._stream.detected
+                binary = detected is not None and detected.format == "frames"
                 self._angle = angle_of(self._sensor, binary, reading, self.counters)
                 if self._angle is None:
                     return None
@@ -128,7 +128,7 @@ class Hand:
         if isinstance(self._angle, InertialAngle) and self._angle.frozen:
             return self._touch.release(time_s)
         was = self._touch.holding
-        event = self._touch.step(turn, elsewhere, place, yields)
+        event = self._touch.step(turn, elsewhere, position, yields)
         if event is None:
             return None
         if was == event.touching and not event.again and time_s - self._event_at < CLOSEST_S:
@@ -151,7 +151,7 @@ class Hand:
                 )
             elif angle.roll.steep:
                 self._say("the device points up or down, where a roll can't be known: "
-                          "the place is held until it is flatter")  # fmt: skip
+                          "the position is held until it is flatter")  # fmt: skip
 
     def _say(self, message: str) -> None:
         if message not in self._said:

@@ -1,10 +1,10 @@
-"""Bytes to samples with their times: told, decoded, checked, stamped."""
+"""Bytes to samples with their times: detected, decoded, checked, stamped."""
 
 from __future__ import annotations
 
 from overview_dsp.sensors.clock import ArrivalClock, StampClock
-from overview_dsp.sensors.detect_format import ENOUGH, Decoder, Told, tell
-from overview_dsp.sensors.profile import TOLD, Sensor
+from overview_dsp.sensors.detect_format import ENOUGH, Decoder, DetectedFormat, detect
+from overview_dsp.sensors.profile import DETECT, Sensor
 from overview_dsp.sensors.reading import STAMPS, Counters, Reading
 from overview_dsp.sensors.sequence import SequenceCheck
 
@@ -17,10 +17,10 @@ class Stream:
 
     Attributes
     ----------
-    told : Told or None
+    detected : DetectedFormat or None
         What it is, once that is known.
     problem : str
-        Why it can't be told; one line, empty if nothing is wrong.
+        Why it can't be detected; one line, empty if nothing is wrong.
     """
 
     def __init__(self, sensor: Sensor, counters: Counters) -> None:
@@ -31,18 +31,18 @@ class Stream:
         self._clock: StampClock | ArrivalClock | None = None
         self._sequence = SequenceCheck(counters)
         self._columns = sensor.columns
-        self.told: Told | None = None
+        self.detected: DetectedFormat | None = None
         self.problem = ""
         form = sensor.values["stream.format"]
-        if form == TOLD and self._columns:
+        if form == DETECT and self._columns:
             form = "text"
-        if form != TOLD:
-            self._know(Told(form, self._columns))  # type: ignore[arg-type]
+        if form != DETECT:
+            self._know(DetectedFormat(form, self._columns))  # type: ignore[arg-type]
 
-    def _know(self, told: Told) -> Decoder:
-        self.told = told
+    def _know(self, detected: DetectedFormat) -> Decoder:
+        self.detected = detected
         self.problem = ""
-        self._decoder = told.decoder(self._counters)
+        self._decoder = detected.decoder(self._counters)
         return self._decoder
 
     def feed(self, data: bytes, arrival_s: float) -> list[Sample]:
@@ -50,8 +50,8 @@ class Stream:
         if self._decoder is None:
             self._pending += data
             del self._pending[: -2 * ENOUGH]
-            found = tell(bytes(self._pending))
-            if not isinstance(found, Told):
+            found = detect(bytes(self._pending))
+            if not isinstance(found, DetectedFormat):
                 self._counters.received_bytes += len(data)
                 self.problem = found or self.problem
                 return []

@@ -82,12 +82,12 @@ class TwistTouch:
         self._led_at = 0.0
 
     def step(
-        self, turn: Turn, elsewhere: float | None, place: float, yields: bool = False
+        self, turn: Turn, elsewhere: float | None, position: float, yields: bool = False
     ) -> Event | None:
         """The event of a turn, or None.
 
         `elsewhere`: theta2 of another hand that holds the disk, rad, and whether it `yields` to a
-        turn; `place`: where the disk is, as theta2, rad.
+        turn; `position`: where the disk is, as theta2, rad.
         """
         if self._rest is None:
             self._rest = turn.theta2
@@ -100,7 +100,7 @@ class TwistTouch:
                 return None
             self.holding = True
             self._rest_since = None
-            self._begin(turn, place if elsewhere is None else elsewhere)
+            self._begin(turn, position if elsewhere is None else elsewhere)
         elif self._releases(turn, at_rest):
             return self.release(turn.time_s)
         again = False
@@ -149,9 +149,9 @@ class TwistTouch:
             self._rest_since = turn.time_s
         return turn.time_s - self._rest_since >= self.rules.rest_s
 
-    def _begin(self, turn: Turn, place: float) -> None:
+    def _begin(self, turn: Turn, position: float) -> None:
         self._led = False
-        self._from = max(0.0, min(HALF_TURN, place))
+        self._from = max(0.0, min(HALF_TURN, position))
         self._joined_at = turn.time_s
 
     def _left(self, time_s: float) -> float:

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from overview_dsp.errors import InputError
-from overview_dsp.sensors.profile import TOLD, Sensor
+from overview_dsp.sensors.profile import DETECT, Sensor
 
 GRAVITY = 9.80665
 """m/s²."""
 
 NEAR = 0.15
-"""Gravity at rest may be off by so much and still tells its unit."""
+"""Gravity at rest may be off by so much and still shows its unit."""
 
 FRAME_ACCELERATION = 1.0 / 2048.0
 FRAME_ANGULAR_VELOCITY = 1000.0 / 16384.0
@@ -30,7 +30,7 @@ Vector = tuple[float, float, float]
 class Units:
     """Factors to m/s² and rad/s, and the axes.
 
-    `words` says what was told.
+    `words` says what was detected.
     """
 
     acceleration: float
@@ -52,7 +52,7 @@ class Units:
 
 
 def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -> Units:
-    """Units as the profile says, or told by gravity.
+    """Units as the profile says, or detected from gravity.
 
     `binary`: the numbers are of binary frames; `at_rest`: accelerations as sent, while it lay
     still.
@@ -64,14 +64,14 @@ def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -
     """
     scale = sensor.number("acceleration.scale")
     turning = sensor.number("angular_velocity.scale")
-    told = sensor.values["acceleration.unit"] == TOLD
-    if binary and told and scale == 1.0:
+    detect = sensor.values["acceleration.unit"] == DETECT
+    if binary and detect and scale == 1.0:
         scale = FRAME_ACCELERATION
-    if binary and sensor.values["angular_velocity.unit"] == TOLD and turning == 1.0:
+    if binary and sensor.values["angular_velocity.unit"] == DETECT and turning == 1.0:
         turning = FRAME_ANGULAR_VELOCITY
     size = statistics.median(math.hypot(*raw) for raw in at_rest) * abs(scale)
     unit = str(sensor.values["acceleration.unit"])
-    if told:
+    if detect:
         allowed = ("g",) if binary else tuple(ACCELERATION_UNITS)
         near = [name for name in allowed
                 if abs(size * ACCELERATION_UNITS[name] / GRAVITY - 1.0) <= NEAR]  # fmt: skip
@@ -83,7 +83,7 @@ def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -
             )
         unit = near[0]
     turned = str(sensor.values["angular_velocity.unit"])
-    if turned == TOLD:
+    if turned == DETECT:
         turned = "rad/s" if unit == "m/s²" else "deg/s"
     return Units(
         scale * ACCELERATION_UNITS[unit],

@@ -19,7 +19,7 @@ from overview_dsp.presets.model import EventKind, Preset
 from overview_dsp.surface.lockup import warn_of_lockup
 
 BARE = -1
-"""Owner of a place whose bristles are the bare surface's."""
+"""Owner of a position whose bristles are the bare surface's."""
 
 
 @dataclass(frozen=True)

@@ -160,7 +160,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     -----
     OverviewWarning
         Event kinds the preset doesn't name, which take its `default`; gaps too narrow to be felt;
-        more events than a surface tells apart (16384): then the strongest in each cell, or in
+        more events than a surface holds (16384): then the strongest in each cell, or in
         each two, four, ... cells, strikes for all there.
 
     Examples
@@ -175,8 +175,8 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     under = bare_surface(timeline, preset, CELLS)
     crests = len(under.texture_strikes.position)
-    room = MAX_EVENTS - crests
-    if room < min(len(felt), 1):
+    capacity = MAX_EVENTS - crests
+    if capacity < min(len(felt), 1):
         raise InputError(
             f"{crests} crests of the bare surface; with events it holds up to {MAX_EVENTS}: "
             "make surface.pattern_period_percent longer"
@@ -193,7 +193,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         layers.lay(kind, name, members, placed.centre[members], height, width)
         _place(placed, members, kind, preset, height, width)
         placed.kind[members] = tuple(preset.kinds).index(name)
-    order, stands_for = _thinned(placed, room, timeline.title or "the timeline")
+    order, stands_for = _thinned(placed, capacity, timeline.title or "the timeline")
     names = tuple(preset.kinds)
     return Surface(
         friction=under.friction + layers.raised,
@@ -269,15 +269,17 @@ def _place(
     placed.span[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
 
 
-def _thinned(placed: _Placed, room: int, title: str) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _thinned(
+    placed: _Placed, capacity: int, title: str
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """The rows that a surface keeps, by position; for each row, which of those stands for it."""
-    if len(placed.event) <= room:
+    if len(placed.event) <= capacity:
         order = np.argsort(placed.position, kind="stable")
         return order, np.argsort(order)
-    order, stands_for = thin_events(placed.position, placed.release, room)
+    order, stands_for = thin_events(placed.position, placed.release, capacity)
     warnings.warn(
-        f"{title}: {len(placed.event)} events, of which the surface tells "
-        f"{len(order)} apart; where several fall together the strongest strikes, and friction "
+        f"{title}: {len(placed.event)} events, of which the surface keeps "
+        f"{len(order)}; where several fall together the strongest strikes, and friction "
         "is that of all; use a shorter window",
         OverviewWarning,
         stacklevel=3,

@@ -92,7 +92,7 @@ class CurveBuilder:
         missing = np.isnan(chunk)
         first = self.count
         if missing.any() or self._open is not None:
-            self._note_holes(missing, first)
+            self._record_gaps(missing, first)
         if self._known is None:
             if missing.all():
                 self._leading += len(chunk)
@@ -149,7 +149,7 @@ class CurveBuilder:
             self._last_s = float(times[-1])
             self._times.append(times)
 
-    def _note_holes(self, missing: NDArray[np.bool_], first: int) -> None:
+    def _record_gaps(self, missing: NDArray[np.bool_], first: int) -> None:
         """Note runs of missing values as (last known index, next known index); -1 = none yet."""
         edges = np.flatnonzero(np.diff(missing, prepend=self._open is not None)) + first
         for edge in edges.tolist():

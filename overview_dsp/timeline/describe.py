@@ -67,7 +67,7 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
         yield "curve    none"
     else:
         low, high = float(np.min(curve.value)), float(np.max(curve.value))
-        unit = curve.unit or "no unit told"
+        unit = curve.unit or "no unit given"
         yield f"curve    {len(curve.value)} points, {low:.6g} to {high:.6g}, {unit}"
     kinds = ", ".join(f"{count} {kind}" for kind, count in timeline.kinds().items())
     yield f"events   {len(timeline.events)}{': ' if kinds else ''}{kinds}"

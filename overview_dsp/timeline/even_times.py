@@ -29,7 +29,7 @@ class EvenTimes:
     ------
     InputError
         A count below 1, a step that isn't above 0, a start below 0, or times too far from 0 to
-        tell apart.
+        be distinguished.
 
     Examples
     --------
@@ -53,8 +53,8 @@ class EvenTimes:
             raise InputError(f"first_s is {self.first_s!r}, before the start; {checks.TIME_HINT}")
         if not np.isfinite(self[-1]) or (self.count > 1 and self[-2] >= self[-1]):
             raise InputError(
-                f"{self.count} values {self.step_s!r} s apart lie too close together to tell "
-                "apart; count them from 0"
+                f"{self.count} values {self.step_s!r} s apart lie too close together to be "
+                "distinguished; count them from 0"
             )
 
     def __len__(self) -> int:

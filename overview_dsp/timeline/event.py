@@ -9,7 +9,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.timeline import checks
 
 MAX_EVENTS = 500_000
-"""Most events of a file: some hundred times what a hand can tell apart, and 400 MB."""
+"""Most events of a file: some hundred times what a hand can distinguish, and 400 MB."""
 
 
 @dataclass(frozen=True)

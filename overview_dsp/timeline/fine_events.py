@@ -1,4 +1,4 @@
-"""Which of the small things a window shows: as many as a hand can tell apart in it."""
+"""Which of the small things a window shows: as many as a hand can distinguish in it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST = 500
 def shown_details(
     details: tuple[Event, ...], events: tuple[Event, ...], duration_s: float
 ) -> tuple[Event, ...]:
-    """Return those of the details that are told apart from the events and from each other.
+    """Return those of the details that can be distinguished from the events and from each other.
 
     The heaviest are taken first, the earlier ones of equal weight before the later ones. None if
     there are more than `MOST`.

@@ -46,7 +46,7 @@ class Store:
         except OSError as error:
             raise OutputError(
                 f"the temporary folder {tempfile.gettempdir()} can't take a long series: "
-                f"{error.strerror or error}; make room, or set TMPDIR to another"
+                f"{error.strerror or error}; free some space, or set TMPDIR to another"
             ) from error
         self._chunks.clear()
 

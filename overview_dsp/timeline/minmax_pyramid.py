@@ -1,7 +1,7 @@
 """The smallest, the mean and the largest of ever longer runs of a long row of values.
 
 Level k has one bin for every `BIN * RATIO**k` values. It is built once, in one pass; then any
-number of bins of any width are told without looking at all values again.
+number of bins of any width are computed without looking at all values again.
 """
 
 from __future__ import annotations

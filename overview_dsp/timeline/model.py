@@ -51,7 +51,7 @@ class Timeline:
         match clock).
     details : tuple of Event
         Smaller things (a match's passes); kept sorted. They are felt only in a `window` so short
-        that a hand can tell them apart.
+        that a hand can distinguish them.
 
     Raises
     ------
@@ -264,7 +264,7 @@ class Timeline:
         """Cut out a part as a timeline of its own, which starts at 0.
 
         Events at the two ends belong to it, and details become events where they are few enough to
-        be told apart: the shorter the part, the more of them. The curve is cut with interpolated
+        be distinguished: the shorter the part, the more of them. The curve is cut with interpolated
         end points, so it has the same value at the same moment; gaps are cut likewise. A part in
         which nothing is known (no event, no curve) becomes a flat curve of 0 with a note, since its
         emptiness is what a hand should feel. The title stays; a note names the part.

@@ -136,7 +136,7 @@ WAYS: dict[str, Callable[[str], Moment | None]] = {
     "quarters or months": period,
     "yyyymm": year_month,
 }
-"""Ways of writing a date, by the name a person is told."""
+"""Ways of writing a date, by the name shown to a person."""
 
 
 def _moment(found: re.Match[str], month: str, day: str) -> Moment | None:

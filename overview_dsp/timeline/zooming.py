@@ -46,16 +46,16 @@ class Zoom:
         """Length of the window, s."""
         return self.end_s - self.start_s
 
-    def moment_s(self, place: float) -> float:
-        """The moment at a place of the window (0 to 1), s of the whole."""
-        return self.start_s + self.width_s * place
+    def moment_s(self, position: float) -> float:
+        """The moment at a position of the window (0 to 1), s of the whole."""
+        return self.start_s + self.width_s * position
 
-    def place(self, moment_s: float) -> float:
-        """The place (0 to 1 within the window) of a moment of the whole, s."""
+    def position(self, moment_s: float) -> float:
+        """The position (0 to 1 within the window) of a moment of the whole, s."""
         return (moment_s - self.start_s) / self.width_s
 
     def scaled(self, factor: float, about: float) -> Zoom:
-        """`factor` times as much detail; the moment at `about` (0 to 1) stays at that place.
+        """`factor` times as much detail; the moment at `about` (0 to 1) stays at that position.
 
         Less detail than 1 at an end of the timeline moves it as far as it must.
         """
@@ -63,7 +63,7 @@ class Zoom:
         return self.around(self.moment_s(about), max(self.width_s / factor, narrowest), about)
 
     def around(self, moment_s: float, width_s: float, at: float = ZOOM_LEAD) -> Zoom:
-        """A window of `width_s` with a moment at the place `at` (0 to 1), or as near as it can."""
+        """A window of `width_s` with a moment at `at` (0 to 1) of it, or as near as it can."""
         whole = self.timeline.duration_s
         width = min(width_s, whole)
         start = min(max(moment_s - width * at, 0.0), whole - width)

@@ -54,14 +54,14 @@ class PlayApp(App[None]):
     def __init__(
         self,
         player: Player,
-        hand: Input | None = None,
+        source: Input | None = None,
         stopped: Callable[[], bool] | None = None,
         invitation: str = "",
     ) -> None:
         super().__init__()
         self._invitation = invitation
         self._player = player
-        self._hand = hand
+        self._source = source
         self._stopped = stopped
         self._status: Status | None = None
         self.failure: Exception | None = None
@@ -88,8 +88,8 @@ class PlayApp(App[None]):
             self.exit()
             return
         try:
-            if self._hand is not None:
-                self._hand.poll(self._player.engine)
+            if self._source is not None:
+                self._source.poll(self._player.engine)
             status = self._player.poll()
         except Exception as error:  # shown by the command line once the screen is given back
             self.failure = error
@@ -97,9 +97,9 @@ class PlayApp(App[None]):
             return
         self._status = status
         self._view.show(status)
-        hand = self._hand
-        self._meters.show(status, self._here(status), "" if hand is None else hand.words)
-        messages = (*status.messages, *(() if hand is None else hand.take_messages()))
+        source = self._source
+        self._meters.show(status, self._here(status), "" if source is None else source.words)
+        messages = (*status.messages, *(() if source is None else source.take_messages()))
         if messages:
             self._words.update("\n".join(messages[-2:]))
 
@@ -120,12 +120,12 @@ class PlayApp(App[None]):
 
     def on_timeline_view_touched(self, message: TimelineView.Touched) -> None:
         """The mouse holds or drags."""
-        self._player.touch(message.place)
+        self._player.touch(message.position)
 
     def on_timeline_view_released(self, message: TimelineView.Released) -> None:
         """The mouse lets go; a click is a tap."""
         if message.tapped:
-            self._player.tap(message.place)
+            self._player.tap(message.position)
         else:
             self._player.release()
 
@@ -140,9 +140,9 @@ class PlayApp(App[None]):
         """Move the finger by hundredths of the timeline, touching down if it isn't."""
         self._player.touch(min(max(self._finger() + steps * STEP, 0.0), 1.0))
 
-    def action_to(self, place: float) -> None:
+    def action_to(self, position: float) -> None:
         """Touch the start or the end."""
-        self._player.touch(float(place))
+        self._player.touch(float(position))
 
     def action_hold(self) -> None:
         """Let go if the finger holds, else tap where it was last."""
@@ -194,7 +194,7 @@ class PlayApp(App[None]):
 
 def run(
     player: Player,
-    hand: Input | None = None,
+    source: Input | None = None,
     stopped: Callable[[], bool] | None = None,
     invitation: str = "",
 ) -> None:
@@ -202,7 +202,7 @@ def run(
 
     `invitation` is what a person needs to let another device in; its first line is always shown.
     """
-    app = PlayApp(player, hand, stopped, invitation)
+    app = PlayApp(player, source, stopped, invitation)
     app.run()
     if app.failure is not None:
         raise app.failure

@@ -26,8 +26,8 @@ class MetersView(Static):
         self._held = [FLOOR_DB, FLOOR_DB]
         self._shown = ""
 
-    def show(self, status: Status, here: str, hand: str = "") -> None:
-        """Write the meters; `here` names what is under the cursor, `hand` is the input's line."""
+    def show(self, status: Status, here: str, source: str = "") -> None:
+        """Write the meters; `here` names what is under the cursor, `source` is the input's line."""
         text = Text()
         part = min(abs(status.torque) / status.full_torque, 1.0)
         text.append("torque ").append(bar(part), "yellow")
@@ -46,14 +46,14 @@ class MetersView(Static):
         )
         if status.actuator is not None and status.protected is not None:
             text.append(f", {status.actuator.name} {-status.protected.taken_db:.1f} dB")
-        trouble = status.late + status.underflows + status.dropped
+        faults = status.late + status.underflows + status.dropped
         text.append(
             f"\n{status.callbacks} callbacks, {status.late} late, {status.underflows} underflows, "
             f"{status.frames_lost} frames lost, {status.dropped} events dropped",
-            "red" if trouble else "dim",
+            "red" if faults else "dim",
         )
-        if hand:
-            text.append(f"\n{hand}", "dim")
+        if source:
+            text.append(f"\n{source}", "dim")
         if text.plain != self._shown:
             self._shown = text.plain
             self.update(text)

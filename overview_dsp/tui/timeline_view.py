@@ -33,18 +33,18 @@ class TimelineView(Widget):
     DEFAULT_CSS = "TimelineView { height: 1fr; min-height: 5; }"
 
     class Touched(Message):
-        """The finger is down at `place` (0 to 1), or has moved there."""
+        """The finger is down at `position` (0 to 1), or has moved there."""
 
-        def __init__(self, place: float) -> None:
+        def __init__(self, position: float) -> None:
             super().__init__()
-            self.place = place
+            self.position = position
 
     class Released(Message):
         """The finger has let go; `tapped` if it was a click that hadn't moved."""
 
-        def __init__(self, place: float, tapped: bool) -> None:
+        def __init__(self, position: float, tapped: bool) -> None:
             super().__init__()
-            self.place = place
+            self.position = position
             self.tapped = tapped
 
     def __init__(self, player: Player) -> None:
@@ -58,7 +58,7 @@ class TimelineView(Widget):
 
     # --- the mouse ------------------------------------------------------------------------------
 
-    def _place(self, x: float) -> float:
+    def _position(self, x: float) -> float:
         return min(max(x / max(1, self.size.width - 1), 0.0), 1.0)
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
@@ -66,14 +66,14 @@ class TimelineView(Widget):
         if event.button != 1:
             return
         self.capture_mouse()
-        self._pressed, self._moved = (self._place(event.x), event.time), False
-        self.post_message(self.Touched(self._place(event.x)))
+        self._pressed, self._moved = (self._position(event.x), event.time), False
+        self.post_message(self.Touched(self._position(event.x)))
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """The finger moves."""
-        if self._pressed is not None and self._place(event.x) != self._pressed[0]:
+        if self._pressed is not None and self._position(event.x) != self._pressed[0]:
             self._moved = True
-            self.post_message(self.Touched(self._place(event.x)))
+            self.post_message(self.Touched(self._position(event.x)))
 
     def on_mouse_up(self, event: events.MouseUp) -> None:
         """The finger lets go; a short press that hasn't moved was a tap."""
@@ -83,7 +83,7 @@ class TimelineView(Widget):
         self.release_mouse()
         self._pressed = None
         short = event.time - pressed_at <= TAP_WITHIN_S
-        self.post_message(self.Released(self._place(event.x), short and not self._moved))
+        self.post_message(self.Released(self._position(event.x), short and not self._moved))
 
     # --- the picture ----------------------------------------------------------------------------
 
@@ -106,10 +106,10 @@ class TimelineView(Widget):
         """How high each column of the surface is, and which event marks it."""
         width = max(1, self.size.width)
         surface = self._player.surface
-        # a column stands for the places that the mouse in it rounds to
-        places = np.clip((np.arange(width + 1) - 0.5) / max(1, width - 1), 0.0, 1.0)
+        # a column stands for the positions that the mouse in it rounds to
+        positions = np.clip((np.arange(width + 1) - 0.5) / max(1, width - 1), 0.0, 1.0)
         friction = surface.resistance
-        edges = (places * (len(friction) - 1)).astype(int)
+        edges = (positions * (len(friction) - 1)).astype(int)
         columns = np.array(
             [friction[low : max(high, low + 1)].max() for low, high in pairwise(edges)]
         )
@@ -117,9 +117,9 @@ class TimelineView(Widget):
         low, high = math.log(friction.min()), math.log(friction.max())
         self._heights = (np.log(columns) - low) / max(high - low, 1e-9)
         self._marks: dict[int, tuple[str, str]] = {}
-        for place, kind in zip(surface.position, surface.kind, strict=True):
+        for where, kind in zip(surface.position, surface.kind, strict=True):
             mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
-            self._marks[column(float(place), width)] = mark
+            self._marks[column(float(where), width)] = mark
 
     def render_line(self, y: int) -> Strip:
         """One line: events, the friction's columns, the finger, the axis."""
@@ -180,9 +180,9 @@ class TimelineView(Widget):
         return "".join(cells[:width])
 
 
-def column(place: float, width: int) -> int:
-    """The column of a place (0 to 1); a disk that swings past an end is drawn at the end."""
-    return min(max(round(place * (width - 1)), 0), max(width - 1, 0))
+def column(position: float, width: int) -> int:
+    """The column of a position (0 to 1); a disk that swings past an end is drawn at the end."""
+    return min(max(round(position * (width - 1)), 0), max(width - 1, 0))
 
 
 def axis_text(player: Player, time_s: float) -> str:

@@ -7,7 +7,7 @@ import ipaddress
 import socket
 
 ANYWHERE = {4: "192.0.2.1", 6: "2001:db8::1"}
-"""Addresses of documents: which of ours would reach them tells the one the network uses."""
+"""Addresses of documents: our address on the route to one is the one the network uses."""
 
 
 def is_loopback(host: str) -> bool:

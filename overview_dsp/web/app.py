@@ -43,7 +43,7 @@ def make_app(
     names
         Host names of this machine, besides its addresses.
     note
-        Told in a line what failed.
+        Receives a line about what failed.
     session
         What sounds here; None if only the page sounds.
     more
@@ -79,7 +79,7 @@ def make_app(
     if session is not None:
         routes.append(WebSocketRoute("/control", control))
         routes.append(Route("/host/preset", answering(use), methods=["POST"]))
-    # a router alone: what fails is the guard's to tell
+    # a router alone: the guard reports what fails
     app = Router(routes, redirect_slashes=False)
     return Guard(app, access, names, served_paths(), note)
 

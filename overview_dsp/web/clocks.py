@@ -14,7 +14,7 @@ from collections import deque
 from overview_dsp.engine.engine import Engine
 
 PINGS_KEPT = 40
-"""The quickest of these tells the clocks' offset: ten seconds, in which clocks drift by little."""
+"""The quickest of these gives the clocks' offset: ten seconds, in which clocks drift by little."""
 
 DELAY_KEPT_S = 2.0
 MAX_DELAY_S = 0.1

@@ -70,7 +70,7 @@ class HttpConnection(H11Protocol):
         self._idle_since: float | None = None  # None: a request is being answered
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Make room, or close at once what is too many; wait a little for a request."""
+        """Free a connection, or abort this one; then wait a little for a request."""
         super().connection_made(transport)
         others = [one for one in self.connections if one is not self and is_open(one)]
         same = [one for one in others if address_of(one) == address_of(self)]

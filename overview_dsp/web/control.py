@@ -1,4 +1,4 @@
-"""`/control`: a page's hand over a WebSocket, and what it is told.
+"""`/control`: a page's hand over a WebSocket, and the reports sent to it.
 
 Twenty-five times a second it gets ``{"status": {...}}``: `cursor` and `touching` of the disk,
 `torque_nm` and `full_torque_nm`, the tactor's `envelope`, `holding` (whether the disk is this
@@ -69,7 +69,7 @@ async def serve_hand(websocket: WebSocket, session: Session) -> None:
     """One page's hand, until its connection is over."""
     await websocket.accept()
     hand = session.hands.join()
-    telling = asyncio.create_task(_tell(websocket, session, hand))
+    reporting = asyncio.create_task(_report(websocket, session, hand))
     try:
         await _listen(websocket, session, hand)
     except InputError as error:
@@ -78,8 +78,8 @@ async def serve_hand(websocket: WebSocket, session: Session) -> None:
         pass
     finally:
         session.hands.leave(hand)
-        telling.cancel()
-        await asyncio.gather(telling, return_exceptions=True)
+        reporting.cancel()
+        await asyncio.gather(reporting, return_exceptions=True)
 
 
 async def _listen(websocket: WebSocket, session: Session, hand: Hand) -> None:
@@ -105,7 +105,7 @@ async def _listen(websocket: WebSocket, session: Session, hand: Hand) -> None:
             session.show(message.start_s, message.end_s)
 
 
-async def _tell(websocket: WebSocket, session: Session, hand: Hand) -> None:
+async def _report(websocket: WebSocket, session: Session, hand: Hand) -> None:
     """Follow the clocks, watch for silence, ping, report."""
     hands = session.hands
     next_ping = next_status = 0.0

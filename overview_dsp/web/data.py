@@ -44,7 +44,7 @@ from overview_dsp.web.security.request_body import answering, json_object
 from overview_dsp.web.site_content import SiteContent
 
 BINARY, JSON = "application/octet-stream", "application/json"
-TOLD = "data/timeline.json"
+TIMELINE_FILE = "data/timeline.json"
 LEVELS = 4
 """How many times a served page zooms, each time to a third."""
 
@@ -98,7 +98,7 @@ def data_routes(
         nonlocal content
         name = request.url.path.removeprefix("/")
         with one_at_a_time:
-            if name == TOLD and load_preset(preset) != content.preset:
+            if name == TIMELINE_FILE and load_preset(preset) != content.preset:
                 content = made()
             if name not in content.names:
                 return PlainTextResponse("not found\n", 404)

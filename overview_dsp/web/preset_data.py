@@ -86,6 +86,6 @@ def _require_named_base(text: str, name: str) -> None:
     try:
         base = tomllib.loads(text).get("extends")
     except tomllib.TOMLDecodeError:
-        return  # told better by who reads it
+        return  # its reader reports the error with more detail
     if isinstance(base, str) and (base == name or base not in (*bundled_presets(), *own_names())):
         raise InputError(f"extends = {base[:70]!r}: name one of your presets or of the bundled")

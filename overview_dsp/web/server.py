@@ -98,7 +98,7 @@ class WebServer:
         OverviewError
             The server didn't start.
         """
-        logging.getLogger("uvicorn").propagate = False  # the guard tells what failed
+        logging.getLogger("uvicorn").propagate = False  # the guard reports what failed
         logging.getLogger("uvicorn").addHandler(logging.NullHandler())
         config = uvicorn.Config(
             app,

@@ -36,7 +36,7 @@ class HostSession(Input):
     def use(self, preset: Preset) -> None:
         """Change to a preset soon, gliding and crossfaded; InputError if it can't sound here."""
         check_carrier(preset, self._player.engine.sample_rate)
-        build_surface(self._player.shown, preset)  # refused here, where somebody is told
+        build_surface(self._player.shown, preset)  # refused here, where the error reaches the page
         self._presets.append(preset)
 
     def status(self) -> dict[str, Any]:

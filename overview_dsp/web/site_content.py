@@ -52,7 +52,7 @@ class SiteContent:
         self._seed = seed
         self._actuator = actuator
         self._server = server
-        self._files: dict[str, Callable[[], bytes]] = {"data/timeline.json": self._told}
+        self._files: dict[str, Callable[[], bytes]] = {"data/timeline.json": self._timeline_file}
         # what belongs to one window is asked for together
         self._surface = lru_cache(maxsize=1)(self._build)
         self._sound = lru_cache(maxsize=1)(self._encode)
@@ -83,9 +83,9 @@ class SiteContent:
         for rate in RATES[1:]:
             self._files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
 
-    def _told(self) -> bytes:
-        told = timeline_json(self._timeline, self.preset, self.parts, RATES)
-        return _json({**told, "server": self._server})
+    def _timeline_file(self) -> bytes:
+        content = timeline_json(self._timeline, self.preset, self.parts, RATES)
+        return _json({**content, "server": self._server})
 
     def _window(self, i: int) -> bytes:
         shown, surface = self._surface(i)

@@ -69,6 +69,6 @@ def write_site(
             put(name, content.make(name), "page" if content.is_needed_first(name) else "more")
             if progress is not None:
                 progress((i + 1) / len(content.names))
-        told = {"version": digest.hexdigest()[:16], **listed}
-        (folder / MARK).write_text(f"self.FILES = {json.dumps(told)};\n", encoding="utf-8")
+        files = {"version": digest.hexdigest()[:16], **listed}
+        (folder / MARK).write_text(f"self.FILES = {json.dumps(files)};\n", encoding="utf-8")
     return size

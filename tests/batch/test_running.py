@@ -284,7 +284,7 @@ def test_parts_are_written_now_and_then(tmp_path, monkeypatch):
     sounds = [n for n, name in enumerate(written) if name.endswith(".wav")]
     parts = [n for n, name in enumerate(written) if name.startswith("parts/")]
     assert len(sounds) == len(parts) == CASES
-    # a part never comes before the sounds it tells of
+    # a part never comes before the sounds it lists
     assert all(sound < part for sound, part in zip(sounds, parts, strict=True))
 
 

@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.controllers.control_messages import LetGo, Touched, Turned
-from overview_dsp.controllers.source import ControllerHand
+from overview_dsp.controllers.source import ControllerSource
 from tests.sensors.moving import RULES
 
 TICK = 0.005
@@ -39,7 +39,7 @@ def turned(name, *points):
 def test_a_fader_takes_hold_where_the_disk_is_goes_over_and_lets_go_at_rest():
     moves = [(0.0, Turned("fader", 1.0)), (0.1, Turned("fader", 2.0))]
     moves += [(1.0, Turned("fader", 0.0))]
-    events = played(ControllerHand(RULES), moves, 2.0, place=0.4)
+    events = played(ControllerSource(RULES), moves, 2.0, place=0.4)
     assert events[0].theta2 == pytest.approx(0.4)
     assert events[0].time_s == pytest.approx(0.1)
     before = [event for event in events if event.time_s < 1.0]
@@ -50,13 +50,13 @@ def test_a_fader_takes_hold_where_the_disk_is_goes_over_and_lets_go_at_rest():
 
 
 def test_a_fader_that_lies_still_says_nothing_and_holds_on():
-    events = played(ControllerHand(RULES), turned("fader", (0, 0), (0.5, 2.0)), 30.0)
+    events = played(ControllerSource(RULES), turned("fader", (0, 0), (0.5, 2.0)), 30.0)
     assert events[-1].touching
     assert events[-1].time_s < 1.0
 
 
 def test_a_finger_is_a_step_wherever_the_disk_was():
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     events = played(
         hand, [(0.1, Touched("a", 1.0)), (0.2, Touched("a", 1.5)), (0.3, LetGo("a"))], 0.5, place=2
     )
@@ -67,7 +67,7 @@ def test_a_finger_is_a_step_wherever_the_disk_was():
 
 
 def test_each_key_is_a_step_of_its_own_and_the_last_that_is_down_holds():
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     moves = [
         (0.1, Touched("a", 1.0)),
         (0.2, Touched("b", 2.0)),
@@ -82,13 +82,13 @@ def test_each_key_is_a_step_of_its_own_and_the_last_that_is_down_holds():
 
 def test_a_key_that_was_not_the_last_lets_go_unfelt():
     moves = [(0.1, Touched("a", 1.0)), (0.2, Touched("b", 2.0)), (0.3, LetGo("a"))]
-    events = played(ControllerHand(RULES), moves, 0.5)
+    events = played(ControllerSource(RULES), moves, 0.5)
     assert [event.theta2 for event in events] == [1.0, 2.0]
 
 
 def test_two_faders_change_over_without_a_jump():
     moves = [*turned("a", (0, 0), (0.5, 2.5)), *turned("b", (1, 0.0), (2, 1.0))]
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     events = played(hand, moves, 3.0)
     assert np.abs(np.diff([event.theta2 for event in events])).max() < 0.25
     assert events[-1].theta2 == pytest.approx(0.99)
@@ -100,7 +100,7 @@ def test_two_faders_change_over_without_a_jump():
 
 def test_a_wheel_that_springs_back_takes_nothing_over():
     moves = [*turned("wheel", (0, 0), (0.5, 2.5)), *turned("b", (1, 0.0), (2, 1.0))]
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     before = played(hand, moves, 3.0)
     after = played(hand, [*turned("wheel", (3, 2.5), (3.2, 0.0)), (3.2, Turned("wheel", 0.0))], 4.0,
                    since=3.0)  # fmt: skip
@@ -111,7 +111,7 @@ def test_a_wheel_that_springs_back_takes_nothing_over():
 
 def test_under_a_finger_a_fader_follows_and_joins_when_the_finger_lets_go():
     moves = [*turned("a", (0, 0), (0.5, 2.0)), (1.0, Touched("f", 0.5)), (1.5, Turned("a", 2.5))]
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     events = played(hand, [*moves, (2.0, LetGo("f"))], 3.0)
     assert [event.theta2 for event in events if 1.0 <= event.time_s < 2.0] == [0.5]
     after = [event for event in events if event.time_s >= 2.0]
@@ -128,7 +128,7 @@ def test_a_turned_fader_takes_over_from_another_source_that_yields():
         # a device of another source took over at 0.7 s, and yields to the retake
         return 3.0 if now > 0.7 and not held else None
 
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     events = []
     for n in range(400):
         now = n * TICK
@@ -143,7 +143,7 @@ def test_a_turned_fader_takes_over_from_another_source_that_yields():
 
 
 def test_who_begins_to_say_touches_is_no_fader_any_more():
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     events = played(hand, [*turned("theta2", (0, 0), (0.5, 2)), (1.0, Touched("theta2", 1.0))], 2.0)
     assert events[-1].theta2 == 1.0
     assert len([event for event in events if event.time_s > 0.7]) == 1
@@ -153,7 +153,7 @@ def test_who_begins_to_say_touches_is_no_fader_any_more():
 
 
 def test_a_lost_controller_lets_go_of_all():
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     assert hand.release(0.0) is None
     played(hand, [*turned("a", (0, 0), (0.5, 2)), (0.6, Touched("f", 1.0))], 1.0)
     assert hand.release(1.0).touching is False
@@ -175,7 +175,7 @@ MOVES = st.one_of(
           (LetGo("a"), None, False), (Turned("a", 0.0), None, False)])  # fmt: skip
 @given(st.lists(st.tuples(MOVES, st.one_of(st.none(), ANGLES), st.booleans()), max_size=60))
 def test_whatever_comes_events_are_whole_and_everything_can_be_let_go(course):
-    hand = ControllerHand(RULES)
+    hand = ControllerSource(RULES)
     touching = False
     for n, (move, elsewhere, yields) in enumerate(course):
         now = 0.03 * n

@@ -223,12 +223,12 @@ def test_a_given_memory_is_the_engines_own():
 def test_kernels_that_are_compiled_already_are_not_announced(capsys, monkeypatch):
     run(prepared(plain_preset(), BARE, RATE), 1)
     capsys.readouterr()
-    monkeypatch.setattr(compile_notice, "_told", set())
+    monkeypatch.setattr(compile_notice, "_announced", set())
     prepared(plain_preset(), BARE, RATE)
     assert capsys.readouterr() == ("", "")
 
 
-# --- hands and what is told of them ---------------------------------------------------------------
+# --- hands and what is reported -------------------------------------------------------------------
 
 
 def test_events_given_together_are_those_given_one_by_one():

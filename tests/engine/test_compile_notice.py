@@ -9,8 +9,8 @@ from tests.examples import plain_preset, timeline_of
 
 
 @pytest.fixture(autouse=True)
-def _nothing_told(monkeypatch):
-    monkeypatch.setattr(compile_notice, "_told", set())
+def _nothing_announced(monkeypatch):
+    monkeypatch.setattr(compile_notice, "_announced", set())
 
 
 def test_a_first_compilation_is_announced_once_on_stderr(tmp_path, monkeypatch, capsys):

@@ -1,4 +1,4 @@
-"""The rings between the control thread and the audio thread: room, order, numbers, free slots."""
+"""The rings between the control thread and the audio thread: capacity, order, free slots."""
 
 from __future__ import annotations
 
@@ -131,9 +131,9 @@ def test_changes_that_belong_together_fit_all_or_none_is_taken():
     queues, _, words = block()
     words[layout.HOST_WRITTEN] = words[layout.HOST_READ] = 5
     queues.push([(layout.C_GATE, 0.0)] * (layout.HOST_RING - 2), 0)
-    queues.require_room(2)
+    queues.require_capacity(2)
     for refused in (
-        queues.require_room,
+        queues.require_capacity,
         lambda count: queues.push([(layout.C_GATE, 0.0)] * count, 0),
     ):
         with pytest.raises(ov.OverviewError, match=f"{layout.HOST_RING - 2} parameter changes"):

@@ -30,7 +30,7 @@ def made_up_heart(seconds=900.0, seed=3):
     for early in random.choice(np.arange(20, len(found) - 20), 12, replace=False):
         found[early] -= 0.35 * (found[early] - found[early - 1])
     found = np.delete(found, [300, 700])
-    beats = Beats(found, ("beat",) * len(found), ("",) * len(found), told=False)
+    beats = Beats(found, ("beat",) * len(found), ("",) * len(found), annotated=False)
     events, _ = beat_events(beats, ())
     return ov.Timeline(
         title="made up",

@@ -11,7 +11,7 @@ import numpy as np
 import overview_dsp as ov
 from overview_dsp.force_feedback.loop import MotorLoop
 from overview_dsp.force_feedback.mean_torque import MeanTorque
-from overview_dsp.sensors.source import Hand
+from overview_dsp.sensors.source import SensorSource
 from overview_dsp.sensors.touching import TouchRules
 
 RATE, BLOCK = 48_000, 128
@@ -59,7 +59,7 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
         loop._controller.step = lambda wanted, *_: max(
             -per * motor.limit, min(per * motor.limit, wanted)
         )
-    reader = Hand(sensor, TouchRules.of(preset))
+    reader = SensorSource(sensor, TouchRules.of(preset))
     out = np.zeros((BLOCK, 2), dtype=np.float32)
     course, sent = Course(), b""
     for tick in range(round(seconds / TICK_S)):

@@ -57,6 +57,6 @@ def use(clock, monkeypatch):
     """Have the inputs opened from now on live in this time."""
     for module in (motor_input, sensor_input, threaded_input):
         monkeypatch.setattr(module, "time", clock)
-    timed = functools.partial(threaded_input.HandWriter, now=clock.monotonic)
-    monkeypatch.setattr(threaded_input, "HandWriter", timed)
+    timed = functools.partial(threaded_input.SourceWriter, now=clock.monotonic)
+    monkeypatch.setattr(threaded_input, "SourceWriter", timed)
     monkeypatch.setattr(threaded_input, "RETRY_S", 0.01)  # a real wait

@@ -1,4 +1,4 @@
-"""What the bundled presets promise: kinds that a finger tells apart, presets that differ."""
+"""What the bundled presets promise: kinds that a finger distinguishes, presets that differ."""
 
 from __future__ import annotations
 

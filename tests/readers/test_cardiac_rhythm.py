@@ -15,7 +15,7 @@ from overview_dsp.readers.cardiac.rhythm import (
 
 def beats(times: list[float], kinds: list[str] | None = None) -> Beats:
     found = tuple(kinds) if kinds else ("beat",) * len(times)
-    return Beats(np.array(times), found, ("",) * len(times), told=kinds is not None)
+    return Beats(np.array(times), found, ("",) * len(times), annotated=kinds is not None)
 
 
 def steady(count: int = 40, interval: float = 0.8) -> list[float]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from overview_dsp.sensors.frames import encode_frame
 from overview_dsp.sensors.profile import Sensor
-from overview_dsp.sensors.source import Hand
+from overview_dsp.sensors.source import SensorSource
 from overview_dsp.sensors.touching import TouchRules
 
 G = 9.80665
@@ -58,13 +58,13 @@ def course(rate: float, *places: tuple[float, float]) -> np.ndarray:
     return np.radians(y[at] + (y[at + 1] - y[at]) * part)
 
 
-def hand(rules: TouchRules = RULES, columns: tuple[str, ...] = (), **values) -> Hand:
+def hand(rules: TouchRules = RULES, columns: tuple[str, ...] = (), **values) -> SensorSource:
     """A hand; values of the profile with `__` for a dot."""
     given = {id.replace("__", "."): value for id, value in values.items()}
-    return Hand(Sensor(values=given, columns=columns), rules)
+    return SensorSource(Sensor(values=given, columns=columns), rules)
 
 
-def fed(one: Hand, pieces, rate: float, start_s: float = 0.0):
+def fed(one: SensorSource, pieces, rate: float, start_s: float = 0.0):
     """All events, and the turn after each piece."""
     events, turns = [], []
     for n, piece in enumerate(pieces):

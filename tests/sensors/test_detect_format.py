@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from overview_dsp.sensors.detect_format import ENOUGH, Told, tell
+from overview_dsp.sensors.detect_format import ENOUGH, DetectedFormat, detect
 from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters
 from overview_dsp.sensors.sequence import SequenceCheck
 from tests.sensors.streams import frame_stream
@@ -13,28 +13,31 @@ def lines(line: str, count: int = 8, before: str = "") -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("data", "told"),
+    ("data", "detected"),
     [
-        (b"".join(frame_stream(3)), Told("frames")),
-        (b"\n\n,1" + b"".join(frame_stream(4))[7:], Told("frames")),
-        (lines('{"ax": 1, "ay": 2, "az": 3}'), Told("json")),
-        (lines("0.1,0.2,9.8"), Told("text", ACCELERATION)),
-        (lines("0.1 0.2 9.8 1 2 3"), Told("text", ACCELERATION + ANGULAR_VELOCITY)),
-        (lines("12.5"), Told("text", ("roll_deg",))),
-        (lines("1,2,3,4", before="\nt_us,ax,ay,az"), Told("text", ("t_us", *ACCELERATION))),
-        (b"ets Jun 8 2016\nboot: ok\n" + lines("1,2,3"), Told("text", ACCELERATION)),
+        (b"".join(frame_stream(3)), DetectedFormat("frames")),
+        (b"\n\n,1" + b"".join(frame_stream(4))[7:], DetectedFormat("frames")),
+        (lines('{"ax": 1, "ay": 2, "az": 3}'), DetectedFormat("json")),
+        (lines("0.1,0.2,9.8"), DetectedFormat("text", ACCELERATION)),
+        (lines("0.1 0.2 9.8 1 2 3"), DetectedFormat("text", ACCELERATION + ANGULAR_VELOCITY)),
+        (lines("12.5"), DetectedFormat("text", ("roll_deg",))),
+        (
+            lines("1,2,3,4", before="\nt_us,ax,ay,az"),
+            DetectedFormat("text", ("t_us", *ACCELERATION)),
+        ),
+        (b"ets Jun 8 2016\nboot: ok\n" + lines("1,2,3"), DetectedFormat("text", ACCELERATION)),
     ],
 )
-def test_a_stream_is_told_by_its_content(data, told):
-    assert tell(data) == told
+def test_a_stream_is_detected_from_its_content(data, detected):
+    assert detect(data) == detected
     counters = Counters()
-    assert told.decoder(counters).feed(data)
-    assert str(told)
+    assert detected.decoder(counters).feed(data)
+    assert str(detected)
 
 
 @pytest.mark.parametrize("line", ["512", "0", "-3", "300.5", "1,2", "1,2,3,4", "1,2,3,4,5,6,7"])
 def test_what_could_be_several_things_asks_for_a_sensor_in_one_line(line):
-    said = tell(lines(line))
+    said = detect(lines(line))
     assert isinstance(said, str)
     assert "--sensor" in said
     assert line in said
@@ -43,11 +46,11 @@ def test_what_could_be_several_things_asks_for_a_sensor_in_one_line(line):
 
 @pytest.mark.parametrize("data", [b"", b"1,2,3\n1,2,3\n", lines("0.1,0.2", 3), frame_stream(1)[0]])
 def test_too_little_is_not_told_yet(data):
-    assert tell(data) is None
+    assert detect(data) is None
 
 
 def test_noise_is_told_as_such_with_what_to_try():
-    said = tell(b"\xf3\x00\x81\xff" * (ENOUGH // 4))
+    said = detect(b"\xf3\x00\x81\xff" * (ENOUGH // 4))
     assert isinstance(said, str)
     assert "--baud" in said
 

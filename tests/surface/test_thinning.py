@@ -1,4 +1,4 @@
-"""More events than a surface tells apart: the strongest of those that fall together strikes."""
+"""More events than a surface holds: the strongest of those that fall together strikes."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ def test_of_many_as_strong_at_one_place_the_first_is_kept():
 def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
     preset = preset_with(height=2.0, width=0.03)
     timeline = timeline_of(*np.linspace(0.0, 100.0, 100_000))
-    with pytest.warns(OverviewWarning, match="100000 events, of which the surface tells 163"):
+    with pytest.warns(OverviewWarning, match="100000 events, of which the surface keeps 163"):
         surface = build_surface(timeline, preset)
     assert len(surface.position) <= MAX_EVENTS
     assert np.all(np.diff(surface.position) > 0.0)
-    with pytest.warns(OverviewWarning, match="tells"):
+    with pytest.warns(OverviewWarning, match="keeps"):
         result = ov.render(timeline, preset, ov.sweep(0.5), tail="none")
     assert len(result.strikes.time_s) > 15_000
     assert np.isfinite(result.samples).all()
@@ -63,7 +63,7 @@ def test_merged_bristles_belong_to_the_event_that_strikes():
     preset = preset_with(height=2.0, width=0.03)
     kind = ov.EventKind(height=5.0, width_percent=0.03, model="bristle")
     preset = type(preset)("b", "b", "b", preset.values, {"default": kind})
-    with pytest.warns(OverviewWarning, match="tells"):
+    with pytest.warns(OverviewWarning, match="keeps"):
         surface = build_surface(timeline_of(*np.linspace(0.0, 100.0, 40_000)), preset)
     assert surface.bristles is not None
     owner = surface.bristles.owner

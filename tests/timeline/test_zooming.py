@@ -53,7 +53,7 @@ def test_zooming_stops_at_the_narrowest_and_at_the_whole() -> None:
 def test_places_and_moments_are_each_others_inverse() -> None:
     zoom = Zoom(TIMELINE, 200.0, 600.0)
     assert zoom.moment_s(0.25) == 300.0
-    assert zoom.place(300.0) == 0.25
+    assert zoom.position(300.0) == 0.25
 
 
 def test_events_follow_each_other_over_the_whole_and_not_only_in_the_window() -> None:

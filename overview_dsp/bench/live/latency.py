@@ -78,7 +78,7 @@ class LatencyResult:
     `median_ms`, `worst_ms` (and the same in frames) over the `taps`: from `engine.control` until
     the callback that makes the first changed sample. `beyond`: taps whose first changed sample was
     more than a block after the engine's clock at the push (the claim is: none). `output_ms`: from
-    the callback to the ear, as PortAudio tells it.
+    the callback to the ear, as PortAudio reports it.
     """
 
     block_size: int

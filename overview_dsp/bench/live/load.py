@@ -43,7 +43,7 @@ class LoadResult:
     """One run.
 
     `seconds` counted, `callbacks` and `frames` in them, `lost_percent` (frames not delivered, of
-    rate x seconds), `underflows` told of, `late` (callbacks longer than their own frames last),
+    rate x seconds), `underflows` reported, `late` (callbacks longer than their own frames last),
     `p50_us`, `p99_us`, `max_us` (callback time; of the native callback the first two to a fifth),
     `latency_ms` (PortAudio's word). A Python callback's time includes its wait for the interpreter
     (in whole frames on a JACK server, whose clock counts those).
@@ -76,10 +76,10 @@ class TimedStream(OutputStream):
         try:
             super()._python_callback(out, frames, when, status)
         finally:
-            # one host buffer may take several callbacks, all told the same time
+            # one host buffer may take several callbacks, all given the same time
             called = max(when.currentTime, self._ended)
             self._ended = self._stream.time
-            # some sound servers tell no time
+            # some sound servers give no time
             seconds = max(self._ended - called, time.perf_counter() - started)
             self.times_s.append(seconds)
             self.late += seconds * self._engine.sample_rate > frames

@@ -51,7 +51,7 @@ class LoadRow:
 
 @dataclass(frozen=True)
 class Report:
-    """What `overview bench --live` tells.
+    """What `overview bench --live` reports.
 
     `lost_ratio`: frames lost under load, Python's / native's; where native lost less than a block,
     that block stands in, and `lost_ratio_at_least` says so. `smoothing_frames`: what the input

@@ -121,7 +121,7 @@ def _answers(
     out, channels, name, rate, index = _output(device, channel)
     hertz = actuator.resonance_hz if frequency is None else frequency
     announce_compile("drive_block")
-    Rise(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # wrong options are told first
+    Rise(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # refuses wrong options
     keys = _Keys()
     levels: list[float] = []
     early = 0

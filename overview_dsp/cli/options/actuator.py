@@ -1,4 +1,4 @@
-"""The option --actuator: what a tactor's signal is driven for, and how that is told."""
+"""The option --actuator: what a tactor's signal is driven for, and how that is reported."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def calibrated(name: str | None) -> Actuator | None:
     return None if name is None or name == NONE else calibrated_actuator(name)
 
 
-def told(actuator: Actuator, protected: Protected) -> str:
+def drive_line(actuator: Actuator, protected: Protected) -> str:
     """An actuator and what its protection did, in a line."""
     gain = f", calibrated {actuator.gain_db:+.1f} dB" if actuator.gain_db else ""
     return (

@@ -1,4 +1,4 @@
-"""`--input`: which hands play, and how they are opened."""
+"""`--input`: which control sources play, and how they are opened."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ _OF = {
 
 
 def input_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options of hands, for `parse_hands`."""
+    """The options of control sources, for `parse_sources`."""
     options = (
         click.option("--input", "sources", multiple=True, help="serial:PORT, a sensor; osc:PORT or "
                      "osc:HOST:PORT; midi:NAME; - for lines of standard input: theta2 (rad) and "
                      "touching (0 or 1); several together. Or a gesture or take to play."),
         click.option("--sensor", help="What is on the serial port: a name (imu, roll, encoder, "
-                     "potentiometer, simplefoc) or a TOML file; told by content if left out."),
+                     "potentiometer, simplefoc) or a TOML file; left out: detected by content."),
         click.option("--baud", type=click.IntRange(300, 4_000_000), help="Of the serial port, "
                      "instead of the sensor file's (115200)."),
         click.option("--force", is_flag=True, help="Brake the motor on the serial port as the "
@@ -55,7 +55,7 @@ def input_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 @dataclass
-class Hands:
+class Sources:
     """What `--input` asks for, checked; `opened` opens it.
 
     Attributes
@@ -73,7 +73,7 @@ class Hands:
         return "lines" in self.openers
 
     def opened(self, engine: Engine, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
-        """The hands, begun, as one; `closing` is told what gives each back. InputError as they."""
+        """The sources, begun, as one; `closing` receives what closes each. InputError as they."""
         from overview_dsp.live.inputs import LineInput
         from overview_dsp.live.several_inputs import SeveralInputs
 
@@ -88,19 +88,19 @@ class Hands:
         return next(iter(inputs.values()), None)
 
 
-def parse_hands(
+def parse_sources(
     sources: tuple[str, ...],
     sensor: str | None,
     baud: int | None,
     midi_map: str | None,
     force: bool = False,
-) -> Hands:
-    """The hands that the options name; nothing is opened.
+) -> Sources:
+    """The sources that the options name; nothing is opened.
 
     Raises
     ------
     InputError
-        Not a hand, two of one kind, or an option of one that isn't there.
+        Not a source, two of one kind, or an option of one that isn't there.
     """
     from overview_dsp.errors import InputError
 
@@ -128,7 +128,7 @@ def parse_hands(
             raise InputError(
                 f"--{option.replace('_', '-')} is for --input {_OF[option]}, and that isn't given"
             )
-    return Hands(openers)
+    return Sources(openers)
 
 
 def _open_lines(engine: Engine) -> Input:

@@ -20,7 +20,7 @@ _OPTIONS: dict[str, tuple[str, type, str, str]] = {
     "--map": ("map", str, "WHAT", "What is felt: level, change, activity, volatility, a column."),
     "--rate": ("rate", float, "HZ", "Samples a second, for a file without times."),
     "--match": ("match", str, "WORDS", "Which match of a file: its number, or 'France Croatia'."),
-    "--duration": ("duration_s", float, "S", "Length, for an event list that doesn't tell it."),
+    "--duration": ("duration_s", float, "S", "Length, for an event list that doesn't give it."),
     "--max-mb": ("max_mb", float, "MB", "Read files up to so large."),
     "--max-depth": ("max_depth", int, "LEVELS", "Read JSON nested so deep."),
 }
@@ -68,5 +68,5 @@ def open_timeline(path: str, load: dict[str, Any]) -> Timeline:
     from overview_dsp.readers import load_timeline
 
     keep_input(path)
-    with progress_bar(f"reading {path}") as tell:
-        return load_timeline(path, progress=tell, **load)
+    with progress_bar(f"reading {path}") as progress:
+        return load_timeline(path, progress=progress, **load)

@@ -77,7 +77,7 @@ def feel(
     """Measure what a finger gets of each kind of PRESET: slow, medium, fast, a tap, the recoils.
 
     On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
-    told apart, which are masked or merged, and what to change.
+    distinguished, which are masked or merged, and what to change.
     """
     from overview_dsp.measure.report import feel_report
     from overview_dsp.plots.presets import plot_feel
@@ -92,7 +92,7 @@ def feel(
         part = part_of(data, window, zoom_to)
         data = data if part is None else data.window(*part)
         if not data.events:
-            raise InputError(f"{timeline}: has no events; there is nothing to tell apart")
+            raise InputError(f"{timeline}: has no events; there is nothing to distinguish")
         timelines = (data,)
     if plot is not None:
         require_picture(plot)
@@ -133,8 +133,8 @@ def tune(
     loaded = load_preset(preset)
     order = [] if target is None else [name.strip() for name in target.split(">")]
     announce_compile()
-    with progress_bar(f"tuning {loaded.name}") as tell:
-        found = (separated if apart else tuned)(loaded, order, seed, tell)
+    with progress_bar(f"tuning {loaded.name}") as progress:
+        found = (separated if apart else tuned)(loaded, order, seed, progress)
     names = list(loaded.kinds) if apart else order
     path = Path(out) if out is not None else Path(f"{loaded.name}-tuned{SUFFIX}")
     save_preset(found.preset, path)

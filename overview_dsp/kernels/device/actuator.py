@@ -59,8 +59,8 @@ def bend(f64, at, x):
     over = abs(x) - f64[at + layout.ACT_BEND]
     if over <= 0.0:
         return x
-    room = f64[at + layout.ACT_ROOM]
-    y = f64[at + layout.ACT_BEND] + room * tanh_positive(over / room)
+    headroom = f64[at + layout.ACT_ROOM]
+    y = f64[at + layout.ACT_BEND] + headroom * tanh_positive(over / headroom)
     return y if x > 0.0 else -y
 
 
@@ -81,8 +81,8 @@ def move_mass(f64, at, y):
 @inlined
 def taken_back(f64, at):
     """The part of the power to take back, smoothed; booked."""
-    room = (f64[at + layout.ACT_LIMIT] - f64[at + layout.ACT_HEAT]) * f64[at + layout.ACT_KNEE]
-    wanted = 1.0 - min(max(room, 0.0), 1.0)
+    headroom = (f64[at + layout.ACT_LIMIT] - f64[at + layout.ACT_HEAT]) * f64[at + layout.ACT_KNEE]
+    wanted = 1.0 - min(max(headroom, 0.0), 1.0)
     taken = f64[at + layout.ACT_TAKEN]
     taken = taken + f64[at + layout.ACT_FOLLOW] * (wanted - taken)
     if wanted == 0.0 and taken < SILENCE:

@@ -47,8 +47,8 @@ def now(i64):
 
 
 @inlined
-def note_busy(f64, i64, seconds, frames):
-    """Book how long a callback took."""
+def record_busy_time(f64, i64, seconds, frames):
+    """Record how long a callback took."""
     if seconds > f64[layout.L_LONGEST]:
         f64[layout.L_LONGEST] = seconds
     if seconds * f64[layout.S_SAMPLE_RATE] > float(frames):
@@ -71,7 +71,7 @@ def _callback(unused, output, frame_count, time_info, flags, user):
     over = deliver(f64, i64, u64, out, frames, channels)
     if flags & OUTPUT_UNDERFLOW:
         i64[layout.L_UNDERFLOWS] += 1
-    note_busy(f64, i64, now(i64) - started, frames)
+    record_busy_time(f64, i64, now(i64) - started, frames)
     return COMPLETE if over else CONTINUE
 
 

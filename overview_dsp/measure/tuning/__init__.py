@@ -1,4 +1,4 @@
-"""Presets tuned by search: kinds ordered by strength, or just told apart."""
+"""Presets tuned by search: kinds ordered by strength, or just made distinguishable."""
 
 from overview_dsp.measure.tuning.moves import Tuned
 from overview_dsp.measure.tuning.ordering import tuned

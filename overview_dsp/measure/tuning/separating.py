@@ -122,7 +122,7 @@ def _searched(
         share = lacking.sum(axis=0) + lacking.sum(axis=1)
         which = np.array([rng.choice(len(names), p=share / share.sum())])
         if rng.random() < TOGETHER:
-            # the others make room
+            # the others give way
             which = np.arange(len(names))
         tried = best.copy()
         move = rng.choice([1.0, 0.3]) * rng.normal(0.0, SPREAD)

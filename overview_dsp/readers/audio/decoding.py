@@ -1,4 +1,4 @@
-"""A sound file as blocks of samples, by libsndfile; what it can't tell becomes one clear line."""
+"""A sound file as blocks of samples, by libsndfile; what it can't read becomes one clear line."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class Recording:
 
 
 def sounds(source: Source) -> bool:
-    """Tell whether the file is a recording, one that can be read or one to convert first."""
+    """Return whether the file is a recording, one that can be read or one to convert first."""
     if _other_format(source) or any(_at(source, mark, offset) for mark, offset in _SOUND):
         return True
     if source.head_text is not None:

@@ -133,7 +133,7 @@ class StepMeter:
         if not (samples.max() <= MAX_SAMPLE and samples.min() >= -MAX_SAMPLE):
             bad = np.asarray(~(np.abs(samples) <= MAX_SAMPLE).all(axis=1), np.bool_)
             samples[bad] = 0.0
-        self._note_missing(bad, frames)
+        self._record_missing(bad, frames)
         weighted, self._state = sosfilt(self._filter, samples, axis=0, zi=self._state)
         np.square(weighted, out=weighted)
         # of one channel, a product a row costs as much as half the filter
@@ -163,7 +163,7 @@ class StepMeter:
             self._lost,
         )
 
-    def _note_missing(self, bad: NDArray[np.bool_] | None, frames: int) -> None:
+    def _record_missing(self, bad: NDArray[np.bool_] | None, frames: int) -> None:
         if bad is None or not bad[0]:
             self._end_run(self._frames)
         if bad is None:

@@ -1,4 +1,4 @@
-"""MPEG audio without a tag (MP3, MP2): told by two frames that follow each other.
+"""MPEG audio without a tag (MP3, MP2): detected by two frames that follow each other.
 
 ISO/IEC 11172-3 and 13818-3: a frame's header gives its length.
 """
@@ -39,7 +39,7 @@ def frame_bytes(header: bytes) -> int | None:
 
 
 def begins_with_frames(head: bytes) -> bool:
-    """Tell whether a file begins with two frames of one kind."""
+    """Return whether a file begins with two frames of one kind."""
     length = frame_bytes(head[:4])
     if length is None:
         return False

@@ -44,7 +44,7 @@ _MEANINGS = {
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is a recording, also one that has to be converted first."""
+    """Return whether the file is a recording, also one that has to be converted first."""
     return sounds(source)
 
 
@@ -75,7 +75,7 @@ def _measured(recording: Recording, options: LoadOptions) -> Steps:
     for block in recording.blocks(min(meter.block_frames, recording.frames)):
         meter.feed(block)
         done += len(block)
-        options.tell(done / recording.frames)
+        options.report_progress(done / recording.frames)
     return meter.finish()
 
 

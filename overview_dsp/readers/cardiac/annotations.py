@@ -63,7 +63,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
         samples = np.asarray(found.sample, dtype=np.int64)
         symbols = [str(symbol) for symbol in found.symbol]
         words = [str(note or "").strip("\0 ") for note in found.aux_note]
-    # what a decoder raises on broken data is not told in advance
+    # what a decoder raises on broken data is not documented
     except Exception as error:
         reason = str(error) or type(error).__name__
         raise InputError(
@@ -104,7 +104,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
             np.array(ordered, np.float64),
             tuple(beats[at][0] for at in ordered),
             tuple(beats[at][1] for at in ordered),
-            told=True,
+            annotated=True,
         ),
         tuple(list(others.values())[:MAX_OTHERS]),
         tuple(notes),

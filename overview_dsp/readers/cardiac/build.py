@@ -44,7 +44,7 @@ def check_map(options: LoadOptions) -> None:
 def detected(detection: Detection, rate: float) -> Beats:
     """Return the beats a search found."""
     count = len(detection.beats)
-    return Beats(detection.beats / rate, (NORMAL,) * count, ("",) * count, told=False)
+    return Beats(detection.beats / rate, (NORMAL,) * count, ("",) * count, annotated=False)
 
 
 def in_seconds(silent: Spans, rate: float, duration_s: float) -> Gaps:

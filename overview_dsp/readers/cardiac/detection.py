@@ -82,7 +82,7 @@ class Detection:
 
 
 def find_beats(
-    signal: Signal, what: str | None = None, tell: Callable[[float], None] = lambda part: None
+    signal: Signal, what: str | None = None, progress: Callable[[float], None] = lambda part: None
 ) -> Detection:
     """Search a signal block by block.
 
@@ -91,8 +91,8 @@ def find_beats(
     signal
         Of `MIN_RATE` or more.
     what
-        `ECG` or `pulse wave`; None = told by its spectrum.
-    tell
+        `ECG` or `pulse wave`; None = detected from its spectrum.
+    progress
         Called with the part done, 0 to 1.
 
     Raises
@@ -120,12 +120,12 @@ def find_beats(
             for beat in (search(part * turned, signal.rate) + low + begin).tolist():
                 if first <= beat < end and (not found or beat - found[-1] >= near):
                     found.append(beat)
-        tell(end / signal.length)
+        progress(end / signal.length)
     return Detection(np.array(found, np.int64), finder.finish(), finder.lost, what or "ECG")
 
 
 def silent_parts(
-    signal: Signal, tell: Callable[[float], None] = lambda part: None
+    signal: Signal, progress: Callable[[float], None] = lambda part: None
 ) -> tuple[Spans, int]:
     """Return the stretches without signal, and how many samples are missing outside of them."""
     finder = SilenceFinder(signal.rate)
@@ -133,7 +133,7 @@ def silent_parts(
     for first in range(0, signal.length, block):
         end = min(first + block, signal.length)
         finder.feed(signal.read(first, end))
-        tell(end / signal.length)
+        progress(end / signal.length)
     return finder.finish(), finder.lost
 
 
@@ -152,8 +152,8 @@ def _bridged(part: NDArray[np.float64]) -> NDArray[np.float64]:
     known = np.isfinite(part)
     if known.all():
         return part
-    places = np.arange(len(part))
-    return np.interp(places, places[known], part[known])
+    positions = np.arange(len(part))
+    return np.interp(positions, positions[known], part[known])
 
 
 def _is_ecg(part: NDArray[np.float64], rate: float) -> bool:
@@ -181,7 +181,7 @@ def _band_passed(
 
 
 def _qrs(part: NDArray[np.float64], rate: float) -> Indices:
-    """Return the R waves' places."""
+    """Return the R waves' positions."""
     from scipy.signal import resample_poly
 
     heartbeats = needed("sleepecg.heartbeats", "finding beats in an ECG")
@@ -195,14 +195,14 @@ def _qrs(part: NDArray[np.float64], rate: float) -> Indices:
     return _verified(np.asarray(found, np.int64) // times - mirrored, part, rate)
 
 
-def _verified(places: Indices, part: NDArray[np.float64], rate: float) -> Indices:
+def _verified(positions: Indices, part: NDArray[np.float64], rate: float) -> Indices:
     """Return the beats that are as high as those around them, and those missed in pauses."""
-    found = places[(places >= 0) & (places < len(part))]
+    found = positions[(positions >= 0) & (positions < len(part))]
     if not len(found):
         return found
     # up or down: a beat from elsewhere may point the other way
     height = np.abs(_band_passed(part, rate, 5.0, min(30.0, 0.45 * rate)))
-    reach = round(0.05 * rate)  # the detector's place is that of its own filter
+    reach = round(0.05 * rate)  # the detector's position is that of its own filter
 
     def heights(at: Indices) -> NDArray[np.float64]:
         return np.array([height[max(0, i - reach) : i + reach + 1].max() for i in at])
@@ -242,7 +242,7 @@ def _around(values: NDArray[np.float64], percentile: float) -> NDArray[np.float6
 
 
 def _pulses(part: NDArray[np.float64], rate: float) -> Indices:
-    """Return the systolic peaks' places.
+    """Return the systolic peaks' positions.
 
     Elgendi et al., "Systolic peak detection in acceleration photoplethysmograms", PLoS ONE 8(10),
     2013: where the squared signal's mean over a peak (111 ms) exceeds that over a beat (667 ms).
@@ -253,9 +253,9 @@ def _pulses(part: NDArray[np.float64], rate: float) -> Indices:
     over_peak = np.convolve(power, peak / len(peak), "same")[: len(power)]
     over_beat = np.convolve(power, beat / len(beat), "same")[: len(power)]
     above = over_peak > over_beat + 0.02 * power.mean()
-    places = [
+    positions = [
         first + int(np.argmax(band[first:end]))
         for first, end in runs(above)
         if end - first >= 0.111 * rate
     ]
-    return np.array(places, np.int64)
+    return np.array(positions, np.int64)

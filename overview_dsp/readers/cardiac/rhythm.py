@@ -51,14 +51,15 @@ class Beats:
         Strictly ascending.
     kind, label : tuples (n,)
         What each is, for a preset and for a person.
-    told
-        Whether somebody said what each beat is; if not, prematurity is told by the intervals.
+    annotated
+        Whether the source says what each beat is; if not, prematurity is inferred from the
+        intervals.
     """
 
     time_s: NDArray[np.float64]
     kind: tuple[str, ...]
     label: tuple[str, ...]
-    told: bool
+    annotated: bool
 
 
 def heart_rate(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
@@ -124,7 +125,7 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
         ratio = float(part_of_usual[i])
         kind, label = beats.kind[i], beats.label[i]
         early = 1.0 - ratio if math.isfinite(ratio) else 0.0
-        if not beats.told and early > 1.0 - PREMATURE_BELOW and _is_early(part_of_usual, i):
+        if not beats.annotated and early > 1.0 - PREMATURE_BELOW and _is_early(part_of_usual, i):
             kind, label = beat_kinds.PREMATURE, "premature"
         if kind in beat_kinds.ORDINARY:
             ordinary.append(Event(at, kind, label))
@@ -162,7 +163,7 @@ def _limited(ordinary: list[Event], others: list[Event]) -> tuple[list[Event], t
 
 
 def _is_early(part_of_usual: NDArray[np.float64], i: int) -> bool:
-    """Tell a premature beat from those of a run of quick ones: a longer pause follows it."""
+    """Distinguish a premature beat from those of a run of quick ones: a longer pause follows it."""
     return i + 1 >= len(part_of_usual) or not part_of_usual[i + 1] < 0.9
 
 

@@ -76,7 +76,7 @@ class Samples:
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is a table of samples of a heart, by the rate given or its columns."""
+    """Return whether the file is a table of heart samples, by the rate given or its columns."""
     layout = _layout_of(source)
     if layout is None or not any(layout.numeric):
         return False
@@ -112,7 +112,12 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         time = _time_column(layout, options)
         value = _value_column(layout, options, time)
         values, times, start = read_columns(
-            source, layout, value, time, options.max_mb, lambda part: options.tell(part / 2.0)
+            source,
+            layout,
+            value,
+            time,
+            options.max_mb,
+            lambda part: options.report_progress(part / 2.0),
         )
         notes: tuple[str, ...] = ()
         if times is not None:
@@ -131,7 +136,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
                 f"{rate:.6g} samples a second; a heart's signal has {MIN_RATE:g} to {MAX_RATE:g}"
             )
         signal = Samples(layout.names[value], rate, values)
-        detection = find_beats(signal, None, lambda part: options.tell(0.5 + part / 2.0))
+        detection = find_beats(signal, None, lambda part: options.report_progress(0.5 + part / 2.0))
         duration_s = len(values) / rate
         if detection.lost:
             notes = (*notes, f"{detection.lost} single samples are missing")
@@ -366,12 +371,12 @@ def fields_of(line: str, delimiter: str | None) -> list[str]:
 
 
 def is_row(line: str) -> bool:
-    """Tell a row from a blank line or a comment."""
+    """Return whether a line is a row, neither blank nor a comment."""
     return bool(line.strip()) and not line.lstrip().startswith(COMMENTS)
 
 
 def is_moment(entry: str) -> bool:
-    """Tell whether a field is a clock time or a date."""
+    """Return whether a field is a clock time or a date."""
     return moment_of(entry) is not None
 
 
@@ -390,7 +395,7 @@ def moment_of(entry: str) -> float | datetime | None:
 
 
 def is_number(entry: str, decimal_comma: bool = False) -> bool:
-    """Tell whether a field is a number."""
+    """Return whether a field is a number."""
     return _NUMBER.fullmatch(entry.replace(",", ".") if decimal_comma else entry) is not None
 
 
@@ -459,7 +464,7 @@ def read_columns(
     value: int,
     time: int | None,
     max_mb: float | None,
-    tell: Callable[[float], None],
+    progress: Callable[[float], None],
 ) -> Columns:
     """Read a column of values and one of times.
 
@@ -499,7 +504,7 @@ def read_columns(
             count += len(rows)
             if count > MAX_ROWS:
                 raise InputError(f"more than {MAX_ROWS} rows; cut the file into parts")
-            tell(done)
+            progress(done)
     except UnicodeDecodeError as error:
         raise InputError(
             f"isn't {error.encoding} text ({error.reason}); save it as UTF-8"

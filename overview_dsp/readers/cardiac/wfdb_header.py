@@ -124,7 +124,7 @@ class Header:
 
 
 def looks_like_header(text: str) -> bool:
-    """Tell whether text begins as a header: a record line and a line for its first signal."""
+    """Return whether text begins as a header: a record line and a line for its first signal."""
     lines = [line.strip() for line in text.splitlines()[:200]]
     lines = [line for line in lines if line and not line.startswith("#")]
     record = _RECORD.fullmatch(lines[0]) if lines else None

@@ -31,7 +31,7 @@ _ANNOTATIONS = ".atr"
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is a WFDB header, or binary data with its record's header beside it."""
+    """Return whether the file is a WFDB header, or binary data with its header beside it."""
     if source.head_text is not None and not source.looks_like_json:
         # a header lists its own record; a note that happens to begin likewise has another name
         return looks_like_header(source.head_text)
@@ -80,20 +80,20 @@ def _timeline(
     notes: tuple[str, ...],
     options: LoadOptions,
 ) -> Timeline:
-    told = said is not None and len(said.beats.time_s) > 0
+    annotated = said is not None and len(said.beats.time_s) > 0
     gaps: Gaps = ()
     beats = said.beats if said is not None else None
     source = f"{noted}: its beats and kinds"
     if signal is None:
-        if not told or beats is None:
+        if not annotated or beats is None:
             raise InputError("the record has neither signals nor annotated beats")
         duration_s = duration_s or float(beats.time_s[-1])
     else:
         assert duration_s is not None  # of the signal
-        if told:
-            silent, lost = silent_parts(signal, options.tell)
+        if annotated:
+            silent, lost = silent_parts(signal, options.report_progress)
         else:
-            detection = find_beats(signal, None, options.tell)
+            detection = find_beats(signal, None, options.report_progress)
             silent, lost = detection.silent, detection.lost
             beats = detected(detection, signal.rate)
             source = f"beats found in {signal.name} ({detection.what})"

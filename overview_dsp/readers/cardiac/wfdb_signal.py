@@ -101,7 +101,7 @@ class RecordSignal:
                 **span,
             )
             return np.asarray(record.e_p_signal[0], dtype=np.float64)
-        # what a decoder raises on broken data is not told in advance
+        # what a decoder raises on broken data is not documented
         except Exception as error:
             reason = str(error) or type(error).__name__
             raise InputError(
@@ -246,7 +246,7 @@ def _chosen(names: list[str], wanted: str | None, where: str) -> int:
 
 
 def best_signal(names: list[str]) -> int:
-    """Return which of the signals shows beats best, by their names; the first if none tells."""
+    """Return which of the signals shows beats best, by their names; the first if none does."""
     for name in _PREFERRED:
         if name in names:
             return names.index(name)

@@ -1,1 +1,1 @@
-"""Football matches from other people's files: one reader a format, one way to tell the story."""
+"""Football matches from other people's files: one reader a format, one way to score and label."""

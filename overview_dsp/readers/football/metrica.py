@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS, STARTS
-from overview_dsp.readers.football.story import Happening, Told
+from overview_dsp.readers.football.story import Happening, MatchEvents
 from overview_dsp.readers.football.table import header_of, rows
 from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.source import LoadOptions, Source
@@ -62,7 +62,7 @@ class _Row:
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is a table with the columns of Metrica's raw events."""
+    """Return whether the file is a table with the columns of Metrica's raw events."""
     if source.head_text is None or source.looks_like_json:
         return False
     found = header_of(source.head_text)
@@ -130,7 +130,7 @@ def decode(text: str, default_title: str = "") -> Timeline:
         raise InputError("no time passes: every action is at 0 s; is the file complete?")
     periods = [(begin_s, START_LABELS[period]) for period, begin_s in begins.items()]
     periods.append((end_s, "full time" if len(begins) > 1 else "end"))
-    return Told(teams, happenings, periods, end_s).timeline(
+    return MatchEvents(teams, happenings, periods, end_s).timeline(
         PROVENANCE, notes, default_title=default_title, details=touches(others)
     )
 

@@ -20,7 +20,7 @@ what is none of them (substitutions, corners, passes) is left out and counted in
 - A list of bare minutes doesn't say whether its first minute is called 0 or 1: an event is placed
   at its minute times 60 s, within 60 s of the truth either way. A list of goals (a column of
   scorers and no column of types) counts from 1: a goal is placed in the middle of its minute.
-- Halves last as `minutes.py` says; rows such as `47:30,half-time` tell their ends.
+- Halves last as `minutes.py` says; rows such as `47:30,half-time` give their ends.
 - In a list of goals, `team` is the one that gets the score. In a list of types an own goal's team
   is that of its player, and the score goes to the other (noted).
 - Rows of several matches (by date, home and away team, or a number of the match) need `match`.
@@ -45,7 +45,7 @@ from overview_dsp.readers.football.minutes import (
     parse_minute,
 )
 from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import GOALS, Happening, Told, team_index
+from overview_dsp.readers.football.story import GOALS, Happening, MatchEvents, team_index
 from overview_dsp.readers.football.table import MAX_COLUMNS, header_of, rows
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.timeline import checks
@@ -105,7 +105,7 @@ PROVENANCE_MINUTES = (
 PROVENANCE_SECONDS = "events: a CSV list with minutes and seconds of the match clock"
 
 STOPPAGE_NOTE = (
-    "the list doesn't tell the length of stoppage time: a half lasts 45 minutes here, or until its "
+    "the list doesn't give the length of stoppage time: a half lasts 45 minutes here, or until its "
     "last listed minute of stoppage time"
 )
 
@@ -156,7 +156,7 @@ class _Row:
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is a table with minutes and with kinds of events or scorers."""
+    """Return whether the file is a table with minutes and with kinds of events or scorers."""
     if source.head_text is None or source.looks_like_json:
         return False
     found = header_of(source.head_text)
@@ -223,7 +223,7 @@ class _Match:
         self.notes: list[str] = []
 
     def timeline(self, default_title: str) -> Timeline:
-        told: list[tuple[_Row, Minute, str, str]] = []
+        entries: list[tuple[_Row, Minute, str, str]] = []
         ends: dict[int, Minute] = {}
         left_out: dict[str, int] = {}
         kicks = 0
@@ -250,20 +250,25 @@ class _Match:
                 if period not in ends or minute.on_clock > ends[period].on_clock:
                     ends[period] = minute
             elif kind != "period":
-                told.append((row, minute, kind, detail))
-        if not told and not ends:
+                entries.append((row, minute, kind, detail))
+        if not entries and not ends:
             raise InputError(
                 "no goal, card, foul or near miss in it; name them in a column such as type"
             )
-        exact = not self.goals_only and any(minute.seconds is not None for _, minute, _, _ in told)
+        exact = not self.goals_only and any(
+            minute.seconds is not None for _, minute, _, _ in entries
+        )
         clock = Clock.laid(
-            [minute for _, minute, _, _ in told],
-            extra_time=any(m.base > 90 for _, m, _, _ in told) or None if self.goals_only else None,
+            [minute for _, minute, _, _ in entries],
+            extra_time=any(m.base > 90 for _, m, _, _ in entries) or None
+            if self.goals_only
+            else None,
             back_s=_MIDDLE_S if self.goals_only else 0.0,
             ends=ends,
         )
         happenings = [
-            self._happening(row, clock, minute, kind, detail) for row, minute, kind, detail in told
+            self._happening(row, clock, minute, kind, detail)
+            for row, minute, kind, detail in entries
         ]
         if set(clock.lengths_s) - set(ends):
             self.notes.append(STOPPAGE_NOTE)
@@ -274,7 +279,7 @@ class _Match:
             words = ", ".join(f"{count} {checks.shown(name)[1:-1]}" for name, count in most[:6])
             more = ", ..." if len(most) > 6 else ""
             self.notes.append(f"left out, no football kind: {words}{more}")
-        if not self.goals_only and any(kind == "own_goal" for _, _, kind, _ in told):
+        if not self.goals_only and any(kind == "own_goal" for _, _, kind, _ in entries):
             self.notes.append(
                 "own goals: the team listed is taken as the player's, the score goes to the other"
             )
@@ -286,7 +291,7 @@ class _Match:
             if exact
             else PROVENANCE_MINUTES
         )
-        return Told(self.teams, happenings, clock.periods(), clock.duration_s).timeline(
+        return MatchEvents(self.teams, happenings, clock.periods(), clock.duration_s).timeline(
             provenance, self.notes, default_title=default_title, about=[first.get("date")]
         )
 
@@ -344,13 +349,13 @@ def _rows(text: str) -> list[_Row]:
     for line, fields in rows(text):
         if columns is None:
             columns = _columns(list(fields))
-        told = {what: fields[names[0]] for what, names in columns.items()}
+        values = {what: fields[names[0]] for what, names in columns.items()}
         details = " ".join(
             words_of(fields[name])
             for name in columns.get("details", [])
             if fields[name] and fields[name].lower() not in _NONE
         )
-        listed.append(_Row(f"line {line}", told, details))
+        listed.append(_Row(f"line {line}", values, details))
     if not listed:
         raise InputError("no rows below the header; add one for each event")
     return listed
@@ -373,7 +378,7 @@ def _columns(header: Sequence[str]) -> dict[str, list[str]]:
 
 
 def _grouped(listed: Sequence[_Row]) -> dict[tuple[str, str, str, str], list[_Row]]:
-    """Return the rows by the match they tell, in order of first appearance."""
+    """Return the rows by the match they describe, in order of first appearance."""
     grouped: dict[tuple[str, str, str, str], list[_Row]] = {}
     for row in listed:
         grouped.setdefault(row.match, []).append(row)
@@ -451,7 +456,7 @@ def _ended(minute: Minute, kind: str) -> int:
 
 
 def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bool:
-    """Tell whether an early row has a minute and, in words, a football kind."""
+    """Return whether an early row has a minute and, in words, a football kind."""
     whole = head[: head.rfind("\n") + 1] or head
     try:
         for _, fields in itertools.islice(rows(whole), _SNIFFED):

@@ -1,7 +1,7 @@
 """Minutes as football counts them (`38`, `90+3`), onto a timeline of periods laid end to end.
 
 A list of minutes doesn't say how long stoppage time was. A half lasts its 45 minutes (15 in extra
-time) or until its last listed minute of stoppage time, whichever is longer, unless the list tells
+time) or until its last listed minute of stoppage time, whichever is longer, unless the list gives
 its end; the next one follows. So `45+2` and `46` are two minutes, not two moments of one.
 """
 
@@ -46,10 +46,10 @@ class Minute:
     base, added
         `90+3` is 90 and 3; `added` is None without a plus.
     seconds
-        Into the minute that begins at `base` (+ `added`), where the list tells seconds; then
+        Into the minute that begins at `base` (+ `added`), where the list gives seconds; then
         minutes count from 0, else they are a minute's number or its beginning, as a list has it.
     period
-        1 to 5 where the list tells it.
+        1 to 5 where the list gives it.
     """
 
     base: int
@@ -134,12 +134,12 @@ class Clock:
         minutes
             Of all its events.
         extra_time
-            Whether the match had it; None = told by the minutes: one above 105 without a plus, a
+            Whether the match had it; None = by the minutes: one above 105 without a plus, a
             period 3 or 4, or, in a list that writes stoppage time with a plus, one above 90.
         back_s
             As `Clock`.
         ends
-            When periods ended, where the list tells; a bare minute is its middle.
+            When periods ended, where the list gives them; a bare minute is its middle.
         """
         listed = [minute for minute in minutes if minute.period != SHOOT_OUT]
         ends = ends or {}
@@ -201,8 +201,8 @@ class Clock:
 
     def periods(self) -> list[tuple[float, str]]:
         """Return (time_s, label) of kick-off, each boundary once, and the end."""
-        told = [(begin_s, START_LABELS[period]) for period, begin_s in self.begins_s.items()]
-        return [*told, (self.duration_s, "full time")]
+        starts = [(begin_s, START_LABELS[period]) for period, begin_s in self.begins_s.items()]
+        return [*starts, (self.duration_s, "full time")]
 
     def _into(self, minute: Minute, period: int) -> float:
         start = 0 if self.restarts else STARTS[period]
@@ -210,6 +210,6 @@ class Clock:
 
 
 def _restarts(minutes: Sequence[Minute]) -> bool:
-    """Tell whether later periods count from 0: none of their minutes reaches their start."""
+    """Return whether later periods count from 0: none of their minutes reaches their start."""
     later = [m for m in minutes if m.period in (2, 3, 4)]
     return bool(later) and all(m.base < STARTS[m.period or 1] for m in later)

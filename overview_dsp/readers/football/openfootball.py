@@ -25,7 +25,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.football.choosing import choose
 from overview_dsp.readers.football.minutes import Clock, Minute, check_minute, parse_minute
 from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import Happening, Told
+from overview_dsp.readers.football.story import Happening, MatchEvents
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
@@ -36,7 +36,7 @@ PROVENANCE = (
 )
 
 STOPPAGE_NOTE = (
-    "the file doesn't tell the length of stoppage time: a half lasts 45 minutes here, or until its "
+    "the file doesn't give the length of stoppage time: a half lasts 45 minutes here, or until its "
     "last goal in stoppage time"
 )
 
@@ -95,7 +95,7 @@ class _Match:
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is a JSON object whose `matches` (or `rounds`) name team1 and team2."""
+    """Return whether the file is JSON whose `matches` (or `rounds`) name team1 and team2."""
     if not source.looks_like_json or '"team1"' not in source.text:
         return False
     if not isinstance(source.json, dict):
@@ -181,11 +181,11 @@ def _timeline(match: _Match, competition: str, default_title: str) -> Timeline:
             f"{match.team(2)} {shoot_out[1]}"
         )
     teams = [match.team(1), match.team(2)]
-    told = Told(teams if all(teams) else [], happenings, clock.periods(), clock.duration_s)
+    events = MatchEvents(teams if all(teams) else [], happenings, clock.periods(), clock.duration_s)
     about = [competition, match.round, match.date]
     if final is not None and final_counted is None:
         about = [f"final score {final[0]}-{final[1]}", *about]
-    return told.timeline(
+    return events.timeline(
         PROVENANCE, notes, default_title=default_title, about=about, final=final_counted
     )
 
@@ -205,16 +205,16 @@ def _goals(match: _Match, team: int) -> Iterator[tuple[Minute, dict[str, object]
 
 
 def _minute(entry: dict[str, object], place: str) -> Minute:
-    told = entry.get("minute")
+    given = entry.get("minute")
     offset = entry.get("offset")
-    if isinstance(told, str):
-        minute = parse_minute(told, f"{place}.minute")
-    elif isinstance(told, bool) or not isinstance(told, int):
+    if isinstance(given, str):
+        minute = parse_minute(given, f"{place}.minute")
+    elif isinstance(given, bool) or not isinstance(given, int):
         raise InputError(
-            f"{place}.minute is {checks.shown(told)}; minutes are whole numbers, such as 38 or 90"
+            f"{place}.minute is {checks.shown(given)}; minutes are whole numbers, such as 38 or 90"
         )
     else:
-        minute = Minute(told)
+        minute = Minute(given)
     if offset is not None and offset != 0:
         if isinstance(offset, str) and offset.strip().isascii() and offset.strip().isdigit():
             offset = int(offset.strip()[:18])

@@ -32,7 +32,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.readers.football.names import short_name
 from overview_dsp.readers.football.statsbomb_record import SHOOT_OUT, Record
-from overview_dsp.readers.football.statsbomb_touches import told
+from overview_dsp.readers.football.statsbomb_touches import touch_records
 from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.timeline import checks
@@ -60,7 +60,7 @@ _SNIFFED = 50
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is a JSON list with period, timestamp and type in an early entry."""
+    """Return whether the file is a JSON list with period, timestamp and type in an early entry."""
     if not source.looks_like_json or not isinstance(source.json, list):
         return False
     return any(
@@ -141,7 +141,7 @@ class _Match:
             intensity=intensity,
             provenance="; ".join(part for part in (PROVENANCE, derived) if part),
             notes=(*self.notes, *notes),
-            details=touches(told(self.played, event_records, self._moment_s)),
+            details=touches(touch_records(self.played, event_records, self._moment_s)),
         )
 
     def _lay_end_to_end(self) -> tuple[dict[int, int], int]:

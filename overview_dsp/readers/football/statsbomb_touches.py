@@ -28,7 +28,7 @@ TOUCHES = {
 }
 
 
-def told(
+def touch_records(
     records: Iterable[Record], happened: Collection[int], time_of: Callable[[Record], float]
 ) -> Iterator[tuple[float, str, str]]:
     """Yield (time_s, what, who) of the records that are touches or shots.

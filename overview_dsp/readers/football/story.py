@@ -51,8 +51,8 @@ class Happening:
 
 
 @dataclass(frozen=True)
-class Told:
-    """A match as told by its source, ready to be counted.
+class MatchEvents:
+    """A match as its source lists it, ready to be counted.
 
     Parameters
     ----------
@@ -144,19 +144,19 @@ class Told:
     def _label(self, happening: Happening, score: Sequence[int] | None) -> str:
         who, detail = happening.who, happening.detail
         if happening.kind in GOALS:
-            told = f"{score[0]}-{score[1]}" if score is not None else ""
+            label = f"{score[0]}-{score[1]}" if score is not None else ""
             if happening.kind == "own_goal":
-                told = f"{told} own goal".lstrip()
-                told = f"{told}, {who}" if who else told
+                label = f"{label} own goal".lstrip()
+                label = f"{label}, {who}" if who else label
             else:
-                told = f"{told} {who}".strip()
-                told = f"{told} ({detail})".lstrip() if detail else told
+                label = f"{label} {who}".strip()
+                label = f"{label} ({detail})".lstrip() if detail else label
         else:
             known = happening.team is not None and happening.team < len(self.teams)
             team = self.teams[happening.team or 0] if known else ""
-            told = f"{who} ({team})" if who and team else who or team
-            told = ", ".join(part for part in (told, detail) if part)
-        return f"{told} {happening.minute}".strip()
+            label = f"{who} ({team})" if who and team else who or team
+            label = ", ".join(part for part in (label, detail) if part)
+        return f"{label} {happening.minute}".strip()
 
 
 def team_index(name: str, teams: Sequence[str], place: str) -> int | None:

@@ -11,13 +11,13 @@ from collections.abc import Iterable
 from overview_dsp.timeline.event import Event
 
 SHOT_WEIGHT = 1.5
-"""Against 1 of a touch: of two too close to be told apart, the shot is shown."""
+"""Against 1 of a touch: of two too close to be distinguished, the shot is shown."""
 
 
-def touches(told: Iterable[tuple[float, str, str]]) -> tuple[Event, ...]:
+def touches(records: Iterable[tuple[float, str, str]]) -> tuple[Event, ...]:
     """Return the details of a match from (time_s, what, who): what is `shot`, `pass`, `duel` ..."""
     found: dict[tuple[float, str, str], Event] = {}
-    for time_s, what, who in told:
+    for time_s, what, who in records:
         kind = "shot" if what == "shot" else "touch"
         event = Event(
             time_s, kind, f"{what} {who}".rstrip(), SHOT_WEIGHT if kind == "shot" else 1.0

@@ -5,7 +5,7 @@ words) and the interface's object (`{"events": [...], "teams": {...}, "players":
 `eventName` is the number). Periods (1H, 2H, E1, E2) restart at 0 and are laid end to end, each as
 long as its last event; P, a shoot-out, is left out and noted. Times are exact.
 
-Tags tell what happened:
+Tags say what happened:
 
 - `goal`: 101 on any event but a keeper's save attempt (9), which carries the tag of the goal it
   didn't prevent; `(pen)` for a penalty (35).
@@ -30,7 +30,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.football.choosing import choose
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import GOALS, Happening, Told
+from overview_dsp.readers.football.story import GOALS, Happening, MatchEvents
 from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.football.wyscout_matches import Companion, companions
 from overview_dsp.readers.source import LoadOptions, Source
@@ -118,7 +118,7 @@ class _Event:
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is JSON with Wyscout's matchPeriod and eventSec in an early event."""
+    """Return whether the file is JSON with Wyscout's matchPeriod and eventSec in an early event."""
     if not source.looks_like_json or '"matchPeriod"' not in source.text:
         return False
     return any(
@@ -219,7 +219,7 @@ def _timeline(
         notes.append(f"the shoot-out is left out: {len(kicks)} kicks; scored: {tally}")
     periods = [(begin_s, START_LABELS[period]) for period, begin_s in begins.items()]
     periods.append((end_s, "full time" if len(begins) > 1 else "end"))
-    return Told(names, happenings, periods, end_s).timeline(
+    return MatchEvents(names, happenings, periods, end_s).timeline(
         PROVENANCE,
         notes,
         default_title=default_title,
@@ -231,27 +231,27 @@ def _timeline(
 
 def _happened(event: _Event) -> list[tuple[str, bool, str]]:
     """Return (kind, whether the other team gets the score, detail) of what happens in an event."""
-    told: list[tuple[str, bool, str]] = []
+    found: list[tuple[str, bool, str]] = []
     tags = event.tags
     if event.event == _FOUL:
-        told.append(("foul", False, ""))
+        found.append(("foul", False, ""))
     for tag, (kind, detail) in _CARDS.items():
         # a second yellow may be tagged as a yellow and a red card too
         if tag in tags and (tag == 1703 or 1703 not in tags):
-            told.append((kind, False, detail))
+            found.append((kind, False, detail))
     if _OWN_GOAL in tags:
-        told.append(("own_goal", True, ""))
+        found.append(("own_goal", True, ""))
     elif _GOAL in tags and event.event != _SAVE:
-        told.append(("goal", False, "pen" if event.sub_event == _PENALTY else ""))
+        found.append(("goal", False, "pen" if event.sub_event == _PENALTY else ""))
     elif _is_attempt(event):
         if tags & _POST:
-            told.append(("near_miss", False, "on the post"))
+            found.append(("near_miss", False, "on the post"))
         elif _BLOCKED not in tags and (tags & _FRAME or _ACCURATE in tags):
             penalty = "penalty " if event.sub_event == _PENALTY else ""
-            told.append(("near_miss", False, f"{penalty}saved"))
+            found.append(("near_miss", False, f"{penalty}saved"))
         elif event.sub_event == _PENALTY:
-            told.append(("near_miss", False, "penalty missed"))
-    return told
+            found.append(("near_miss", False, "penalty missed"))
+    return found
 
 
 def _is_attempt(event: _Event) -> bool:

@@ -34,7 +34,7 @@ class Companion:
     teams
         Names by id, the home team first; "" where the label names none.
     score
-        Goals of the two, extra time included, a shoot-out not; None where it isn't told.
+        Goals of the two, extra time included, a shoot-out not; None where it isn't given.
     date
         `2017-09-23`, or "".
     """
@@ -74,9 +74,9 @@ def companions(
             continue
         listed = document if isinstance(document, list) else [document]
         for raw in listed:
-            told = _companion(raw)
-            if told is not None and told[0] in ids:
-                found.setdefault(*told)
+            companion = _companion(raw)
+            if companion is not None and companion[0] in ids:
+                found.setdefault(*companion)
     return found, tuple(notes)
 
 

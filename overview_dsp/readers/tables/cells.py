@@ -4,7 +4,7 @@ Cells into float64, by one way of writing numbers for the whole file.
 
 Decimal point or comma, thousands in groups of three, a currency sign, a per cent sign or a unit
 after the number, K, M and B for thousand, million and milliard (10^9), brackets for less than zero.
-Which of point and comma is the decimal mark is told from cells in which only one can be.
+Which of point and comma is the decimal mark is detected from cells in which only one can be.
 
 Which cells say that there is no value.
 
@@ -54,7 +54,7 @@ class Style:
         return "," if self.decimal == "." else "."
 
 
-def told_style(cells: Iterable[Any]) -> Style | None:
+def detected_style(cells: Iterable[Any]) -> Style | None:
     """Return the style that some cell proves, None if none does.
 
     A cell proves a mark to be decimal if it has both marks (the last one), or just one, once, and
@@ -206,7 +206,7 @@ _MARKS = {".": "point", ",": "comma"}
 
 
 def is_number(cell: Any) -> bool:
-    """Tell whether a cell is a number in either style."""
+    """Return whether a cell is a number in either style."""
     if isinstance(cell, str):
         text = cell.strip()
         return parse(text, Style(".")) is not None or parse(text, Style(",")) is not None
@@ -214,7 +214,7 @@ def is_number(cell: Any) -> bool:
 
 
 def looks_numeric(cells: Iterable[Any]) -> bool:
-    """Tell whether a column's first cells are numbers, missing ones aside.
+    """Return whether a column's first cells are numbers, missing ones aside.
 
     One that isn't among two or more that are is a mistake, to be named when it is read.
     """
@@ -234,7 +234,7 @@ SENTINELS = (-99.0, -99.9, -99.99, -999.0, -999.9, -999.99, -9999.0, -9999.9, -9
 
 
 def is_missing(cell: Any) -> bool:
-    """Tell whether a cell holds no value: None, NaN, NaT or a word of `TOKENS`."""
+    """Return whether a cell holds no value: None, NaN, NaT or a word of `TOKENS`."""
     if cell is None:
         return True
     if isinstance(cell, str):

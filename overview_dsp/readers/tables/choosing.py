@@ -1,4 +1,4 @@
-"""Which columns of a table hold the times and the values: as asked, or told from them."""
+"""Which columns of a table hold the times and the values: as asked, or detected from them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.tables import share_splits
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, Table, as_list, column_named, listed
-from overview_dsp.readers.tables.time_column import Format, split_wish, told_format
+from overview_dsp.readers.tables.time_column import Format, detected_format, split_wish
 from overview_dsp.timeline import checks, written_times
 
 _DATE_NAMES = (
@@ -78,7 +78,7 @@ def choose_time(
             raise InputError(
                 f"no column {checks.shown(named)} for the times; columns are {listed(columns)}"
             )
-        form = Format(written) if written else told_format(columns[index], head[index])
+        form = Format(written) if written else detected_format(columns[index], head[index])
         if form is None:
             first = next((c for c in head[index] if not is_missing(c)), None)
             raise InputError(
@@ -124,7 +124,7 @@ def _best(columns: Sequence[Column], head: Sequence[list[Any]]) -> tuple[int, Fo
     """The first column of the best rank: named and dated, dated, named, first and rising."""
     ranked: list[tuple[int, int, Format]] = []
     for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
-        form = told_format(column, cells)
+        form = detected_format(column, cells)
         if form is None or (form.name != "year" and _is_constant(cells)):
             continue
         name = column.plain
@@ -276,7 +276,7 @@ def choose_value(
 
 
 def _is_constant(cells: list[Any], zero: bool = True) -> bool:
-    """Tell whether three or more cells are all the same: a station's number, a table's date."""
+    """Return whether three or more cells are all the same: a station's number, a table's date."""
     known = [cell for cell in cells if not is_missing(cell)]
     if len(known) < 3 or any(cell != known[0] for cell in known):
         return False
@@ -285,14 +285,14 @@ def _is_constant(cells: list[Any], zero: bool = True) -> bool:
 
 def _is_time_too(column: Column, cells: list[Any]) -> bool:
     """A second column of times isn't a value: `date` beside `unix`."""
-    form = told_format(column, cells)
+    form = detected_format(column, cells)
     name = column.plain
     named = name in _DATE_NAMES[1:8] or any(word in name for word in _DATE_WORDS)
     return form is not None and form.calendar and named and name != ""
 
 
 def _is_counter(column: Column, cells: list[Any]) -> bool:
-    """Tell whether a column counts rows."""
+    """Return whether a column counts rows."""
     if column.plain not in _COUNTER_NAMES:
         return False
     known = [_float(cell) for cell in cells]

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from overview_dsp.timeline.event import Event
 
 MOST_CROSSINGS = 16
-"""Most crossings: more would be a texture, not places."""
+"""Most crossings: more would be a texture, not positions."""
 
 _LEVELS = 3
 _HYSTERESIS = (0.03, 0.06, 0.12, 0.24)
@@ -53,7 +53,7 @@ class Crossing:
 
 
 def round_levels(low: float, high: float) -> list[float]:
-    """Return one to three round numbers strictly between two values; none where no room is."""
+    """Return one to three round numbers strictly between two values; none in a span too narrow."""
     span = high - low
     if not math.isfinite(span) or span <= 0.0 or span < 1e-9 * max(abs(low), abs(high)):
         return []

@@ -1,4 +1,4 @@
-"""Tables of several series below each other, told apart by a column (`symbol`, `station`)."""
+"""Tables of several series below each other, distinguished by a column (`symbol`, `station`)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from overview_dsp.readers.tables.table import (
 from overview_dsp.timeline import checks
 
 MAX_GROUPS = 5_000
-"""Most series a column may tell apart."""
+"""Most series a column may distinguish."""
 
 MAX_ROWS = 2_000_000
 """Rows that are looked at to find the column."""
@@ -97,7 +97,7 @@ def chosen_group(table: Table, wish: str) -> OneGroup:
 
 
 def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
-    """Refuse a table in which some column tells several series of equal times apart.
+    """Refuse a table in which some column distinguishes several series of equal times.
 
     Called for a table in which times repeat.
 
@@ -136,6 +136,6 @@ def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
     more = f" and {len(texts) - 6} more" if len(texts) > 6 else ""
     header = table.columns[column].header
     raise InputError(
-        f"column {checks.shown(header)} tells {len(texts)} series apart ({shown}{more}); choose "
+        f"column {checks.shown(header)} distinguishes {len(texts)} series ({shown}{more}); choose "
         f"one with match (--match), such as {checks.shown(texts[0])}"
     )

@@ -107,7 +107,7 @@ class Map:
         return (size, False) if found[2] is None else (size * _SPANS[found[2]], True)
 
     def in_per_cent(self, relative: bool) -> bool:
-        """Tell whether changes are per cent, `relative` unless asked otherwise."""
+        """Return whether changes are per cent, `relative` unless asked otherwise."""
         return {"percent": True, "difference": False}.get(self.argument, relative)
 
     def unit(self, unit: str, relative: bool) -> str:
@@ -229,7 +229,7 @@ def filled(value: NDArray[np.float64], wanted: NDArray[np.bool_]) -> NDArray[np.
 
 
 def grows_like_a_price(value: NDArray[np.float64], unit: str) -> bool:
-    """Tell whether per cent fit a series that isn't called a price.
+    """Return whether per cent fit a series that isn't called a price.
 
     All values above 0 and nine of ten steps smaller than 6 %; and money, or the largest at least 5
     times the smallest: it got there by growing, not by jumping about.

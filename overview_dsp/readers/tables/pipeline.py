@@ -105,7 +105,9 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
     if options.match is not None:
         table = chosen_group(table, options.match)
     plan = plan_of(table, options)
-    reader = RowReader(table, plan.time, plan.columns, plan.style, options.rate, options.tell)
+    reader = RowReader(
+        table, plan.time, plan.columns, plan.style, options.rate, options.report_progress
+    )
     rows = iter(reader)
     head = _up_to(rows, streamed.LONG_ROWS)
     if not head:
@@ -181,7 +183,7 @@ def _gap_note(found: Found) -> str:
     return f"{share}, {total:.6g} s in all, from the last value to the next ({found.gap_rule})"
 
 
-"""Rows that tell what columns hold."""
+"""Rows from which the columns' contents are detected."""
 
 
 """Most gaps: beyond, rows without a value are the rule."""
@@ -250,7 +252,7 @@ def look_at(plan: Plan, samples: Samples) -> Found:
 
 
 def _dates_only(samples: Samples) -> bool:
-    """Tell whether all samples are at midnight."""
+    """Return whether all samples are at midnight."""
     start = samples.start
     if start is None or (start.hour, start.minute, start.second) != (0, 0, 0):
         return False

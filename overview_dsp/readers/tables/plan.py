@@ -1,4 +1,4 @@
-"""What is read from a table, as asked for or told from its first rows; and what was found."""
+"""What is read from a table, as asked for or detected from its first rows; and what was found."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import LoadOptions
 from overview_dsp.readers.tables import share_splits
-from overview_dsp.readers.tables.cells import Style, told_style
+from overview_dsp.readers.tables.cells import Style, detected_style
 from overview_dsp.readers.tables.choosing import TimeChoice, choose_time, choose_value
 from overview_dsp.readers.tables.events import Series
 from overview_dsp.readers.tables.mapping import Map
@@ -36,7 +36,7 @@ class Plan:
         How the mapped column becomes friction.
     columns
         All columns that are read besides the times: the value first, then the mapped one if it is
-        another, then what tells share splits.
+        another, then what shows share splits.
     style
         How numbers are written.
     notes
@@ -100,15 +100,15 @@ def plan_of(table: Table, options: LoadOptions) -> Plan:
 
 
 def _style(table: Table, head: Sequence[list[object]], columns: Sequence[int]) -> Style:
-    """The way numbers are written: told by the columns that are read, else by any other."""
-    told = told_style(cell for i in columns for cell in head[i])
-    if told is None:
-        told = told_style(cell for cells in head for cell in cells)
-    if told is None and getattr(table, "separator", ",") not in (",", None):
-        # nothing tells 1,234 from 1.234: semicolons come from where a comma is the decimal mark
+    """The way numbers are written: detected from the columns that are read, else by any other."""
+    style = detected_style(cell for i in columns for cell in head[i])
+    if style is None:
+        style = detected_style(cell for cells in head for cell in cells)
+    if style is None and getattr(table, "separator", ",") not in (",", None):
+        # 1,234 or 1.234? semicolons come from where a comma is the decimal mark
         has_comma = any(isinstance(c, str) and "," in c for i in columns for c in head[i])
-        told = Style(",") if has_comma else None
-    return told or Style()
+        style = Style(",") if has_comma else None
+    return style or Style()
 
 
 MAX_GAPS = 200_000

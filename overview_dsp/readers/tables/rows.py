@@ -127,12 +127,12 @@ def _place(table: Table, chunk: Chunk, column: Column) -> Callable[[int], str]:
 
 
 def settled(table: Table, choice: TimeChoice) -> TimeChoice:
-    """Tell day from month where the head left it open, by the whole column.
+    """Distinguish day and month where the head left it open, by the whole column.
 
     Raises
     ------
     InputError
-        It can't be told; the line says how to give it.
+        They can't be distinguished; the line says how to give it.
     """
     if choice.format.name != "dmy or mdy":
         return choice
@@ -154,12 +154,12 @@ def settled(table: Table, choice: TimeChoice) -> TimeChoice:
     header = checks.shown(column.header)
     if not name:
         raise InputError(
-            f"column {header}: {checks.shown(example)} may be day/month or month/day, and no row "
-            f"tells; say which with time (--time): '{column.header}:dmy' or '{column.header}:mdy'"
+            f"column {header}: {checks.shown(example)} may be day/month or month/day, no row shows "
+            f"which; say it with time (--time): '{column.header}:dmy' or '{column.header}:mdy'"
         )
     words = Format(name).words
-    told = (
+    evidence = (
         f"{table.row_word} {row}" if row is not None else "the order of rows (only so do they rise)"
     )
-    note = f"column {header} is read as {words}, told by {told}"
+    note = f"column {header} is read as {words}, detected from {evidence}"
     return TimeChoice(choice.columns, Format(name, note), choice.joint, (*choice.notes, note))

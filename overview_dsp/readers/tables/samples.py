@@ -109,7 +109,7 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
         notes.append(f"times begin at {first:g} s; the timeline counts from there")
     time_s = seconds - first
     if (np.diff(time_s) <= 0.0).any():
-        raise InputError("times lie too close together to tell apart; count them from 0")
+        raise InputError("times lie too close together to be distinguished; count them from 0")
     units = tuple(number.unit or "" for number in reader.numbers)
     return Samples(time_s, tuple(values), start, units, tuple(notes))
 

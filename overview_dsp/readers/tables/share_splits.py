@@ -2,7 +2,7 @@
 
 Share splits in prices that weren't adjusted for them: a jump that is none of the share's worth.
 
-Where an adjusted column is there, it tells: the factor between it and the price jumps at a split
+Where an adjusted column is there, it decides: the factor between it and the price jumps at a split
 (and a little at a dividend), and at nothing else. A step of at least a fifth whose factor jumps as
 far as the price is a split; one whose factor stays is a move, however near to a whole ratio.
 
@@ -171,13 +171,13 @@ def _key(column: Column) -> str:
 
 
 def is_adjusted(column: Column) -> bool:
-    """Tell whether a column is a price adjusted for splits (and mostly dividends)."""
+    """Return whether a column is a price adjusted for splits (and mostly dividends)."""
     name = _key(column)
     return name in ("adj", "adjusted") or ("adj" in name and ("clos" in name or "pric" in name))
 
 
 def is_price(column: Column) -> bool:
-    """Tell by its name whether a column is a price."""
+    """Return, by its name, whether a column is a price."""
     name = _key(column)
     return (
         is_adjusted(column)
@@ -192,7 +192,7 @@ def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
 
 
 def is_table(columns: Sequence[Column]) -> bool:
-    """Tell whether these columns are a table of prices: a close, and an open, high or low."""
+    """Return whether these columns are a table of prices: a close, and an open, high or low."""
     return _first(columns, _CLOSE) is not None and (
         _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
     )

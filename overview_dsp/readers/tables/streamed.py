@@ -36,7 +36,7 @@ BLOCK_ROWS = 1_000_000
 """Rows looked at at a time."""
 
 CONTEXT_ROWS = 65_536
-"""Rows before a block that help to tell what step between rows is usual."""
+"""Rows before a block that help to estimate the usual step between rows."""
 
 _EVEN = 1e-6
 """Part of a step by which times may be off and still count as evenly spaced."""
@@ -121,7 +121,7 @@ class _Stream:
     def _take(self, block: Rows) -> None:
         time_s = block.seconds - self._first_s
         if (np.diff(time_s) <= 0.0).any():
-            raise InputError("times lie too close together to tell apart; count them from 0")
+            raise InputError("times lie too close together to be distinguished; count them from 0")
         value = self._known(block, 0)
         level = self._known(block, self.plan.columns.index(self.plan.mapped))
         self._watch_steps(time_s)

@@ -1,4 +1,4 @@
-"""What every table looks like to the rest of this room, whichever file it came from."""
+"""What every table looks like to the rest of this package, whichever file it came from."""
 
 from __future__ import annotations
 

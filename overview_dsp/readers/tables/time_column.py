@@ -1,4 +1,4 @@
-"""A time column into seconds: how its cells are written, told from them or given.
+"""A time column into seconds: how its cells are written, detected from them or given.
 
 `--time COLUMN`, `--time COLUMN:FORMAT` or `--time :FORMAT`, where FORMAT is one of `FORMATS`.
 """
@@ -110,8 +110,8 @@ def split_wish(wish: str, columns: tuple[Column, ...]) -> tuple[str | None, str 
     return name.strip() or None, written
 
 
-def told_format(column: Column, cells: list[Any]) -> Format | None:
-    """Tell how times are written from a column's first cells; None if they are no times.
+def detected_format(column: Column, cells: list[Any]) -> Format | None:
+    """Detect how times are written from a column's first cells; None if they are no times.
 
     Day or month first is left as `dmy or mdy` where both fit all cells.
     """
@@ -145,7 +145,7 @@ def told_format(column: Column, cells: list[Any]) -> Format | None:
 
 
 def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
-    """Tell `dmy` from `mdy` by all cells of a column, (row number, text) each.
+    """Distinguish `dmy` and `mdy` by all cells of a column, (row number, text) each.
 
     A part above 12 is the day. Where there is none in the whole column, the order in which the
     times increase (or decrease) throughout is taken if just one does.
@@ -154,7 +154,7 @@ def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
     -------
     tuple
         `dmy` or `mdy` and the number of the row that proves it (None: the order of rows does), or
-        an empty text if it can't be told.
+        an empty text if nothing decides it.
     """
     order = {"dmy": [True, True], "mdy": [True, True]}  # still increasing, still decreasing
     last: dict[str, int] = {}
@@ -446,7 +446,7 @@ _EPOCH_NAMES = ("epoch", "unix", "timestamp", "posix")
 
 
 def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]) -> Format | None:
-    """Tell what numbers a time column's may be by their size, and by its name."""
+    """Detect what a time column's numbers mean from their size and its name."""
     name, size = column.plain, max(abs(number) for number in numbers)
     low = min(numbers)
     whole = all(isinstance(n, int) or float(n).is_integer() for n in numbers)
@@ -465,10 +465,10 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     for epoch, unit_ns in EPOCHS.items():
         per_second = NS // unit_ns
         if 631_152_000 * per_second <= low and size < 4_102_444_800 * per_second:
-            return Format(epoch, f"times {_of(epoch)} were told by their size")
+            return Format(epoch, f"times {_of(epoch)} were detected from their size")
     if any(word in name for word in _EPOCH_NAMES) and low >= 0 and size < 2**62:
         per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
-        return Format(per, f"times {_of(per)} were told by the column's name and their size")
+        return Format(per, f"times {_of(per)} were detected from the column's name and their size")
     return Format(unit if unit in PLAIN else _UNIT_WORDS.get(name, "s"))
 
 

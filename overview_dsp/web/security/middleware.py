@@ -46,7 +46,7 @@ class Guard:
     public
         Paths that anyone may get: the page without any data.
     note
-        Told in a line what failed.
+        Receives a line about what failed.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class Guard:
             # escaped: a path may hold what a terminal obeys
             self._note(f"{scope['path']!a}: {type(error).__name__}: {str(error)!a}")
             if not started:
-                await refuse(scope, answer, 500, "failed; whoever runs the server is told why")
+                await refuse(scope, answer, 500, "failed; the server's log says why")
 
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
         """Status and line for a request that is not let in; None for one that is."""

@@ -189,7 +189,7 @@ def test_several_series_below_each_other_are_asked_about_and_told_apart(tmp_path
         for name, factor in (("AAA", 1), ("BBB", 10))
     )
     words = refusal(lambda: load(tmp_path, text))
-    assert "column 'symbol' tells 2 series apart ('AAA', 'BBB'); choose one with match" in words
+    assert "column 'symbol' distinguishes 2 series ('AAA', 'BBB'); choose one with match" in words
     for match in ("BBB", "bbb", "symbol=BBB"):
         assert values(load(tmp_path, text, match=match)) == [10.0, 20.0, 30.0, 40.0, 50.0]
     assert "no row holds that" in refusal(lambda: load(tmp_path, text, match="CCC"))

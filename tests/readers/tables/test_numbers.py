@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from overview_dsp.readers.tables.cells import Style, looks_numeric, parse, told_style
+from overview_dsp.readers.tables.cells import Style, detected_style, looks_numeric, parse
 from tests.readers.tables.made import load, values
 
 
@@ -73,7 +73,7 @@ def test_what_is_no_number_is_none(text: str) -> None:
 def test_the_decimal_mark_is_told_by_cells_in_which_it_can_be_only_one(
     cells: list[str], mark: str | None
 ) -> None:
-    assert told_style(cells) == (None if mark is None else Style(mark))
+    assert detected_style(cells) == (None if mark is None else Style(mark))
 
 
 def test_one_number_of_thousands_does_not_turn_a_column_of_commas(tmp_path: Path) -> None:

@@ -83,7 +83,7 @@ def test_a_day_that_tells_may_come_after_thousands_of_rows(tmp_path: Path) -> No
     cells = [f"{m.day}/{m.month}/{m.year} {m:%H:%M}" for m in moments]
     timeline = load(tmp_path, series(cells))
     assert timeline.start == begin
-    assert noted(timeline, f"read as dates d/m/y, told by line {12 * 24 * 12 + 2}")
+    assert noted(timeline, f"read as dates d/m/y, detected from line {12 * 24 * 12 + 2}")
     assert timeline.duration_s == (moments[-1] - begin).total_seconds()
 
 
@@ -91,7 +91,9 @@ def test_the_order_of_rows_tells_day_from_month_where_no_part_does(tmp_path: Pat
     cells = ["10/01/2020", "11/01/2020", "12/01/2020", "01/02/2020", "02/02/2020"]
     timeline = load(tmp_path, series(cells))
     assert timeline.start == datetime(2020, 1, 10)
-    assert noted(timeline, "read as dates d/m/y, told by the order of rows (only so do they rise)")
+    assert noted(
+        timeline, "read as dates d/m/y, detected from the order of rows (only so do they rise)"
+    )
     # months and days of January both rise
     cells = [f"{month}/1/2020" for month in range(1, 13)]
     assert "may be day/month or month/day" in refusal(lambda: load(tmp_path, series(cells)))
@@ -100,13 +102,13 @@ def test_the_order_of_rows_tells_day_from_month_where_no_part_does(tmp_path: Pat
 @pytest.mark.parametrize(
     ("told", "start"), [("dmy", datetime(2020, 2, 1)), ("mdy", datetime(2020, 1, 2))]
 )
-def test_a_date_that_fits_both_is_asked_about_and_can_be_told(
+def test_a_date_that_fits_both_is_asked_about_and_can_be_given(
     tmp_path: Path, told: str, start: datetime
 ) -> None:
     text = series(["01/02/2020", "02/02/2020", "03/03/2020"])
     words = refusal(lambda: load(tmp_path, text))
     assert "'01/02/2020' may be day/month or month/day" in words
-    assert "say which with time (--time): 'date:dmy' or 'date:mdy'" in words
+    assert "say it with time (--time): 'date:dmy' or 'date:mdy'" in words
     for wish in (f"date:{told}", f":{told}"):
         assert load(tmp_path, text, time=wish).start == start
 

@@ -2,7 +2,7 @@
 
 CSV, TSV and their relatives as a table, streamed: the file's size doesn't matter.
 
-How a text file holds a table, told by its head.
+How a text file holds a table, detected from its head.
 
 Fields are separated by commas, semicolons, tabs, bars or blanks. There may be lines before the
 table, a header, a row of units below it, and comment lines that begin with `#` (the last of which
@@ -87,7 +87,7 @@ class CsvTable:
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is text with a table that has a column of numbers."""
+    """Return whether the file is text with a table that has a column of numbers."""
     return layout_of(source) is not None
 
 
@@ -108,7 +108,7 @@ def open_table(source: Source) -> CsvTable:
 
 
 SAMPLE_LINES = 400
-"""Lines of the head that tell the layout."""
+"""Lines of the head from which the layout is detected."""
 
 _COLUMN_ROWS = 50
 _BLANKS_COST = 0.25
@@ -152,7 +152,7 @@ class Layout:
 
 
 def layout_of(source: Source) -> Layout | None:
-    """Tell how a file holds a table; None if it is no table of numbers, or an event list."""
+    """Detect how a file holds a table; None if it is no table of numbers, or an event list."""
     if source.looks_like_json:
         return None
     encoding = delimited.encoding_of(source)
@@ -189,7 +189,7 @@ def layout_of(source: Source) -> Layout | None:
 
 
 def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
-    """Tell the separator and how many fields most lines have; None if there are no lines."""
+    """Detect the separator and how many fields most lines have; None if there are no lines."""
     best: tuple[float, int, str | None, int] | None = None
     for rank, separator in enumerate((*delimited.SEPARATORS, None)):
         widths = Counter(len(row) for _, row in delimited.split(lines, separator))
@@ -261,7 +261,7 @@ def _is_date(cell: str) -> bool:
 
 
 def _is_header(top: list[str], below: list[list[str]]) -> bool:
-    """Tell whether a row names columns: it is unlike those below it.
+    """Return whether a row names columns: it is unlike those below it.
 
     Columns of dates decide, else those of numbers: most of them begin with another thing.
     """
@@ -280,7 +280,7 @@ def _is_header(top: list[str], below: list[list[str]]) -> bool:
 
 
 def _is_units(cells: list[str], below: list[list[str]]) -> bool:
-    """Tell whether the row under the header holds units: no number where those below are."""
+    """Return whether the row under the header holds units: no number where those below are."""
     texts = [
         cell.strip()
         for i, cell in enumerate(cells)
@@ -294,7 +294,7 @@ def _is_units(cells: list[str], below: list[list[str]]) -> bool:
 
 
 def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
-    """Tell whether a table may be a series: it has numbers, or times without any value yet."""
+    """Return whether a table may be a series: it has numbers, or times without any value yet."""
     names = [name.lower() for name in header]
     if set(names) >= _EVENT_LIST:
         return False
@@ -306,6 +306,6 @@ def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
 
 
 def _is_bare(rows: list[list[str]]) -> bool:
-    """Tell whether rows without a header are samples: two or more, of a time or number first."""
+    """Return whether rows without a header are samples: two or more, of a time or number first."""
     first = _fields(rows, 0)
     return len(rows) > 1 and (looks_numeric(first) or any(map(_is_date, first)))

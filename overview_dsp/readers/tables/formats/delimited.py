@@ -40,7 +40,7 @@ _CONTROL = {chr(code) for code in (*range(9), *range(14, 28), 127)}
 def encoding_of(source: Source) -> str | None:
     """Return the encoding of a text file by its head, None for what is no text.
 
-    A byte order mark tells; else UTF-8, else Windows-1252 (old spreadsheets, `°C`).
+    A byte order mark gives it; else UTF-8, else Windows-1252 (old spreadsheets, `°C`).
     """
     marked = next((name for mark, name in _BOMS if source.head.startswith(mark)), None)
     for name in (marked,) if marked else (_UTF8, WINDOWS):

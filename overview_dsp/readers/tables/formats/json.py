@@ -59,7 +59,7 @@ class JsonTable:
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is JSON that holds a series in one of the known shapes."""
+    """Return whether the file is JSON that holds a series in one of the known shapes."""
     return source.looks_like_json and bool(series_in(source.json))
 
 
@@ -115,7 +115,7 @@ def series_in(document: Any) -> list[Shape]:
 
 
 def is_single(value: Any) -> bool:
-    """Tell whether a value may be a cell: text, a number, true, false or null."""
+    """Return whether a value may be a cell: text, a number, true, false or null."""
     return value is None or isinstance(value, str | int | float)
 
 
@@ -281,7 +281,7 @@ def _is_date(text: str) -> bool:
 
 
 def _is_series(shape: Shape) -> bool:
-    """Tell whether a table has a column of times by name or by look, and one of numbers."""
+    """Return whether a table has a column of times by name or by look, and one of numbers."""
     end = min(shape.rows, _SAMPLE)
     cells = [shape.cut(i, 0, end) for i in range(len(shape.names))]
     if not any(looks_numeric(column) for column in cells):

@@ -70,7 +70,7 @@ class JsonLinesTable:
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file is one JSON object a line."""
+    """Return whether the file is one JSON object a line."""
     text = source.head_text
     if text is None or not text.lstrip().startswith("{"):
         return False

@@ -22,7 +22,7 @@ _INSTALL = 'Parquet needs pyarrow: pip install "overview-dsp[parquet]"'
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether the file begins as Parquet does."""
+    """Return whether the file begins as Parquet does."""
     return source.head.startswith(MAGIC)
 
 

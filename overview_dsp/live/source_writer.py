@@ -1,4 +1,4 @@
-"""One hand among several on a running engine: what the others do, and its own events, stamped."""
+"""One source among several on a running engine: what the others do, and its own events, stamped."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ YIELDING = ("serial", "osc", "midi")
 
 
 class Found(NamedTuple):
-    """What a hand finds: theta2 (rad) of another one that holds the disk, or None; where the disk
+    """What a source finds: theta2 (rad) of another one that holds the disk, or None; where the disk
     is, as theta2 (rad); whether that other one yields to a turn."""
 
     elsewhere: float | None
-    place: float
+    position: float
     yields: bool
 
 
-class HandWriter:
+class SourceWriter:
     """Writes the ring of one source.
 
     Thread: its input's, the only one that writes that source.
@@ -46,10 +46,10 @@ class HandWriter:
     def find(self) -> Found:
         """How the disk is, as of the last block."""
         held = self._engine.holder
-        place = self._engine.meters.cursor * HALF_TURN
+        position = self._engine.meters.cursor * HALF_TURN
         if held is None or held[0] == self._source:
-            return Found(None, place, False)
-        return Found(held[1], place, held[0] in YIELDING)
+            return Found(None, position, False)
+        return Found(held[1], position, held[0] in YIELDING)
 
     def _runs(self) -> bool:
         """Whether the engine takes events: while its output is lost they would be stale."""
@@ -68,7 +68,7 @@ class HandWriter:
         self._saw = False
 
     def saw(self, time_s: float) -> None:
-        """Something of `time_s`, of the hand's own clock, has just come."""
+        """Something of `time_s`, of the source's own clock, has just come."""
         if self._runs():
             self._saw = True
             self._clock.saw(time_s, self._engine.sample_time)
