@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from overview_dsp.engine.coefficients import PACE_MOST
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.texture import QUIET
 from overview_dsp.presets.model import Preset
@@ -44,6 +45,11 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
             # held off the springs' rest, the disk comes to its own from anywhere
             fall += float(slow.max()) * math.log(CELLS)
         longest = max(longest, fall)
+    catch_up = number("disk.catch_up")
+    if catch_up > 0.0:
+        # to a finger that rests, at least in proportion to the way that is left
+        unfold_s = number("disk.unfold_s") or 1.0 / PACE_MOST
+        longest += unfold_s / catch_up * math.log(CELLS)
     ring = max(
         (
             mode.decay_ms * 1e-3

@@ -130,3 +130,15 @@ def test_a_jump_of_the_hand_gives_it_no_pace():
     after = trace.time > 1.1
     speed = np.gradient(trace.cursor, trace.time)[after]
     assert speed.max() < 1.6 / 2.0
+
+
+@pytest.mark.parametrize(("catch_up", "unfold_s"), [(1.1, 1.8), (0.5, 2.0), (3.0, 0.0)])
+def test_a_finger_that_rests_is_silent_within_the_tail(catch_up, unfold_s):
+    engine = ov.Engine(clutched(catch_up, unfold_s), timeline_of(30.0, 50.0))
+    engine.prepare(8_000, 8_000)
+    engine.control(math.pi, True)
+    out = np.zeros((8_000, 2), dtype=np.float32)
+    for _ in range(math.ceil(engine.tail_seconds)):
+        engine.process(out)
+    assert not out[-1].any()
+    assert engine.meters.silent_samples > 0
