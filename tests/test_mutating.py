@@ -57,7 +57,7 @@ def test_decorators_become_assignments_and_caches_go(mutate):
     assert names["Class"].four() == 4
 
 
-def test_a_mutants_name_tells_its_module_and_function(mutate):
+def test_a_mutants_name_says_its_module_and_function(mutate):
     module = "overview_dsp/surface/build.py"
     dotted = "overview_dsp.surface.build"
     assert mutate.place_of(f"{dotted}.x__place__mutmut_12") == (module, "_place")

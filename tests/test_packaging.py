@@ -73,7 +73,7 @@ except SystemExit:
     assert not {name.partition(".")[0] for name in names} & set(LATE)
 
 
-def test_rooms_are_there_without_importing_them_one_by_one(tmp_path):
+def test_packages_are_there_without_importing_them_one_by_one(tmp_path):
     code = "import overview_dsp as ov; print(ov.gestures.SOURCES[0], ov.presets.library.__name__)"
     assert python(code, tmp_path) == "touch overview_dsp.presets.library\n"
 

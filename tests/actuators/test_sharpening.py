@@ -52,7 +52,7 @@ def test_a_c2_rises_and_falls_in_less_than_half_the_time_within_its_rating(name)
     assert highest_mean_square(drive, window) <= actuator.mean_square
 
 
-def test_with_room_below_the_peak_the_motion_is_exactly_that_of_the_lower_q():
+def test_with_headroom_below_the_peak_the_motion_is_exactly_that_of_the_lower_q():
     c2 = load_actuator("c2")
     roomy = changed(c2, drive__peak=100.0, drive__full_scale=100.0, drive__rated_rms=0.01)
     signal = burst(250.0, 0.1, 0.1, 1e-3)
@@ -104,18 +104,18 @@ def test_equal_sensation_raises_what_the_skin_feels_less(frequency):
 
 
 @pytest.mark.parametrize("name", actuator_names())
-def test_a_rate_that_is_too_low_for_a_resonance_is_told(name):
+def test_a_rate_that_is_too_low_for_a_resonance_is_reported(name):
     with pytest.raises(ov.InputError, match=rf"actuator {name} needs a sample rate above \d+ Hz"):
         ActuatorStage(load_actuator(name), 150.0)
 
 
-def test_a_carrier_that_the_actuator_hardly_answers_is_told(match, football):
+def test_a_carrier_that_the_actuator_hardly_answers_is_reported(match, football):
     with pytest.warns(ov.OverviewWarning, match=r"lra is felt \d+ dB less .* set that to 175 Hz"):
         ov.render(match, football, ov.pause(0.01), tail="none", actuator=load_actuator("lra"))
 
 
 @pytest.mark.parametrize("name", ["c2", "cmf", "voice_coil", "dualsense", "headphones"])
-def test_a_carrier_that_the_actuator_answers_is_not_told(match, football, name):
+def test_a_carrier_that_the_actuator_answers_is_not_reported(match, football, name):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ov.render(match, football, ov.pause(0.01), tail="none", actuator=load_actuator(name))

@@ -428,7 +428,7 @@ def test_workers_that_die_again_and_again_end_it_with_one_line(tmp_path, monkeyp
         run_study(study_in(tmp_path), workers=2)
 
 
-def test_the_command_tells_what_it_did(tmp_path, monkeypatch):
+def test_the_command_reports_what_it_did(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = JOBS.replace("seeds = 3", "seeds = 1")
     jobs_file(tmp_path, text)

@@ -24,7 +24,7 @@ def test_list_as_json_is_the_same():
 
 
 @pytest.mark.parametrize("name", ov.bundled_presets())
-def test_show_tells_every_parameter_and_kind(name):
+def test_show_reports_every_parameter_and_kind(name):
     page = overview("presets", "show", name).out
     for known in PARAMETERS.values():
         assert known.doc in page

@@ -39,7 +39,7 @@ def test_render_says_what_it_wrote(folder):
     assert outcome.errors == []
 
 
-def test_dither_is_told_for_sixteen_bits(folder):
+def test_dither_is_reported_for_sixteen_bits(folder):
     outcome = overview("render", MATCH, *QUICK, "--subtype", "pcm_16")
     assert "WAV PCM_16, TPDF dither at 16 bits" in outcome.out
 
@@ -56,7 +56,7 @@ def test_the_report_is_json_and_true(folder):
     assert report["peak_tactor_dbfs"] == pytest.approx(peaks[1], abs=0.06)
 
 
-def test_silence_is_told_as_silence_and_not_as_minus_infinity(folder):
+def test_silence_is_reported_as_silence_and_not_as_minus_infinity(folder):
     quiet = ("--gesture", "rest:0.1", "--sample-rate", "8000", "--tail", "none")
     assert "silent click and silent tactor" in overview("render", MATCH, *quiet).out
     report = json.loads(overview("render", MATCH, *quiet, "--json").out)

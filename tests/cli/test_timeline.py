@@ -20,7 +20,7 @@ from tests.readers.football_files import (
 CUP = openfootball(fixture("France", "Australia"), fixture("France", "Croatia"))
 
 
-def test_show_tells_span_curve_events_gaps_and_where_they_are_from(folder, match):
+def test_show_reports_span_curve_events_gaps_and_where_they_are_from(folder, match):
     outcome = overview("timeline", "show", MATCH)
     assert outcome.code == 0, outcome.err
     lines = outcome.out.splitlines()
@@ -45,7 +45,7 @@ def test_show_events_lists_every_event_by_the_name_a_zoom_takes(match):
     assert goal.split() == ["37:30.0", "goal:2", "2-1", "Griezmann", "(pen)"]
 
 
-def test_show_tells_dates_and_gaps(folder):
+def test_show_reports_dates_and_gaps(folder):
     text = {
         "overview_timeline": 1,
         "title": "shares",
@@ -174,7 +174,7 @@ def test_render_takes_a_match_of_a_file(folder):
     assert len(soundfile.read(folder / "out.wav")[0]) > 0
 
 
-def test_show_looks_for_matches_with_the_options_a_format_is_told_by(folder):
+def test_show_looks_for_matches_with_the_options_a_format_is_detected_by(folder):
     beats = "".join(f"{int(1000 * (i % 100 == 50))}\n" for i in range(2000))
     (folder / "lead.csv").write_text("hart\n" + beats)
     outcome = overview("timeline", "show", "lead.csv", "--rate", "100")

@@ -98,7 +98,7 @@ def test_a_preset_is_taken_over_whole():
     assert np.all(run(engine, 3000)[1][1:, 2] == 1.0)  # the shaft stays
 
 
-def test_changes_are_told_in_order_once_each_when_they_have_been_applied():
+def test_changes_are_reported_in_order_once_each_when_they_have_been_applied():
     engine = prepared(plain_preset(), BARE, RATE)
     engine.set("tactor.gain_db", -3.0, 100)
     engine.set("tactor.gain_db", -6.0, 100)
@@ -150,7 +150,7 @@ def test_reset_ends_a_glide_at_its_end():
     assert engine.take_changes() == []
 
 
-def test_changes_that_find_no_room_change_nothing():
+def test_changes_that_find_the_queue_full_change_nothing():
     engine = prepared(plain_preset(), BARE, RATE)
     for n in range(layout.HOST_RING - 1):  # a place is kept for a surface
         engine.set("tactor.gain_db", -1.0 - n % 2, 10_000)

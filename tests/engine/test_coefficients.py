@@ -104,7 +104,7 @@ def test_a_one_pole_rises_by_1_minus_1_over_e_in_its_time_constant(tau):
     assert (1.0 - a) ** (tau * 48_000.0) == pytest.approx(math.exp(-1.0), rel=1e-9)
 
 
-def test_only_what_differs_is_told():
+def test_only_what_differs_is_reported():
     base = plain_preset()
     assert changes(base, base, 48_000.0) == []
     quiet = base.with_changes({"tactor.gain_db": -20.0})

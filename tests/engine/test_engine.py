@@ -365,7 +365,7 @@ def test_a_state_that_is_not_finite_is_reset_silenced_and_counted(match, footbal
 # --- parameters -----------------------------------------------------------------------------------
 
 
-def test_parameters_tell_range_unit_default_and_value(football, match):
+def test_parameters_give_range_unit_default_and_value(football, match):
     engine = ov.Engine(football, match)
     assert set(engine.parameters) == set(ov.presets.PARAMETERS)
     for id, setting in engine.parameters.items():
@@ -464,7 +464,7 @@ def test_two_writers_of_parameters_leave_the_output_finite(match, football):
 
 @pytest.mark.parametrize("rate", [8000.0, 48_000.0, 192_000.0])
 @pytest.mark.parametrize("smoothing", [1.0, 4.0, 20.0])
-def test_latency_is_told_truly(rate, smoothing):
+def test_latency_is_reported_truly(rate, smoothing):
     """An impulse of the hand: the centroid of what the disk gets is the delay."""
     engine = prepared(plain_preset(input__smoothing_ms=smoothing), timeline_of(), rate)
     start = 200

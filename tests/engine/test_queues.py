@@ -142,7 +142,7 @@ def test_changes_that_belong_together_fit_all_or_none_is_taken():
     queues.push([(layout.C_GATE, 0.0)] * 2, 0)
 
 
-def test_a_changes_number_tells_when_it_was_applied_until_its_place_is_used_again():
+def test_a_changes_number_says_when_it_was_applied_until_its_place_is_used_again():
     queues, _, words = block()
     words[layout.HOST_WRITTEN] = words[layout.HOST_READ] = layout.HOST_RING - 1
     numbers = [queues.push([(layout.C_GATE, 0.0), (layout.C_RISE, 0.0)], 40 + n) for n in (0, 1)]

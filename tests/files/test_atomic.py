@@ -58,7 +58,7 @@ def test_what_goes_wrong_on_the_way_leaves_what_was_there(tmp_path, error):
         (errno.EROFS, ov.InputError),
     ],
 )
-def test_the_disks_fault_and_the_callers_fault_are_told_apart(tmp_path, code, kind):
+def test_the_disks_fault_and_the_callers_fault_are_distinguished(tmp_path, code, kind):
     path = tmp_path / "a.txt"
 
     def fail() -> None:

@@ -347,7 +347,7 @@ def test_the_loop_commands_500_times_a_second_and_begins_until_it_is_answered():
     assert loop.torque < 0.0
 
 
-def test_a_silent_motor_is_told_zero_within_50_ms_and_on():
+def test_a_silent_motor_is_sent_zero_within_50_ms_and_on():
     loop = MotorLoop(load_sensor("simplefoc"))
     reports(loop, 0.5)
     assert loop.torque < 0.0

@@ -155,7 +155,7 @@ def test_a_devices_actuator_is_remembered_by_what_finds_it_again(tmp_path, monke
     assert load_settings("pad") == OutputSettings()
 
 
-def test_a_session_tells_what_the_protection_did(match, football):
+def test_a_session_reports_what_the_protection_did(match, football):
     hot = ov.Actuator(
         "hot", "hot", "hot", {**C2.values, "drive.duty": 0.01, "drive.burst_ms": 10.0}
     )

@@ -169,7 +169,7 @@ def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
     assert min(bench.targets()) < 0.0
 
 
-def test_a_motor_that_reports_too_seldom_is_told_once(bench):
+def test_a_motor_that_reports_too_seldom_is_reported_once(bench):
     for n in range(140):
         bench.clock.now += 0.02
         bench.port.step(f"0.0000\t{0.001 * n:.4f}\r\n".encode())

@@ -127,7 +127,7 @@ def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):
         player.show(5.0, 1.0)
 
 
-def test_a_lost_output_lets_go_is_told_and_comes_back(make, outputs):
+def test_a_lost_output_lets_go_is_reported_and_comes_back(make, outputs):
     player = make()
     player.touch(0.8)
     wait(player, lambda status: status.cursor > 0.75)
@@ -207,7 +207,7 @@ def test_going_from_event_to_event_takes_the_window_along(make):
     assert start + (end - start) * player.finger < goals[1]
 
 
-def test_what_a_person_should_know_of_a_zoom_is_told(make):
+def test_what_a_person_should_know_of_a_zoom_is_reported(make):
     from dataclasses import replace
 
     player = make()

@@ -277,7 +277,7 @@ print(json.dumps({"said": said, "cursor": status.cursor, "touching": status.touc
 """
 
 
-def test_a_killed_server_is_told_and_playing_goes_on_when_it_is_back(tmp_path):
+def test_a_killed_server_is_reported_and_playing_goes_on_when_it_is_back(tmp_path):
     path = tmp_path / "take.csv"
     report = json.loads(jack_server.run(SERVER_KILLED, path))
     assert ["lost" in line or "back" in line for line in report["said"]] == [True, True]

@@ -414,7 +414,9 @@ def played(*arguments):
 @pytest.mark.realtime
 @needs_pty
 @pytest.mark.parametrize("form", ["frames", "text", "json"])
-def test_a_device_on_a_port_is_told_played_and_recorded(device, tmp_path, form, match, football):
+def test_a_device_on_a_port_is_detected_played_and_recorded(
+    device, tmp_path, form, match, football
+):
     pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")
     take = tmp_path / "take.csv"
     lines, said = played("--input", f"serial:{device('--format', form)}", "--seconds", 8,

@@ -58,7 +58,7 @@ def test_a_tone_that_cannot_be_is_one_line(hertz, db_per_s, words):
         Rise(hertz, db_per_s, 0.0).drive(C2, OUT, 2, RATE)
 
 
-class Told:
+class PlaybackStub:
     """A playback that is as far as it is told, and counts its calls."""
 
     def __init__(self, times):
@@ -83,14 +83,14 @@ class Told:
 def test_the_level_is_the_one_heard_when_the_key_is_pressed():
     rise = Rise(250.0, 3.0, 2.0)
     for pressed_at, level in ((5.0, -61.0), (12.0, -40.0), (1.0, -math.inf), (99.0, math.inf)):
-        playback = Told(np.arange(0.0, 22.0, 0.5))
+        playback = PlaybackStub(np.arange(0.0, 22.0, 0.5))
         found = felt_at(rise, playback, lambda p=playback, at=pressed_at: p.heard_s >= at)
         assert found == level
         assert playback.calls == ["start", "close"]
 
 
 def test_an_output_is_given_back_when_asking_fails():
-    playback = Told([0.0, 1.0])
+    playback = PlaybackStub([0.0, 1.0])
 
     def broken():
         raise ov.InputError("no more")

@@ -44,7 +44,7 @@ def test_windows_may_begin_between_samples():
     assert level[20:] == pytest.approx(20 * np.log10(middle[20:]), abs=0.05)
 
 
-def test_strokes_are_told_by_touch_and_end_where_the_disk_is_back():
+def test_strokes_are_detected_by_touch_and_end_where_the_disk_is_back():
     touching = np.array([0, 0, 1, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0], dtype=float)
     cursor = np.array([0, 0, 0.1, 0.3, 0.5, 0.3, 0.1, 0.005, 0.001, 0.2, 0.4, 0.3, 0.2])
     assert strokes(touching, cursor) == [

@@ -122,7 +122,7 @@ def test_a_kind_made_in_python_is_held_to_the_same_ranges(changes, words):
     one_line(error)
 
 
-def test_a_preset_has_room_for_so_many_kinds_as_the_engine():
+def test_a_preset_has_capacity_for_so_many_kinds_as_the_engine():
     from overview_dsp.kernels.layout import MAX_KINDS
 
     kinds = {f"kind_{i}": good_kind() for i in range(MAX_KINDS - 1)} | {"default": good_kind()}

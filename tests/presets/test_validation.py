@@ -129,7 +129,7 @@ def test_a_bad_value_of_a_mode_names_file_line_key_and_range(key):
     )
 
 
-def test_a_fault_in_the_second_mode_is_told_at_the_second_mode():
+def test_a_fault_in_the_second_mode_is_reported_at_the_second_mode():
     file = SMALL + "[[kinds.default.modes]]\nfrequency_hz = 5\ndecay_ms = 30\n"
     last = len(file.splitlines()) - 1
     refused(file, f"mine.toml:{last}: kinds.default.modes.1.frequency_hz", "20 to 20000")
@@ -171,7 +171,7 @@ def test_another_schema_is_refused(given):
     refused(SMALL.replace("schema = 1", f"schema = {given}"), "schema = ", "reads schema = 1 to 2")
 
 
-def test_the_number_of_further_faults_is_told():
+def test_the_number_of_further_faults_is_reported():
     file = SMALL.replace("inertia = 2e-5", "inertia = 1\nk1 = -1\nk2 = 'x'")
     refused(file, "disk.inertia", "(and 2 more)")
 

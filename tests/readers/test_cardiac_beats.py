@@ -56,7 +56,7 @@ def test_the_unit_and_the_offset_do_not_matter(scale: float, offset: float) -> N
 
 
 @pytest.mark.parametrize("rate", [50, 100, 500])
-def test_a_pulse_wave_is_told_from_an_ecg_and_its_peaks_are_found(rate: float) -> None:
+def test_a_pulse_wave_is_distinguished_from_an_ecg_and_its_peaks_are_found(rate: float) -> None:
     beats = beat_times(60.0)
     found = found_in(pulse_wave(beats, 60.0, rate), rate)
     assert found.what == "pulse wave"

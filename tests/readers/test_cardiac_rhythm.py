@@ -49,7 +49,7 @@ def test_a_premature_beat_and_its_pause_leave_the_rate_alone() -> None:
     assert abs(curve.value - 75.0).max() < 4.0
 
 
-def test_a_premature_beat_is_told_by_its_interval_and_weighs_how_early_it_is() -> None:
+def test_a_premature_beat_is_detected_by_its_interval_and_weighs_how_early_it_is() -> None:
     times = steady()
     times[20] -= 0.24
     times[30] -= 0.4

@@ -206,7 +206,9 @@ def test_a_compressed_file_is_read_as_what_it_holds(text: str, suffix: str, tmp_
     assert load_timeline(tmp_path / f"match{suffix}") == load_timeline(tmp_path / "match")
 
 
-def test_a_compressed_file_is_told_by_its_content_and_titled_by_its_name(tmp_path: Path) -> None:
+def test_a_compressed_file_is_detected_by_its_content_and_titled_by_its_name(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "final.json.gz").write_bytes(gzip.compress(NATIVE.encode(), mtime=0))
     assert load_timeline(tmp_path / "final.json.gz").title == "final"
     (tmp_path / "final").write_bytes(gzip.compress(NATIVE.encode(), mtime=0))
@@ -328,7 +330,7 @@ def test_any_change_of_an_archive_gives_a_timeline_or_one_line(
     timeline_or_one_line(lambda: load_timeline(path))
 
 
-def test_packing_is_told_by_the_first_bytes() -> None:
+def test_packing_is_detected_by_the_first_bytes() -> None:
     assert packing(b"BZh nothing of it") is None
     assert packing(b"PKzip") is None
     assert packing(b'{"a": 1}') is None

@@ -29,7 +29,7 @@ def refused(path: Any, words: str, **options: Any) -> str:
 
 
 @pytest.mark.parametrize("name", ["x.json", "x.csv", "x", "x.wav"])
-def test_a_file_is_told_by_its_content_not_by_its_name(name: str, tmp_path: Path) -> None:
+def test_a_file_is_detected_by_its_content_not_by_its_name(name: str, tmp_path: Path) -> None:
     path = tmp_path / name
     contents = {
         NATIVE: {"a": 1},
@@ -121,7 +121,7 @@ def test_a_character_across_the_end_of_the_head_is_no_obstacle(
     assert load_timeline(tmp_path / "x").events[0].label == "ü"
 
 
-def test_text_in_another_encoding_is_told_from_binary_data(tmp_path: Path) -> None:
+def test_text_in_another_encoding_is_distinguished_from_binary_data(tmp_path: Path) -> None:
     (tmp_path / "x").write_bytes("time_s,kind,label\n1,a,Müller\n".encode("latin-1"))
     refused(tmp_path / "x", "save it as UTF-8")
 

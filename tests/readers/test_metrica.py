@@ -17,7 +17,7 @@ def found(text: str, *kinds: str) -> list[tuple[float, str]]:
     return [(e.time_s, e.label) for e in decode(text).events if e.kind in kinds]
 
 
-def test_a_match_is_told_with_its_score_and_kinds(tmp_path: Path) -> None:
+def test_a_match_is_read_with_its_score_and_kinds(tmp_path: Path) -> None:
     (tmp_path / "x").write_text(METRICA)
     timeline = load_timeline(tmp_path / "x")
     assert timeline.title == "Home 1-2 Away"
@@ -75,7 +75,7 @@ def test_a_clock_that_begins_anew_is_laid_end_to_end_with_a_note() -> None:
     assert "begins anew in period 2" in decode(text).notes[0]
 
 
-def test_extra_time_is_told_and_a_shoot_out_left_out() -> None:
+def test_extra_time_is_read_and_a_shoot_out_left_out() -> None:
     more = (
         "Home,SHOT,GOAL,3,6000,6001,P",
         "Home,PASS,,4,7000,7001,P",

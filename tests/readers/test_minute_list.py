@@ -27,7 +27,7 @@ def rows(*lines: str, header: str = "minute,type,player,team") -> str:
     return "\n".join([header, *lines]) + "\n"
 
 
-def test_a_list_is_told_by_its_content_and_read(tmp_path: Path) -> None:
+def test_a_list_is_detected_by_its_content_and_read(tmp_path: Path) -> None:
     (tmp_path / "x").write_text(MINUTES)
     timeline = load_timeline(tmp_path / "x")
     assert timeline.title == "Northport 1-2 Sudbury"
@@ -118,7 +118,7 @@ def test_a_period_column_places_stoppage_time_written_as_running_minutes() -> No
     assert told(decode(restarting))[1][0] == 47 * 60
 
 
-def test_a_row_of_the_whistle_tells_the_end_of_a_half() -> None:
+def test_a_row_of_the_whistle_gives_the_end_of_a_half() -> None:
     text = rows("44,goal,A,N", "47:30,half-time,,", "60,goal,B,S", "94:10,full time,,")
     timeline = decode(text)
     periods = [(e.time_s, e.label) for e in timeline.events if e.kind == "period"]

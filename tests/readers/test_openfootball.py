@@ -138,7 +138,7 @@ def test_a_whole_word_outranks_a_part_of_one() -> None:
     assert decode(cup, "niger").title.startswith("Niger 2-1 Mali")
 
 
-def test_a_match_not_played_yet_is_told() -> None:
+def test_a_match_not_played_yet_is_refused() -> None:
     with pytest.raises(InputError, match="isn't played yet"):
         decode({"matches": [{"team1": "A", "team2": "B", "date": "2030-01-01"}]})
     assert decode({"matches": [{"team1": "A", "team2": "B", "score": [1, 0]}]}).title

@@ -36,7 +36,7 @@ def write(folder: Path, document: Any, name: str = "events.json") -> Path:
     return folder / name
 
 
-def test_a_match_is_told_from_its_tags() -> None:
+def test_a_match_is_read_from_its_tags() -> None:
     timeline = decode(wyscout_match())
     assert timeline.duration_s == 2864.0 + 3000.0 + 910.0 + 920.0
     assert timeline.kinds() == {

@@ -45,11 +45,11 @@ def test_what_could_be_several_things_asks_for_a_sensor_in_one_line(line):
 
 
 @pytest.mark.parametrize("data", [b"", b"1,2,3\n1,2,3\n", lines("0.1,0.2", 3), frame_stream(1)[0]])
-def test_too_little_is_not_told_yet(data):
+def test_too_little_is_not_detected_yet(data):
     assert detect(data) is None
 
 
-def test_noise_is_told_as_such_with_what_to_try():
+def test_noise_is_reported_as_such_with_what_to_try():
     said = detect(b"\xf3\x00\x81\xff" * (ENOUGH // 4))
     assert isinstance(said, str)
     assert "--baud" in said

@@ -106,7 +106,7 @@ def test_missing_samples_cost_little():
 @pytest.mark.parametrize(
     ("unit", "scale"), [("m/s²", 1.0), ("g", 1 / GRAVITY), ("mg", 1000 / GRAVITY)]
 )
-def test_units_are_told_by_gravity(unit, scale):
+def test_units_are_detected_by_gravity(unit, scale):
     rate = 100.0
     roll = course(rate, (0, 0), (2, 0), (3, 90), (4, 90))
     acceleration, speed = turning(roll, rate)

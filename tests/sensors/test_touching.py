@@ -207,7 +207,7 @@ def test_a_potentiometer_and_a_roll_in_degrees():
     assert np.degrees([turn.theta2 for turn in turns[1:]]) == pytest.approx([90.0, 170.0, 0.0])
 
 
-def test_a_knob_that_feels_no_taps_is_told_so():
+def test_a_knob_that_feels_no_taps_is_reported():
     one = hand(replace(RULES, by_rest=False), ("t_ms", "pot"))
     fed(one, [b"\n", *lines([[0, 0]])], 100.0)
     assert any("feels no taps" in said for said in one.take_messages())

@@ -230,7 +230,7 @@ def test_the_strongest_of_each_cell_stands_for_all_there(monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore:rough:overview_dsp.OverviewWarning")
-def test_crests_leave_room_for_one_event_at_least(monkeypatch):
+def test_crests_leave_capacity_for_one_event_at_least(monkeypatch):
     values = {
         "surface__pattern": "waves", "surface__pattern_height": 2.0, "surface__material": "wood",
         "surface__pattern_period_percent": 5.0,

@@ -34,7 +34,7 @@ def test_every_material_at_every_pitch_is_a_click_a_kind_may_have(material, pitc
         assert (np.diff([mode.frequency_hz for mode in modes]) > 0.0).all()
 
 
-def test_materials_are_told_apart_by_how_long_they_ring():
+def test_materials_are_distinguished_by_how_long_they_ring():
     decay = {name: modes_of(name, 1000.0)[0].decay_ms for name in MATERIALS if name != "none"}
     order = sorted(decay, key=decay.__getitem__)
     assert order == ["card", "plastic", "wood", "glass", "metal"]
@@ -120,7 +120,7 @@ def test_gaps_have_no_crests():
     assert len(surface.texture_strikes.position) == 16
 
 
-def test_events_that_crests_leave_no_room_for_fall_together():
+def test_events_that_crests_leave_no_capacity_for_fall_together():
     times = np.linspace(1.0, 99.0, 16_000)
     preset = rough(surface__pattern_period_percent=0.05)
     with pytest.warns(ov.OverviewWarning, match="16000 events"):

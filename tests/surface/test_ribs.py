@@ -55,7 +55,7 @@ def test_the_period_is_a_part_of_the_table():
     assert felt((0.0, 100.0), height=2.0, period=1.0) == pytest.approx(expected, abs=1e-9)
 
 
-def test_gaps_are_told_apart_and_data_between_them_is_data():
+def test_gaps_are_distinguished_and_data_between_them_is_data():
     gaps = ((0.0, 8.0), (8.5, 12.5), (50.0, 60.0))
     parts = [formula(0, 32, 4), formula(34, 50, 2), formula(200, 240, 5)]
     assert felt(*gaps) == pytest.approx(np.fmax.reduce(parts), abs=1e-9, nan_ok=True)

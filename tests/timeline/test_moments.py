@@ -79,7 +79,7 @@ def test_a_date_is_found_by_the_timelines_calendar(text: str, day: float) -> Non
     assert moment_s(text, YEAR) == pytest.approx(day * DAY, abs=1e-6)
 
 
-def test_time_zones_are_told_apart_and_the_timelines_own_is_taken_where_none_is_named() -> None:
+def test_time_zones_are_distinguished_and_the_timelines_own_is_taken_where_none_is_named() -> None:
     zone = timezone(timedelta(hours=-4))
     events = (Event(1.0, "a"),)
     timeline = Timeline("day", DAY, events, start=datetime(2012, 9, 19, 9, 30, tzinfo=zone))

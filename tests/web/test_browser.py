@@ -131,7 +131,7 @@ def release_by_return(made):
     made.set("disk.release", "return")
 
 
-def test_strikes_and_meters_are_told_when_asked(browser, match, football):
+def test_strikes_and_meters_are_reported_when_asked(browser, match, football):
     made = engine(match, football)
     played(made)
     browser.give(image=encode_engine(engine(match, football, hands=False)))
@@ -265,7 +265,7 @@ def test_a_pads_channels_carry_the_signals(browser, match, football):
     assert np.array_equal(out, expected)
 
 
-def test_a_bad_send_is_told_and_disturbs_no_sample(browser, match, football):
+def test_a_bad_send_is_reported_and_disturbs_no_sample(browser, match, football):
     expected = played(engine(match, football))
     browser.give(image=encode_engine(engine(match, football, hands=False)))
     out, told = browser.render(

@@ -184,7 +184,7 @@ def test_the_last_page_to_touch_holds_the_disk_until_it_lets_go(disk):
         pull(disk, 0.3, (one, 0.3))
 
 
-def test_latency_is_told_from_the_pages_clock(disk):
+def test_latency_is_measured_by_the_pages_clock(disk):
     ahead = 12345.0  # the page's clock and ours began at other moments
     with disk.connect() as page:
         for _ in range(4):

@@ -69,7 +69,7 @@ def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_pat
             assert answer.content == path.read_bytes(), name
 
 
-def test_a_page_is_told_what_sounds_and_what_it_shows_first(page, match):
+def test_a_page_receives_what_sounds_and_what_it_shows_first(page, match):
     server = page.get("/data/timeline.json").json()["server"]
     assert server == {
         "audio": "here",
@@ -234,7 +234,7 @@ def test_methods_that_arent_there_are_refused(page):
     assert page.put("/").status_code == 405
 
 
-def test_a_series_and_a_bare_timeline_are_told_too(tmp_path):
+def test_a_series_and_a_bare_timeline_are_served_too(tmp_path):
     curve = ov.Intensity(np.arange(100.0), np.sin(np.arange(100.0)), "dB")
     times = [0.0, 10.0]
     timelines = [

@@ -148,7 +148,7 @@ def test_another_host_name_is_refused_even_for_the_page(server, host):
         assert client.get(DATA).status_code == 421
 
 
-def test_hosts_are_told_apart():
+def test_hosts_are_distinguished():
     here = ("192.168.1.5", 8765)
     names = {"laptop", "laptop.local"}
     ours = ("192.168.1.5:8765", "laptop:8765", "LAPTOP.local:8765")
@@ -166,7 +166,7 @@ def test_hosts_are_told_apart():
 
 
 @given(st.text(max_size=40), st.text(max_size=40), st.booleans())
-def test_any_host_and_origin_are_told_apart_without_an_error(host, origin, must):
+def test_any_host_and_origin_are_distinguished_without_an_error(host, origin, must):
     here = ("192.168.1.5", 8765)
     if host_is_ours(host, "https", here, {"laptop"}):
         assert host.lower() in ("192.168.1.5:8765", "laptop:8765")
@@ -324,7 +324,7 @@ def test_who_never_reads_an_answer_is_closed(match, monkeypatch, tmp_path):
             assert len(reader.get("/media").content) == 20_000_000
 
 
-def test_two_hundred_connections_leave_room_for_another_address(fresh):
+def test_two_hundred_connections_leave_capacity_for_another_address(fresh):
     lines = [socket.create_connection(("127.0.0.1", fresh.port)) for _ in range(200)]
     try:
         open_ones = 0
@@ -374,7 +374,7 @@ def test_requests_on_their_way_give_way_to_nobody(fresh):
             client.get(DATA)
 
 
-def test_a_failure_behind_the_door_tells_the_owner_and_not_who_asked(fresh, monkeypatch):
+def test_a_failure_behind_the_door_is_reported_to_its_owner_only(fresh, monkeypatch):
     monkeypatch.setattr("overview_dsp.web.site_content.timeline_json", lambda *given: 1 / 0)
     with fresh.client() as client:
         answer = client.get(DATA)

@@ -148,7 +148,7 @@ def test_the_page_finds_its_host_again(match, chromium):
         server.until(lambda meters: meters.touching)  # the finger is still there
 
 
-def test_a_browser_that_cant_open_the_socket_is_told_what_it_needs(match, chromium):
+def test_a_browser_that_cant_open_the_socket_is_shown_what_it_needs(match, chromium):
     nothing_plays = served(match, plays=False, audio="host")
     with nothing_plays as server, page_of(server, chromium) as (tab, _):
         says(tab, "link", "--cert")

@@ -182,7 +182,7 @@ def test_of_rows_of_one_time_the_last_with_a_value_counts(tmp_path: Path) -> Non
     assert noted(timeline, "2 rows repeat a time")
 
 
-def test_several_series_below_each_other_are_asked_about_and_told_apart(tmp_path: Path) -> None:
+def test_several_series_below_each_other_are_asked_about_and_distinguished(tmp_path: Path) -> None:
     text = "date,half,symbol,price\n" + "".join(
         f"2020-01-{day:02d},{'ab'[day % 2]},{name},{day * factor}\n"
         for day in range(1, 6)
@@ -206,7 +206,7 @@ def test_a_file_larger_than_the_limit_is_refused_and_the_limit_can_be_raised(
     assert len(values(load(tmp_path, text, max_mb=2.0))) == 28
 
 
-def test_progress_is_told_from_0_to_1(tmp_path: Path) -> None:
+def test_progress_is_reported_from_0_to_1(tmp_path: Path) -> None:
     parts: list[float] = []
     load(tmp_path, DAILY, progress=parts.append)
     assert parts

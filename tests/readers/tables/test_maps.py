@@ -46,7 +46,7 @@ def test_what_is_mapped(tmp_path: Path, wish: str, expected: list[float]) -> Non
     assert [e.label for e in timeline.events if e.kind == "highest"] == ["highest 18, 2019-01-05"]
 
 
-def test_a_price_changes_in_per_cent_unless_told_otherwise(tmp_path: Path) -> None:
+def test_a_price_changes_in_per_cent_unless_asked_otherwise(tmp_path: Path) -> None:
     text = daily(LEVEL, "price")
     assert values(load(tmp_path, text, map="change"))[4] == pytest.approx(100.0)
     timeline = load(tmp_path, text, map="change:difference")

@@ -70,7 +70,7 @@ def test_what_is_no_number_is_none(text: str) -> None:
         (["12"], None),
     ],
 )
-def test_the_decimal_mark_is_told_by_cells_in_which_it_can_be_only_one(
+def test_the_decimal_mark_is_detected_by_cells_in_which_it_can_be_only_one(
     cells: list[str], mark: str | None
 ) -> None:
     assert detected_style(cells) == (None if mark is None else Style(mark))
@@ -81,7 +81,7 @@ def test_one_number_of_thousands_does_not_turn_a_column_of_commas(tmp_path: Path
     assert values(load(tmp_path, text)) == [1.5, 2.25, 1002.125]
 
 
-def test_a_comma_that_nothing_tells_is_decimal_where_semicolons_separate(tmp_path: Path) -> None:
+def test_a_comma_that_nothing_decides_is_decimal_where_semicolons_separate(tmp_path: Path) -> None:
     text = "date;level\n2020-01-01;1,500\n2020-01-02;2,250\n"
     assert values(load(tmp_path, text)) == [1.5, 2.25]
     text = 'date,level\n2020-01-01,"1,500"\n2020-01-02,"2,250"\n'

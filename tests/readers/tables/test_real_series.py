@@ -71,7 +71,7 @@ def test_a_closing_price_with_splits_is_pointed_out_and_its_crash_is_none(
 
 
 @pytest.mark.parametrize("left", ["Date,Close", "Date,Open,Close", "Date,Open,Close,Volume"])
-def test_splits_are_told_from_the_crash_without_an_adjusted_column(
+def test_splits_are_distinguished_from_the_crash_without_an_adjusted_column(
     data_folder: Path, tmp_path: Path, left: str
 ) -> None:
     rows = (data_folder / "stocks" / "bokeh_AAPL.csv").read_text().splitlines()

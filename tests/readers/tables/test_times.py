@@ -57,7 +57,7 @@ def series(cells: list[str], header: str = "date") -> str:
         (["0:00:10", "0:01:10", "1:00:10"], None, [0, 60, 3600]),
     ],
 )  # fmt: skip
-def test_times_are_told_by_how_they_are_written(
+def test_times_are_detected_by_how_they_are_written(
     tmp_path: Path, cells: list[str], start: datetime | None, seconds: list[float]
 ) -> None:
     timeline = load(tmp_path, series(cells, "time"))
@@ -69,7 +69,7 @@ def test_times_are_told_by_how_they_are_written(
         assert timeline.start.utcoffset() == start.utcoffset()
 
 
-def test_the_day_of_dates_with_slashes_is_told_by_a_part_above_12(tmp_path: Path) -> None:
+def test_the_day_of_dates_with_slashes_is_detected_by_a_part_above_12(tmp_path: Path) -> None:
     cells = [f"{day}/01/2020" for day in range(1, 32)]
     timeline = load(tmp_path, series(cells))
     assert timeline.start == datetime(2020, 1, 1)
@@ -77,7 +77,7 @@ def test_the_day_of_dates_with_slashes_is_told_by_a_part_above_12(tmp_path: Path
     assert "over 'date' (dates d/m/y)" in timeline.provenance
 
 
-def test_a_day_that_tells_may_come_after_thousands_of_rows(tmp_path: Path) -> None:
+def test_a_day_that_decides_may_come_after_thousands_of_rows(tmp_path: Path) -> None:
     begin = datetime(2020, 1, 1)
     moments = [begin + timedelta(minutes=5 * i) for i in range(12 * 24 * 14)]
     cells = [f"{m.day}/{m.month}/{m.year} {m:%H:%M}" for m in moments]
@@ -87,7 +87,7 @@ def test_a_day_that_tells_may_come_after_thousands_of_rows(tmp_path: Path) -> No
     assert timeline.duration_s == (moments[-1] - begin).total_seconds()
 
 
-def test_the_order_of_rows_tells_day_from_month_where_no_part_does(tmp_path: Path) -> None:
+def test_the_order_of_rows_distinguishes_day_and_month_where_no_part_does(tmp_path: Path) -> None:
     cells = ["10/01/2020", "11/01/2020", "12/01/2020", "01/02/2020", "02/02/2020"]
     timeline = load(tmp_path, series(cells))
     assert timeline.start == datetime(2020, 1, 10)
@@ -113,7 +113,7 @@ def test_a_date_that_fits_both_is_asked_about_and_can_be_given(
         assert load(tmp_path, text, time=wish).start == start
 
 
-def test_plain_times_may_be_told_their_unit(tmp_path: Path) -> None:
+def test_plain_times_may_be_given_their_unit(tmp_path: Path) -> None:
     text = series(["0", "1", "2", "3"], "step")
     assert times(load(tmp_path, text, time="step")) == [0, 1, 2, 3]
     assert times(load(tmp_path, text, time="step:ms")) == [0, 0.001, 0.002, 0.003]
@@ -123,7 +123,7 @@ def test_plain_times_may_be_told_their_unit(tmp_path: Path) -> None:
     assert times(load(tmp_path, series(["1", "3"], "minutes"))) == [0, 120]
 
 
-def test_large_numbers_may_be_told_to_be_seconds(tmp_path: Path) -> None:
+def test_large_numbers_may_be_declared_seconds(tmp_path: Path) -> None:
     text = series(["1348047000", "1348047001"], "t")
     assert load(tmp_path, text).start is not None
     timeline = load(tmp_path, text, time="t:s")
