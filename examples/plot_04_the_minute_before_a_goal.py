@@ -21,9 +21,10 @@ figure, axes = plt.subplots(figsize=(8, 2.2), layout="constrained")
 for height, kind in enumerate(minute.kinds()):
     times = [event.time_s for event in minute.events if event.kind == kind]
     axes.plot(times, [height] * len(times), "|", markersize=16)
+axes.margins(y=0.4)
 axes.set_yticks(range(len(minute.kinds())), list(minute.kinds()))
 axes.set(xlabel="seconds of the window")
-axes.set_title("Touches, one by one, of the minute that ends with the goal")
+axes.set_title("Touches, one by one, of the minute about the goal")
 
 # %%
 # An eight-second sweep over that minute:

@@ -69,6 +69,7 @@ def travel(f64, i64, start, frames):
         y1, y2 = smooth(target, y1, y2, smoothing)
         friction = friction_at(f64, table, x + half)
         moved = abs(y2 - was)
+        # `clutch.follow_hand` as a branch, which costs this loop less than selecting
         if least < moved < most:
             pace = pace + pacing * (moved - pace)
         stretch = y2 * hold - x

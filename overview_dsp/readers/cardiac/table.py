@@ -1,19 +1,13 @@
-"""Cardiac tables: beats, intervals or a sampled signal, as CSV.
-
-ECG and pulse waves as tables of samples (CSV, TSV, columns of numbers).
+"""ECG and pulse waves as tables of samples (CSV, TSV, columns of numbers).
 
 Claimed if `rate` is given (50 a second or more), or a column is called like an ECG lead or a pulse
 wave and a column of times shows 50 samples a second or more. (A series of numbers with times, also
 of heart rates, is no such signal.) Times may be seconds, milliseconds or microseconds, clock times
 or ISO dates; what lies between them decides the rate, and a hole between them is a gap.
 
-Tables of samples as text: what separates their columns, what the columns are called and mean.
-
 Known quirks: no header; a second row of units (PhysioNet's `rdsamp -c -v`), names in single quotes,
 a column that counts the samples, decimal commas where semicolons or tabs separate, comment lines
-(`#`, `%`), columns separated by blanks.
-
-The columns of a table of samples, read line by line in bounded memory.
+(`#`, `%`), columns separated by blanks. Columns are read line by line in bounded memory.
 """
 
 from __future__ import annotations

@@ -1,14 +1,9 @@
-"""The words and numbers of a table's cells.
+"""Cells of a table: numbers in any way of writing, words for a missing value, labels.
 
-Cells into float64, by one way of writing numbers for the whole file.
-
-Decimal point or comma, thousands in groups of three, a currency sign, a per cent sign or a unit
-after the number, K, M and B for thousand, million and milliard (10^9), brackets for less than zero.
-Which of point and comma is the decimal mark is detected from cells in which only one can be.
-
-Which cells say that there is no value.
-
-Values and times as a person reads them in a label.
+Numbers have a decimal point or comma, thousands in groups of three, a currency sign, a per cent
+sign or a unit after the number, K, M and B for thousand, million and milliard (10^9), brackets for
+less than zero. One way holds for a whole file; which of point and comma is the decimal mark is
+detected from cells in which only one can be.
 """
 
 from __future__ import annotations

@@ -1,25 +1,18 @@
-"""Rules that find events in a series.
+"""Rules that find events in a series: crossings, peaks and troughs, ticks of the calendar.
 
-Crossings of round levels, with hysteresis.
+Crossings are of one to three round numbers (1, 2, 2.5 or 5 times a power of ten apart), those
+nearest to the middle of the series' central 80 %. A level is crossed when the series, having been
+more than the hysteresis below it, gets more than that above it (or the reverse); the event is at
+the first sample past the level on that way. The hysteresis is 3 % of the central range, and
+doubles, up to 24 %, while there are more than `MOST_CROSSINGS` crossings; if there still are, only
+the middle level is kept, and none if that isn't enough.
 
-Levels are the one to three round numbers (1, 2, 2.5 or 5 times a power of ten apart) nearest to the
-middle of the series' central 80 %. A level is crossed when the series, having been more than the
-hysteresis below it, gets more than that above it (or the reverse); the event is at the first sample
-past the level on that way. The hysteresis is 3 % of the central range, and doubles, up to 24 %,
-while there are more than `MOST_CROSSINGS` crossings; if there still are, only the middle level is
-kept, and none if that isn't enough.
+Peaks and troughs count by prominence: how far one must go down from a peak on the way to higher
+ground (or to the end of the series), the smaller of both sides. A long series is searched by its
+lowest and highest samples.
 
-Peaks and troughs by prominence, in linear time.
-
-The prominence of a peak is how far one must go down from it on the way to higher ground (or to the
-end of the series), the smaller of both sides.
-
-Long series by their lowest and highest samples: few enough to find events among.
-
-Ticks of the calendar, so that a hand knows where it is.
-
-The finest of century, decade, year, month, week, day, hour, quarter of an hour and minute that
-gives at most `MOST_TICKS` ticks; one that begins a coarser span too is a tick of that (1 January:
+Ticks are the finest of century, decade, year, month, week, day, hour, quarter of an hour and minute
+that gives at most `MOST_TICKS`; one that begins a coarser span too is a tick of that (1 January:
 `year`), but weeks stay weeks. Series without a calendar get hours, minutes and so on from their
 beginning.
 """

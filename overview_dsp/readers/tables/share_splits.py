@@ -1,6 +1,4 @@
-"""Share splits: found in prices and taken out of them.
-
-Share splits in prices that weren't adjusted for them: a jump that is none of the share's worth.
+"""Share splits in prices that weren't adjusted for them: a jump that is none of the share's worth.
 
 Where an adjusted column is there, it decides: the factor between it and the price jumps at a split
 (and a little at a dividend), and at nothing else. A step of at least a fifth whose factor jumps as
@@ -15,7 +13,7 @@ Without one, a step counts as a split only if all of these hold
 - it lasts: the median of ten samples after it is nearer to the new price than to the old one;
 - it isn't a day of alarm: price times volume stays below 3 times the median of the 20 days before.
 
-What a table of prices (open, high, low, close, volume, adjusted close) looks like.
+A table of prices has a close, and an open, high or low; it may have volume and an adjusted close.
 """
 
 from __future__ import annotations

@@ -1,12 +1,8 @@
-"""Tables as CSV.
+"""CSV, TSV and their relatives as a table, streamed: the file's size doesn't matter.
 
-CSV, TSV and their relatives as a table, streamed: the file's size doesn't matter.
-
-How a text file holds a table, detected from its head.
-
-Fields are separated by commas, semicolons, tabs, bars or blanks. There may be lines before the
-table, a header, a row of units below it, and comment lines that begin with `#` (the last of which
-may be the header).
+The layout is detected from the file's head. Fields are separated by commas, semicolons, tabs, bars
+or blanks. There may be lines before the table, a header, a row of units below it, and comment lines
+that begin with `#` (the last of which may be the header).
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Tables as JSON and as JSON lines.
+"""JSON as a table: the series with the most rows that its document holds.
 
-JSON as a table: the series with the most rows that its document holds (`json_shapes`).
-
-The shapes in which a JSON document holds a series.
+The shapes that are read:
 
 - a list of records: `[{"date": "2012-09-19", "close": 702.1}, ...]`
 - columns: `{"time": [...], "temperature_2m": [...]}`
@@ -13,8 +11,6 @@ The shapes in which a JSON document holds a series.
 
 wherever in the document such a table lies. Units from a neighbour `NAME_units` (`{"hourly": {...},
 "hourly_units": {...}}`) are taken.
-
-JSON lines as a table: one object a line, streamed.
 """
 
 from __future__ import annotations
