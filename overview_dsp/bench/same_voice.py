@@ -17,7 +17,10 @@ CONTROL = np.dtype([("sample", np.int64), ("touching", np.int64), ("theta2", np.
 _COLUMNS = (
     layout.SLOT_TABLE,
     None,  # the number of events
-    layout.SLOT_POSITION,
+    layout.SLOT_LOWER,
+    layout.SLOT_LOWER_EVENT,
+    layout.SLOT_UPPER,
+    layout.SLOT_UPPER_EVENT,
     layout.SLOT_RELEASE,
     layout.SLOT_KIND,
     layout.KIND_MODES,

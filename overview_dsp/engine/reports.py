@@ -73,11 +73,15 @@ def read_arrival(memory: NDArray[np.float64]) -> int | None:
     if still == 0 or not i64[layout.TOUCHING]:
         return None
     slot = layout.SURFACES + int(i64[layout.ACTIVE_SLOT]) * layout.SLOT_SIZE
-    positions = memory[slot + layout.SLOT_POSITION :][: int(i64[slot + layout.SLOT_EVENTS])]
-    below = int(np.searchsorted(positions, memory[layout.INPUT], side="right"))
-    # friction that sticks may hold the disk before an event for ever
-    if below != i64[layout.NEXT_EVENT] and i64[slot + layout.SLOT_MODELS] == 0:
-        return None
+    for edge, following in (
+        (layout.SLOT_LOWER, layout.NEXT_LOWER),
+        (layout.SLOT_UPPER, layout.NEXT_UPPER),
+    ):
+        edges = memory[slot + edge :][: int(i64[slot + layout.SLOT_EVENTS])]
+        below = int(np.searchsorted(edges, memory[layout.INPUT], side="right"))
+        # friction that sticks may hold the disk before an event for ever
+        if below != i64[following] and i64[slot + layout.SLOT_MODELS] == 0:
+            return None
     since = int(i64[layout.CLOCK]) - still
     strikes = int(i64[layout.M_STRIKES])
     if strikes == 0:

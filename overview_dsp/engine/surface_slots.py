@@ -25,11 +25,18 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     base = layout.SURFACES + slot * layout.SLOT_SIZE
     table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
     _write_table(table, surface.friction)
-    position = np.concatenate([surface.position, surface.texture_strikes.position])
     order = _strike_order(surface)
     count = len(order)
     w[base + layout.SLOT_EVENTS] = count
-    m[base + layout.SLOT_POSITION :][:count] = position[order] * layout.CELLS
+    crests = surface.texture_strikes.position
+    edges = np.concatenate([surface.edges, np.stack([crests, crests], axis=1)])[order]
+    for side, edge, event in (
+        (0, layout.SLOT_LOWER, layout.SLOT_LOWER_EVENT),
+        (1, layout.SLOT_UPPER, layout.SLOT_UPPER_EVENT),
+    ):
+        ascending = np.argsort(edges[:, side], kind="stable")
+        m[base + edge :][:count] = edges[ascending, side] * layout.CELLS
+        w[base + event :][:count] = ascending
     release = np.concatenate([surface.release, surface.texture_strikes.release])
     m[base + layout.SLOT_RELEASE :][:count] = release[order]
     own = np.full(len(surface.texture_strikes.position), layout.MAX_KINDS)

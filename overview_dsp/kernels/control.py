@@ -96,13 +96,16 @@ def apply_control(f64, i64, source, theta2, touching):
 
 
 @inlined
-def events_below(f64, i64, slot, position):
-    """How many events of a slot lie at or below `position` (cells): binary search."""
+def edges_below(f64, i64, slot, edges, position):
+    """How many edges of a slot's events lie at or below `position` (cells): binary search.
+
+    `edges` is `layout.SLOT_LOWER` or `layout.SLOT_UPPER`.
+    """
     low = 0
     high = i64[slot + layout.SLOT_EVENTS]
     while low < high:
         middle = (low + high) // 2
-        if f64[slot + layout.SLOT_POSITION + middle] <= position:
+        if f64[slot + edges + middle] <= position:
             low = middle + 1
         else:
             high = middle
@@ -121,9 +124,10 @@ def apply_host(f64, i64, what, value):
         store_release(i64, layout.FADING_SLOT, i64[layout.ACTIVE_SLOT])
         store_release(i64, layout.ACTIVE_SLOT, int(value))
         i64[layout.FADE_LEFT] = i64[layout.S_FADE]
-        i64[layout.NEXT_EVENT] = events_below(
-            f64, i64, layout.SURFACES + int(value) * layout.SLOT_SIZE, f64[layout.X]
-        )
+        slot = layout.SURFACES + int(value) * layout.SLOT_SIZE
+        x = f64[layout.X]
+        i64[layout.NEXT_LOWER] = edges_below(f64, i64, slot, layout.SLOT_LOWER, x)
+        i64[layout.NEXT_UPPER] = edges_below(f64, i64, slot, layout.SLOT_UPPER, x)
     elif what == layout.COMMAND_RELEASE_RETURNS:
         i64[layout.S_RELEASE_RETURNS] = int(value)
 

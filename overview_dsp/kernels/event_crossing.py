@@ -1,4 +1,7 @@
-"""The events that the disk passes: which lie next above and below it, and their strikes.
+"""The events that the disk enters: the edges next above and below it, and their strikes.
+
+An event is struck where the disk enters it, as the knock that is felt begins there: at its lower
+edge upwards, at its upper edge downwards. Leaving it is silent.
 
 Thread: audio.
 """
@@ -10,45 +13,68 @@ from overview_dsp.kernels.click import strike
 from overview_dsp.kernels.compiling import inlined, outlined
 
 FAR = 1e300  # cells: beyond any position
-RETREAT = 1e-6  # cells: how far the disk must go back before an event counts as passed again
+RETREAT = 1e-6  # cells: how far the disk must go back before an edge counts as passed again
 
 
 @inlined
-def event_above(f64, i64):
-    """The position (cells) from which on the next event of the active surface is passed upwards."""
-    slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
-    following = i64[layout.NEXT_EVENT]
-    if following < i64[slot + layout.SLOT_EVENTS]:
-        return f64[slot + layout.SLOT_POSITION + following]
+def edge_above(f64, i64, slot, edges, following):
+    """The position (cells) from which on the edge in column `following` is passed upwards."""
+    number = i64[following]
+    if number < i64[slot + layout.SLOT_EVENTS]:
+        return f64[slot + edges + number]
     return FAR
 
 
 @inlined
-def event_below(f64, i64):
-    """The position (cells) below which the last event is passed again, downwards."""
-    slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
-    following = i64[layout.NEXT_EVENT]
-    if following > 0:
-        return f64[slot + layout.SLOT_POSITION + following - 1] - RETREAT
+def edge_below(f64, i64, slot, edges, following):
+    """The position (cells) below which the edge before that is passed again, downwards."""
+    number = i64[following]
+    if number > 0:
+        return f64[slot + edges + number - 1] - RETREAT
     return -FAR
+
+
+@inlined
+def event_above(f64, i64):
+    """The position (cells) from which on the next edge of the active surface is passed upwards."""
+    slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
+    return min(
+        edge_above(f64, i64, slot, layout.SLOT_LOWER, layout.NEXT_LOWER),
+        edge_above(f64, i64, slot, layout.SLOT_UPPER, layout.NEXT_UPPER),
+    )
+
+
+@inlined
+def event_below(f64, i64):
+    """The position (cells) below which the last edge is passed again, downwards."""
+    slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
+    return max(
+        edge_below(f64, i64, slot, layout.SLOT_LOWER, layout.NEXT_LOWER),
+        edge_below(f64, i64, slot, layout.SLOT_UPPER, layout.NEXT_UPPER),
+    )
 
 
 @outlined
 def pass_events(f64, i64, n, was):
-    """Strike every event between the position `was` (cells) before sample n and the disk's."""
+    """Strike every event entered between the position `was` (cells) before sample n and now."""
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     x = f64[layout.X]
     approach = f64[layout.APPROACH]
     speed = abs(f64[layout.D_OMEGA + n])
     sample = i64[layout.CLOCK] + n
-    above = event_above(f64, i64)
-    while x >= above:
-        fraction = (above - was) / (x - was)
-        strike(f64, i64, slot, i64[layout.NEXT_EVENT], approach, speed, sample, fraction)
-        i64[layout.NEXT_EVENT] += 1
-        above = event_above(f64, i64)
-    while x < event_below(f64, i64):
-        i64[layout.NEXT_EVENT] -= 1
-        above = event_above(f64, i64)
-        fraction = (was - above) / (was - x) if was > above else 0.0
-        strike(f64, i64, slot, i64[layout.NEXT_EVENT], approach, speed, sample, fraction)
+    edge = edge_above(f64, i64, slot, layout.SLOT_LOWER, layout.NEXT_LOWER)
+    while x >= edge:
+        event = i64[slot + layout.SLOT_LOWER_EVENT + i64[layout.NEXT_LOWER]]
+        strike(f64, i64, slot, event, approach, speed, sample, (edge - was) / (x - was))
+        i64[layout.NEXT_LOWER] += 1
+        edge = edge_above(f64, i64, slot, layout.SLOT_LOWER, layout.NEXT_LOWER)
+    while x < edge_below(f64, i64, slot, layout.SLOT_LOWER, layout.NEXT_LOWER):
+        i64[layout.NEXT_LOWER] -= 1
+    while x >= edge_above(f64, i64, slot, layout.SLOT_UPPER, layout.NEXT_UPPER):
+        i64[layout.NEXT_UPPER] += 1
+    while x < edge_below(f64, i64, slot, layout.SLOT_UPPER, layout.NEXT_UPPER):
+        i64[layout.NEXT_UPPER] -= 1
+        edge = edge_above(f64, i64, slot, layout.SLOT_UPPER, layout.NEXT_UPPER)
+        event = i64[slot + layout.SLOT_UPPER_EVENT + i64[layout.NEXT_UPPER]]
+        fraction = (was - edge) / (was - x) if was > edge else 0.0
+        strike(f64, i64, slot, event, approach, speed, sample, fraction)

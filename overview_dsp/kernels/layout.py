@@ -109,7 +109,8 @@ STATE = column(32)
     TOUCHING,  # i64: 1 = shaft 2 engaged
     HOLDER,  # i64: source that holds the disk, -1 = none
     TOUCH_COUNT,  # i64: engagements so far: who touched last
-    NEXT_EVENT,  # i64: events of the active surface below the disk
+    NEXT_LOWER,  # i64: lower edges of the active surface's events at or below the disk
+    NEXT_UPPER,  # i64: upper edges
     ACTIVE_SLOT,  # i64
     FADING_SLOT,  # i64: slot faded from, -1 = none
     FADE_LEFT,  # i64: samples left of the crossfade
@@ -129,7 +130,7 @@ STATE = column(32)
     BRISTLE_STIFFNESS,  # of the bristles deflected, N m/rad
     SLIP_PEAK,  # highest |torque| of the bristles since they stuck, N m; -1 = they slide
     PACE,  # of the hand, cells a sample
-) = range(STATE, STATE + 30)
+) = range(STATE, STATE + 31)
 SOURCE_TOUCHING = column(SOURCES)  # i64: of each source
 SOURCE_TOUCHED_AT = column(SOURCES)  # i64: TOUCH_COUNT when it last touched
 SOURCE_THETA2 = column(SOURCES)  # rad
@@ -290,7 +291,10 @@ SLOT_END_DAMPING = slot(1)  # N m s/rad
 SLOT_HOLD = slot(1)  # the most that bristles and detents hold the disk with anywhere, N m
 slot(3)  # unused
 SLOT_TABLE = slot(2 * (CELLS + 1))  # friction and its slope to the next point, interleaved
-SLOT_POSITION = slot(MAX_EVENTS)  # where each event strikes, cells, ascending
+SLOT_LOWER = slot(MAX_EVENTS)  # where events are struck upwards, cells, ascending
+SLOT_LOWER_EVENT = slot(MAX_EVENTS)  # i64: which event that is
+SLOT_UPPER = slot(MAX_EVENTS)  # where events are struck downwards, cells, ascending
+SLOT_UPPER_EVENT = slot(MAX_EVENTS)  # i64
 SLOT_RELEASE = slot(MAX_EVENTS)  # friction that lets go there, N m s/rad
 SLOT_KIND = slot(MAX_EVENTS)  # i64: kind of each event
 KIND_MODES = slot(BANKS)  # i64: modes of each kind

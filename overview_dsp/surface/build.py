@@ -9,8 +9,11 @@ is drowned in a sum and each stays findable; every event keeps a strike of its o
 A kind whose events lie denser than its `spacing_percent` is left out as a whole: a thousand beats
 of a heart would be one blur. A window that spreads them brings them up.
 
-An event strikes at its position. One nearer than half its width to an end of the timeline strikes
-half its width from that end, where its profile lets the disk go: a hand can pass it there.
+An event of viscous friction strikes where the disk enters its span, as what the finger feels of
+it begins there; one of bristles, a detent or a stop at its position, where that lets go; a ramp,
+which rises in both signals, at its top. An event's position is its time's, or half its width from
+an end of the timeline that is nearer than that; where its span reaches an end, the disk that starts
+from there strikes it at its position.
 """
 
 from __future__ import annotations
@@ -39,7 +42,7 @@ from overview_dsp.surface.detents import (
 )
 from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.model import Surface
-from overview_dsp.surface.profiles import bumps, profile, span
+from overview_dsp.surface.profiles import bumps, entries, profile, span
 from overview_dsp.surface.thinning import thin_events
 
 if TYPE_CHECKING:
@@ -59,6 +62,7 @@ class _Placed:
     event: NDArray[np.int64]
     centre: NDArray[np.float64]
     position: NDArray[np.float64]
+    edges: NDArray[np.float64]
     release: NDArray[np.float64]
     kind: NDArray[np.int64]
     span: NDArray[np.float64]
@@ -72,6 +76,7 @@ class _Placed:
             event=event,
             centre=times / timeline.duration_s * CELLS,
             position=np.zeros(count),
+            edges=np.zeros((count, 2)),
             release=np.zeros(count),
             kind=np.zeros(count, dtype=np.int64),
             span=np.zeros((count, 2)),
@@ -198,6 +203,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     return Surface(
         friction=under.friction + layers.raised,
         position=placed.position[order] / CELLS,
+        edges=placed.edges[order] / CELLS,
         release=placed.release[order],
         kind=placed.kind[order],
         event=felt[order],
@@ -267,6 +273,12 @@ def _place(
     # past an end the look-up stays at the end, and with it in the event
     placed.span[members, 0] = np.where(centre + first > 0.0, centre + first, -math.inf)
     placed.span[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
+    own = np.stack([position, position], axis=1)
+    if kind.model == "viscous":
+        entry = np.array(entries(shape, width, points))
+        entered = np.isfinite(placed.span[members]) & (entry != 0.0)
+        own = np.where(entered, centre[:, None] + entry, own)
+    placed.edges[members] = own
 
 
 def _thinned(

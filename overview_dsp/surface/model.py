@@ -27,7 +27,10 @@ class Surface:
     friction : float64 (cells + 1,)
         B at equal steps of the surface angle phi from 0 to pi, N m s/rad; > 0.
     position : float64 (events,)
-        Cursor (0..1) at which each event strikes, ascending.
+        Cursor (0..1) at which each event lies, ascending.
+    edges : float64 (events, 2)
+        Cursor at which the disk strikes it upwards and downwards: where its span is entered, if
+        its friction is viscous.
     release : float64 (events,)
         Friction that lets go there, N m s/rad.
     kind : int64 (events,)
@@ -71,6 +74,7 @@ class Surface:
 
     friction: NDArray[np.float64]
     position: NDArray[np.float64]
+    edges: NDArray[np.float64]
     release: NDArray[np.float64]
     kind: NDArray[np.int64]
     event: NDArray[np.int64]

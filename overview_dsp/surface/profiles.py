@@ -126,6 +126,19 @@ def span(shape: str, width: float, points: Points = ()) -> tuple[float, float]:
     return first * width, last * width
 
 
+def entries(shape: str, width: float, points: Points = ()) -> tuple[float, float]:
+    """Where a disk that comes from below, and one from above, meets the profile.
+
+    Distances from the event: the ends of its span; 0 for the top of a ramp that it climbs.
+    """
+    first, last = span(shape, width, points)
+    if not points and shape == "ramp_up":
+        return 0.0, last
+    if not points and shape == "ramp_down":
+        return first, 0.0
+    return first, last
+
+
 def bumps(
     shape: str, points: Points, width: float, centre: Array, height: Array, cells: int
 ) -> Iterator[tuple[int, int, Array]]:

@@ -333,7 +333,7 @@ def denormal(values):
 
 
 INTEGER_COLUMNS = {
-    layout.CLOCK, layout.TOUCHING, layout.HOLDER, layout.TOUCH_COUNT, layout.NEXT_EVENT,
+    layout.CLOCK, layout.TOUCHING, layout.HOLDER, layout.TOUCH_COUNT, layout.NEXT_LOWER, layout.NEXT_UPPER,
     layout.ACTIVE_SLOT, layout.FADING_SLOT, layout.FADE_LEFT, layout.NOISE, layout.RINGING,
 }  # fmt: skip
 

@@ -41,8 +41,8 @@ def glide_all(f64, i64):
 
 
 @numba.njit
-def events_below(f64, i64, slot, position):
-    return control.events_below(f64, i64, slot, position)
+def edges_below(f64, i64, slot, edges, position):
+    return control.edges_below(f64, i64, slot, edges, position)
 
 
 # smaller ones are the start: a test of their own
@@ -284,21 +284,23 @@ def test_every_coefficient_that_glides_is_counted():
 
 
 @given(st.lists(st.integers(0, 20), max_size=12), st.floats(-1.0, 21.0))
-def test_the_events_below_a_position_are_found_by_bisection(positions, at):
+def test_the_edges_below_a_position_are_found_by_bisection(positions, at):
     block = Block()
     slot = layout.SURFACES + layout.SLOT_SIZE
     block.i64[slot + layout.SLOT_EVENTS] = len(positions)
-    block.f64[slot + layout.SLOT_POSITION :][: len(positions)] = sorted(positions)
-    for place in (at, float(round(at))):
-        expected = np.searchsorted(sorted(positions), place, side="right")
-        assert events_below(block.f64, block.i64, slot, place) == expected
+    for edges in (layout.SLOT_LOWER, layout.SLOT_UPPER):
+        block.f64[slot + edges :][: len(positions)] = sorted(positions)
+        for place in (at, float(round(at))):
+            expected = np.searchsorted(sorted(positions), place, side="right")
+            assert edges_below(block.f64, block.i64, slot, edges, place) == expected
 
 
 def test_another_surface_fades_in_with_the_disk_among_its_events():
     block = Block()
     slot = layout.SURFACES + 2 * layout.SLOT_SIZE
     block.i64[slot + layout.SLOT_EVENTS] = 4
-    block.f64[slot + layout.SLOT_POSITION :][:4] = [100.0, 200.0, 300.0, 400.0]
+    block.f64[slot + layout.SLOT_LOWER :][:4] = [90.0, 190.0, 290.0, 390.0]
+    block.f64[slot + layout.SLOT_UPPER :][:4] = [110.0, 210.0, 310.0, 410.0]
     block.i64[layout.ACTIVE_SLOT] = 1
     block.f64[layout.X] = 300.0
     block.queues.push([(layout.COMMAND_SURFACE, 2.0)], 0)
@@ -306,7 +308,8 @@ def test_another_surface_fades_in_with_the_disk_among_its_events():
     assert block.i64[layout.FADING_SLOT] == 1
     assert block.i64[layout.ACTIVE_SLOT] == 2
     assert block.i64[layout.FADE_LEFT] == 5
-    assert block.i64[layout.NEXT_EVENT] == 3
+    assert block.i64[layout.NEXT_LOWER] == 3
+    assert block.i64[layout.NEXT_UPPER] == 2
 
 
 def test_commands_are_no_coefficients_and_what_is_neither_does_nothing():

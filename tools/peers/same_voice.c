@@ -47,7 +47,11 @@ _Static_assert(sizeof(Mode) == 8 * MODE_SIZE, "Mode");
 typedef struct {
     const double *table; /* pairs of friction and its slope, CELLS + 1 of them */
     int64_t events;
-    const double *place, *release;
+    const double *lower; /* edges of events, ascending, and whose they are */
+    const int64_t *lower_event;
+    const double *upper;
+    const int64_t *upper_event;
+    const double *release;
     const int64_t *kind;
     const int64_t *modes, *ring; /* [BANKS] */
     const Mode *mode; /* [BANKS * MAX_MODES] */
@@ -69,7 +73,7 @@ typedef struct {
 } Bank;
 
 typedef struct {
-    int64_t clock, touching, following, strikes, sounded[CONTACT], ringing, ringing_kind[BANKS];
+    int64_t clock, touching, next_lower, next_upper, strikes, sounded[CONTACT], ringing, ringing_kind[BANKS];
     uint64_t noise;
     double x, v, input, smooth_1, smooth_2, approach, phase, pace;
     double follower, envelope_1, envelope_2, tactor_in, tactor_out;
@@ -323,6 +327,39 @@ static inline double friction_at(const Surface *surface, double ahead) {
     return surface->table[2 * i] + (ahead - (double)i) * surface->table[2 * i + 1];
 }
 
+/* Where the next edge is passed upwards, and the last one again downwards. */
+static double edge_above(const double *edges, int64_t count, int64_t next) {
+    return next < count ? edges[next] : FAR_AWAY;
+}
+
+static double edge_below(const double *edges, int64_t next) {
+    return next > 0 ? edges[next - 1] - RETREAT : -FAR_AWAY;
+}
+
+static double least(double a, double b) { return a < b ? a : b; }
+
+static double greatest(double a, double b) { return a > b ? a : b; }
+
+/* Strike every event entered between `was` and x: kernels/event_crossing.py */
+static void pass_events(Voice *voice, const Coefficients *c, const Surface *surface, double x,
+                        double was, double approach, int64_t sample) {
+    int64_t count = surface->events;
+    double edge = edge_above(surface->lower, count, voice->next_lower);
+    while (x >= edge) {
+        int64_t event = surface->lower_event[voice->next_lower++];
+        strike(voice, c, surface, event, approach, sample, (edge - was) / (x - was));
+        edge = edge_above(surface->lower, count, voice->next_lower);
+    }
+    while (x < edge_below(surface->lower, voice->next_lower)) voice->next_lower--;
+    while (x >= edge_above(surface->upper, count, voice->next_upper)) voice->next_upper++;
+    while (x < edge_below(surface->upper, voice->next_upper)) {
+        voice->next_upper--;
+        edge = surface->upper[voice->next_upper];
+        strike(voice, c, surface, surface->upper_event[voice->next_upper], approach, sample,
+               was > edge ? (was - edge) / (was - x) : 0.0);
+    }
+}
+
 static void move(Voice *voice, const Coefficients *c, const Surface *surface, Chunk *chunk,
                  int64_t frames) {
     double x = voice->x, half = 0.5 * voice->v, y1 = voice->smooth_1, y2 = voice->smooth_2;
@@ -330,10 +367,7 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
     double target = voice->input, pace = voice->pace;
     double spring = voice->touching ? c->spring_held : c->spring_free;
     double denominator = c->inertia * (2.0 + 0.5 * spring);
-    int64_t following = voice->following, events = surface->events;
-    const double *place = surface->place;
-    double above = following < events ? place[following] : FAR_AWAY;
-    double below = following > 0 ? place[following - 1] - RETREAT : -FAR_AWAY;
+    double above = -FAR_AWAY, below = FAR_AWAY; /* looked up at the first sample */
 
     for (int64_t n = 0; n < frames; n++) {
         double moved = y2;
@@ -377,19 +411,12 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
         chunk->omega[n] = omega;
         chunk->phase[n] = phase;
 
-        while (x >= above) {
-            double fraction = (above - was) / (x - was);
-            strike(voice, c, surface, following, approach, voice->clock + n, fraction);
-            following += 1;
-            below = above - RETREAT;
-            above = following < events ? place[following] : FAR_AWAY;
-        }
-        while (x < below) {
-            following -= 1;
-            above = place[following];
-            double fraction = was > above ? (was - above) / (was - x) : 0.0;
-            strike(voice, c, surface, following, approach, voice->clock + n, fraction);
-            below = following > 0 ? place[following - 1] - RETREAT : -FAR_AWAY;
+        if (x >= above || x < below) {
+            pass_events(voice, c, surface, x, was, approach, voice->clock + n);
+            above = least(edge_above(surface->lower, surface->events, voice->next_lower),
+                          edge_above(surface->upper, surface->events, voice->next_upper));
+            below = greatest(edge_below(surface->lower, voice->next_lower),
+                             edge_below(surface->upper, voice->next_upper));
         }
     }
     voice->x = x;
@@ -399,7 +426,6 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
     voice->phase = phase;
     voice->approach = approach;
     voice->pace = pace;
-    voice->following = following;
 }
 
 static void shape(const Coefficients *c, Chunk *chunk, int64_t frames) {
