@@ -226,7 +226,8 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
                 0.0,
                 20.0,
                 "x",
-                "Friction added where the intensity curve is at its top, in bare surfaces.",
+                "Friction added where the intensity curve is at its top, in bare surfaces; equal "
+                "steps of the curve on the way there are equal ratios of friction.",
                 surface=True,
             ),
             Parameter(

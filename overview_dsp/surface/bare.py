@@ -1,14 +1,16 @@
 """The surface before any event: friction that follows the curve, its pattern, ribs in the gaps.
 
-    B = friction * (1 + ambience * intensity + pattern_height * pattern)
+    B = friction * ((1 + ambience)**intensity + pattern_height * pattern)
 
-The intensity is the timeline's curve scaled to 0..1; where data is missing there are ribs instead
-(`gap_ribs`). With the model `detent` the pattern is detents in place of friction, as deep as the
-intensity is high, a period's mean; in a gap there are none.
+The intensity is the timeline's curve scaled to 0..1. Equal steps of it are equal ratios of
+friction, which a finger takes for equal steps (Weber's law). Where data is missing there are ribs
+instead (`gaps.ribs`). With the model `detent` the pattern is detents in place of friction, deeper
+where there is more of it (a period's mean); in a gap there are none.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -59,7 +61,7 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
     """
     number = preset.number
     bare, model = number("surface.friction"), preset.values["surface.model"]
-    loud = 1.0 + number("surface.ambience") * timeline.normalised_levels(cells)
+    loud = np.exp(math.log1p(number("surface.ambience")) * timeline.normalised_levels(cells))
     friction = bare * loud
     made_of = str(preset.values["surface.pattern"])
     period = number("surface.pattern_period_percent")

@@ -19,7 +19,7 @@ CELLS = 2000
 PERIOD = 5.0  # percent: 100 cells
 RAMP = ov.Timeline("ramp", 10.0, (), ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 1.0])))
 GAPPED = replace(RAMP, gaps=((2.0, 4.0),))
-LOUD = 1.0 + 2.0 * np.arange(CELLS + 1) / CELLS  # ambience 2
+LOUD = 3.0 ** (np.arange(CELLS + 1) / CELLS)  # ambience 2
 INSIDE = (np.arange(CELLS + 1) >= 400) & (np.arange(CELLS + 1) <= 800)
 
 

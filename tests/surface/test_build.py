@@ -61,12 +61,12 @@ def test_a_bare_surface_is_the_presets_friction_all_over():
     assert len(surface.position) == 0
 
 
-def test_the_intensity_adds_friction_in_proportion():
+def test_equal_steps_of_the_intensity_are_equal_ratios_of_friction():
     curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 1.0]))
     timeline = ov.Timeline("ramp", 10.0, (), curve)
     preset = plain_preset(surface__friction=1e-3, surface__ambience=4.0)
     surface = ov.build_surface(timeline, preset)
-    assert np.allclose(surface.friction, 1e-3 * (1.0 + 4.0 * PLACES), rtol=1e-12)
+    assert np.allclose(surface.friction, 1e-3 * 5.0**PLACES, rtol=1e-12)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
