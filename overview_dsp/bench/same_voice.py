@@ -16,6 +16,8 @@ CONTROL = np.dtype([("sample", np.int64), ("touching", np.int64), ("theta2", np.
 
 _COLUMNS = (
     layout.SLOT_TABLE,
+    layout.SLOT_INTEGRAL,
+    layout.SLOT_STEEP,
     None,  # the number of events
     layout.SLOT_LOWER,
     layout.SLOT_LOWER_EVENT,

@@ -11,6 +11,9 @@ from overview_dsp.surface.bristles import BARE, BristleField
 from overview_dsp.surface.detents import DetentField
 from overview_dsp.surface.model import Surface
 
+STEEP = 0.2
+"""From one cell to the next friction changes by more than this part of the bare surface's."""
+
 _STRIKES = {
     "viscous": layout.STRIKE_BY_APPROACH,
     "bristle": layout.STRIKE_BY_TORQUE,
@@ -25,6 +28,10 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     base = layout.SURFACES + slot * layout.SLOT_SIZE
     table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
     _write_table(table, surface.friction)
+    mean = 0.5 * (surface.friction[1:] + surface.friction[:-1])
+    m[base + layout.SLOT_INTEGRAL] = 0.0
+    m[base + layout.SLOT_INTEGRAL + 1 :][: layout.CELLS] = np.cumsum(mean)
+    w[base + layout.SLOT_STEEP :][: layout.CELLS // layout.STEEP_BLOCK + 1] = _steep(surface)
     order = _strike_order(surface)
     count = len(order)
     w[base + layout.SLOT_EVENTS] = count
@@ -77,6 +84,18 @@ def _strike_order(surface: Surface) -> NDArray[np.int64]:
     """The surface's events, then its texture strikes, in the order of their positions."""
     position = np.concatenate([surface.position, surface.texture_strikes.position])
     return np.argsort(position, kind="stable")
+
+
+def _steep(surface: Surface) -> NDArray[np.bool_]:
+    """Which blocks of cells have a steep edge in them or beside them, within a step's reach."""
+    friction = surface.friction
+    cells = np.flatnonzero(np.abs(np.diff(friction)) > STEEP * friction.min())
+    edges = np.zeros(layout.CELLS // layout.STEEP_BLOCK + 1, dtype=bool)
+    edges[cells // layout.STEEP_BLOCK] = True
+    found = edges.copy()
+    found[1:] |= edges[:-1]
+    found[:-1] |= edges[1:]
+    return found
 
 
 def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> None:

@@ -5,10 +5,16 @@ Thread: audio.
 
 from __future__ import annotations
 
+from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, inlined, outlined
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.kernels.simd.vector import choose, load_pairs
-from overview_dsp.kernels.two_disk import ROUNDS, midpoint_speed
+from overview_dsp.kernels.simd.vector import choose, gather_words, load_pairs
+from overview_dsp.kernels.two_disk import midpoint_speed
+
+ROUNDS = 2  # of Newton's method
+SHORT = 1.0 / 64.0  # cells: over a shorter way B is that in its middle; a difference would round
+INTEGRAL = layout.SLOT_INTEGRAL - layout.SLOT_TABLE  # from a slot's table on
+STEEP = layout.SLOT_STEEP - layout.SLOT_TABLE
 
 
 @inlined
@@ -43,17 +49,68 @@ def friction_between(f64, table, old_table, left, position):
     return friction
 
 
+@inlined
+def integral_at(f64, table, position):
+    """The integral of B from 0 to `position` (cells), N m s/rad cells; beyond an end B stays."""
+    inside = position
+    if not inside > 0.0:
+        inside = 0.0
+    if inside > CELLS:
+        inside = float(CELLS)
+    i = int(inside)
+    part = inside - float(i)
+    at = (table + 2 * i) & NOT_NEGATIVE
+    friction, slope = f64[at], f64[at + 1]
+    whole = f64[table + INTEGRAL + i]
+    beyond = (position - inside) * friction
+    return whole + part * (friction + 0.5 * part * slope) + beyond
+
+
+@inlined
+def integral_between(f64, table, old_table, left, position):
+    """`integral_at` of a surface of which `left` is still that of another table."""
+    integral = integral_at(f64, table, position)
+    if left > 0.0:
+        before = integral_at(f64, old_table, position)
+        integral = integral + (before - integral) * left
+    return integral
+
+
+@inlined
+def is_steep(i64, table, position):
+    """Whether a step about `position` (cells) may cross a steep edge of a table."""
+    if not position > 0.0:
+        position = 0.0
+    if position > CELLS:
+        position = float(CELLS)
+    return i64[(table + STEEP + int(position) // layout.STEEP_BLOCK) & NOT_NEGATIVE] == 1
+
+
+@inlined
+def steep_at(i64, starts, position):
+    """`is_steep` for lanes, 1 or 0: lane i's marks begin at column `i64[starts + i]`."""
+    position = choose(position > 0.0, position, 0.0)
+    position = choose(position > CELLS, float(CELLS), position)
+    return gather_words(i64, i64, starts, position * (1.0 / layout.STEEP_BLOCK))
+
+
 @outlined
-def corrected(f64, table, old_table, left, x, v, stretch, spring, inertia, middle):
-    """B at a step's own midpoint, and its midpoint speed: where `middle` missed the predicted one.
+def mean_friction(f64, table, old_table, left, x, v, stretch, spring, inertia, middle):
+    """B's mean over a step's own way, and its midpoint speed, of which `middle` is a guess.
 
     The tables are as in `friction_between`, the other arguments as in `two_disk`.
     """
     denominator = inertia * (2.0 + 0.5 * spring)
-    friction = 0.0
+    push = inertia * (2.0 * v + spring * stretch)
+    start = integral_between(f64, table, old_table, left, x)
     for _ in range(ROUNDS):
+        end = x + middle
+        taken = integral_between(f64, table, old_table, left, end) - start
+        there = friction_between(f64, table, old_table, left, end)
+        middle = middle - (middle * denominator + taken - push) / (denominator + there)
+    if abs(middle) > SHORT:
+        taken = integral_between(f64, table, old_table, left, x + middle) - start
+        friction = taken / middle
+    else:
         friction = friction_between(f64, table, old_table, left, x + 0.5 * middle)
-        again = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
-        middle = 0.5 * (middle + again)
-    friction = friction_between(f64, table, old_table, left, x + 0.5 * middle)
     return friction, midpoint_speed(v, stretch, spring, inertia, denominator, friction)

@@ -30,6 +30,7 @@ class Columns:
 # Surface table: cells of the whole half turn, CELLS + 1 points. At 16384 the kinks of the linear
 # interpolation, met at 2 cells a sample in a tap, cost the disk 2e-4 rad; here they don't count.
 CELLS = 65536
+STEEP_BLOCK = 32  # cells (a power of two) that share a mark of how B is found there
 MAX_EVENTS = 16384  # of a slot
 MAX_KINDS = 32  # event kinds with clicks of their own
 BANKS = MAX_KINDS + 1  # clicks: of each kind, and of the bare surface (the last)
@@ -291,6 +292,8 @@ SLOT_END_DAMPING = slot(1)  # N m s/rad
 SLOT_HOLD = slot(1)  # the most that bristles and detents hold the disk with anywhere, N m
 slot(3)  # unused
 SLOT_TABLE = slot(2 * (CELLS + 1))  # friction and its slope to the next point, interleaved
+SLOT_INTEGRAL = slot(CELLS + 1)  # friction's integral from 0, N m s/rad cells
+SLOT_STEEP = slot(CELLS // STEEP_BLOCK + 1)  # i64: 1 = a step takes friction's mean over its way
 SLOT_LOWER = slot(MAX_EVENTS)  # where events are struck upwards, cells, ascending
 SLOT_LOWER_EVENT = slot(MAX_EVENTS)  # i64: which event that is
 SLOT_UPPER = slot(MAX_EVENTS)  # where events are struck downwards, cells, ascending

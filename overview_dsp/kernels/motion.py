@@ -11,13 +11,13 @@ from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
 from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
-from overview_dsp.kernels.friction import corrected, friction_between
+from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction
 from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.nonviscous_step import slide
 from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
-from overview_dsp.kernels.two_disk import MISSED, midpoint_speed
+from overview_dsp.kernels.two_disk import midpoint_speed
 from overview_dsp.kernels.viscous import STANDSTILL, snapped, travel
 
 RAD_PER_CELL = 3.141592653589793 / layout.CELLS
@@ -85,8 +85,8 @@ def step(f64, i64, n, old_slot, modelled):
     denominator = inertia * (2.0 + 0.5 * spring)
     to_omega = f64[layout.C_OMEGA]
     middle = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
-    if abs(0.5 * v - 0.5 * middle) > MISSED:
-        friction, middle = corrected(
+    if is_steep(i64, table, ahead) or (left > 0.0 and is_steep(i64, old_table, ahead)):
+        friction, middle = mean_friction(
             f64, table, old_table, left, x, v, stretch, spring, inertia, middle
         )
     if modelled:

@@ -14,10 +14,16 @@ is linear in vm. Scaled by J/dt so that the table's B needs no factor, it has on
     vm = (J/dt) * (2*v0 + K*(s*u - x0)) / ((J/dt) * (2 + K/2) + B)
 
 Every step keeps the contract's energy ledger, dE = dt*(-B*wm**2 + s*k2*theta2*wm), for any B >= 0
-and any dt; it is of second order when B is taken at the predicted midpoint x0 + v0/2. Where the
-disk runs into a steep ridge that midpoint is not reached: there B is sought at the step's own
-midpoint x0 + vm/2, in a few rounds (`MISSED`, `ROUNDS`), so that how deep the disk comes, and with
-it how long the ridge holds it, depends little on the sample rate.
+and any dt; it is of second order when B is taken at the predicted midpoint x0 + v0/2.
+
+Friction takes the impulse  integral of B*v dt = integral of B dx,  whatever the speed. Where a step
+may cross a steep edge, B is therefore its mean over the step's own way (`friction.mean_friction`):
+
+    vm * (J/dt) * (2 + K/2) + I(x0 + vm) - I(x0) = (J/dt) * (2*v0 + K*(s*u - x0)),   I' = B
+
+whose left side only rises, so Newton's method finds its one root. Then J/dt*v + I(x) is conserved
+but for the springs, as it is in continuous time: how deep a ridge lets the disk come, and how long
+it holds it, is exact at any sample rate.
 
 Thread: audio.
 """
@@ -25,9 +31,6 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined
-
-MISSED = 0.002  # cells: a predicted midpoint further off is corrected
-ROUNDS = 4  # of the correction, each half of the way: plain ones swing from edge to edge
 
 
 @inlined

@@ -15,11 +15,11 @@ from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
 from overview_dsp.kernels.clutch import reach_of, slipped
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import event_above, event_below
-from overview_dsp.kernels.friction import corrected, friction_at
+from overview_dsp.kernels.friction import friction_at, is_steep, mean_friction
 from overview_dsp.kernels.simd.vector import choose
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
-from overview_dsp.kernels.two_disk import MISSED, midpoint_speed
+from overview_dsp.kernels.two_disk import midpoint_speed
 
 STANDSTILL = 1e-150  # cells, cells a sample, rad/s: smaller would become denormal
 
@@ -67,7 +67,8 @@ def travel(f64, i64, start, frames):
     while n < frames:
         was = y2
         y1, y2 = smooth(target, y1, y2, smoothing)
-        friction = friction_at(f64, table, x + half)
+        ahead = x + half
+        friction = friction_at(f64, table, ahead)
         moved = abs(y2 - was)
         # `clutch.follow_hand` as a branch, which costs this loop less than selecting
         if least < moved < most:
@@ -79,8 +80,8 @@ def travel(f64, i64, start, frames):
             stretch = slipped(stretch, reach)
             used = x + stretch
         middle = midpoint_speed(2.0 * half, stretch, spring, inertia, denominator, friction)
-        if abs(half - 0.5 * middle) > MISSED:
-            friction, middle = corrected(
+        if is_steep(i64, table, ahead):
+            friction, middle = mean_friction(
                 f64, table, table, 0.0, x, 2.0 * half, stretch, spring, inertia, middle
             )
         x = x + middle

@@ -46,6 +46,8 @@ _Static_assert(sizeof(Mode) == 8 * MODE_SIZE, "Mode");
 /* a surface slot, and the clicks of each kind */
 typedef struct {
     const double *table; /* pairs of friction and its slope, CELLS + 1 of them */
+    const double *integral; /* of friction, [CELLS + 1] */
+    const int64_t *steep; /* [CELLS / STEEP_BLOCK + 1] */
     int64_t events;
     const double *lower; /* edges of events, ascending, and whose they are */
     const int64_t *lower_event;
@@ -317,14 +319,26 @@ typedef struct {
 } Chunk;
 
 /* kernels/two_disk.py */
-static const double MISSED = 0.002;
-enum { ROUNDS = 4 };
+static const double SHORT = 1.0 / 64.0;
+enum { ROUNDS = 2 };
 
-static inline double friction_at(const Surface *surface, double ahead) {
-    ahead = ahead > 0.0 ? ahead : 0.0;
-    ahead = ahead > CELLS ? CELLS : ahead;
-    int64_t i = (int64_t)ahead;
-    return surface->table[2 * i] + (ahead - (double)i) * surface->table[2 * i + 1];
+static inline double clamped(double x) {
+    x = x > 0.0 ? x : 0.0;
+    return x > CELLS ? CELLS : x;
+}
+
+static inline double friction_at(const Surface *surface, double x) {
+    x = clamped(x);
+    int64_t i = (int64_t)x;
+    return surface->table[2 * i] + (x - (double)i) * surface->table[2 * i + 1];
+}
+
+static double integral_at(const Surface *surface, double x) {
+    double inside = clamped(x);
+    int64_t i = (int64_t)inside;
+    double part = inside - (double)i, friction = surface->table[2 * i];
+    double beyond = (x - inside) * friction;
+    return surface->integral[i] + part * (friction + 0.5 * part * surface->table[2 * i + 1]) + beyond;
 }
 
 /* Where the next edge is passed upwards, and the last one again downwards. */
@@ -387,15 +401,18 @@ static void move(Voice *voice, const Coefficients *c, const Surface *surface, Ch
         }
         double was = x;
         double middle = c->inertia * (4.0 * half + spring * stretch) / (denominator + friction);
-        if (fabs(half - 0.5 * middle) > MISSED) {
+        if (surface->steep[(int64_t)clamped(x + half) / STEEP_BLOCK]) { /* kernels/friction.py */
+            double push = c->inertia * (4.0 * half + spring * stretch);
+            double start = integral_at(surface, x);
             for (int round = 0; round < ROUNDS; round++) {
-                friction = friction_at(surface, x + 0.5 * middle);
-                double again =
-                    c->inertia * (4.0 * half + spring * stretch) / (denominator + friction);
-                middle = 0.5 * (middle + again);
+                double taken = integral_at(surface, x + middle) - start;
+                double there = friction_at(surface, x + middle);
+                middle = middle - (middle * denominator + taken - push) / (denominator + there);
             }
-            friction = friction_at(surface, x + 0.5 * middle);
-            middle = c->inertia * (4.0 * half + spring * stretch) / (denominator + friction);
+            friction = fabs(middle) > SHORT
+                           ? (integral_at(surface, x + middle) - start) / middle
+                           : friction_at(surface, x + 0.5 * middle);
+            middle = push / (denominator + friction);
         }
         x = x + middle;
         half = middle - half;

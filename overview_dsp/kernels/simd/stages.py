@@ -11,7 +11,7 @@ from overview_dsp.kernels.compiling import outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
-from overview_dsp.kernels.friction import frictions_at
+from overview_dsp.kernels.friction import frictions_at, mean_friction, steep_at
 from overview_dsp.kernels.motion import NEAR_REST
 from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd import memory as own
@@ -19,6 +19,7 @@ from overview_dsp.kernels.simd.vector import (
     SIMD_WIDTH,
     any_of,
     choose,
+    count,
     load,
     load_words,
     store,
@@ -27,7 +28,7 @@ from overview_dsp.kernels.simd.vector import (
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.texture import brightness, colour, grain_level, spread
-from overview_dsp.kernels.two_disk import MISSED, ROUNDS, midpoint_speed
+from overview_dsp.kernels.two_disk import midpoint_speed
 from overview_dsp.kernels.viscous import STANDSTILL, snapped
 
 APPROACH = own.of_state(layout.APPROACH)
@@ -77,6 +78,28 @@ C_DC_POLE = own.of_coefficient(layout.C_DC_POLE)
 
 
 @outlined
+def step_steep(batch_f64, batch_i64):
+    """The step, one by one, of the voices that may cross a steep edge in it."""
+    for lane in range(SIMD_WIDTH):
+        if batch_i64[own.IS_STEEP + lane] == 1:
+            table = batch_i64[own.TABLE + lane]
+            friction, middle = mean_friction(
+                batch_f64,
+                table,
+                table,
+                0.0,
+                batch_f64[own.STEEP_X + lane],
+                batch_f64[own.STEEP_V + lane],
+                batch_f64[own.STEEP_STRETCH + lane],
+                batch_f64[own.SPRING + lane],
+                batch_f64[C_INERTIA + lane],
+                batch_f64[own.STEEP_MIDDLE + lane],
+            )
+            batch_f64[own.STEEP_FRICTION + lane] = friction
+            batch_f64[own.STEEP_MIDDLE + lane] = middle
+
+
+@outlined
 def travel_all(batch_f64, batch_i64, frames, traced):
     """`travel` for lanes, through a whole chunk: events that are passed on the way stop no lane."""
     x = load(batch_f64, X)
@@ -119,32 +142,17 @@ def travel_all(batch_f64, batch_i64, frames, traced):
             load(batch_f64, own.DENOMINATOR),
             friction,
         )
-        off = abs(half - 0.5 * middle) > MISSED
-        if any_of(off):
-            sought = middle
-            drag = friction
-            for _ in range(ROUNDS):
-                drag = frictions_at(batch_f64, batch_i64, own.TABLE, x + 0.5 * sought)
-                again = midpoint_speed(
-                    2.0 * half,
-                    stretch,
-                    load(batch_f64, own.SPRING),
-                    load(batch_f64, C_INERTIA),
-                    load(batch_f64, own.DENOMINATOR),
-                    drag,
-                )
-                sought = 0.5 * (sought + again)
-            drag = frictions_at(batch_f64, batch_i64, own.TABLE, x + 0.5 * sought)
-            again = midpoint_speed(
-                2.0 * half,
-                stretch,
-                load(batch_f64, own.SPRING),
-                load(batch_f64, C_INERTIA),
-                load(batch_f64, own.DENOMINATOR),
-                drag,
-            )
-            middle = choose(off, again, middle)
-            friction = choose(off, drag, friction)
+        steep = steep_at(batch_i64, own.STEEP, x + half)
+        if any_of(count(steep) > 0.0):
+            store(batch_i64, own.IS_STEEP, steep)
+            store(batch_f64, own.STEEP_X, x)
+            store(batch_f64, own.STEEP_V, 2.0 * half)
+            store(batch_f64, own.STEEP_STRETCH, stretch)
+            store(batch_f64, own.STEEP_MIDDLE, middle)
+            store(batch_f64, own.STEEP_FRICTION, friction)
+            step_steep(batch_f64, batch_i64)
+            middle = load(batch_f64, own.STEEP_MIDDLE)
+            friction = load(batch_f64, own.STEEP_FRICTION)
         x = x + middle
         half = middle - half
         omega = middle * load(batch_f64, C_OMEGA)

@@ -347,6 +347,29 @@ def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) ->
 
 
 @intrinsic
+def gather_words(typing: Any, i64: Any, starts: Any, first: Any, position: Any) -> Any:
+    """Of a table of words for each lane, that at the whole part of `position`. Compiled code only.
+
+    `gather_words(i64, starts, first, position)`: as `load_pairs`.
+    """
+
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        i64, starts, first, position = args
+        whole = builder.fptosi(position, ir.VectorType(_INDEX, SIMD_WIDTH))
+        found = ir.Constant(WORDS.vector, ir.Undefined)
+        for lane in range(SIMD_WIDTH):
+            number = builder.extract_element(whole, ir.Constant(_INDEX, lane))
+            slot = builder.add(first, ir.Constant(_WORD, lane))
+            start = builder.load(column_pointer(context, builder, signature.args[1], starts, slot))
+            at = builder.add(start, builder.zext(number, _WORD))
+            word = builder.load(column_pointer(context, builder, signature.args[0], i64, at))
+            found = builder.insert_element(found, word, ir.Constant(_INDEX, lane))
+        return found
+
+    return WORDS(i64, starts, types.int64, FLOATS), emit
+
+
+@intrinsic
 def store_pairs(typing: Any, f64: Any, at: Any, apart: Any, first: Any, second: Any) -> Any:
     """Write each lane's two numbers, rounded, side by side into float32. Compiled code only.
 
