@@ -38,9 +38,10 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
         fall = float(np.sum(slow[1:-1] * np.log(1.0 + 1.0 / np.arange(1, CELLS))))
         # below the first cell: down to the angle whose torque or grain is the last to matter
         silent_torque = gate / k
-        silent_grain = QUIET / grain * math.sqrt(float(slow.max()) / k)
+        lowest = float(slow[:2].max())
+        silent_grain = QUIET / grain * math.sqrt(lowest / k)
         last = min(silent_torque, silent_grain) / theta1_full
-        fall += float(slow.max()) * max(0.0, math.log(1.0 / (last * CELLS)))
+        fall += lowest * max(0.0, math.log(1.0 / (last * CELLS)))
         if surface.bristles is not None or surface.detents is not None:
             # held off the springs' rest, the disk comes to its own from anywhere
             fall += float(slow.max()) * math.log(CELLS)

@@ -19,6 +19,9 @@ from numpy.typing import NDArray
 from overview_dsp.surface.model import Surface
 
 WINDOW_S = 0.010
+HOP_S = 0.001
+"""From one window to the next: a knock of a few milliseconds lies whole in one of them."""
+
 JUST_NOTICEABLE_DB = 2.5
 """One step of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
@@ -176,7 +179,10 @@ def _first_within(
 def passages(
     surface: Surface, cursor: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The events that a stroke passes, and the first and the last frame in which it is on each."""
+    """The events that a stroke enters, and the first and the last frame in which it is on each.
+
+    One that it starts on is none of them, unless its edge lies ahead (`Surface.edges`).
+    """
     frames = len(cursor)
     if not frames:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64)
@@ -184,7 +190,10 @@ def passages(
     course = np.append(cursor, np.full(-frames % _RUN, cursor[-1]))
     starts = np.arange(0, len(course), _RUN)
     lows, highs = np.minimum.reduceat(course, starts), np.maximum.reduceat(course, starts)
-    events = np.flatnonzero((lows.min() < surface.position) & (surface.position <= highs.max()))
+    lower, upper = surface.edges.T
+    upwards = (cursor[0] < lower) & (lower <= highs.max())
+    downwards = (lows.min() < upper) & (upper <= cursor[0])
+    events = np.flatnonzero(upwards | downwards)
     spans, runs = surface.span[events], course.reshape(-1, _RUN)
     first = _first_within(runs, lows, highs, spans)
     backwards = _first_within(runs[::-1, ::-1], lows[::-1], highs[::-1], spans)
@@ -244,7 +253,7 @@ def event_levels(
     found = np.full(len(surface.position), np.nan)
     for stroke in strokes(columns["touching"], columns["cursor"]):
         frames = slice(stroke.start, stroke.stop)
-        starts, level = window_db(tactor[frames], sample_rate)
+        starts, level = window_db(tactor[frames], sample_rate, HOP_S)
         events, first, last = passages(surface, columns["cursor"][frames])
         highest = _highest(starts, level, WINDOW_S * sample_rate, first, last)
         found[events] = np.fmax(found[events], highest)
@@ -257,7 +266,7 @@ def stroke_feel(
     columns: Mapping[str, NDArray[np.float64]],
     tactor: NDArray[np.float32],
     sample_rate: float,
-    hop_s: float = WINDOW_S,
+    hop_s: float = HOP_S,
 ) -> StrokeFeel:
     """Measure one stroke.
 

@@ -115,19 +115,19 @@ def test_no_preset_click_folds_back_above_minus_60_db(football):
         assert 10 * np.log10(folded.sum() / (np.abs(one) ** 2).sum()) < -60.0
 
 
-def crossings(cursor, places):
-    """(event, trace frame, direction) of each time a trace passes a place, in order of time."""
+def entries(cursor, edges):
+    """(trace frame, event) of each time a trace passes an event's lower edge up, its upper down."""
     path = np.concatenate([[0.0], cursor])
     found = []
-    for event, place in enumerate(places):
-        above = path >= place
-        for frame in np.flatnonzero(above[1:] != above[:-1]):
-            found.append((int(frame), event, bool(above[frame + 1])))
+    for event, (lower, upper) in enumerate(edges):
+        up = (path[1:] >= lower) & (path[:-1] < lower)
+        down = (path[1:] < upper) & (path[:-1] >= upper)
+        found += [(int(frame), event) for frame in np.flatnonzero(up | down)]
     return sorted(found)
 
 
 @pytest.mark.parametrize("name", MATCHES)
-def test_there_is_exactly_one_strike_for_each_event_passed(timeline_named, football, name):  # noqa: F811
+def test_there_is_exactly_one_strike_for_each_event_entered(timeline_named, football, name):  # noqa: F811
     timeline = timeline_named(name)
     for gesture in [ov.sweep(seconds) for seconds in SWEEPS] + [
         ov.tap(1.0, 1.5),
@@ -136,11 +136,11 @@ def test_there_is_exactly_one_strike_for_each_event_passed(timeline_named, footb
     ]:
         result = ov.render(timeline, football, gesture)
         surface = result.engine.surface
-        expected = crossings(result.trace.cursor, surface.position)
+        expected = entries(result.trace.cursor, surface.edges)
         # one list sorted by sample, the other by time: the same set of passings
         frames = np.floor(result.strikes.time_s * result.sample_rate + 1e-9).astype(int)
         mine = sorted(zip(frames.tolist(), result.strikes.event.tolist(), strict=True))
-        theirs = sorted((frame, int(surface.event[event])) for frame, event, _ in expected)
+        theirs = sorted((frame, int(surface.event[event])) for frame, event in expected)
         assert len(mine) == len(theirs)
         for (frame, event), (other_frame, other_event) in zip(mine, theirs, strict=True):
             assert abs(frame - other_frame) <= 1
@@ -161,14 +161,16 @@ def test_events_at_the_very_ends_are_struck(football):
     assert result.strikes.event.tolist() == [0, 1, 1, 0]
 
 
-def test_a_strike_is_placed_between_samples_where_the_disk_passes():
+def test_a_strike_is_placed_between_samples_where_the_disk_enters():
     timeline = timeline_of(37.123)
     result = ov.render(timeline, preset_with(height=5.0), ov.tap(1.0, 0.5), tail=0.0)
     (time,) = result.strikes.time_s
     path = np.concatenate([[0.0], result.trace.cursor])
     clock = np.concatenate([[0.0], result.trace.time])
-    frame = int(np.flatnonzero(path >= 0.37123)[0])
-    part = (0.37123 - path[frame - 1]) / (path[frame] - path[frame - 1])
+    lower = result.engine.surface.edges[0, 0]
+    assert 0.35 < lower < 0.37123
+    frame = int(np.flatnonzero(path >= lower)[0])
+    part = (lower - path[frame - 1]) / (path[frame] - path[frame - 1])
     assert time == pytest.approx(clock[frame - 1] + part / result.sample_rate, abs=1e-9)
     fine = ov.render(timeline, preset_with(height=5.0), ov.tap(1.0, 0.5), 384_000, tail=0.0)
     assert time == pytest.approx(fine.strikes.time_s[0], abs=0.2 / result.sample_rate)

@@ -106,7 +106,9 @@ def test_a_passage_lasts_from_the_first_to_the_last_frame_on_an_event(steps, sta
     found = {i: ends for i, *ends in zip(events.tolist(), firsts, lasts, strict=True)}
     for i, (first, last) in enumerate(surface.span):
         inside = np.flatnonzero((cursor >= first) & (cursor <= last))
-        passed = len(inside) > 0 and cursor.min() < surface.position[i] <= cursor.max()
+        lower, upper = surface.edges[i]
+        enters = cursor[0] < lower <= cursor.max() or cursor.min() < upper <= cursor[0]
+        passed = len(inside) > 0 and enters
         assert (i in found) == passed
         if passed:
             assert found[i] == [inside[0], inside[-1]]
