@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
     from overview_dsp.measure.observer.scoring import ObserverScores
     from overview_dsp.measure.onset_detector import Onsets, onsets
+    from overview_dsp.measure.random_data.choosing import random_timelines
+    from overview_dsp.measure.random_data.crowd import random_crowd
+    from overview_dsp.measure.random_data.heart import random_heart
+    from overview_dsp.measure.random_data.kinds import random_events
+    from overview_dsp.measure.random_data.match import random_match
+    from overview_dsp.measure.random_data.series import random_share, random_weather
     from overview_dsp.measure.random_hands import random_hand
-    from overview_dsp.measure.random_timelines.choosing import random_timelines
-    from overview_dsp.measure.random_timelines.crowd import random_crowd
-    from overview_dsp.measure.random_timelines.heart import random_heart
-    from overview_dsp.measure.random_timelines.kinds import random_events
-    from overview_dsp.measure.random_timelines.match import random_match
-    from overview_dsp.measure.random_timelines.series import random_share, random_weather
     from overview_dsp.measure.report import (
         FeelReport,
         KindFeel,
@@ -97,14 +97,14 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "feel_report": "report",
             "observe": "observer.observing",
             "onsets": "onset_detector",
-            "random_crowd": "random_timelines.crowd",
-            "random_events": "random_timelines.kinds",
+            "random_crowd": "random_data.crowd",
+            "random_events": "random_data.kinds",
             "random_hand": "random_hands",
-            "random_heart": "random_timelines.heart",
-            "random_match": "random_timelines.match",
-            "random_share": "random_timelines.series",
-            "random_timelines": "random_timelines.choosing",
-            "random_weather": "random_timelines.series",
+            "random_heart": "random_data.heart",
+            "random_match": "random_data.match",
+            "random_share": "random_data.series",
+            "random_timelines": "random_data.choosing",
+            "random_weather": "random_data.series",
             "separated": "tuning.separating",
             "steps_apart": "report",
             "strokes": "felt",

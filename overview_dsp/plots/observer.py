@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from overview_dsp.measure.observer.report import ObserverReport
 
 CELL_IN = 0.3
-LEFT_IN, TOP_IN, BOTTOM_IN, GAP_IN = 1.3, 0.9, 0.9, 0.35
+LEFT_IN, TOP_IN, BOTTOM_IN, GAP_IN = 1.0, 0.55, 0.8, 0.35
 
 
 def plot_observer(report: ObserverReport) -> Figure:

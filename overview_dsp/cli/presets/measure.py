@@ -92,17 +92,19 @@ def feel(
 ) -> None:
     """Measure what a finger gets of each kind of PRESET: slow, medium, fast, a tap, the recoils.
 
-    On TIMELINEs, or on a made-up one with every kind of the preset. Says which kinds could not be
+    On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
     distinguished, which are masked or merged, and what to change.
 
     With --observer: what can be told apart in sweeps of 1 to 6 s, a recoil and a tap, by touch, by
     sound and by both. It learns on random timelines like real ones, and is asked about others and
-    TIMELINEs.
+    about every TIMELINE given.
     """
     from overview_dsp.plots.saving import require_picture
     from overview_dsp.presets.library import load_preset
 
     loaded = load_preset(preset)
+    if len(timelines) > 1 and not observer:
+        raise InputError(f"{len(timelines)} timelines; one is measured, several by --observer")
     given = []
     for path in timelines:
         data = open_timeline(path, load)
@@ -113,7 +115,8 @@ def feel(
     if plot is not None:
         require_picture(plot)
     if asked and not observer:
-        raise InputError(f"--{next(iter(asked))} is for --observer; add that, or leave it out")
+        option = "--modality" if "modalities" in asked else f"--{next(iter(asked))}"
+        raise InputError(f"{option} is for --observer; add that, or leave it out")
     report, figure = (_observed if observer else _measured)(loaded, given, **asked)
     if plot is not None:
         from overview_dsp.plots.saving import save_picture

@@ -21,7 +21,7 @@ from overview_dsp.measure.observer.strokes import (
     stroke_names,
 )
 from overview_dsp.measure.observer.trees import Forest, grown
-from overview_dsp.measure.random_timelines import random_timelines
+from overview_dsp.measure.random_data import random_timelines
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
 
@@ -80,19 +80,21 @@ def observe(
     Raises
     ------
     InputError
-        No timeline to learn from, an unknown modality or hand; as `render`.
+        Nothing to learn from or to be asked about, an unknown modality or hand; as `render`.
 
     Examples
     --------
     >>> import overview_dsp as ov
     >>> football = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=6, held_out=2
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> [name for name in report.sets[0].strokes]
     ['mixed']
     """
     _check(modalities, hands, learned, held_out, seed)
+    if not held_out and not timelines:
+        raise InputError("held_out = 0 and no timelines: there is nothing to ask about")
     step = _steps(progress, preset, timelines, modalities, hands, learned, held_out)
 
     def strokes_of(made: Sequence[Timeline], first: int) -> list[list[StrokeMet]]:
@@ -127,9 +129,11 @@ def observe(
 def _check(
     modalities: Sequence[Modality], hands: Hands, learned: int, held_out: int, seed: int
 ) -> None:
-    for modality in modalities:
-        if modality not in MODALITIES:
-            raise InputError(f"modality {modality!r} is unknown; it is {', '.join(MODALITIES)}")
+    if not modalities or not set(modalities) <= set(MODALITIES):
+        raise InputError(
+            f"modalities {', '.join(modalities) or 'none'}; they are one or more of "
+            f"{', '.join(MODALITIES)}"
+        )
     if hands not in HANDS:
         raise InputError(f"hands {hands!r} are unknown; they are {', '.join(HANDS)}")
     if learned < 1:

@@ -36,7 +36,7 @@ class StrokeScores:
     >>> import overview_dsp as ov
     >>> football = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=6, held_out=2
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report.sets[0].strokes["mixed"]["touch"].groups.kinds
     ('minor', 'goal', 'card')
@@ -64,10 +64,10 @@ class SetScores:
     >>> import overview_dsp as ov
     >>> football = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=6, held_out=2
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report.sets[0].timelines
-    2
+    1
     """
 
     name: str
@@ -102,7 +102,7 @@ class ObserverReport:
     >>> import overview_dsp as ov
     >>> football = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=6, held_out=2
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report
     <ObserverReport: football, mixed hands, 1 set>
@@ -126,7 +126,7 @@ class ObserverReport:
         >>> import overview_dsp as ov
         >>> football = ov.load_preset("football")
         >>> report = ov.measure.observe(
-        ...     football, modalities=["touch"], hands="mixed", learned=6, held_out=2
+        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
         ... )
         >>> report.to_json()["sets"][0]["strokes"][0]["name"]
         'mixed'
@@ -167,10 +167,10 @@ class ObserverReport:
         >>> import overview_dsp as ov
         >>> football = ov.load_preset("football")
         >>> report = ov.measure.observe(
-        ...     football, modalities=["touch"], hands="mixed", learned=6, held_out=2
+        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
         ... )
         >>> report.table().splitlines()[0]
-        'football, mixed hands, an observer that learned from 6 random timelines'
+        'football, mixed hands, an observer that learned from 2 random timelines'
         """
         lines = [
             f"{self.preset}, {self.hands} hands, an observer that learned from "
@@ -201,7 +201,7 @@ class ObserverReport:
         >>> import overview_dsp as ov
         >>> football = ov.load_preset("football")
         >>> report = ov.measure.observe(
-        ...     football, modalities=["touch"], hands="mixed", learned=6, held_out=2
+        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
         ... )
         >>> all(isinstance(line, str) for line in report.warnings())
         True

@@ -68,9 +68,10 @@ class ObserverScores:
 
     @property
     def f1(self) -> NDArray[np.float64]:
-        """The harmonic mean of recall and precision; 0 without a true report."""
-        recall, precision = np.nan_to_num(self.recall), np.nan_to_num(self.precision)
-        return _parts(2.0 * recall * precision, np.where(recall > 0.0, recall + precision, 1.0))
+        """The harmonic mean of recall and precision; NaN without events."""
+        precision = np.nan_to_num(self.precision)  # without reports, recall is 0 too
+        total = self.recall + precision
+        return _parts(2.0 * self.recall * precision, np.where(total > 0.0, total, 1.0))
 
     @property
     def balanced(self) -> float:
@@ -79,12 +80,13 @@ class ObserverScores:
         return float(known.mean()) if len(known) else float("nan")
 
     def to_json(self) -> dict[str, Any]:
-        """Make plain data of it.
+        """Make plain data of it: of the kinds that were met or named.
 
         Returns
         -------
         dict
-            Of texts, numbers and lists, for JSON.
+            Of texts, numbers and lists, for JSON; the confusion's rows and columns are those
+            kinds, and nothing.
 
         Examples
         --------
@@ -95,20 +97,22 @@ class ObserverScores:
         >>> scores.to_json()["kinds"]["goal"]
         {'events': 10, 'recall': 0.9, 'precision': 1.0, 'f1': 0.9474}
         """
-        rows = zip(self.kinds, self.events, self.recall, self.precision, self.f1, strict=True)
+        rows = np.flatnonzero((self.events > 0) | (self.reports > 0))
+        shown = np.append(rows, len(self.kinds))
         return {
             "balanced": _rounded(self.balanced),
             "kinds": {
-                kind: {
+                self.kinds[row]: {
                     # each event counts once for a draw
-                    "events": int(events) // self.draws,
-                    "recall": _rounded(recall),
-                    "precision": _rounded(precision),
-                    "f1": _rounded(f1),
+                    "events": int(self.events[row]) // self.draws,
+                    "recall": _rounded(self.recall[row]),
+                    "precision": _rounded(self.precision[row]),
+                    "f1": _rounded(self.f1[row]),
                 }
-                for kind, events, recall, precision, f1 in rows
+                for row in rows.tolist()
             },
-            "confusion": self.confusion.tolist(),
+            "draws": self.draws,
+            "confusion": self.confusion[np.ix_(shown, shown)].tolist(),
         }
 
     def __repr__(self) -> str:

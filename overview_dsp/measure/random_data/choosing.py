@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from overview_dsp.measure.random_timelines.crowd import random_crowd
-from overview_dsp.measure.random_timelines.heart import random_heart
-from overview_dsp.measure.random_timelines.kinds import random_events
-from overview_dsp.measure.random_timelines.match import random_match
-from overview_dsp.measure.random_timelines.series import random_share, random_weather
+from overview_dsp.measure.random_data.crowd import random_crowd
+from overview_dsp.measure.random_data.heart import random_heart
+from overview_dsp.measure.random_data.kinds import random_events
+from overview_dsp.measure.random_data.match import random_match
+from overview_dsp.measure.random_data.series import random_share, random_weather
 from overview_dsp.presets.model import DEFAULT_KIND, Preset
 from overview_dsp.timeline import Timeline
 
@@ -60,7 +60,7 @@ def random_timelines(preset: Preset, count: int, seed: int = 0) -> list[Timeline
     Examples
     --------
     >>> import overview_dsp as ov
-    >>> [made.title for made in ov.measure.random_timelines(ov.load_preset("football"), 2, seed=7)]
+    >>> [made.title for made in ov.measure.random_data(ov.load_preset("football"), 2, seed=7)]
     ['random match 7', 'random match 8']
     """
     made = generators(preset)

@@ -4,12 +4,12 @@ Each generator draws what a reader would read (a match's events, a share's closi
 heart's beats, a crowd's loudness); the reader's own rules make the timeline of it.
 """
 
-from overview_dsp.measure.random_timelines.choosing import random_timelines
-from overview_dsp.measure.random_timelines.crowd import random_crowd
-from overview_dsp.measure.random_timelines.heart import random_heart
-from overview_dsp.measure.random_timelines.kinds import random_events
-from overview_dsp.measure.random_timelines.match import random_match
-from overview_dsp.measure.random_timelines.series import random_share, random_weather
+from overview_dsp.measure.random_data.choosing import random_timelines
+from overview_dsp.measure.random_data.crowd import random_crowd
+from overview_dsp.measure.random_data.heart import random_heart
+from overview_dsp.measure.random_data.kinds import random_events
+from overview_dsp.measure.random_data.match import random_match
+from overview_dsp.measure.random_data.series import random_share, random_weather
 
 __all__ = [
     "random_crowd",
