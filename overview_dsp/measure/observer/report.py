@@ -105,7 +105,7 @@ class ObserverReport:
     ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report
-    <ObserverReport: football, mixed hands, 1 set>
+    <ObserverReport: 'football', mixed hands, 1 set>
     """
 
     preset: str
