@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import json
 
 import pytest
 import soundfile
 
 import overview_dsp as ov
+from overview_dsp.measure.observer import observing
 from tests.cli.running import overview, refused
 
 
@@ -113,12 +115,17 @@ def test_a_clip_is_laid_into_a_preset(folder):
     refused(overview("presets", "import", "mine.toml", "--kind", "goal"), "not JSON")
 
 
-def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_picture(folder):
+def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_picture(
+    folder, monkeypatch
+):
+    # a hundred timelines take too long here
+    few = functools.partial(observing.observe, learned=8, held_out=3)
+    monkeypatch.setattr(observing, "observe", few)
     asked = ("presets", "feel", "crowd", "--observer", "--modality", "touch", "--hands", "mixed")
     ov.save_timeline(ov.measure.random_crowd(1), "crowd.json")
     text = done(*asked, "crowd.json", "--picture", "observer.png")
-    assert text.startswith("crowd, mixed hands, an observer that learned from 120 random timelines")
-    assert "random timelines (40), touch: recall / precision, %" in text
+    assert text.startswith("crowd, mixed hands, an observer that learned from 8 random timelines")
+    assert "random timelines (3), touch: recall / precision, %" in text
     assert "timelines given (1), touch: recall / precision, %" in text
     assert (folder / "observer.png").stat().st_size > 5_000
     report = json.loads(done(*asked, "--json", "--seed", "1"))

@@ -22,6 +22,9 @@ BEFORE_MS, AFTER_MS = 15.0, 40.0
 TURN = 0.01
 """A disk turns back where it goes so far the other way, as a part of the timeline."""
 
+LOOK_S = 0.004
+"""How often it is looked at for that."""
+
 
 @dataclass(frozen=True, eq=False)
 class Met:
@@ -57,7 +60,7 @@ def met(surface: Surface, cursor: NDArray[np.float64], sample_rate: float) -> Me
     sample_rate : float
         Hz.
     """
-    bounds = _turns(cursor)
+    bounds = _turns(cursor, max(1, int(LOOK_S * sample_rate)))
     events, enters, leaves = [], [], []
     for start, stop in itertools.pairwise(bounds):
         event, first, last = passages(surface, cursor[start:stop])
@@ -87,9 +90,8 @@ def owners(at_ms: NDArray[np.int64], there: Met) -> NDArray[np.int64]:
     return np.where(near.any(axis=1), row, -1)
 
 
-def _turns(cursor: NDArray[np.float64]) -> list[int]:
+def _turns(cursor: NDArray[np.float64], step: int) -> list[int]:
     """Frames at which the disk turns back, with the first and the one behind the last."""
-    step = 16
     coarse = cursor[::step]
     bounds, extreme, way = [0], 0, 0
     for i, place in enumerate(coarse.tolist()):
