@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.measure.observer import observing
 from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
 from overview_dsp.measure.observer.scoring import ObserverScores
 from overview_dsp.measure.observer.strokes import rendered_strokes, stroke_names
@@ -175,3 +176,18 @@ def test_nothing_is_said_of_what_is_rare_or_of_too_few_events():
     assert warnings({"tap": scores([[5, 5, 0], [0, 100, 0], [0, 0, 0]])}) == []
     # ten events, five times each
     assert warnings({"tap": scores([[25, 25, 0], [0, 100, 0], [0, 0, 0]], draws=5)}) == []
+
+
+def test_it_is_asked_about_timelines_that_it_has_not_learned_from(monkeypatch):
+    made = []
+
+    def recorded(preset, count, seed):
+        made.append(range(seed, seed + count))
+        return ov.measure.random_timelines(preset, count, seed)
+
+    monkeypatch.setattr(observing, "random_timelines", recorded)
+    preset = preset_of(hard=(150.0, 0.15, 900.0))
+    observed(preset, modalities=["touch"], hands="mixed", learned=2, held_out=2, seed=5)
+    learned, asked = made
+    assert len(learned) == len(asked) == 2
+    assert not set(learned) & set(asked)

@@ -29,6 +29,13 @@ def test_it_comes_near_the_best_possible_answer():
     assert np.mean(forest.say(points) == classes) == pytest.approx(0.841, abs=0.025)
 
 
+def test_it_asks_about_what_matters():
+    forest = taught(*clouds(2000, 3.0, seed=1, features=24))
+    points, classes = clouds(2000, 3.0, seed=2, features=24)
+    # at its best 93.3 %: a normal deviate of 1.5
+    assert np.mean(forest.say(points) == classes) > 0.90
+
+
 def test_it_learns_what_no_single_question_tells():
     rng = np.random.default_rng(0)
     points = rng.uniform(-1.0, 1.0, (3000, 2))
