@@ -35,6 +35,8 @@ def objects(match, football, tmp_path_factory):
     job = ov.RenderJob(match, football, ov.tap(0.5, 0.1))
     (rendered,) = ov.render_many([job], sample_rate=8000, tail="none", threads=1)
     report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
+    asked = ov.measure.observe(football, modalities=["touch"], hands="mixed", learned=2, held_out=1)
+    (scores,) = asked.sets
     c2 = ov.load_actuator("c2")
     exported = ov.export.export(result, "ahap", folder / ("long-name" * 9 + ".ahap"))
     clip = ov.export.read_clip(exported.files[0])
@@ -46,6 +48,7 @@ def objects(match, football, tmp_path_factory):
     made = [
         *(match, match.events[3], match.intensity, football, football.tags, gesture, result),
         *(result.trace, result.strikes, engine, engine.meters, engine.surface, job, rendered),
+        *(asked, scores, scores.strokes["mixed"]["touch"], scores.strokes["mixed"]["touch"].kinds),
         *(report, report.strokes[0], report.strokes[0].kinds[0], c2, builder, to_file),
         *(exported, exported.error, clip, ov.live.OutputSettings(actuator=c2), stream),
         *(stream.meters, ov.live.SignalSettings(3, gain_db=-6.0), ov.EvenTimes(1000, 0.001)),

@@ -1,38 +1,75 @@
 """Write the bundled presets' feel reports (presets/feel/NAME.json), as `presets feel` prints them.
 
-python tools/measure_presets.py [NAME ...]
+Each holds what an observer tells apart too, on random timelines of the preset's kinds (`presets
+feel --observer`), with a digest of the preset it was asked about. That takes most of the time;
+--no-observer keeps what the file has of it.
+
+python tools/measure_presets.py [--no-observer] [NAME ...]
 """
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.measure.report import feel_report
+from overview_dsp.batch.cache_keys import KEY_DIGITS, digest
 from overview_dsp.rendering.audition import pages
 
 FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 
 
+def preset_digest(preset: ov.Preset) -> str:
+    """What the observer was asked about, in short: its values and its kinds."""
+    return digest(preset.values, preset.kinds)[:KEY_DIGITS]
+
+
+def observed(preset: ov.Preset) -> dict[str, Any]:
+    """What an observer tells apart on random timelines, in both sorts of hands."""
+    found: dict[str, Any] = {"preset_digest": preset_digest(preset), "strokes": []}
+    for hands in ("steady", "mixed"):
+        (scores,) = (report := ov.measure.observe(preset, hands=hands)).to_json()["sets"]
+        found |= {"learned": report.learned, "timelines": scores["timelines"]}
+        found["strokes"] += scores["strokes"]
+    return found
+
+
 def lines_of(report: dict[str, Any]) -> str:
     """JSON with a line for each stroke, so that a change of one is seen as one."""
-    strokes = ",\n".join(json.dumps(stroke) for stroke in report["strokes"])
-    head = json.dumps({key: value for key, value in report.items() if key != "strokes"})
-    return f'{head[:-1]}, "strokes": [\n{strokes}\n]}}\n'
+    parts = [f'"{key}": {json.dumps(report[key])}' for key in ("preset", "timeline")]
+    parts.append(f'"strokes": {_rows(report["strokes"])}')
+    if "observer" in report:
+        observer = dict(report["observer"])
+        rows = _rows(observer.pop("strokes"))
+        parts.append(f'"observer": {json.dumps(observer)[:-1]}, "strokes": {rows}}}')
+    return f"{{{', '.join(parts)}}}\n"
 
 
-def main(names: list[str]) -> None:
+def _rows(rows: list[Any]) -> str:
+    return "[\n" + ",\n".join(json.dumps(row) for row in rows) + "\n]"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--no-observer", action="store_true")
+    parser.add_argument("names", nargs="*")
+    options = parser.parse_args()
     FOLDER.mkdir(exist_ok=True)
-    for name in names or ov.bundled_presets():
+    for name in options.names or ov.bundled_presets():
+        path = FOLDER / f"{name}.json"
         preset = ov.load_preset(name)
-        report = feel_report(preset, pages(preset))
-        text = lines_of(report.to_json())
-        (FOLDER / f"{name}.json").write_text(text, encoding="utf-8", newline="\n")
-        print(f"{name}: {len(report.warnings())} warnings")
+        found = ov.measure.feel_report(preset, pages(preset))
+        report = found.to_json()
+        if not options.no_observer:
+            report["observer"] = observed(preset)
+        elif path.is_file():
+            before = json.loads(path.read_text(encoding="utf-8"))
+            report |= {"observer": before["observer"]} if "observer" in before else {}
+        path.write_text(lines_of(report), encoding="utf-8", newline="\n")
+        print(f"{name}: {len(found.warnings())} warnings", flush=True)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -1,4 +1,4 @@
-"""What a finger or an ear gets: feel reports, felt levels, onsets; and presets tuned by them.
+"""What a finger or an ear gets: feel reports, levels, onsets, an observer; presets tuned by them.
 
 `ov.measure` is for who designs presets or studies what is felt. Each name is imported when it is
 first used.
@@ -22,7 +22,17 @@ from overview_dsp.public.lazy import lazy_names
 if TYPE_CHECKING:
     from overview_dsp.measure.apart import events_felt_apart
     from overview_dsp.measure.felt import Stroke, event_levels, strokes, window_db
+    from overview_dsp.measure.observer.observing import observe
+    from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
+    from overview_dsp.measure.observer.scoring import ObserverScores
     from overview_dsp.measure.onset_detector import Onsets, onsets
+    from overview_dsp.measure.random_data.choosing import random_timelines
+    from overview_dsp.measure.random_data.crowd import random_crowd
+    from overview_dsp.measure.random_data.heart import random_heart
+    from overview_dsp.measure.random_data.kinds import random_events
+    from overview_dsp.measure.random_data.match import random_match
+    from overview_dsp.measure.random_data.series import random_share, random_weather
+    from overview_dsp.measure.random_hands import random_hand
     from overview_dsp.measure.report import (
         FeelReport,
         KindFeel,
@@ -38,15 +48,28 @@ if TYPE_CHECKING:
 __all__ = [
     "FeelReport",
     "KindFeel",
+    "ObserverReport",
+    "ObserverScores",
     "Onsets",
+    "SetScores",
     "Stroke",
     "StrokeReport",
+    "StrokeScores",
     "Tuned",
     "character_steps",
     "event_levels",
     "events_felt_apart",
     "feel_report",
+    "observe",
     "onsets",
+    "random_crowd",
+    "random_events",
+    "random_hand",
+    "random_heart",
+    "random_match",
+    "random_share",
+    "random_timelines",
+    "random_weather",
     "separated",
     "steps_apart",
     "strokes",
@@ -60,15 +83,28 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
         {
             "FeelReport": "report",
             "KindFeel": "report",
+            "ObserverReport": "observer.report",
+            "ObserverScores": "observer.scoring",
             "Onsets": "onset_detector",
+            "SetScores": "observer.report",
             "Stroke": "felt",
             "StrokeReport": "report",
+            "StrokeScores": "observer.report",
             "Tuned": "tuning.moves",
             "character_steps": "report",
             "event_levels": "felt",
             "events_felt_apart": "apart",
             "feel_report": "report",
+            "observe": "observer.observing",
             "onsets": "onset_detector",
+            "random_crowd": "random_data.crowd",
+            "random_events": "random_data.kinds",
+            "random_hand": "random_hands",
+            "random_heart": "random_data.heart",
+            "random_match": "random_data.match",
+            "random_share": "random_data.series",
+            "random_timelines": "random_data.choosing",
+            "random_weather": "random_data.series",
             "separated": "tuning.separating",
             "steps_apart": "report",
             "strokes": "felt",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import json
 
 import pytest
 import soundfile
 
+import overview_dsp as ov
+from overview_dsp.measure.observer import observing
 from tests.cli.running import overview, refused
 
 
@@ -110,3 +113,42 @@ def test_a_clip_is_laid_into_a_preset(folder):
     done("presets", "import", "c", "--kind", "goal", "-o", "mine.toml")
     assert "kinds.goal.points" in done("presets", "diff", "football", "mine.toml")
     refused(overview("presets", "import", "mine.toml", "--kind", "goal"), "not JSON")
+
+
+def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_picture(
+    folder, monkeypatch
+):
+    # a hundred timelines take too long here
+    few = functools.partial(observing.observe, learned=8, held_out=3)
+    monkeypatch.setattr(observing, "observe", few)
+    asked = ("presets", "feel", "crowd", "--observer", "--modality", "touch", "--hands", "mixed")
+    ov.save_timeline(ov.measure.random_crowd(1), "crowd.json")
+    text = done(*asked, "crowd.json", "--picture", "observer.png")
+    assert text.startswith("crowd, mixed hands, an observer that learned from 8 random timelines")
+    assert "random timelines (3), touch: recall / precision, %" in text
+    assert "timelines given (1), touch: recall / precision, %" in text
+    assert (folder / "observer.png").stat().st_size > 5_000
+    report = json.loads(done(*asked, "--json", "--seed", "1"))
+    (strokes,) = (one["strokes"] for one in report["sets"])
+    assert [(stroke["name"], stroke["modality"]) for stroke in strokes] == [("mixed", "touch")]
+    assert set(strokes[0]["kinds"]) == {"cheer", "burst"}
+    assert isinstance(report["warnings"], list)
+
+
+@pytest.mark.parametrize("option", [("--hands", "mixed"), ("--modality", "touch"), ("--seed", "1")])
+def test_an_observers_options_without_it_are_refused(option):
+    refused(overview("presets", "feel", "crowd", *option), f"{option[0]} is for --observer")
+
+
+def test_an_unknown_sense_or_hand_is_refused_with_those_that_are_known():
+    ask = ("presets", "feel", "crowd", "--observer")
+    refused(overview(*ask, "--modality", "smell"), "touch")
+    refused(overview(*ask, "--hands", "cold"), "steady")
+
+
+def test_without_an_observer_one_timeline_is_measured_and_each_must_have_events(folder):
+    ov.save_timeline(ov.measure.random_crowd(1), "one.json")
+    ov.save_timeline(ov.Timeline("flat", 10.0, (), ov.Intensity([0.0, 9.0], [1.0, 2.0])), "no.json")
+    ask = ("presets", "feel", "crowd")
+    refused(overview(*ask, "one.json", "one.json"), "2 timelines", "--observer")
+    refused(overview(*ask, "--observer", "one.json", "no.json"), "no.json", "no events")

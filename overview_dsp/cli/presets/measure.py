@@ -14,11 +14,19 @@ from overview_dsp.cli.common import (
     progress_bar,
     window_options,
 )
+from overview_dsp.cli.options.observer import observer_options
 from overview_dsp.cli.options.timeline import open_timeline, timeline_options
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
-    from overview_dsp.presets.model import EventKind
+    from collections.abc import Callable
+
+    from matplotlib.figure import Figure
+
+    from overview_dsp.measure.observer.report import ObserverReport
+    from overview_dsp.measure.report import FeelReport
+    from overview_dsp.presets.model import EventKind, Preset
+    from overview_dsp.timeline import Timeline
 
 
 @click.command(epilog="Example: overview presets audition heart -o heart.wav")
@@ -60,15 +68,23 @@ def audition(preset: str, out: str | None, seed: int, as_json: bool) -> None:
 
 @click.command(epilog="Example: overview presets feel football match.json --plot feel.png")
 @click.argument("preset")
-@click.argument("timeline", required=False)
-@click.option("--plot", help="Also draw it, to a .png, .svg or .pdf file.")
+@click.argument("timelines", metavar="[TIMELINE]...", nargs=-1)
+@click.option("--plot", "--picture", "plot", help="Also draw it, to a .png, .svg or .pdf file.")
+@click.option(
+    "--observer",
+    is_flag=True,
+    help="Which kinds an observer with human limits tells apart, and takes for another.",
+)
+@observer_options
 @window_options
 @timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def feel(
     preset: str,
-    timeline: str | None,
+    timelines: tuple[str, ...],
     plot: str | None,
+    observer: bool,
+    asked: dict[str, Any],
     window: tuple[str, str] | None,
     zoom_to: str | None,
     load: dict[str, Any],
@@ -78,34 +94,62 @@ def feel(
 
     On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
     distinguished, which are masked or merged, and what to change.
+
+    With --observer: what can be told apart in sweeps of 1 to 6 s, a recoil and a tap, by touch, by
+    sound and by both. It learns on random timelines like real ones, and is asked about others and
+    about every TIMELINE given.
     """
-    from overview_dsp.measure.report import feel_report
-    from overview_dsp.plots.presets import plot_feel
-    from overview_dsp.plots.saving import require_picture, save_picture
+    from overview_dsp.plots.saving import require_picture
     from overview_dsp.presets.library import load_preset
-    from overview_dsp.rendering.audition import pages
 
     loaded = load_preset(preset)
-    timelines = pages(loaded)
-    if timeline is not None:
-        data = open_timeline(timeline, load)
+    if len(timelines) > 1 and not observer:
+        raise InputError(f"{len(timelines)} timelines; one is measured, several by --observer")
+    given = []
+    for path in timelines:
+        data = open_timeline(path, load)
         part = part_of(data, window, zoom_to)
-        data = data if part is None else data.window(*part)
-        if not data.events:
-            raise InputError(f"{timeline}: has no events; there is nothing to distinguish")
-        timelines = (data,)
+        given.append(data if part is None else data.window(*part))
+        if not given[-1].events:
+            raise InputError(f"{path}: has no events; there is nothing to distinguish")
     if plot is not None:
         require_picture(plot)
-    announce_compile()
-    report = feel_report(loaded, timelines)
+    if asked and not observer:
+        option = "--modality" if "modalities" in asked else f"--{next(iter(asked))}"
+        raise InputError(f"{option} is for --observer; add that, or leave it out")
+    report, figure = (_observed if observer else _measured)(loaded, given, **asked)
     if plot is not None:
-        save_picture(plot_feel(report), plot)
+        from overview_dsp.plots.saving import save_picture
+
+        save_picture(figure(), plot)
     if as_json:
         print_json({**report.to_json(), "warnings": report.warnings()})
         return
     click.echo(report.table())
     for line in report.warnings():
         click.echo(f"note: {line}")
+
+
+def _measured(preset: Preset, timelines: list[Timeline]) -> tuple[FeelReport, Callable[[], Figure]]:
+    from overview_dsp.measure.report import feel_report
+    from overview_dsp.plots.presets import plot_feel
+    from overview_dsp.rendering.audition import pages
+
+    announce_compile()
+    report = feel_report(preset, timelines or pages(preset))
+    return report, lambda: plot_feel(report)
+
+
+def _observed(
+    preset: Preset, timelines: list[Timeline], **asked: Any
+) -> tuple[ObserverReport, Callable[[], Figure]]:
+    from overview_dsp.measure.observer.observing import observe
+    from overview_dsp.plots.observer import plot_observer
+
+    announce_compile("process_lanes")
+    with progress_bar(f"observing {preset.name}") as progress:
+        report = observe(preset, timelines, progress=progress, **asked)
+    return report, lambda: plot_observer(report)
 
 
 @click.command(epilog="Example: overview presets tune my-match --target 'goal>red_card>foul'")

@@ -66,7 +66,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         steps = _measured(recording, options)
         kind, notes = recording.kind, recording.notes
     with checks.located(f"{source.where}: "):
-        return _timeline(steps, chosen, source.stem, kind, notes)
+        return timeline_of(steps, chosen, source.stem, kind, notes)
 
 
 def _measured(recording: Recording, options: LoadOptions) -> Steps:
@@ -79,7 +79,10 @@ def _measured(recording: Recording, options: LoadOptions) -> Steps:
     return meter.finish()
 
 
-def _timeline(steps: Steps, chosen: str, title: str, kind: str, notes: tuple[str, ...]) -> Timeline:
+def timeline_of(
+    steps: Steps, chosen: str, title: str, kind: str, notes: tuple[str, ...]
+) -> Timeline:
+    """Make the timeline of a measured recording; `chosen` is one of `MAPS`."""
     duration_s = steps.frames / steps.sample_rate
     time_s = np.append(np.arange(len(steps.energy)) / STEPS_PER_S, duration_s)
     rate = steps.sample_rate

@@ -1,0 +1,311 @@
+"""What an observer could tell apart: tables, words, plain data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from overview_dsp.measure.observer.noticed import Modality
+from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
+from overview_dsp.public.reprs import counted, short
+
+LEAST_SHARE = 1.0 / 12.5
+"""Confusions as rare as 1 in 12 are told in words."""
+
+LEAST_EVENTS = 12
+"""Of fewer events nothing is said in words."""
+
+
+@dataclass(frozen=True)
+class StrokeScores:
+    """One stroke by one modality.
+
+    Attributes
+    ----------
+    kinds : ObserverScores
+        Of each of the preset's kinds.
+    groups : ObserverScores
+        Of kinds taken together (goal, card, minor); the same where kinds have no groups.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> football = ov.load_preset("football")
+    >>> report = ov.measure.observe(
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ... )
+    >>> report.sets[0].strokes["mixed"]["touch"].groups.kinds
+    ('minor', 'goal', 'card')
+    """
+
+    kinds: ObserverScores
+    groups: ObserverScores
+
+
+@dataclass(frozen=True)
+class SetScores:
+    """What was told of one set of timelines.
+
+    Attributes
+    ----------
+    name : str
+        `random timelines` or `timelines given`.
+    timelines : int
+        How many.
+    strokes : mapping of str to mapping of str to StrokeScores
+        By stroke (`1 s`, ..., `recoil`, `tap`, or `mixed`), then by modality.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> football = ov.load_preset("football")
+    >>> report = ov.measure.observe(
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ... )
+    >>> report.sets[0].timelines
+    1
+    """
+
+    name: str
+    timelines: int
+    strokes: Mapping[str, Mapping[Modality, StrokeScores]]
+
+    def __repr__(self) -> str:
+        return f"<SetScores: {self.name} ({self.timelines}), {', '.join(self.strokes)}>"
+
+
+@dataclass(frozen=True)
+class ObserverReport:
+    """Which kinds of events can be told apart.
+
+    Attributes
+    ----------
+    preset : str
+        Its name.
+    hands : str
+        `steady` or `mixed`.
+    learned : int
+        From how many random timelines.
+    sets : tuple of SetScores
+        What it was asked about.
+
+    See Also
+    --------
+    observe : Makes one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> football = ov.load_preset("football")
+    >>> report = ov.measure.observe(
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ... )
+    >>> report
+    <ObserverReport: 'football', mixed hands, 1 set>
+    """
+
+    preset: str
+    hands: str
+    learned: int
+    sets: tuple[SetScores, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Make plain data of it.
+
+        Returns
+        -------
+        dict
+            Of texts, numbers and lists, for JSON.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> report = ov.measure.observe(
+        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+        ... )
+        >>> report.to_json()["sets"][0]["strokes"][0]["name"]
+        'mixed'
+        """
+        return {
+            "preset": self.preset,
+            "hands": self.hands,
+            "learned": self.learned,
+            "sets": [
+                {
+                    "name": one.name,
+                    "timelines": one.timelines,
+                    "strokes": [
+                        {
+                            "name": stroke,
+                            "modality": modality,
+                            "groups": scores.groups.to_json(),
+                            **scores.kinds.to_json(),
+                        }
+                        for stroke, by_modality in one.strokes.items()
+                        for modality, scores in by_modality.items()
+                    ],
+                }
+                for one in self.sets
+            ],
+        }
+
+    def table(self) -> str:
+        """Write the report as text: recall and precision of each kind, then each confusion matrix.
+
+        Returns
+        -------
+        str
+            Of many lines; parts are in hundredths.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> report = ov.measure.observe(
+        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+        ... )
+        >>> report.table().splitlines()[0]
+        'football, mixed hands, an observer that learned from 2 random timelines'
+        """
+        lines = [
+            f"{self.preset}, {self.hands} hands, an observer that learned from "
+            f"{self.learned} random timelines"
+        ]
+        for one in self.sets:
+            for modality in next(iter(one.strokes.values())):
+                by_stroke = {name: found[modality] for name, found in one.strokes.items()}
+                lines += ["", f"{one.name} ({one.timelines}), {modality}: recall / precision, %"]
+                lines += _recalls(by_stroke)
+                for stroke, scores in by_stroke.items():
+                    lines.append(f"{modality}, {stroke}: of 100 of each kind, taken for")
+                    lines += _confusion(scores.kinds)
+        return "\n".join(lines)
+
+    def warnings(self) -> list[str]:
+        """List what is taken for what, and what goes unnoticed, as often as 1 in 12.
+
+        Of groups of kinds, and of the timelines that were given if there are any.
+
+        Returns
+        -------
+        list of str
+            Each a line.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> report = ov.measure.observe(
+        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+        ... )
+        >>> all(isinstance(line, str) for line in report.warnings())
+        True
+        """
+        if not self.sets:
+            return []
+        strokes = self.sets[-1].strokes
+        lines = []
+        for modality in next(iter(strokes.values())):
+            found: dict[tuple[str, str], list[tuple[int, int, str]]] = {}
+            for stroke, by_modality in strokes.items():
+                for kind, taken, share in _confusions(by_modality[modality].groups):
+                    some, of = _ratio(share)
+                    found.setdefault((kind, taken), []).append((some, of, _where(stroke)))
+            for (kind, taken), places in found.items():
+                some, of, where = places[0]
+                fate = "unnoticed" if taken == NOTHING else f"taken for {_a(taken)}"
+                name, verb = (kind, "is") if some == 1 else (_plural(kind), "are")
+                more = "".join(f", {some} in {of} {where}" for some, of, where in places[1:])
+                lines.append(
+                    f"{some} {_spoken(name)} in {of} {verb} {fate} {where}{more} (by {modality})"
+                )
+        return lines
+
+    def __repr__(self) -> str:
+        sets = counted(len(self.sets), "set")
+        return f"<ObserverReport: {short(self.preset)}, {self.hands} hands, {sets}>"
+
+
+def _recalls(strokes: Mapping[str, StrokeScores]) -> Iterator[str]:
+    """Lines: a kind or group each, a stroke a column."""
+    yield f"{'':<22}{'events':>8}" + "".join(f"{name:>12}" for name in strokes)
+    scores = list(strokes.values())
+    for title, tables in (
+        ("kinds", [one.kinds for one in scores]),
+        ("groups", [one.groups for one in scores]),
+    ):
+        if title == "groups" and tables[0].kinds == scores[0].kinds.kinds:
+            return
+        for row, kind in enumerate(tables[0].kinds):
+            events = max(int(table.events[row]) // table.draws for table in tables)
+            if events or any(table.reports[row] for table in tables):
+                cells = [_cell(table.recall[row], table.precision[row]) for table in tables]
+                yield f"  {kind[:20]:<20}{events:>8}" + "".join(f"{cell:>12}" for cell in cells)
+        means = "".join(f"{_percent(table.balanced):>12}" for table in tables)
+        yield f"  {'balanced, ' + title:<28}{means}"
+
+
+def _confusion(scores: ObserverScores) -> Iterator[str]:
+    """Lines: what each kind is taken for, of 100 of it."""
+    names = [*scores.kinds, NOTHING]
+    met = np.flatnonzero(scores.events).tolist()
+    seen = np.flatnonzero(scores.confusion[:-1].sum(axis=0)).tolist()
+    yield f"  {'':<20}" + "".join(f"{names[column][:9]:>10}" for column in seen)
+    for row in met:
+        counts = scores.confusion[row]
+        parts = [100.0 * counts[column] / counts.sum() for column in seen]
+        yield f"  {names[row][:20]:<20}" + "".join(f"{part:>10.0f}" for part in parts)
+
+
+def _confusions(scores: ObserverScores) -> Iterator[tuple[str, str, float]]:
+    """What each kind is taken for, where that isn't rare."""
+    names = [*scores.kinds, NOTHING]
+    for row, kind in enumerate(scores.kinds):
+        events = int(scores.events[row])
+        if events < LEAST_EVENTS * scores.draws:
+            continue
+        for column, taken in enumerate(names):
+            share = float(scores.confusion[row, column]) / events
+            if column != row and share >= LEAST_SHARE:
+                yield kind, taken, share
+
+
+_RATIOS = [*((1, of) for of in range(12, 1, -1)), (2, 3), (3, 4), (9, 10)]
+
+
+def _ratio(share: float) -> tuple[int, int]:
+    """A share as a person says it: 1 in 12 to 1 in 2, 2 in 3, 3 in 4, 9 in 10."""
+    return min(_RATIOS, key=lambda ratio: abs(math.log(ratio[0] / ratio[1] / share)))
+
+
+def _where(stroke: str) -> str:
+    if stroke in ("recoil", "tap"):
+        return f"in the {stroke}"
+    return "by a hand of mixed pace" if stroke == "mixed" else f"at {stroke}"
+
+
+def _spoken(kind: str) -> str:
+    return kind.replace("_", " ")
+
+
+def _a(kind: str) -> str:
+    return f"{'an' if kind[:1] in 'aeiou' else 'a'} {_spoken(kind)}"
+
+
+def _plural(kind: str) -> str:
+    if kind.endswith(("s", "ch", "sh")):
+        return f"{kind}es"
+    return f"{kind}s"
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.0f}" if np.isfinite(value) else "-"
+
+
+def _cell(recall: float, precision: float) -> str:
+    return f"{_percent(recall)} / {_percent(precision)}"

@@ -1,0 +1,213 @@
+"""How right an observer is: recall over the events met, precision over its reports, confusions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.measure.observer.noticed import RHYTHM_MS
+
+NOTHING = "nothing"
+"""What an observer says where it takes what it notices for the curve; what an event without an
+onset is taken for."""
+
+
+@dataclass(frozen=True, eq=False)
+class ObserverScores:
+    """What an observer said in one stroke, summed over timelines and draws of its noise.
+
+    Attributes
+    ----------
+    kinds : tuple of str
+        What it chose from, besides nothing.
+    confusion : int64 (kinds + 1, kinds + 1)
+        Rows: the events met, by kind; the last: reports where nothing was. Columns: what they were
+        taken for; the last: nothing, or not noticed at all. An event that brought several onsets
+        counts as told right if one of them was.
+    reports, right : int64 (kinds,)
+        How often it named each kind, once in 120 ms for one event; how often with reason.
+    draws : int
+        How often the same strokes are counted, each time with other noise.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> table = np.array([[9, 1, 0], [1, 7, 2], [0, 1, 0]])
+    >>> scores = ov.measure.ObserverScores(
+    ...     ("goal", "card"), table, np.array([10, 9]), np.array([9, 7]), 1
+    ... )
+    >>> scores.recall, scores.precision.round(2), scores.balanced
+    (array([0.9, 0.7]), array([0.9 , 0.78]), 0.8)
+    """
+
+    kinds: tuple[str, ...]
+    confusion: NDArray[np.int64]
+    reports: NDArray[np.int64]
+    right: NDArray[np.int64]
+    draws: int
+
+    @property
+    def events(self) -> NDArray[np.int64]:
+        """How many events of each kind were met, each counted once a draw."""
+        return np.asarray(self.confusion[:-1].sum(axis=1), dtype=np.int64)
+
+    @property
+    def recall(self) -> NDArray[np.float64]:
+        """The part of each kind's events that was told for what it is; NaN without events."""
+        return _parts(np.diagonal(self.confusion)[:-1], self.events)
+
+    @property
+    def precision(self) -> NDArray[np.float64]:
+        """The part of each kind's reports that was true; NaN without reports."""
+        return _parts(self.right, self.reports)
+
+    @property
+    def f1(self) -> NDArray[np.float64]:
+        """The harmonic mean of recall and precision; NaN without events."""
+        precision = np.nan_to_num(self.precision)  # without reports, recall is 0 too
+        total = self.recall + precision
+        return _parts(2.0 * self.recall * precision, np.where(total > 0.0, total, 1.0))
+
+    @property
+    def balanced(self) -> float:
+        """Mean recall of the kinds that were met; NaN if none was."""
+        known = self.recall[self.events > 0]
+        return float(known.mean()) if len(known) else float("nan")
+
+    def to_json(self) -> dict[str, Any]:
+        """Make plain data of it: of the kinds that were met or named.
+
+        Returns
+        -------
+        dict
+            Of texts, numbers and lists, for JSON; the confusion's rows and columns are those
+            kinds, and nothing.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> table = np.array([[9, 1], [0, 0]])
+        >>> scores = ov.measure.ObserverScores(("goal",), table, np.array([9]), np.array([9]), 1)
+        >>> scores.to_json()["kinds"]["goal"]
+        {'events': 10, 'recall': 0.9, 'precision': 1.0, 'f1': 0.9474}
+        """
+        rows = np.flatnonzero((self.events > 0) | (self.reports > 0))
+        shown = np.append(rows, len(self.kinds))
+        return {
+            "balanced": _rounded(self.balanced),
+            "kinds": {
+                self.kinds[row]: {
+                    # each event counts once for a draw
+                    "events": int(self.events[row]) // self.draws,
+                    "recall": _rounded(self.recall[row]),
+                    "precision": _rounded(self.precision[row]),
+                    "f1": _rounded(self.f1[row]),
+                }
+                for row in rows.tolist()
+            },
+            "draws": self.draws,
+            "confusion": self.confusion[np.ix_(shown, shown)].tolist(),
+        }
+
+    def __repr__(self) -> str:
+        return (
+            f"<ObserverScores: {len(self.kinds)} kinds, {int(self.events.sum())} events met, "
+            f"balanced recall {self.balanced:.2f}>"
+        )
+
+
+def _parts(some: NDArray[Any], of: NDArray[Any]) -> NDArray[np.float64]:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(some / of, dtype=np.float64)
+
+
+def _rounded(value: float) -> float | None:
+    return round(float(value), 4) if np.isfinite(value) else None
+
+
+@dataclass(eq=False)
+class Tally:
+    """Counts what was said, stroke by stroke; `group` maps each class to one of `kinds`.
+
+    Classes are the preset's kinds by index, and one more for nothing, which stays the last.
+    """
+
+    kinds: tuple[str, ...]
+    group: NDArray[np.int64]
+    confusion: NDArray[np.int64] = field(init=False)
+    reports: NDArray[np.int64] = field(init=False)
+    right: NDArray[np.int64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        count = len(self.kinds)
+        self.confusion = np.zeros((count + 1, count + 1), dtype=np.int64)
+        self.reports = np.zeros(count, dtype=np.int64)
+        self.right = np.zeros(count, dtype=np.int64)
+
+    def add(
+        self,
+        at_ms: NDArray[np.int64],
+        said: NDArray[np.int64],
+        owner: NDArray[np.int64],
+        kinds: Iterable[int],
+    ) -> None:
+        """Count a stroke: onsets (when, the class said, whose they are) and its events."""
+        nothing = len(self.kinds)
+        told: dict[int, list[int]] = {}
+        true = self.group[np.asarray(list(kinds), dtype=np.int64)].tolist()
+        last: dict[int, tuple[int, int]] = {}
+        for at, name, row in zip(
+            at_ms.tolist(), self.group[said].tolist(), owner.tolist(), strict=True
+        ):
+            told.setdefault(row, []).append(name)
+            if name == nothing:
+                continue
+            before, of = last.get(name, (-(2**60), -1))
+            if at - before <= RHYTHM_MS and of == row:
+                continue
+            last[name] = (at, row)
+            self.reports[name] += 1
+            self.right[name] += row >= 0 and true[row] == name
+            if row < 0:
+                self.confusion[nothing, name] += 1
+        for row, kind in enumerate(true):
+            names = told.get(row, [])
+            others = [name for name in names if name != nothing]
+            taken = kind if kind in names else others[0] if others else nothing
+            self.confusion[kind, taken] += 1
+
+    def scores(self, draws: int) -> ObserverScores:
+        """What was counted."""
+        return ObserverScores(self.kinds, self.confusion, self.reports, self.right, draws)
+
+
+GROUPS = {
+    "goal": "goal",
+    "own_goal": "goal",
+    "yellow_card": "card",
+    "red_card": "card",
+    "highest": "extreme",
+    "lowest": "extreme",
+    "largest_rise": "move",
+    "record_high": "record",
+    "premature": "early beat",
+    "premature_ventricular": "early beat",
+    "missed_beat": "missed beat",
+    "flutter": "flutter",
+}
+"""Kinds that are one to whoever asks what mainly happened."""
+
+MINOR = "minor"
+
+
+def groups_of(kinds: Sequence[str]) -> tuple[str, ...]:
+    """The group of each kind; of kinds that know none, each its own."""
+    if not any(kind in GROUPS for kind in kinds):
+        return tuple(kinds)
+    return tuple(GROUPS.get(kind, MINOR) for kind in kinds)

@@ -1,0 +1,163 @@
+"""The strokes that an observer is asked about: rendered, cut, and what is noticed in each.
+
+A model a stroke: who moves knows how fast, and whether it is a tap or a recoil. Hands of mixed pace
+share one model, which is told the pace of the hand (`noticed.PACE`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.gestures import Gesture, sweep, tap
+from overview_dsp.measure.felt import strokes
+from overview_dsp.measure.observer.noticed import Modality, Noticed, notice
+from overview_dsp.measure.observer.passages import Met, met, owners
+from overview_dsp.measure.random_hands import random_hand
+from overview_dsp.presets.model import Preset
+from overview_dsp.rendering.many import RenderedJob, RenderJob, render_many
+from overview_dsp.rendering.schedule import Tail
+from overview_dsp.rendering.trace import Trace
+from overview_dsp.timeline import Timeline
+from overview_dsp.units import HALF_TURN
+
+Hands = Literal["steady", "mixed"]
+HANDS: tuple[Hands, ...] = ("steady", "mixed")
+
+RECOIL_OF = "2 s"
+"""A recoil is much the same after any sweep: this one's is looked at."""
+
+STEADY: Mapping[str, Gesture] = {
+    "1 s": sweep(1.0),
+    RECOIL_OF: sweep(2.0),
+    "4 s": sweep(4.0),
+    "6 s": sweep(6.0),
+    "tap": tap(1.0, 3.0),
+}
+"""The tap is held until a slow one has unfolded."""
+
+RECOIL, MIXED = "recoil", "mixed"
+
+TOUCH_RATE, SOUND_RATE = 16_000.0, 48_000.0
+"""Hz. The disk and its vibration are the same at both; clicks are told apart less well below."""
+
+_SLOWEST = 0.02
+"""Timelines a second: a hand slower than this rests."""
+
+_PACE_OVER_S = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeMet:
+    """One stroke over one timeline.
+
+    Attributes
+    ----------
+    name : str
+        `1 s` to `6 s`, `recoil`, `tap`, `mixed`.
+    noticed : dict of Modality to Noticed
+    owner : dict of Modality to int64 (onsets,)
+        The row of `met` that each onset belongs to, or -1.
+    met : Met
+    """
+
+    name: str
+    noticed: dict[Modality, Noticed]
+    owner: dict[Modality, NDArray[np.int64]]
+    met: Met
+
+
+def stroke_names(hands: Hands) -> tuple[str, ...]:
+    """The strokes of a sort of hands, in the order of a report."""
+    if hands == "mixed":
+        return (MIXED,)
+    sweeps = [name for name in STEADY if name != "tap"]
+    return (*sweeps, RECOIL, "tap")
+
+
+def rendered_strokes(
+    preset: Preset,
+    timelines: Sequence[Timeline],
+    hands: Hands,
+    modalities: Sequence[Modality],
+    seed: int,
+    progress: Callable[[int], None],
+    sample_rate: float | None = None,
+) -> list[list[StrokeMet]]:
+    """Render every stroke over every timeline, on all cores.
+
+    Parameters
+    ----------
+    preset, timelines
+        What is felt.
+    hands
+        Steady ones, or one of mixed pace a timeline.
+    modalities
+        What is noticed by.
+    seed
+        Of the hands: timeline i gets that of `seed + i`.
+    progress
+        Called after each render with how many it was (1).
+    sample_rate
+        Hz; None is what the modalities need.
+
+    Returns
+    -------
+    list of list of StrokeMet
+        Those of each timeline.
+    """
+    if sample_rate is None:
+        sample_rate = TOUCH_RATE if tuple(modalities) == ("touch",) else SOUND_RATE
+    found: list[list[StrokeMet]] = [[] for _ in timelines]
+    if hands == "mixed":
+        plans = [("none", [(MIXED, i, random_hand(seed + i)) for i in range(len(timelines))])]
+    else:
+        every = [(name, i) for name in STEADY for i in range(len(timelines))]
+        plans = [
+            (tail, [(name, i, STEADY[name]) for name, i in every if (name == RECOIL_OF) == recoils])
+            for tail, recoils in (("none", False), ("rest", True))
+        ]
+    for tail, plan in plans:
+        jobs = [RenderJob(timelines[i], preset, gesture) for _, i, gesture in plan]
+        results = _rendered(jobs, sample_rate, tail)
+        for (name, i, _), result in zip(plan, results, strict=True):
+            found[i] += _cut(name, result, modalities)
+            progress(1)
+    return found
+
+
+def _rendered(jobs: list[RenderJob], sample_rate: float, tail: str) -> Iterable[RenderedJob[Trace]]:
+    to_rest: Tail = "rest" if tail == "rest" else "none"
+    return render_many(jobs, sample_rate, tail=to_rest, trace=True)
+
+
+def _cut(
+    name: str, result: RenderedJob[Trace], modalities: Sequence[Modality]
+) -> Iterator[StrokeMet]:
+    for stroke in strokes(result.trace.touching, result.trace.cursor):
+        if stroke.name != "out" and name != RECOIL_OF:
+            continue  # the end of a gesture that lets go with its last frame
+        frames = slice(stroke.start, stroke.stop)
+        there = met(result.surface, result.trace.cursor[frames], result.sample_rate)
+        pace = _pace(result.job.gesture) if name == MIXED else None
+        found = notice(result.samples[frames], result.sample_rate, modalities, pace)
+        yield StrokeMet(
+            name if stroke.name == "out" else RECOIL,
+            found,
+            {modality: owners(one.at_ms, there) for modality, one in found.items()},
+            there,
+        )
+
+
+def _pace(hand: Gesture) -> NDArray[np.float64]:
+    """Log of a hand's pace at each millisecond, timelines a second."""
+    at = np.arange(0.0, hand.duration_s, 0.001)
+    place = np.interp(
+        np.stack([at, at + _PACE_OVER_S]) - _PACE_OVER_S / 2.0, hand.time_s, hand.theta2
+    )
+    pace = np.abs(place[1] - place[0]) / _PACE_OVER_S / HALF_TURN
+    return np.asarray(np.log(np.maximum(pace, _SLOWEST)))

@@ -1,0 +1,180 @@
+"""A classifier: extremely randomised trees (Geurts, Ernst and Wehenkel 2006), on numpy alone.
+
+Each tree splits all samples again and again: at each node the best of some random questions ("is
+feature f below the value that a random sample of this node has?") by weighted Gini impurity, until
+a node is pure or as small as `LEAST` on a side. A forest says the class with the largest mean share
+in its trees' leaves. All nodes of a depth are split at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+TREES = 40
+QUESTIONS = 8
+"""At each node."""
+
+LEAST = 3
+"""Samples of the smaller side of a split."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Tree:
+    """Nodes in order of depth; a leaf's `below` is 0."""
+
+    feature: NDArray[np.int64]
+    threshold: NDArray[np.float64]
+    below: NDArray[
+        np.int64
+    ]  # the node for what is below the threshold; the next one is for the rest
+    share: NDArray[np.float64]  # (nodes, classes)
+
+
+@dataclass(frozen=True, eq=False)
+class Forest:
+    """Trees that have learned; see `grown`.
+
+    Attributes
+    ----------
+    classes : int
+        How many there are.
+    """
+
+    classes: int
+    trees: tuple[_Tree, ...]
+
+    def shares(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far each sample is each class: float64 (samples, classes), rows of sum 1."""
+        total = np.zeros((len(features), self.classes))
+        rows = np.arange(len(features))
+        for tree in self.trees:
+            node = np.zeros(len(features), dtype=np.int64)
+            going = rows
+            while len(going):
+                here = node[going]
+                going, here = going[tree.below[here] > 0], here[tree.below[here] > 0]
+                above = features[going, tree.feature[here]] >= tree.threshold[here]
+                node[going] = tree.below[here] + above
+            total += tree.share[node]
+        return total / len(self.trees)
+
+    def say(self, features: NDArray[np.float64]) -> NDArray[np.int64]:
+        """The likeliest class of each sample; features float64 (samples, features)."""
+        return np.asarray(self.shares(features).argmax(axis=1), dtype=np.int64)
+
+
+def grown(
+    features: NDArray[np.float64],
+    classes: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    rng: np.random.Generator,
+    trees: int = TREES,
+) -> Forest:
+    """Grow a forest.
+
+    Parameters
+    ----------
+    features : float64 (samples, features)
+        One sample or more.
+    classes : int64 (samples,)
+        From 0 on.
+    weights : float64 (samples,)
+        What each sample counts, > 0.
+    rng : Generator
+    trees : int
+    """
+    count = int(classes.max()) + 1
+    return Forest(
+        count, tuple(_grown(features, classes, weights, count, rng) for _ in range(trees))
+    )
+
+
+def _grown(
+    features: NDArray[np.float64],
+    classes: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    count: int,
+    rng: np.random.Generator,
+) -> _Tree:
+    parts: list[tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]] = []
+    shares = []
+    # of the samples that are not in a leaf: rows sorted by node, and their node at this depth
+    rows = np.arange(len(features))
+    local = np.zeros(len(features), dtype=np.int64)
+    nodes, made = 1, 1
+    while nodes:
+        sums = _sums(local * count + classes[rows], weights[rows], nodes * count)
+        sums = sums.reshape(nodes, count)
+        total = sums.sum(axis=1)
+        shares.append(sums / total[:, None])
+        size = np.bincount(local, minlength=nodes)
+        feature, threshold, splits = _best_questions(
+            features, classes, weights, rows, local, sums, size, rng
+        )
+        splits &= (sums > 0.0).sum(axis=1) > 1
+        # the nodes of the next depth, two for each that is split
+        below = np.zeros(nodes, dtype=np.int64)
+        below[splits] = made + 2 * np.arange(np.count_nonzero(splits))
+        parts.append((feature, threshold, below))
+        kept = splits[local]
+        rows, local = rows[kept], local[kept]
+        above = features[rows, feature[local]] >= threshold[local]
+        local = below[local] + above - made
+        order = np.argsort(local, kind="stable")
+        rows, local = rows[order], local[order]
+        nodes = 2 * int(np.count_nonzero(splits))
+        made += nodes
+    features_asked, thresholds, belows = zip(*parts, strict=True)
+    return _Tree(
+        np.concatenate(features_asked),
+        np.concatenate(thresholds),
+        np.concatenate(belows),
+        np.concatenate(shares),
+    )
+
+
+def _best_questions(
+    features: NDArray[np.float64],
+    classes: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    rows: NDArray[np.int64],
+    local: NDArray[np.int64],
+    sums: NDArray[np.float64],
+    size: NDArray[np.int64],
+    rng: np.random.Generator,
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
+    """The best of `QUESTIONS` at each node: feature, threshold, and whether it splits it at all."""
+    nodes, count = sums.shape
+    first = np.concatenate([[0], np.cumsum(size)[:-1]])
+    found = np.zeros(nodes, dtype=np.int64)
+    threshold = np.zeros(nodes)
+    # what a node is worth without a split
+    best = (sums**2).sum(axis=1) / sums.sum(axis=1) + 1e-9
+    splits = np.zeros(nodes, dtype=bool)
+    column = local * count + classes[rows]
+    weight = weights[rows]
+    for _ in range(QUESTIONS):
+        feature = np.asarray(rng.integers(features.shape[1], size=nodes))
+        drawn = rows[first + (rng.random(nodes) * size).astype(np.int64)]
+        value = features[drawn, feature]
+        below = features[rows, feature[local]] < value[local]
+        under = _sums(column[below], weight[below], nodes * count).reshape(nodes, count)
+        many = np.bincount(local[below], minlength=nodes)
+        over = sums - under
+        with np.errstate(invalid="ignore", divide="ignore"):
+            worth = (under**2).sum(axis=1) / under.sum(axis=1)
+            worth += (over**2).sum(axis=1) / over.sum(axis=1)
+        better = (many >= LEAST) & (size - many >= LEAST) & (worth > best)
+        best = np.where(better, worth, best)
+        found, threshold = np.where(better, feature, found), np.where(better, value, threshold)
+        splits |= better
+    return found, threshold, splits
+
+
+def _sums(
+    index: NDArray[np.int64], weights: NDArray[np.float64], length: int
+) -> NDArray[np.float64]:
+    return np.asarray(np.bincount(index, weights, minlength=length), dtype=np.float64)

@@ -1,0 +1,122 @@
+"""Series by chance: a share's closing prices, a town's daily temperatures.
+
+Prices walk at random with calm and stormy times (volatility 0.7 to 2.5 % a day, which reverts
+within a month or so) and rare jumps. Temperatures are a year's wave with weather on it that lasts
+some days, sometimes with a stretch of missing days. Events are found in them by the rules for
+tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.readers.source import LoadOptions
+from overview_dsp.readers.tables.pipeline import series_of
+from overview_dsp.readers.tables.table import Chunk, Column
+from overview_dsp.timeline import Timeline
+
+TRADING_DAYS = 252
+"""A year of a share."""
+
+_FIRST_DAY = np.datetime64("1990-01-01", "D")
+
+
+@dataclass(frozen=True, eq=False)
+class _Columns:
+    """A table in memory, for the readers of tables: days and values."""
+
+    days: NDArray[np.datetime64]
+    values: NDArray[np.float64]
+    header: str
+    kind: str = "random"
+    row_word: str = "row"
+    notes: tuple[str, ...] = ()
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        return (Column.of("Date"), Column.of(self.header))
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        cells = (self.days, self.values)
+        yield Chunk(tuple(cells[i] for i in columns), 1)
+
+
+def random_share(seed: int) -> Timeline:
+    """Make up one to three years of a share's closing prices.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed, the same share.
+
+    Returns
+    -------
+    Timeline
+        Of the kinds that series have.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> share = ov.measure.random_share(5)
+    >>> share.kinds()["highest"], share.kinds()["lowest"]
+    (1, 1)
+    """
+    rng = np.random.default_rng(seed)
+    count = TRADING_DAYS * int(rng.integers(1, 4))
+    start = _FIRST_DAY + int(rng.integers(0, 12_000))
+    days = np.busday_offset(start, np.arange(count), roll="forward")
+    usual = np.log(rng.uniform(0.007, 0.025))
+    storm = 0.0
+    steps = np.empty(count)
+    for i, (kick, move) in enumerate(rng.standard_normal((count, 2)).tolist()):
+        storm += -storm / 20.0 + 0.15 * kick
+        steps[i] = np.exp(usual + storm) * move
+    # results and other news: twice a year
+    steps += (rng.random(count) < 2.0 / TRADING_DAYS) * rng.normal(0.0, 0.06, count)
+    steps += rng.normal(0.0003, 0.0004)
+    price = np.round(rng.uniform(10.0, 300.0) * np.exp(np.cumsum(np.clip(steps, -0.25, 0.25))), 2)
+    return series_of(_Columns(days, price, "Close"), LoadOptions(), f"random share {seed}")
+
+
+def random_weather(seed: int) -> Timeline:
+    """Make up one to four years of daily temperatures.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed, the same weather.
+
+    Returns
+    -------
+    Timeline
+        Of the kinds that series have.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> weather = ov.measure.random_weather(5)
+    >>> weather.intensity.unit
+    '°C'
+    """
+    rng = np.random.default_rng(seed)
+    count = 365 * int(rng.integers(1, 5))
+    start = _FIRST_DAY + int(rng.integers(0, 12_000))
+    days = start + np.arange(count)
+    of_year = (days - days.astype("datetime64[Y]")).astype(np.float64) / 365.25
+    coldest = rng.normal(0.05, 0.02)
+    season = -rng.uniform(5.0, 13.0) * np.cos(2.0 * np.pi * (of_year - coldest))
+    weather = np.empty(count)
+    now, lasting = 0.0, rng.uniform(0.6, 0.8)
+    for i, kick in enumerate(rng.normal(0.0, rng.uniform(2.0, 3.5), count).tolist()):
+        now = lasting * now + kick
+        weather[i] = now
+    value = np.round(rng.uniform(5.0, 18.0) + season + weather, 1)
+    if rng.random() < 0.2:  # a station that failed
+        first = int(rng.integers(0, count - 40))
+        value[first : first + int(rng.integers(5, 40))] = np.nan
+    table = _Columns(days, value, "temperature (°C)")
+    return series_of(table, LoadOptions(), f"random weather {seed}")

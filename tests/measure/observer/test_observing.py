@@ -1,0 +1,193 @@
+"""The observer from preset to report: what it must tell apart, what it can't, what it says."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.measure.observer import observing
+from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
+from overview_dsp.measure.observer.scoring import ObserverScores
+from overview_dsp.measure.observer.strokes import rendered_strokes, stroke_names
+
+STROKES = ["1 s", "2 s", "4 s", "6 s", "recoil", "tap"]
+
+
+def preset_of(**kinds):
+    made = {
+        name: ov.EventKind(height=height, width_percent=width, modes=(ov.ClickMode(hertz, 20.0),))
+        for name, (height, width, hertz) in kinds.items()
+    }
+    made.setdefault("default", ov.EventKind(height=4.0, width_percent=0.3))
+    return ov.Preset("made", "x", "x", ov.load_preset("football").values, made)
+
+
+def observed(preset, **how):
+    return ov.measure.observe(preset, **({"learned": 14, "held_out": 6} | how))
+
+
+def balanced(report, stroke, modality="touch"):
+    return report.sets[-1].strokes[stroke][modality].kinds.balanced
+
+
+@pytest.fixture(scope="module")
+def unlike():
+    """A hard knock and a bump that hardly stands out, which click alike."""
+    return observed(preset_of(hard=(150.0, 0.15, 900.0), soft=(6.0, 0.3, 900.0)), hands="mixed")
+
+
+@pytest.fixture(scope="module")
+def alike():
+    """Two kinds that feel the same and click two octaves apart."""
+    return observed(preset_of(low=(60.0, 0.15, 500.0), high=(60.0, 0.15, 2000.0)), hands="mixed")
+
+
+def test_kinds_that_feel_different_are_told_apart_by_touch(unlike):
+    recall = unlike.sets[0].strokes["mixed"]["touch"].kinds
+    assert recall.recall[recall.kinds.index("hard")] > 0.85
+    confused = recall.confusion[recall.kinds.index("soft"), recall.kinds.index("hard")]
+    assert confused < 0.1 * recall.events[recall.kinds.index("soft")]
+
+
+def test_kinds_that_feel_the_same_are_not_told_apart_by_touch_but_by_their_clicks(alike):
+    assert balanced(alike, "mixed", "touch") < 0.6
+    assert balanced(alike, "mixed", "sound") > 0.75
+    assert balanced(alike, "mixed", "both") > 0.75
+
+
+def test_it_says_what_is_taken_for_what(alike):
+    lines = alike.warnings()
+    (line,) = (one for one in lines if "is taken for a high" in one and "(by touch)" in one)
+    assert re.fullmatch(
+        r"1 low in [234] is taken for a high by a hand of mixed pace \(by touch\)", line
+    )
+    assert not any("is taken for a high" in one and "(by both)" in one for one in lines)
+
+
+def test_every_stroke_is_asked_about_on_the_given_timelines_too():
+    preset = preset_of(hard=(150.0, 0.15, 900.0), soft=(6.0, 0.3, 900.0))
+    given = [ov.measure.random_events(["hard", "soft"], seed) for seed in (901, 902)]
+    report = observed(preset, timelines=given, modalities=["touch"], learned=8, held_out=2)
+    assert [(one.name, one.timelines) for one in report.sets] == [
+        ("random timelines", 2),
+        ("timelines given", 2),
+    ]
+    counts = {kind: sum(one.kinds()[kind] for one in given) for kind in ("hard", "soft")}
+    for one in report.sets:
+        assert list(one.strokes) == STROKES == list(stroke_names("steady"))
+    for stroke in STROKES:
+        scores = report.sets[1].strokes[stroke]["touch"].kinds
+        events = dict(zip(scores.kinds, scores.events // scores.draws, strict=True))
+        # every event is met, also by the recoil and the tap
+        assert {kind: events[kind] for kind in counts} == counts, stroke
+    table = report.table()
+    assert "timelines given (2), touch: recall / precision, %" in table
+    assert all(f"touch, {stroke}: of 100" in table for stroke in STROKES)
+    plain = json.loads(json.dumps(report.to_json(), allow_nan=False))
+    assert [stroke["name"] for stroke in plain["sets"][1]["strokes"]] == STROKES
+
+
+def test_a_seed_gives_the_same_report_and_another_seed_another():
+    preset = preset_of(hard=(150.0, 0.15, 900.0), soft=(6.0, 0.3, 900.0))
+    how = {"modalities": ["touch"], "hands": "mixed", "learned": 4, "held_out": 2}
+    first, again, other = (observed(preset, seed=seed, **how).to_json() for seed in (3, 3, 4))
+    assert first == again
+    assert first != other
+
+
+def test_what_is_noticed_by_touch_is_the_same_at_16_and_at_48_khz(match, football):
+    at = {
+        rate: rendered_strokes(football, [match], "steady", ["touch"], 0, lambda _: None, rate)[0]
+        for rate in (16_000.0, 48_000.0)
+    }
+    levels = []
+    for low, high in zip(*at.values(), strict=True):
+        assert low.name == high.name
+        low_ms, high_ms = low.noticed["touch"].at_ms, high.noticed["touch"].at_ms
+        assert abs(len(low_ms) - len(high_ms)) <= 2
+        for i, ms in enumerate(low_ms.tolist()):
+            j = int(np.abs(high_ms - ms).argmin())
+            assert abs(high_ms[j] - ms) <= 30
+            rows = low.noticed["touch"].features[i], high.noticed["touch"].features[j]
+            levels.append(rows[0][0] - rows[1][0])
+    # a person's noise is 1.6 dB
+    assert np.sqrt(np.mean(np.square(levels))) < 0.5
+
+
+def test_progress_rises_to_the_end():
+    parts = []
+    preset = preset_of(hard=(150.0, 0.15, 900.0))
+    observed(preset, modalities=["touch"], learned=3, held_out=2, progress=parts.append)
+    assert parts == sorted(parts)
+    assert parts[0] < 0.1
+    assert parts[-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("how", "words"),
+    [
+        ({"modalities": ["smell"]}, "touch, sound, both"),
+        ({"modalities": []}, "touch, sound, both"),
+        ({"hands": "cold"}, "steady, mixed"),
+        ({"learned": 0}, "1 timeline or more"),
+        ({"held_out": -1}, "held_out = -1"),
+        ({"held_out": 0}, "nothing to ask about"),
+    ],
+)
+def test_a_mistake_is_one_line_that_says_what_is_allowed(how, words):
+    with pytest.raises(ov.InputError, match=words) as caught:
+        observed(preset_of(), **how)
+    assert "\n" not in str(caught.value)
+
+
+def scores(confusion, draws=1):
+    table = np.array(confusion)
+    named = table[:, :-1].sum(axis=0)
+    return ObserverScores(("goal", "card"), table, named, np.diagonal(table)[:-1].copy(), draws)
+
+
+def warnings(strokes):
+    by_stroke = {name: {"touch": StrokeScores(one, one)} for name, one in strokes.items()}
+    found = SetScores("random timelines", 40, by_stroke)
+    return ObserverReport("football", "steady", 120, (found,)).warnings()
+
+
+def test_warnings_say_how_often_what_is_taken_for_what_and_where():
+    one_in_twelve = scores([[24, 0, 0], [2, 22, 0], [0, 0, 0]])
+    one_in_four = scores([[24, 0, 0], [6, 18, 0], [0, 0, 0]])
+    assert warnings({"2 s": one_in_twelve, "recoil": one_in_four}) == [
+        "1 card in 12 is taken for a goal at 2 s, 1 in 4 in the recoil (by touch)"
+    ]
+
+
+def test_warnings_say_what_goes_unnoticed_and_what_mostly_does():
+    assert warnings({"tap": scores([[9, 0, 3], [0, 5, 15], [0, 0, 0]])}) == [
+        "1 goal in 4 is unnoticed in the tap (by touch)",
+        "3 cards in 4 are unnoticed in the tap (by touch)",
+    ]
+
+
+def test_nothing_is_said_of_what_is_rare_or_of_too_few_events():
+    assert warnings({"tap": scores([[95, 5, 0], [0, 100, 0], [0, 0, 0]])}) == []
+    assert warnings({"tap": scores([[5, 5, 0], [0, 100, 0], [0, 0, 0]])}) == []
+    # ten events, five times each
+    assert warnings({"tap": scores([[25, 25, 0], [0, 100, 0], [0, 0, 0]], draws=5)}) == []
+
+
+def test_it_is_asked_about_timelines_that_it_has_not_learned_from(monkeypatch):
+    made = []
+
+    def recorded(preset, count, seed):
+        made.append(range(seed, seed + count))
+        return ov.measure.random_timelines(preset, count, seed)
+
+    monkeypatch.setattr(observing, "random_timelines", recorded)
+    preset = preset_of(hard=(150.0, 0.15, 900.0))
+    observed(preset, modalities=["touch"], hands="mixed", learned=2, held_out=2, seed=5)
+    learned, asked = made
+    assert len(learned) == len(asked) == 2
+    assert not set(learned) & set(asked)
