@@ -92,6 +92,7 @@ def command(
             progress=progress,
             actuator=driven,
         )
+    missed = [done.engine.timeline.events[i] for i in done.unreached]
     click_db, tactor_db = (round(gain_to_db(peak), 1) if peak else None for peak in done.peaks)
     if as_json:
         print_json(
@@ -103,6 +104,10 @@ def command(
                 "duration_s": done.duration_s,
                 "strikes": done.strikes,
                 "left_out": dict(done.engine.surface.left_out),
+                "unreached": [
+                    {"time_s": event.time_s, "kind": event.kind, "label": event.label}
+                    for event in missed
+                ],
                 "peak_click_dbfs": click_db,
                 "peak_tactor_dbfs": tactor_db,
                 "format": done.note,
@@ -122,6 +127,17 @@ def command(
         )
     if trace:
         click.echo(f"{trace}: what the disk did, one row a frame")
+    if missed:
+        named = [f"{event.kind} {data.moment_text(event.time_s)}" for event in missed[:NAMED]]
+        more = f" and {len(missed) - NAMED} more" if len(missed) > NAMED else ""
+        click.echo(
+            f"not reached: {', '.join(named)}{more}; the disk was let go before it came to them: "
+            "hold on longer, or move more slowly"
+        )
+
+
+NAMED = 6
+"""Events that were not reached, by name; the JSON has all."""
 
 
 def _level(db: float | None) -> str:

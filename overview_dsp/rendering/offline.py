@@ -21,7 +21,7 @@ from overview_dsp.kernels.layout import TACTOR, TRACE_COLUMNS
 from overview_dsp.presets.model import Preset
 from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.notebook import Row, result_page
-from overview_dsp.rendering.schedule import GesturePlayer, Tail
+from overview_dsp.rendering.schedule import GesturePlayer, Tail, unreached
 from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.rendering.transcript import transcript
 from overview_dsp.timeline import Timeline
@@ -57,6 +57,8 @@ class Result(Generic[Traced]):
         As it stands after the gesture: surface, meters, parameters.
     protected : Protected or None
         What an actuator's protection did; the tactor's samples are its drive then.
+    unreached : tuple of int
+        The timeline's events that the hand went over and the disk, there or back, never met.
 
     See Also
     --------
@@ -80,6 +82,7 @@ class Result(Generic[Traced]):
     strikes: Strikes
     engine: Engine
     protected: Protected | None = None
+    unreached: tuple[int, ...] = ()
 
     def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
         """Write the samples to a sound file, whole or not at all.
@@ -267,7 +270,8 @@ def render(
     strikes = join_strikes([block.strikes for block in rendered])
     kept: Trace | None = Trace(table) if trace else None
     protected = stage.protected if stage is not None else None
-    return Result(samples, engine.sample_rate, kept, strikes, engine, protected)
+    missed = unreached(engine.surface, gesture, strikes.event)
+    return Result(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
 
 
 def _stage(actuator: Actuator | None, engine: Engine) -> ActuatorStage | None:
@@ -305,6 +309,8 @@ class Rendered:
         As it stands after the gesture.
     protected : Protected or None
         What an actuator's protection did, if there was one.
+    unreached : tuple of int
+        As in `Result`.
 
     Examples
     --------
@@ -320,6 +326,7 @@ class Rendered:
     note: str
     engine: Engine
     protected: Protected | None = None
+    unreached: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         return (
@@ -398,7 +405,7 @@ def render_to_file(
     engine.prepare(sample_rate, BLOCK)
     stage = _stage(actuator, engine)
     peaks = np.zeros(2)
-    strikes = 0
+    strikes, struck = 0, np.zeros(0, dtype=np.int64)
     with (
         SoundWriter(Path(path), engine.sample_rate, subtype) as sound,
         TraceWriter(Path(trace_path) if trace_path is not None else None) as traced,
@@ -409,10 +416,12 @@ def render_to_file(
                 traced.write(block.trace)
             peaks = np.maximum(peaks, np.abs(block.samples).max(axis=0, initial=0.0))
             strikes += len(block.strikes)
+            struck = np.union1d(struck, block.strikes.event)
         # both, before either appears: a full disk leaves none of the two
         sound.finish()
         traced.finish()
         frames, note = sound.frames, sound.note
     protected = stage.protected if stage is not None else None
     seconds = frames / engine.sample_rate
-    return Rendered(seconds, tuple(peaks.tolist()), strikes, note, engine, protected)
+    missed = unreached(engine.surface, gesture, struck)
+    return Rendered(seconds, tuple(peaks.tolist()), strikes, note, engine, protected, missed)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from overview_dsp.engine import Engine
 from overview_dsp.engine.replay import apply_change
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture
+from overview_dsp.surface.model import Surface
 
 LONGEST_TAIL_S = 30.0
 MAX_TAIL_S = 24 * 3600.0
@@ -48,6 +51,19 @@ def checked_tail(tail: Tail) -> Tail:
     if isinstance(tail, str | bool) or not 0.0 <= tail <= MAX_TAIL_S:
         raise _no_tail(tail)
     return float(tail)
+
+
+def unreached(surface: Surface, gesture: Gesture, struck: NDArray[np.int64]) -> tuple[int, ...]:
+    """The timeline's events that the hand went over and the disk, there or back, never met.
+
+    `struck` has the events of all strikes. From rest at the start the hand pulls the disk as far as
+    its furthest touch. A take that changes the surface on its way isn't judged.
+    """
+    if any("set" not in change.what for change in gesture.changes):
+        return ()
+    furthest = gesture.theta2[gesture.touching].max(initial=0.0) / math.pi
+    crossed = surface.event[surface.edges[:, 0] <= furthest]
+    return tuple(int(event) for event in np.setdiff1d(crossed, struck))
 
 
 def _no_tail(given: object) -> InputError:

@@ -165,3 +165,16 @@ def test_a_kind_too_dense_to_be_felt_is_said(tmp_path, monkeypatch):
         "render", "beats.csv", "--gesture", "tap:0.5:0.1", "--tail", "none", "--window", "10", "60"
     )
     assert "left out" not in near.out
+
+
+def test_render_names_the_events_that_were_not_reached(folder):
+    command = ("render", MATCH, "--gesture", "tap:0.9:0.2", "--sample-rate", "8000", "-o", "a.wav")
+    line = overview(*command).out.splitlines()[-1]
+    assert line.startswith("not reached: ")
+    assert line.endswith("hold on longer, or move more slowly")
+    missed = json.loads(overview(*command, "--json").out)["unreached"]
+    assert missed[0].keys() == {"time_s", "kind", "label"}
+    assert f" and {len(missed) - 6} more; " in line
+    whole = ("render", MATCH, "--gesture", "sweep:0.5", "--sample-rate", "8000", "-o", "b.wav")
+    assert json.loads(overview(*whole, "--json").out)["unreached"] == []
+    assert "not reached" not in overview(*whole[:-1], "c.wav").out

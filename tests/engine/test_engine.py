@@ -107,8 +107,8 @@ def test_it_may_be_prepared_again_at_another_rate(match, football):
 @pytest.mark.parametrize("rate", CLAP_RATES)
 def test_every_rate_plays_finite_and_under_the_ceiling(match, football, rate):
     engine = prepared(football, match, rate)
-    load(engine, ov.tap(0.9, 0.15))
-    out, trace = run(engine, round(0.3 * rate))
+    load(engine, ov.tap(0.9, 0.6))  # which unfolds over two seconds, past the kick-off by then
+    out, trace = run(engine, round(0.7 * rate))
     assert np.isfinite(out).all()
     assert np.isfinite(trace).all()
     assert np.abs(out).max() <= 10 ** (-1 / 20)
@@ -274,7 +274,8 @@ def test_at_the_same_sample_the_order_of_sources_is_fixed():
 
 @pytest.mark.parametrize("theta2", [math.nan, math.inf, -math.inf, 1e30, -1e30, 4.0, 5e-324])
 def test_a_hostile_angle_is_survived_and_counted(match, football, theta2):
-    engine = prepared(football, match)
+    rigid = football.with_changes({"disk.catch_up": 0.0})  # else the trace has where it slipped to
+    engine = prepared(rigid, match)
     engine.control(1.0, True, 0)
     engine.control(theta2, True, 1000)
     out, trace = run(engine, 48_000)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.gestures.model import Change
 from overview_dsp.gestures.scripts import ARRIVAL_S
 from overview_dsp.rendering import offline
 from overview_dsp.rendering.schedule import SETTLE_S
@@ -83,3 +84,17 @@ def test_an_event_just_before_the_end_is_waited_for():
     result = ov.render(timeline_of(99.96), preset, ov.sweep(1.0), RATE, tail="none")
     (release,) = releases(result)
     assert result.strikes.time_s[0] < release < 1.0 + ARRIVAL_S
+
+
+def test_events_that_the_hand_went_over_and_the_disk_never_met_are_named():
+    timeline = timeline_of(10.0, 50.0, 80.0, 95.0)
+    met = ov.render(timeline, plain_preset(), ov.sweep(0.5), RATE)
+    assert met.unreached == ()
+    # a tap to 90 % that lets go before the disk is there
+    short = ov.render(timeline, clutched(plain_preset()), ov.tap(0.9, 0.6), RATE)
+    passed = set(short.strikes.event.tolist())
+    assert 0 in passed
+    assert 2 not in passed
+    assert short.unreached == tuple(sorted({0, 1, 2} - passed))
+    window = replace(ov.tap(0.9, 0.6), changes=(Change(0.1, {"window": [0.0, 50.0]}),))
+    assert ov.render(timeline, clutched(plain_preset()), window, RATE).unreached == ()
