@@ -1,7 +1,7 @@
 """What a finger gets of the curve itself: its range, its steps, its shape, above no events or many.
 
 The observer of a curve knows that the hand moves steadily, and nothing of the data. It has the
-felt level in twelve windows of the stroke out, each with the noise of human judgement (a step is
+felt level in sixteen windows of the stroke out, each with the noise of human judgement (a step is
 2.3 dB, its standard deviation 1.6 dB), and has felt other curves before.
 """
 
@@ -26,8 +26,8 @@ LOUDNESS_STEP_DB = 1.0
 """One step of level to the ear."""
 
 JUDGEMENT_DB = 1.6
-WINDOWS = 12
-BETWEEN_EVENTS = 20
+WINDOWS = 16
+BETWEEN_EVENTS = 15
 """Percentile of a window's levels: events stand out of it, and are few."""
 
 SHAPES = ("rising", "falling", "flat", "valley", "hill")
@@ -172,7 +172,7 @@ def test_rising_falling_flat_valley_and_hill_are_told_apart(shapes, name, second
     learnt, met = (judged(envelopes(part, preset, seconds), random) for part in timelines)
     labels = np.repeat(labels, DRAWS)
     said = nearest_mean(learnt, labels)(met)
-    assert np.mean(said == labels) >= TOLD[seconds]
+    print("TOLD",name,seconds,np.mean(said==labels)); assert np.mean(said == labels) >= TOLD[seconds]
 
 
 def mean_of_thirds(timeline):
@@ -219,4 +219,4 @@ def test_the_highest_and_the_lowest_third_of_a_share_year_are_felt(
     said = np.hstack([met, np.ones((len(met), 1))]) @ weights
     truth = np.repeat([mean_of_thirds(timeline) for timeline in share_years], DRAWS, axis=0)
     right = [said.argmax(axis=1) == truth.argmax(axis=1), said.argmin(axis=1) == truth.argmin(axis=1)]
-    assert np.mean(right) >= 0.88
+    print("THIRDS",name,seconds,np.mean(right)); assert np.mean(right) >= 0.88
