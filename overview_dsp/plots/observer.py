@@ -17,13 +17,14 @@ if TYPE_CHECKING:
     from overview_dsp.measure.observer.report import ObserverReport
 
 CELL_IN = 0.3
-LEFT_IN, TOP_IN, BOTTOM_IN, GAP_IN = 1.0, 0.55, 0.8, 0.35
+LEFT_IN, TOP_IN, BOTTOM_IN, GAP_IN = 1.0, 0.75, 0.8, 0.35
 
 
 def plot_observer(report: ObserverReport) -> Figure:
     """Of 100 events of each kind (rows), how many were taken for what (columns).
 
-    Of the timelines that were given, or of random ones. Kinds that weren't met have no row.
+    Of the timelines that were given, or of random ones. Kinds that weren't met have no row. Each
+    matrix has the mean recall of the kinds in its title.
     """
     shown = report.sets[-1]
     strokes = list(shown.strokes)
@@ -51,9 +52,10 @@ def plot_observer(report: ObserverReport) -> Figure:
         axes.set_xticks(range(len(names)), names, rotation=60, ha="right", fontsize=7)
     width, height = figure.get_size_inches()
     figure.suptitle(
-        f"{report.preset}: of 100 of each kind, taken for ({shown.name}; "
-        "titles: mean of the kinds)",
-        x=0.01,
+        f"{report.preset}, {shown.name}\nof 100 of each kind, taken for",
+        x=0.1 / width,
+        y=1.0 - 0.1 / height,
+        va="top",
         ha="left",
         fontsize=10,
     )

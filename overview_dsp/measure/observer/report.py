@@ -189,7 +189,7 @@ class ObserverReport:
     def warnings(self) -> list[str]:
         """List what is taken for what, and what goes unnoticed, as often as 1 in 12.
 
-        Of groups of kinds, and of the timelines that were given if there are any.
+        Of groups of kinds of which twelve or more were met.
 
         Returns
         -------
@@ -206,25 +206,7 @@ class ObserverReport:
         >>> all(isinstance(line, str) for line in report.warnings())
         True
         """
-        if not self.sets:
-            return []
-        strokes = self.sets[-1].strokes
-        lines = []
-        for modality in next(iter(strokes.values())):
-            found: dict[tuple[str, str], list[tuple[int, int, str]]] = {}
-            for stroke, by_modality in strokes.items():
-                for kind, taken, share in _confusions(by_modality[modality].groups):
-                    some, of = _ratio(share)
-                    found.setdefault((kind, taken), []).append((some, of, _where(stroke)))
-            for (kind, taken), places in found.items():
-                some, of, where = places[0]
-                fate = "unnoticed" if taken == NOTHING else f"taken for {_a(taken)}"
-                name, verb = (kind, "is") if some == 1 else (_plural(kind), "are")
-                more = "".join(f", {some} in {of} {where}" for some, of, where in places[1:])
-                lines.append(
-                    f"{some} {_spoken(name)} in {of} {verb} {fate} {where}{more} (by {modality})"
-                )
-        return lines
+        return [line for one in self.sets for line in _in_words(one)]
 
     def __repr__(self) -> str:
         sets = counted(len(self.sets), "set")
@@ -273,6 +255,24 @@ def _confusions(scores: ObserverScores) -> Iterator[tuple[str, str, float]]:
             share = float(scores.confusion[row, column]) / events
             if column != row and share >= LEAST_SHARE:
                 yield kind, taken, share
+
+
+def _in_words(one: SetScores) -> Iterator[str]:
+    """A line for each confusion of a set, by each modality, with every stroke where it happens."""
+    for modality in next(iter(one.strokes.values())):
+        found: dict[tuple[str, str], list[tuple[int, int, str]]] = {}
+        for stroke, by_modality in one.strokes.items():
+            for kind, taken, share in _confusions(by_modality[modality].groups):
+                found.setdefault((kind, taken), []).append((*_ratio(share), _where(stroke)))
+        for (kind, taken), places in found.items():
+            some, of, where = places[0]
+            fate = "unnoticed" if taken == NOTHING else f"taken for {_a(taken)}"
+            name, verb = (kind, "is") if some == 1 else (_plural(kind), "are")
+            more = "".join(f", {some} in {of} {where}" for some, of, where in places[1:])
+            yield (
+                f"{some} {_spoken(name)} in {of} {verb} {fate} {where}{more} "
+                f"(by {modality}, {one.name})"
+            )
 
 
 _RATIOS = [*((1, of) for of in range(12, 1, -1)), (2, 3), (3, 4), (9, 10)]

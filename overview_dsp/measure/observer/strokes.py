@@ -6,7 +6,7 @@ share one model, which is told the pace of the hand (`noticed.PACE`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -113,26 +113,23 @@ def rendered_strokes(
     if sample_rate is None:
         sample_rate = TOUCH_RATE if tuple(modalities) == ("touch",) else SOUND_RATE
     found: list[list[StrokeMet]] = [[] for _ in timelines]
+    plans: list[tuple[Tail, list[tuple[str, int, Gesture]]]]
     if hands == "mixed":
         plans = [("none", [(MIXED, i, random_hand(seed + i)) for i in range(len(timelines))])]
     else:
-        every = [(name, i) for name in STEADY for i in range(len(timelines))]
+        every = [(name, i, STEADY[name]) for name in STEADY for i in range(len(timelines))]
+        # only one sweep's recoil is looked at
         plans = [
-            (tail, [(name, i, STEADY[name]) for name, i in every if (name == RECOIL_OF) == recoils])
-            for tail, recoils in (("none", False), ("rest", True))
+            ("none", [one for one in every if one[0] != RECOIL_OF]),
+            ("rest", [one for one in every if one[0] == RECOIL_OF]),
         ]
     for tail, plan in plans:
         jobs = [RenderJob(timelines[i], preset, gesture) for _, i, gesture in plan]
-        results = _rendered(jobs, sample_rate, tail)
+        results = render_many(jobs, sample_rate, tail=tail, trace=True)
         for (name, i, _), result in zip(plan, results, strict=True):
             found[i] += _cut(name, result, modalities)
             progress(1)
     return found
-
-
-def _rendered(jobs: list[RenderJob], sample_rate: float, tail: str) -> Iterable[RenderedJob[Trace]]:
-    to_rest: Tail = "rest" if tail == "rest" else "none"
-    return render_many(jobs, sample_rate, tail=to_rest, trace=True)
 
 
 def _cut(

@@ -17,7 +17,7 @@ TREES = 40
 QUESTIONS = 8
 """At each node."""
 
-LEAST = 3
+LEAST = 5
 """Samples of the smaller side of a split."""
 
 

@@ -61,11 +61,13 @@ def test_kinds_that_feel_the_same_are_not_told_apart_by_touch_but_by_their_click
 
 def test_it_says_what_is_taken_for_what(alike):
     lines = alike.warnings()
-    (line,) = (one for one in lines if "is taken for a high" in one and "(by touch)" in one)
+    (line,) = (one for one in lines if "is taken for a high" in one and "(by touch" in one)
     assert re.fullmatch(
-        r"1 low in [234] is taken for a high by a hand of mixed pace \(by touch\)", line
+        r"1 low in [234] is taken for a high by a hand of mixed pace "
+        r"\(by touch, random timelines\)",
+        line,
     )
-    assert not any("is taken for a high" in one and "(by both)" in one for one in lines)
+    assert not any("is taken for a high" in one and "(by both" in one for one in lines)
 
 
 def test_every_stroke_is_asked_about_on_the_given_timelines_too():
@@ -160,14 +162,14 @@ def test_warnings_say_how_often_what_is_taken_for_what_and_where():
     one_in_twelve = scores([[24, 0, 0], [2, 22, 0], [0, 0, 0]])
     one_in_four = scores([[24, 0, 0], [6, 18, 0], [0, 0, 0]])
     assert warnings({"2 s": one_in_twelve, "recoil": one_in_four}) == [
-        "1 card in 12 is taken for a goal at 2 s, 1 in 4 in the recoil (by touch)"
+        "1 card in 12 is taken for a goal at 2 s, 1 in 4 in the recoil (by touch, random timelines)"
     ]
 
 
 def test_warnings_say_what_goes_unnoticed_and_what_mostly_does():
     assert warnings({"tap": scores([[9, 0, 3], [0, 5, 15], [0, 0, 0]])}) == [
-        "1 goal in 4 is unnoticed in the tap (by touch)",
-        "3 cards in 4 are unnoticed in the tap (by touch)",
+        "1 goal in 4 is unnoticed in the tap (by touch, random timelines)",
+        "3 cards in 4 are unnoticed in the tap (by touch, random timelines)",
     ]
 
 
