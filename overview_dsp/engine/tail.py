@@ -30,6 +30,7 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
     gate = db_to_gain(number("tactor.threshold_db")) * number("tactor.full_torque_mnm") * 1e-3
     grain = db_to_gain(number("texture.gain_db")) / math.sqrt(1e-3)
     theta1_full = math.pi * k2 / (k1 + k2)
+    catch_up = number("disk.catch_up")
     longest = 0.0
     for k in springs:
         b = surface.friction
@@ -45,12 +46,11 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
         if surface.bristles is not None or surface.detents is not None:
             # held off the springs' rest, the disk comes to its own from anywhere
             fall += float(slow.max()) * math.log(CELLS)
+        if catch_up > 0.0 and k > k1:
+            # to a finger that rests, at least in proportion to the way that is left
+            unfold_s = number("disk.unfold_s") or 1.0 / PACE_MOST
+            fall += unfold_s / catch_up * math.log(CELLS)
         longest = max(longest, fall)
-    catch_up = number("disk.catch_up")
-    if catch_up > 0.0:
-        # to a finger that rests, at least in proportion to the way that is left
-        unfold_s = number("disk.unfold_s") or 1.0 / PACE_MOST
-        longest += unfold_s / catch_up * math.log(CELLS)
     ring = max(
         (
             mode.decay_ms * 1e-3
