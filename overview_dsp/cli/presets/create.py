@@ -22,15 +22,15 @@ def new(name: str, base: str, out: str | None, as_json: bool) -> None:
     """A new preset that extends another, with every parameter in it to be changed."""
     from overview_dsp.files.atomic import make_folder, whole_file
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets.library import bundled_presets, load_preset, own_folder
+    from overview_dsp.presets.library import LIBRARY, load_preset
     from overview_dsp.presets.writing import started_from
 
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
-    if out is None and name in bundled_presets():
+    if out is None and name in LIBRARY.bundled:
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
     preset = load_preset(base)
-    path = Path(out) if out is not None else make_folder(own_folder()) / (name + SUFFIX)
+    path = Path(out) if out is not None else make_folder(LIBRARY.own_folder) / (name + SUFFIX)
     if path.exists():
         raise InputError(f"{path}: is there already; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
