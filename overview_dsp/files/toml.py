@@ -85,18 +85,6 @@ def check_head(
             )
 
 
-def given_in(data: Mapping[str, Any], section: str, keys: Iterable[str]) -> dict[str, Any]:
-    """A section's keys and values; InputError, which begins with the key, for one not of `keys`."""
-    given = data.get(section, {})
-    if not isinstance(given, dict):
-        raise InputError(f"{section} = {shown(given)} is not allowed; it is a table: [{section}]")
-    known = tuple(keys)
-    for key in given:
-        if key not in known:
-            raise InputError(f"{section}.{shown_key(key)}: unknown key{did_you_mean(key, known)}")
-    return given
-
-
 def sections_of(ids: Iterable[str]) -> tuple[str, ...]:
     """The sections of ids, `section.key`, in order."""
     return tuple(dict.fromkeys(id.partition(".")[0] for id in ids))
@@ -104,13 +92,20 @@ def sections_of(ids: Iterable[str]) -> tuple[str, ...]:
 
 def values_in(data: Mapping[str, Any], ids: Collection[str]) -> dict[str, Any]:
     """What a profile gives, by id; InputError, which begins with the key, for one not of `ids`."""
-    return {
-        f"{section}.{key}": value
-        for section in sections_of(ids)
-        for key, value in given_in(
-            data, section, (id.partition(".")[2] for id in ids if id.startswith(f"{section}."))
-        ).items()
-    }
+    values = {}
+    for section in sections_of(ids):
+        given = data.get(section, {})
+        if not isinstance(given, dict):
+            raise InputError(
+                f"{section} = {shown(given)} is not allowed; it is a table: [{section}]"
+            )
+        known = [id.partition(".")[2] for id in ids if id.startswith(f"{section}.")]
+        for key, value in given.items():
+            if key not in known:
+                hint = did_you_mean(key, known)
+                raise InputError(f"{section}.{shown_key(key)}: unknown key{hint}")
+            values[f"{section}.{key}"] = value
+    return values
 
 
 def shown_key(key: str) -> str:
