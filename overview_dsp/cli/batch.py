@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.common import print_json, progress_bar
+from overview_dsp.cli.common import print_json, progress_bar, show
 
 SHOWN_FAILURES = 10
 
@@ -43,10 +43,8 @@ def command(
         raise click.UsageError("--workers are of this machine, --scheduler has its own; give one")
     study = load_study(jobs, out)
     if dry_run:
-        if as_json:
-            print_json({"out": study.out, "cases": len(study)})
-        else:
-            click.echo(f"{study.out}: {len(study)} renders")
+        report = {"out": study.out, "cases": len(study)}
+        show(as_json, report, f"{study.out}: {len(study)} renders")
         return
     count = 0
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.common import announce_compile, progress_bar, show
+from overview_dsp.cli.options.output import device_named
 
 SPEED_ROUNDS = 7
 LIVE_ROUNDS = 5
@@ -77,9 +78,8 @@ def _live(rounds: int, device: str | None, seconds: float, as_json: bool) -> Non
     from overview_dsp.bench.live.table import lines, measure_live
 
     announce_compile()
-    where = int(device) if device is not None and device.isdecimal() else device
     with progress_bar("playing") as progress:
-        report = measure_live(where, seconds, rounds, progress)
+        report = measure_live(device_named(device), seconds, rounds, progress)
     _show(report, lines, as_json)
 
 
@@ -91,8 +91,5 @@ def _show(report: Any, lines: Callable[[Any], list[str]], as_json: bool) -> None
     from overview_dsp.bench.machine import this_machine
 
     machine, day = this_machine(), date.today().isoformat()
-    if as_json:
-        print_json({"machine": machine, "date": day, **asdict(report)})
-        return
-    for line in [f"{day}, {machine}", *lines(report)]:
-        click.echo(line)
+    figures = {"machine": machine, "date": day, **asdict(report)}
+    show(as_json, figures, f"{day}, {machine}", *lines(report))
