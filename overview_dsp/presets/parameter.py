@@ -67,7 +67,7 @@ class Parameter:
         """What a value may be, in words with the unit."""
         if self.choices:
             return " or ".join(
-                str(choice).lower() if isinstance(choice, bool) else f'"{choice}"'
+                value_text(choice) if isinstance(choice, bool) else f'"{choice}"'
                 for choice in self.choices
             )
         unit = f" {self.unit}" if self.unit else ""
@@ -142,6 +142,13 @@ def _parameter(
     if isinstance(default, bool):
         return Parameter(id, default, 0.0, 1.0, unit, doc, (False, True))
     return Parameter(id, default, *range, unit, doc, tuple(choices), scale)
+
+
+def value_text(value: Value) -> str:
+    """A value as it is written: `true`, `0.5`, `gaussian`."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else value
 
 
 def is_close_default(parameter: Parameter, value: Value) -> bool:
