@@ -1,6 +1,6 @@
 """Write the tables of docs/benchmarks.md from what `overview bench` reports.
 
-python tools/write_benchmarks.py                 measures speeds here: about six minutes
+python tools/write_benchmarks.py                 measures speeds here: about five minutes
 python tools/write_benchmarks.py --live          how the output holds: 21 minutes, and it sounds
 python tools/write_benchmarks.py --report FILE   either, from `overview bench [--live] --json >FILE`
 
