@@ -63,6 +63,7 @@ def opened_player(
     from overview_dsp.actuators.stage import warn_of_carrier
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable
+    from overview_dsp.live.kept_takes import take_cut_short
     from overview_dsp.live.output_settings import save_settings
     from overview_dsp.live.player import Player
     from overview_dsp.live.preset_watch import PresetWatch
@@ -79,6 +80,8 @@ def opened_player(
     if record is not None:
         require_writable(record)
         require_writable(os.path.splitext(record)[0] + ".json")
+    for take in take_cut_short():
+        note(f"a take was cut short; it is in {take} (overview render ... --gesture {take})")
     watch = PresetWatch(preset)
     name, rate = _device(device, sample_rate)
     chosen = output_settings(None if device == SILENT else name, live, actuator)
@@ -105,10 +108,12 @@ def opened_player(
             yield player, received
         finally:
             player.close()
+            for message in player.take_messages():
+                note(message)
+            for ended in player.takes:
+                click.echo(f"{ended}: the take, to the bit", err=True)
             if device != SILENT and chosen.differ(player.settings):
                 save_settings(name, player.settings)
-    if record is not None:
-        click.echo(f"{record}: the take, to the bit", err=True)
 
 
 def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:

@@ -56,8 +56,8 @@ class Engine:
     - any thread: `control` and `control_all`, the properties that report the state (`meters`,
       `holder`, `impulse`, `sample_time`, `preset` ...), and `take_applied`. Events of one source
       are applied in the order of their calls, so a source whose order matters has one writer;
-    - one thread, whichever: `take_strikes`;
-    - one control thread: everything else, as `set` and its kin, and `take_changes`.
+    - one thread, whichever: `take_strikes`; one thread, whichever: `take_changes`;
+    - one control thread: everything else, as `set` and its kin.
 
     `prepare`, `restart`, `reset` and `load_state` begin anew: nobody else calls anything meanwhile,
     and no stream runs.

@@ -5,6 +5,8 @@ Each function takes the block of `kernels.layout`, float64; the audio thread may
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +21,9 @@ from overview_dsp.surface import Surface
 APPLIED_EVENT = np.dtype(
     [("sample", np.int64), ("source", np.int64), ("theta2", np.float64), ("touching", np.bool_)]
 )
+
+LOG_FIRST_S = 2e-4
+"""An event is in the log a little before the hand's state shows it."""
 
 
 def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
@@ -122,6 +127,24 @@ def take_strikes(memory: NDArray[np.float64], surface: Surface, sample_rate: flo
         torque=memory[layout.LOG_TORQUE + at],
         level=memory[layout.LOG_LEVEL + at],
     )
+
+
+def read_hands(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, float]]]:
+    """A sample, how many events were applied by then, and the hands that hold on after those.
+
+    Each hand's source (an index) and theta2 (rad), in the order in which they touched.
+    """
+    i64 = memory.view(np.int64)
+    while True:  # the audio thread may apply events meanwhile
+        now = int(i64[layout.CLOCK])
+        applied = acquired(i64, layout.APPLIED)
+        time.sleep(LOG_FIRST_S)
+        touched = i64[layout.SOURCE_TOUCHED_AT :][: layout.SOURCES].copy()
+        held = np.flatnonzero(i64[layout.SOURCE_TOUCHING :][: layout.SOURCES])
+        theta2 = memory[layout.SOURCE_THETA2 :][: layout.SOURCES].copy()
+        if applied == acquired(i64, layout.APPLIED):
+            order = sorted(held.tolist(), key=lambda source: int(touched[source]))
+            return now, applied, [(source, float(theta2[source])) for source in order]
 
 
 def tactor_of(memory: NDArray[np.float64], torque: NDArray[np.float64]) -> NDArray[np.float32]:

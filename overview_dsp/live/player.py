@@ -158,7 +158,7 @@ class Player:
         Raises
         ------
         OverviewError
-            The output can't be opened.
+            The output can't be opened, or the take not written.
         """
         self.timeline = self.shown = timeline
         self.window = (0.0, timeline.duration_s)
@@ -166,7 +166,6 @@ class Player:
         self._watch = watch
         self._open_stream = open_stream
         self._callback = callback
-        self._record = record
         self._messages: deque[str] = deque()
         self._finger = 0.0
         self._touching = False
@@ -175,12 +174,13 @@ class Player:
         self._wanted_preset: Preset | None = None
         self.engine = Engine(watch.preset, timeline, seed=seed)
         self.engine.prepare(sample_rate, max_block_size)
-        self._recorder = Recorder(self.engine) if record is not None else None
+        self.takes: list[str] = []  # those that were ended
+        self._recorder: Recorder | None = None
         self._earlier = (0, 0, 0, 0)
         self._lost = 0
         self._retry_at = 0.0
         self._stream: Stream | None = None
-        self._start_stream()
+        self._start_stream(record)
 
     # --- the hand -------------------------------------------------------------------------------
 
@@ -306,9 +306,17 @@ class Player:
 
     # --- the output -----------------------------------------------------------------------------
 
-    def _start_stream(self) -> None:
+    def _start_stream(self, record: str | os.PathLike[str] | None = None) -> None:
         stream = self._open_stream(self.engine, self.settings)
-        stream.start()
+        try:
+            if record is not None:  # before the first sample
+                self._recorder = Recorder(self.engine, record, self._about)
+                self._recorder.start()
+            stream.start()
+        except BaseException:
+            stream.close()
+            self.end_take()
+            raise
         self._stream = stream
         self._output, self._block_size = stream.name, stream.block_size
         self._counted = (time.monotonic(), 0)
@@ -358,13 +366,7 @@ class Player:
     # --- how it stands --------------------------------------------------------------------------
 
     def poll(self) -> Status:
-        """See to everything that is due; how the session stands.
-
-        Raises
-        ------
-        OverviewError
-            The recording can't keep up.
-        """
+        """See to everything that is due; how the session stands."""
         if self._release_at is not None and time.monotonic() >= self._release_at:
             self.release()
         try:
@@ -376,8 +378,12 @@ class Player:
         self._make_changes()
         self._watch_stream()
         if self._recorder is not None:
-            self._recorder.poll()
+            self._messages.extend(self._recorder.take_messages())
         return self._status()
+
+    def take_messages(self) -> tuple[str, ...]:
+        """What a person should know, new since the last call or `poll`."""
+        return tuple(self._messages.popleft() for _ in range(len(self._messages)))
 
     def _frames_lost(self) -> int:
         """Frames the present stream should have delivered by its last callback, and did not."""
@@ -388,8 +394,7 @@ class Player:
     def _status(self) -> Status:
         engine, last = self.engine, self._last
         meters = engine.meters
-        messages = tuple(self._messages)
-        self._messages.clear()
+        messages = self.take_messages()
         click, tactor = take_peaks(engine.memory)
         callbacks, late, underflows, frames = self._earlier
         driven = self.settings.actuator
@@ -420,7 +425,7 @@ class Player:
             tactor_muted=self.settings.tactor.mute,
             actuator=driven,
             protected=None if driven is None else read_protected(engine.memory, layout.L_ACTUATOR),
-            recording=None if self._record is None else os.fspath(self._record),
+            recording=None if self._recorder is None else str(self._recorder.path),
             messages=messages,
         )
 
@@ -445,11 +450,25 @@ class Player:
             The take can't be written.
         """
         self.release()
-        if self._stream is not None:
-            stream, self._stream = self._stream, None
-            stream.close()
-        if self._recorder is not None:
-            recorder, self._recorder = self._recorder, None
-            assert self._record is not None
-            about = {"title": self.timeline.title, "preset": self._watch.preset.name}
-            recorder.save(self._record, about)
+        try:
+            if self._stream is not None:
+                stream, self._stream = self._stream, None
+                stream.close()
+        finally:
+            self.end_take()
+
+    # --- the take -------------------------------------------------------------------------------
+
+    @property
+    def _about(self) -> dict[str, str]:
+        return {"title": self.timeline.title, "preset": self._watch.preset.name}
+
+    def end_take(self) -> None:
+        """Save what is recorded; may be called from any thread, and twice; errors as `close`."""
+        recorder, self._recorder = self._recorder, None
+        if recorder is not None:
+            try:
+                recorder.close()
+            finally:
+                self._messages.extend(recorder.take_messages())
+                self.takes.append(str(recorder.path))

@@ -27,7 +27,7 @@ from overview_dsp.live.recorder import Recorder
 path, block, kind, seconds = sys.argv[1], int(sys.argv[2]), sys.argv[3], float(sys.argv[4])
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)
-recorder = Recorder(engine)
+recorder = Recorder(engine, path.replace(".npy", ".csv"), {})
 stream = OutputStream(engine, device="system", block_size=block, callback=kind)
 gesture = ov.pause(1.0) + ov.tap(0.95, 0.7)  # the recorder is on by then
 for stamp, theta2, touching in zip(gesture.stamps(48_000), gesture.theta2, gesture.touching):
@@ -56,7 +56,7 @@ with client:
     while state["at"] < len(heard):
         time.sleep(0.02)
 meters = stream.meters
-recorder.save(path.replace(".npy", ".csv"), {})
+recorder.close()
 stream.close()
 np.save(path, heard)
 print(json.dumps({**vars(meters), "late_events": engine.meters.late_events, **state}))
