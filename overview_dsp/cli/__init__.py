@@ -10,7 +10,9 @@ from typing import Any, NoReturn
 import click
 
 from overview_dsp import __version__
+from overview_dsp.cli.stopping import stop_code, stopped_by_signals
 from overview_dsp.errors import OverviewError, OverviewWarning
+from overview_dsp.files.atomic import remove_temporaries
 
 # name: (module, the line in the list of commands)
 COMMANDS = {
@@ -85,7 +87,8 @@ def main() -> NoReturn:
     warnings.simplefilter("always", OverviewWarning)
     warnings.showwarning = _note
     try:
-        code = app.main(prog_name="overview", standalone_mode=False)
+        with stopped_by_signals():
+            code = app.main(prog_name="overview", standalone_mode=False)
     except OverviewError as error:
         if debug:
             raise
@@ -100,7 +103,8 @@ def main() -> NoReturn:
     except click.ClickException as error:
         _fail(error.format_message(), error.exit_code)
     except (click.Abort, KeyboardInterrupt):
-        _fail("stopped; nothing was left behind", 130)
+        remove_temporaries()
+        _fail("stopped; nothing was left behind", stop_code())
     except BrokenPipeError:
         sys.exit(0)
     except OSError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from overview_dsp.cli.common import print_json, progress_bar
+from overview_dsp.cli.stopping import stop_code
 
 SHOWN_FAILURES = 10
 
@@ -63,7 +64,7 @@ def command(
             f"error: stopped with {count} of {len(study)} finished; run it again to go on",
             err=True,
         )
-        raise SystemExit(130) from None
+        raise SystemExit(stop_code()) from None
     if as_json:
         print_json(
             {

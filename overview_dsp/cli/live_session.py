@@ -6,6 +6,8 @@ import json
 import os
 import signal
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -15,6 +17,8 @@ import click
 from overview_dsp.cli.common import announce_compile
 from overview_dsp.cli.options.actuator import actuator_option
 from overview_dsp.cli.options.output import SILENT, device_named, output_options, output_settings
+from overview_dsp.cli.stopping import signals_that_end
+from overview_dsp.files.atomic import remove_temporaries
 
 if TYPE_CHECKING:
     from overview_dsp.engine.engine import Engine
@@ -23,6 +27,8 @@ if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
 
 MAX_BLOCK = 8192
+STANDARD_ERROR = 2
+END_WITHIN_S = 2.0
 
 
 def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -101,7 +107,7 @@ def opened_player(
         record=record,
         seed=seed,
     )
-    with ended_by_signals() as received:
+    with ended_by_signals(player.end_take) as received:
         try:
             if part is not None:
                 player.show(*part)
@@ -111,7 +117,7 @@ def opened_player(
             for message in player.take_messages():
                 note(message)
             for ended in player.takes:
-                click.echo(f"{ended}: the take, to the bit", err=True)
+                say(f"{ended}: the take, to the bit")
             if device != SILENT and chosen.differ(player.settings):
                 save_settings(name, player.settings)
 
@@ -148,14 +154,29 @@ def _opener(
 
 
 @contextmanager
-def ended_by_signals() -> Iterator[list[int]]:
-    """The signals that ask for an end, collected instead of obeyed."""
+def ended_by_signals(save: Callable[[], None] | None = None) -> Iterator[list[int]]:
+    """The signals that ask for an end, collected instead of obeyed.
+
+    A process that hasn't ended `END_WITHIN_S` after the first one (a terminal that takes nothing
+    more, a device that doesn't answer) is ended then, after `save`.
+    """
     received: list[int] = []
-    names = ("SIGINT", "SIGTERM", "SIGHUP")
-    wanted = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    before = {
-        number: signal.signal(number, lambda got, _: received.append(got)) for number in wanted
-    }
+
+    def receive(number: int, frame: Any) -> None:
+        received.append(number)
+        if len(received) == 1:
+            threading.Thread(target=end_anyway, name="end", daemon=True).start()
+
+    def end_anyway() -> None:
+        time.sleep(END_WITHIN_S)
+        try:
+            if save is not None:
+                save()
+            remove_temporaries()
+        finally:
+            os._exit(128 + received[0])
+
+    before = {number: signal.signal(number, receive) for number in signals_that_end()}
     try:
         yield received
     finally:
@@ -166,13 +187,23 @@ def ended_by_signals() -> Iterator[list[int]]:
 def exit_if_stopped(received: list[int]) -> None:
     """End the program as signals do, if one came."""
     if received:
-        click.echo(f"stopped by {signal.Signals(received[0]).name}", err=True)
+        say(f"stopped by {signal.Signals(received[0]).name}")
         sys.exit(128 + received[0])
 
 
 def note(message: str) -> None:
     """A line for the person."""
-    click.echo(f"note: {message}", err=True)
+    say(f"note: {message}")
+
+
+def say(line: str) -> None:
+    """A line on standard error, if there is one still: it may be a terminal that was closed."""
+    try:
+        click.echo(line, err=True)
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, STANDARD_ERROR)  # else its end would fail again
+        os.close(nowhere)
 
 
 def print_lines(
@@ -183,3 +214,4 @@ def print_lines(
 
     for report in run(player, source, lambda: bool(received), note, seconds):
         print(json.dumps(report), flush=True)
+    player.close()  # before anything else that may take its time

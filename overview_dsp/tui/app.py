@@ -12,6 +12,7 @@ from textual.widgets import Footer, Static
 from overview_dsp.live.player import Input, Player, Status
 from overview_dsp.tui.help_screen import HelpScreen, TextScreen
 from overview_dsp.tui.meters_view import MetersView
+from overview_dsp.tui.terminal import has_hung_up, patient
 from overview_dsp.tui.timeline_view import TimelineView, axis_text
 
 POLLS_A_SECOND = 30
@@ -58,13 +59,14 @@ class PlayApp(App[None]):
         stopped: Callable[[], bool] | None = None,
         invitation: str = "",
     ) -> None:
-        super().__init__()
+        super().__init__(driver_class=patient(self.get_driver_class()))
         self._invitation = invitation
         self._player = player
         self._source = source
         self._stopped = stopped
         self._status: Status | None = None
         self.failure: Exception | None = None
+        self._ended = False
         self._view = TimelineView(player)
         self._meters = MetersView()
         self._words = Static("", id="messages", markup=False)
@@ -84,16 +86,23 @@ class PlayApp(App[None]):
         self.set_interval(1.0 / POLLS_A_SECOND, self._poll)
 
     def _poll(self) -> None:
-        if self._stopped is not None and self._stopped():
-            self.exit()
+        if self._ended:
             return
+        if self._stopped is not None and self._stopped():
+            self._end()
+            return
+        writer = getattr(self._driver, "writer", None)
+        if writer is not None and (writer.gone or has_hung_up(writer.fileno())):
+            self._end()
+            return
+        if writer is not None and writer.take_left_out():
+            self.refresh(layout=True)
         try:
             if self._source is not None:
                 self._source.poll(self._player.engine)
             status = self._player.poll()
         except Exception as error:  # shown by the command line once the screen is given back
-            self.failure = error
-            self.exit()
+            self._end(error)
             return
         self._status = status
         self._view.show(status)
@@ -102,6 +111,19 @@ class PlayApp(App[None]):
         messages = (*status.messages, *(() if source is None else source.take_messages()))
         if messages:
             self._words.update("\n".join(messages[-2:]))
+
+    def _end(self, failure: Exception | None = None) -> None:
+        """Fade out and save first: giving the screen back may take its time."""
+        self.failure, self._ended = failure, True
+        try:
+            self._player.close()
+        except Exception as error:
+            self.failure = failure or error
+        self.exit()
+
+    async def action_quit(self) -> None:
+        """The person has had enough."""
+        self._end()
 
     def _here(self, status: Status) -> str:
         """The moment under the cursor, and the event whose surface it is on."""
