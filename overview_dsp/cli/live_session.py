@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import sys
@@ -37,7 +38,8 @@ def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--device", help="Output: a name or number of `overview devices`, or none."),
         click.option("--block-size", default=256, show_default=True,
                      help="Frames, 0 = the device's own."),
-        click.option("--sample-rate", type=float, help="Hz; the device's own if left out."),
+        click.option("--sample-rate", type=float, callback=rate_given,
+                     help="Hz; the device's own if left out."),
         click.option("--callback", type=click.Choice(["native", "python"]), default="native",
                      show_default=True, help="What PortAudio calls."),
         click.option("--record", metavar="TAKE.csv", help="Keep what was played, to the bit."),
@@ -48,6 +50,28 @@ def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
     for option in reversed(options):
         function = option(function)
     return function
+
+
+def rate_given(context: Any, option: Any, rate: float | None) -> float | None:
+    """A sample rate, refused here: the device would be asked for its own at 0."""
+    from overview_dsp.engine.engine import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
+    from overview_dsp.errors import InputError
+
+    if rate is not None and not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
+        raise InputError(
+            f"sample rate {rate:g} Hz is out of range; it is {MIN_SAMPLE_RATE:g} to "
+            f"{MAX_SAMPLE_RATE:g} Hz"
+        )
+    return rate
+
+
+def seconds_given(context: Any, option: Any, seconds: float | None) -> float | None:
+    """How long to play; written so that NaN fails."""
+    from overview_dsp.errors import InputError
+
+    if seconds is not None and not 0.0 <= seconds < math.inf:
+        raise InputError(f"--seconds {seconds:g}; it is 0 or more")
+    return seconds
 
 
 @contextmanager

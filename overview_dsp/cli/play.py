@@ -15,6 +15,7 @@ from overview_dsp.cli.live_session import (
     note,
     opened_player,
     print_lines,
+    seconds_given,
 )
 from overview_dsp.cli.options.server import (
     open_server,
@@ -39,7 +40,7 @@ from overview_dsp.cli.options.timeline import (
 @preset_option
 @input_options
 @window_options
-@click.option("--seconds", type=float, help="Stop after so long.")
+@click.option("--seconds", type=float, callback=seconds_given, help="Stop after so long.")
 @click.option(
     "--headless", "--json", "headless", is_flag=True, help="Lines of JSON, as without a terminal."
 )

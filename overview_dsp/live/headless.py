@@ -81,6 +81,7 @@ def _summary(status: Status) -> dict[str, Any]:
         "frames": status.frames,
         "frames_lost": status.frames_lost,
         "dropped_events": status.dropped,
+        "dsp_load_percent": round(100.0 * status.load, 2),
         "callback_p50_us": round(status.median_s * 1e6, 2),
         "callback_p99_us": round(status.p99_s * 1e6, 2),
         "callback_max_us": round(status.longest_s * 1e6, 2),

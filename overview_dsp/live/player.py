@@ -21,6 +21,7 @@ from overview_dsp.actuators.stage import Protected, read_protected
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.kernels import layout
+from overview_dsp.live.frames_lost import FramesLost
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.recorder import Recorder
@@ -92,9 +93,10 @@ class Status:
 
     `time_s` played; `cursor` and `finger` 0 to 1; `torque` and the preset's `full_torque`, N m;
     `peak_click` and `peak_tactor` (linear, as the device got them) since the last poll; the
-    output's `callbacks`, `late` ones, `underflows`, `frames` and `frames_lost` (to about a block);
-    control events `dropped`; callback times, s; what the actuator's protection did (`protected`);
-    `messages` for the person, new since the last poll.
+    output's `callbacks`, `late` ones, `underflows`, `frames` and `frames_lost` (gaps of a block and
+    more); control events `dropped`; `load` (part of the time that callbacks take) and their times,
+    s; what the actuator's protection did (`protected`); `messages` for the person, new since the
+    last poll.
     """
 
     time_s: float
@@ -111,6 +113,7 @@ class Status:
     frames: int
     frames_lost: int
     dropped: int
+    load: float
     median_s: float
     p99_s: float
     longest_s: float
@@ -177,7 +180,8 @@ class Player:
         self.takes: list[str] = []  # those that were ended
         self._recorder: Recorder | None = None
         self._earlier = (0, 0, 0, 0)
-        self._lost = 0
+        self._lost = FramesLost()
+        self._polled = time.monotonic()
         self._retry_at = 0.0
         self._stream: Stream | None = None
         self._start_stream(record)
@@ -319,9 +323,9 @@ class Player:
             raise
         self._stream = stream
         self._output, self._block_size = stream.name, stream.block_size
-        self._counted = (time.monotonic(), 0)
         self._moved = (time.monotonic(), -1)
         self._last = stream.meters
+        self._lost.restart()
 
     def _watch_stream(self) -> None:
         now = time.monotonic()
@@ -335,11 +339,13 @@ class Player:
                 self._messages.append(f"output {self._output} is back")
             return
         meters = self._stream.meters
-        if meters.callbacks != self._moved[1]:
-            if self._moved[1] <= 0:  # frames are counted from the first callback on
-                self._counted = (now, meters.frames)
+        # a process that was suspended hasn't looked for long, and says nothing of the device
+        asleep, self._polled = now - self._polled > LOST_AFTER_S / 2.0, now
+        if meters.callbacks != self._moved[1] or asleep:
             self._moved = (now, meters.callbacks)
         self._last = meters
+        if meters.frames:
+            self._lost.look(now, meters.frames, self.engine.sample_rate, self._block_size)
         if not self._stream.active or now - self._moved[0] > LOST_AFTER_S:
             self._lose_stream(now)
 
@@ -353,8 +359,6 @@ class Player:
         self._earlier = tuple(  # type: ignore[assignment]
             a + b for a, b in zip(self._earlier, counts, strict=True)
         )
-        self._lost += self._frames_lost()
-        self._counted = (self._moved[0], 0)
         self._last = replace(self._last, callbacks=0, late=0, underflows=0, frames=0)
         try:
             self._stream.close()
@@ -385,12 +389,6 @@ class Player:
         """What a person should know, new since the last call or `poll`."""
         return tuple(self._messages.popleft() for _ in range(len(self._messages)))
 
-    def _frames_lost(self) -> int:
-        """Frames the present stream should have delivered by its last callback, and did not."""
-        since, counted = self._counted
-        due = (self._moved[0] - since) * self.engine.sample_rate
-        return max(0, round(due - (self._last.frames - counted)))
-
     def _status(self) -> Status:
         engine, last = self.engine, self._last
         meters = engine.meters
@@ -402,7 +400,7 @@ class Player:
             time_s=engine.sample_time / engine.sample_rate,
             cursor=meters.cursor,
             finger=self._finger,
-            touching=meters.touching,
+            touching=meters.touching and self._stream is not None,
             torque=meters.torque,
             full_torque=self.preset.number("tactor.full_torque_mnm") * 1e-3,
             peak_click=click,
@@ -411,8 +409,9 @@ class Player:
             late=late + last.late,
             underflows=underflows + last.underflows,
             frames=frames + last.frames,
-            frames_lost=self._lost + self._frames_lost(),
+            frames_lost=self._lost.count,
             dropped=meters.dropped_events,
+            load=last.load,
             median_s=last.median_s,
             p99_s=last.p99_s,
             longest_s=last.longest_s,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -16,6 +17,9 @@ from overview_dsp.tui.terminal import has_hung_up, patient
 from overview_dsp.tui.timeline_view import TimelineView, axis_text
 
 POLLS_A_SECOND = 30
+SHOWN_S = 10.0
+"""How long a message is shown."""
+
 STEP = 0.01
 ZOOM = 1.5
 
@@ -67,6 +71,7 @@ class PlayApp(App[None]):
         self._status: Status | None = None
         self.failure: Exception | None = None
         self._ended = False
+        self._said: list[tuple[float, str]] = []
         self._view = TimelineView(player)
         self._meters = MetersView()
         self._words = Static("", id="messages", markup=False)
@@ -109,8 +114,16 @@ class PlayApp(App[None]):
         source = self._source
         self._meters.show(status, self._here(status), "" if source is None else source.words)
         messages = (*status.messages, *(() if source is None else source.take_messages()))
-        if messages:
-            self._words.update("\n".join(messages[-2:]))
+        self._say(messages)
+
+    def _say(self, messages: tuple[str, ...]) -> None:
+        """Show what is new; what was read long enough goes."""
+        now = time.monotonic()
+        kept = [(said, line) for said, line in self._said if now - said < SHOWN_S]
+        kept += [(now, line) for line in messages]
+        if kept != self._said:
+            self._said = kept
+            self._words.update("\n".join(line for _, line in kept[-2:]))
 
     def _end(self, failure: Exception | None = None) -> None:
         """Fade out and save first: giving the screen back may take its time."""

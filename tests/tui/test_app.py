@@ -15,6 +15,7 @@ from overview_dsp.live.player import Input, Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
 from overview_dsp.tui import PlayApp, timeline_view
+from overview_dsp.tui import app as app_module
 from overview_dsp.tui.meters_view import MetersView
 from overview_dsp.tui.timeline_view import TimelineView
 
@@ -282,3 +283,27 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
             assert await until(pilot, lambda: shown.size.height == 6)
 
     run(inside())
+
+
+def test_a_message_goes_when_it_was_read(player, monkeypatch):
+    monkeypatch.setattr(app_module, "SHOWN_S", 0.5)
+
+    async def inside():
+        app = PlayApp(player, CountingHand())
+        async with app.run_test(size=(100, 30)) as pilot:
+            words = app.query_one("#messages")
+            assert await until(pilot, lambda: "hold it still" in str(words.render()))
+            assert await until(pilot, lambda: "hold it still" not in str(words.render()))
+
+    run(inside())
+
+
+def test_the_load_of_the_callbacks_is_on_the_screen(player):
+    async def script(app, pilot):
+        shown = app.query_one(MetersView)
+        assert await until(pilot, lambda: "DSP load" in shown._shown)
+        status = app._status
+        assert f"max {1e6 * status.longest_s:.0f} µs" in shown._shown
+        assert 0.0 < status.load < 5.0
+
+    drive(player, script)
