@@ -91,7 +91,7 @@ def command(
         if osc_out is not None:
             from overview_dsp.live.osc_out import OscOut
 
-            stack.callback(OscOut(player.engine, osc_out).close)
+            stack.callback(OscOut(player.engine, osc_out, player.say).close)
         if remote:
             from overview_dsp.web.data import data_routes
             from overview_dsp.web.session import HostSession

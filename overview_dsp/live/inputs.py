@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections import deque
 from collections.abc import Iterable
 
 import numpy as np
@@ -82,6 +83,7 @@ class LineInput(Input):
         self._engine = engine
         self.refused = 0
         self.first_refused = ""
+        self._messages: deque[str] = deque()
         self._over = threading.Event()
         threading.Thread(target=self._run, name="standard input", daemon=True).start()
 
@@ -98,12 +100,18 @@ class LineInput(Input):
                     continue
                 theta2 = event[0]
                 self._engine.control(*event, source=self.SOURCE)
+        except Exception as error:  # not UTF-8, say
+            self._messages.append(f"standard input: {error}; nothing more is read of it")
         finally:
             self._engine.control(theta2, False, source=self.SOURCE)
             self._over.set()
 
     def poll(self, engine: Engine) -> None:
         """Nothing to do: the thread hands events over itself."""
+
+    def take_messages(self) -> tuple[str, ...]:
+        """Why it has ended, if that isn't the text's end."""
+        return tuple(self._messages.popleft() for _ in range(len(self._messages)))
 
     def is_over(self, engine: Engine) -> bool:
         """Whether the text has ended."""

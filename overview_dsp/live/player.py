@@ -385,6 +385,10 @@ class Player:
             self._messages.extend(self._recorder.take_messages())
         return self._status()
 
+    def say(self, line: str) -> None:
+        """Tell the person; from any thread."""
+        self._messages.append(line)
+
     def take_messages(self) -> tuple[str, ...]:
         """What a person should know, new since the last call or `poll`."""
         return tuple(self._messages.popleft() for _ in range(len(self._messages)))

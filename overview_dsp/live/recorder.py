@@ -71,7 +71,10 @@ class Recorder:
 
     def _run(self) -> None:
         while not self._over.wait(EVERY_S):
-            self.poll()
+            try:
+                self.poll()
+            except Exception as error:  # what it is can't be known: the rest may be kept
+                self._say_once(f"{self.path}: {type(error).__name__}: {error}; the take goes on")
 
     def poll(self) -> None:
         """Write what was applied since the last time; what can't be written anywhere is kept."""

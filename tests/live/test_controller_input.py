@@ -14,7 +14,9 @@ import overview_dsp as ov
 from overview_dsp.controllers.midi_messages import MidiReader
 from overview_dsp.controllers.osc_messages import OscReader
 from overview_dsp.gestures import SOURCES
+from overview_dsp.live import osc_out
 from overview_dsp.live.controller_input import ControllerInput
+from overview_dsp.live.inputs import LineInput
 from overview_dsp.live.osc_out import OscOut
 from overview_dsp.live.osc_port import OscPort
 from overview_dsp.live.output_settings import OutputSettings
@@ -351,3 +353,46 @@ def test_what_the_disk_does_is_sent_out(running, match):
     for kind, label, _, level in events:
         assert (kind, label) in happened
         assert level > 0.0
+
+
+def test_a_report_that_fails_is_told_once_and_goes_on(running, monkeypatch):
+    listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    listener.bind(("127.0.0.1", 0))
+    listener.settimeout(10.0)
+    said = []
+    failing = threading.Event()
+    take = running.take_struck_events
+
+    def fail():
+        if failing.is_set():
+            raise RuntimeError("made up")
+        return take()
+
+    monkeypatch.setattr(running, "take_struck_events", fail)
+    monkeypatch.setattr(osc_out, "AGAIN_S", 0.01)
+    failing.set()
+    with listener:
+        out = OscOut(running, str(listener.getsockname()[1]), said.append)
+        until = time.monotonic() + 10.0
+        while not said and time.monotonic() < until:
+            time.sleep(0.01)
+        failing.clear()
+        assert b"/overview/" in listener.recv(1000)
+        out.close()
+    assert len(said) == 1
+    assert "made up; it goes on" in said[0]
+
+
+def test_lines_that_cannot_be_read_are_told_and_let_go(engine):
+    def lines():
+        yield "1.0 1\n"
+        raise UnicodeDecodeError("utf-8", b"\xff", 0, 1, "invalid start byte")
+
+    hand = LineInput(lines(), engine)
+    until = time.monotonic() + 10.0
+    while not hand.is_over(engine) and time.monotonic() < until:
+        time.sleep(0.01)
+    engine.process(np.empty((4800, 2), dtype=np.float32))
+    assert not engine.meters.touching
+    (said,) = hand.take_messages()
+    assert "invalid start byte" in said
