@@ -23,8 +23,9 @@ from overview_dsp.files.atomic import remove_temporaries
 
 if TYPE_CHECKING:
     from overview_dsp.engine.engine import Engine
+    from overview_dsp.live.hand import Input
     from overview_dsp.live.output_settings import OutputSettings
-    from overview_dsp.live.player import Input, Player, Stream
+    from overview_dsp.live.player import Player, Stream
     from overview_dsp.timeline import Timeline
 
 MAX_BLOCK = 8192
@@ -80,10 +81,12 @@ def opened_player(
     part: tuple[float, float] | None,
     preset: str,
     live: dict[str, Any],
+    ab: str | None = None,
 ) -> Iterator[tuple[Player, list[int]]]:
     """A player on the device that the options name, and the signals that ask for its end.
 
-    It is closed, saved and remembered afterwards. `part` (s) is what it shows first.
+    It is closed, saved and remembered afterwards. `part` (s) is what it shows first, `ab` a second
+    preset to switch to.
 
     Raises
     ------
@@ -130,6 +133,7 @@ def opened_player(
         callback="native" if native else "python",
         record=record,
         seed=seed,
+        other=None if ab is None else PresetWatch(ab),
     )
     with ended_by_signals(player.end_take) as received:
         try:

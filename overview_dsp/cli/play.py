@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from contextlib import ExitStack
 from typing import Any
 
 import click
 
-from overview_dsp.cli.common import part_of, window_options
+from overview_dsp.cli.common import part_of, read_gesture, window_options
 from overview_dsp.cli.live_session import (
     exit_if_stopped,
     live_options,
@@ -44,6 +45,10 @@ from overview_dsp.cli.options.timeline import (
 @click.option(
     "--headless", "--json", "headless", is_flag=True, help="Lines of JSON, as without a terminal."
 )
+@click.option("--replay", metavar="TAKE.csv", help="Play a take or a gesture as the same hand, "
+              "from the first sample on.")  # fmt: skip
+@click.option("--loop", is_flag=True, help="Again and again.")
+@click.option("--ab", metavar="PRESET", help="A second preset: 1 and 2 switch between them.")
 @click.option("--remote", is_flag=True, help="Also let a phone or a browser hold the disk.")
 @server_options
 @timeline_options
@@ -61,6 +66,9 @@ def command(
     zoom_to: str | None,
     seconds: float | None,
     headless: bool,
+    replay: str | None,
+    loop: bool,
+    ab: str | None,
     remote: bool,
     server: dict[str, Any],
     load: dict[str, Any],
@@ -80,13 +88,21 @@ def command(
     part = part_of(data, window, zoom_to)
     if part is not None and window:
         data, part = data.window(*part), None
+    hand = None if replay is None else read_gesture(replay)
+    if loop and hand is None:
+        raise click.UsageError("--loop is for --replay")
+    if hand is not None and sources:
+        raise click.UsageError("--replay is the hand; leave --input out")
     named = parse_sources(sources, sensor, baud, midi_map, force)
     if force:
         choose_force_block(live)
     name = preset_for(data, preset)
     with ExitStack() as stack:
-        player, received = stack.enter_context(opened_player(data, part, name, live))
-        source = named.opened(player.engine, stack.callback)
+        player, received = stack.enter_context(opened_player(data, part, name, live, ab))
+        if hand is not None:
+            assert replay is not None
+            player.replay(hand, os.path.basename(replay), loop)
+        source = named.opened(player, stack.callback)
         invitation = ""
         if osc_out is not None:
             from overview_dsp.live.osc_out import OscOut

@@ -14,19 +14,29 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Protocol
 
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import Protected, read_protected
+from overview_dsp.engine.coefficients import check_carrier
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
+from overview_dsp.gestures import Gesture, load_gesture
+from overview_dsp.gestures.growing_take import free_name
 from overview_dsp.kernels import layout
+from overview_dsp.live import commands
 from overview_dsp.live.frames_lost import FramesLost
+from overview_dsp.live.kept_takes import other_places
 from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.preset_pair import PresetPair
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.recorder import Recorder
+from overview_dsp.live.replay import Replay
 from overview_dsp.live.stream_meters import StreamMeters, take_peaks
+from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import Preset
+from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.zooming import Zoom
@@ -48,6 +58,9 @@ class Stream(Protocol):
     def start(self) -> None:
         """Begin to play."""
 
+    def restart(self, begin: Callable[[], None]) -> None:
+        """Fade out, call `begin` while nothing runs the engine, and play on; OverviewError."""
+
     def close(self) -> None:
         """Fade out and end."""
 
@@ -60,33 +73,6 @@ class Stream(Protocol):
         """Counters so far."""
 
 
-class Input(Protocol):
-    """A control source other than mouse and keyboard."""
-
-    def poll(self, engine: Engine) -> None:
-        """Hand over what is due."""
-
-    def is_over(self, engine: Engine) -> bool:
-        """Whether nothing more will come."""
-
-    def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call."""
-        return ()
-
-    @property
-    def words(self) -> str:
-        """A line for the play screen, or nothing."""
-        return ""
-
-    def report(self) -> Mapping[str, Any]:
-        """What it counted, for a line of JSON."""
-        return {}
-
-    def close(self) -> None:
-        """Let go and give back what was opened."""
-        return
-
-
 @dataclass(frozen=True)
 class Status:
     """How a session stands.
@@ -95,8 +81,8 @@ class Status:
     `peak_click` and `peak_tactor` (linear, as the device got them) since the last poll; the
     output's `callbacks`, `late` ones, `underflows`, `frames` and `frames_lost` (gaps of a block and
     more); control events `dropped`; `load` (part of the time that callbacks take) and their times,
-    s; what the actuator's protection did (`protected`); `messages` for the person, new since the
-    last poll.
+    s; what the actuator's protection did (`protected`); the take that grows (`recording`) and the
+    one that plays (`replay`); `messages` for the person, new since the last poll.
     """
 
     time_s: float
@@ -127,6 +113,7 @@ class Status:
     actuator: Actuator | None
     protected: Protected | None
     recording: str | None
+    replay: str | None
     messages: tuple[str, ...]
 
 
@@ -155,8 +142,12 @@ class Player:
         callback: str = "native",
         record: str | os.PathLike[str] | None = None,
         seed: int = 0,
+        other: PresetWatch | None = None,
     ) -> None:
         """Open the output and begin to play; `open_stream` is called again if that is lost.
+
+        `record` is where the takes go; with it, the first one begins at once. `other` is the second
+        preset to switch to.
 
         Raises
         ------
@@ -166,7 +157,6 @@ class Player:
         self.timeline = self.shown = timeline
         self.window = (0.0, timeline.duration_s)
         self.settings = settings
-        self._watch = watch
         self._open_stream = open_stream
         self._callback = callback
         self._messages: deque[str] = deque()
@@ -179,6 +169,14 @@ class Player:
         self.engine.prepare(sample_rate, max_block_size)
         self.takes: list[str] = []  # those that were ended
         self._recorder: Recorder | None = None
+        self._take_path = Path(
+            time.strftime("take-%Y%m%d-%H%M%S.csv") if record is None else record
+        )
+        self._presets = PresetPair(watch, other)
+        self._replay: Replay | None = None
+        self._asked: deque[tuple[str, ...]] = deque()
+        self._before_s = 0.0
+        self._dropped_before = 0
         self._earlier = (0, 0, 0, 0)
         self._lost = FramesLost()
         self._polled = time.monotonic()
@@ -189,7 +187,11 @@ class Player:
     # --- the hand -------------------------------------------------------------------------------
 
     def touch(self, position: float) -> None:
-        """The finger holds at `position` (0 to 1): a tap if it wasn't down, else it moves there."""
+        """The finger holds at `position` (0 to 1): a tap if it wasn't down, else it moves there.
+
+        It ends a replay: one hand at a time.
+        """
+        self.stop_replay()
         self._release_at = None
         self._hold(position)
 
@@ -202,6 +204,7 @@ class Player:
 
     def tap(self, position: float) -> None:
         """A step to `position`, held for a second, and let go (paper, figure 6)."""
+        self.stop_replay()
         if self._touching:
             self.release()
         self._hold(position)
@@ -288,9 +291,7 @@ class Player:
                 self._change()
             except InputError as error:
                 self._wanted_preset = None
-                self._messages.append(
-                    f"{self._watch.path.name}: {error}; the last good one plays on"
-                )
+                self._messages.append(f"{self._presets.name}: {error}; the last good one plays on")
             except OverviewError:
                 return  # two surfaces fade already
         self._messages.extend(
@@ -306,7 +307,6 @@ class Player:
         if self._wanted_preset is not None:
             self.engine.set_preset(self._wanted_preset)
             self._wanted_preset = None
-            self._messages.append(f"{self._watch.path.name}: read again")
 
     # --- the output -----------------------------------------------------------------------------
 
@@ -373,14 +373,14 @@ class Player:
         """See to everything that is due; how the session stands."""
         if self._release_at is not None and time.monotonic() >= self._release_at:
             self.release()
-        try:
-            changed = self._watch.changed()
-        except OverviewError as error:
-            self._messages.append(f"{error}; the last good one plays on")
-        else:
-            self._wanted_preset = changed or self._wanted_preset
+        while self._asked:
+            commands.do(self, *self._asked.popleft())
+        for line in self._presets.look():
+            self._messages.append(line)
+        self._wanted_preset = self._presets.take_changed() or self._wanted_preset
         self._make_changes()
         self._watch_stream()
+        self._go_on_replaying()
         if self._recorder is not None:
             self._messages.extend(self._recorder.take_messages())
         return self._status()
@@ -401,7 +401,7 @@ class Player:
         callbacks, late, underflows, frames = self._earlier
         driven = self.settings.actuator
         return Status(
-            time_s=engine.sample_time / engine.sample_rate,
+            time_s=self._before_s + engine.sample_time / engine.sample_rate,
             cursor=meters.cursor,
             finger=self._finger,
             touching=meters.touching and self._stream is not None,
@@ -414,7 +414,7 @@ class Player:
             underflows=underflows + last.underflows,
             frames=frames + last.frames,
             frames_lost=self._lost.count,
-            dropped=meters.dropped_events,
+            dropped=self._dropped_before + meters.dropped_events,
             load=last.load,
             median_s=last.median_s,
             p99_s=last.p99_s,
@@ -429,6 +429,7 @@ class Player:
             actuator=driven,
             protected=None if driven is None else read_protected(engine.memory, layout.L_ACTUATOR),
             recording=None if self._recorder is None else str(self._recorder.path),
+            replay=None if self._replay is None else self._replay.words,
             messages=messages,
         )
 
@@ -464,7 +465,36 @@ class Player:
 
     @property
     def _about(self) -> dict[str, str]:
-        return {"title": self.timeline.title, "preset": self._watch.preset.name}
+        return {"title": self.timeline.title, "preset": self._presets.preset.name}
+
+    def toggle_take(self) -> None:
+        """Begin a take, or end the one that is recorded."""
+        if self._recorder is not None:
+            path = self._recorder.path
+            try:
+                self.end_take()
+            except OverviewError as error:
+                self.say(str(error))
+            else:
+                self.say(f"{path}: the take; P plays it again")
+            return
+        self.stop_replay()
+        # what holds at its first sample, and isn't in the timeline and the preset as they are named
+        before: list[Mapping[str, Any]] = []
+        if self.window != (0.0, self.timeline.duration_s):
+            before.append({"window": list(self.window)})
+        if self.engine.preset != self._presets.preset:
+            before.append({"preset": preset_to_dict(self.engine.preset)})
+        for path in (self._take_path, *other_places(self._take_path)):
+            try:
+                recorder = Recorder(self.engine, free_name(path), self._about, before)
+            except OverviewError as error:
+                self.say(str(error))
+                continue
+            recorder.start()
+            self._recorder = recorder
+            self.say(f"{recorder.path}: recording; R ends it")
+            return
 
     def end_take(self) -> None:
         """Save what is recorded; may be called from any thread, and twice; errors as `close`."""
@@ -475,3 +505,134 @@ class Player:
             finally:
                 self._messages.extend(recorder.take_messages())
                 self.takes.append(str(recorder.path))
+
+    # --- the same hand again ----------------------------------------------------------------------
+
+    def toggle_replay(self) -> None:
+        """Play the last take again and again, or stop that."""
+        if self._replay is not None:
+            self.stop_replay()
+            return
+        if self._recorder is not None:
+            self.toggle_take()
+        if not self.takes:
+            self.say("nothing to replay yet: R begins a take, and ends it")
+            return
+        try:
+            gesture = load_gesture(self.takes[-1])
+        except InputError as error:
+            self.say(str(error))
+        else:
+            self.replay(gesture, Path(self.takes[-1]).name)
+
+    def replay(self, gesture: Gesture, name: str, loop: bool = True) -> None:
+        """Play a hand through the present preset, each time from the engine's first sample on.
+
+        What else a take recorded but its hands and windows is left out: its presets aren't those
+        that are to be felt. Each pass in which nothing is changed sounds as it is rendered offline.
+        """
+        left_out = sum("window" not in change.what for change in gesture.changes)
+        if left_out:
+            self.say(f"{name}: {left_out} changes of parameters and presets are left out")
+        self._replay = Replay(gesture, name, loop)
+        self._begin_pass()
+
+    @property
+    def replaying(self) -> bool:
+        """Whether a hand is played again."""
+        return self._replay is not None
+
+    def stop_replay(self) -> None:
+        """Let go, and be as new."""
+        if self._replay is not None:
+            self._replay = None
+            self._restart(self.shown, self.window, lambda: None)
+
+    @property
+    def recording(self) -> bool:
+        """Whether a take is written."""
+        return self._recorder is not None
+
+    def use_preset(self, name: str) -> None:
+        """Change to another preset, by name or path, and watch its file; InputError."""
+        self._wanted_preset = self._presets.replace(PresetWatch(name))
+        self._make_changes()
+
+    def choose_preset(self, which: int) -> None:
+        """Change to the first (0) or the second (1) preset: at the loop's start, else at once.
+
+        Chosen twice, it is at once also within a loop.
+        """
+        again = self._presets.waiting == which
+        if self._replay is not None and not again:
+            self._presets.waiting = which
+            self.say(f"{self._presets.words(which)}: from the loop's start on; again: at once")
+            return
+        self._wanted_preset = self._presets.choose(which)
+        self.say(f"now {self._presets.words(which)}")
+        self._make_changes()
+
+    def _go_on_replaying(self) -> None:
+        replay = self._replay
+        if replay is None or self._stream is None:
+            return
+        replay.poll(self.engine)
+        if replay.is_over(self.engine, self.at_rest):
+            if replay.loop:
+                self._begin_pass()
+            else:
+                self._replay = None
+
+    def _begin_pass(self) -> None:
+        replay = self._replay
+        assert replay is not None
+        if self._presets.waiting is not None:
+            self._wanted_preset = self._presets.choose(self._presets.waiting)
+        timeline, window = replay.first(self)
+
+        def begin() -> None:
+            replay.begin(self.engine, self._replay_window, self.timeline)
+
+        self._restart(timeline, window, begin)
+
+    def _replay_window(self, window: tuple[float, float], sample: int) -> None:
+        shown = self.timeline.window(*window)
+        self.engine.set_timeline(shown, sample, window)
+        self.window, self.shown, self._wanted_window = window, shown, None
+
+    def _restart(
+        self, timeline: Timeline, window: tuple[float, float], begin: Callable[[], None]
+    ) -> None:
+        """Begin with the engine's first sample, under the preset that is wanted."""
+        if self._stream is None:
+            return
+        preset, self._wanted_preset = self._wanted_preset or self.engine.preset, None
+        try:
+            check_carrier(preset, self.engine.sample_rate)
+            surface = build_surface(timeline, preset)  # while it still sounds
+        except InputError as error:
+            self.say(f"{error}; the last good one plays on")
+            preset, surface = self.engine.preset, build_surface(timeline, self.engine.preset)
+
+        def anew() -> None:
+            self._before_s += self.engine.sample_time / self.engine.sample_rate
+            self._dropped_before += self.engine.meters.dropped_events
+            self.engine.restart(preset, timeline, seed=self.engine.seed, surface=surface)
+            self.window, self.shown, self._wanted_window = window, timeline, None
+            begin()
+
+        self.end_take()
+        self._touching = False
+        self._release_at = None
+        try:
+            self._stream.restart(anew)
+        except OverviewError as error:
+            self.say(str(error))
+        self._lost.restart()
+        self._moved = (time.monotonic(), -1)
+
+    # --- what others ask for --------------------------------------------------------------------
+
+    def ask(self, *words: str) -> None:
+        """Have one of `commands.COMMANDS` done at the next poll; from any thread."""
+        self._asked.append(words)

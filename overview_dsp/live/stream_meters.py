@@ -69,6 +69,13 @@ def clear_meters(memory: NDArray[np.float64], channels: int) -> None:
     w[layout.L_CHANNELS] = channels
 
 
+def play_again(memory: NDArray[np.float64]) -> None:
+    """After a fade: as before it, with nothing left in the delay lines."""
+    w = memory.view(np.int64)
+    w[layout.L_STOP] = w[layout.L_FADED] = 0
+    w[layout.L_LINES : layout.L_LINES + layout.SIGNALS * layout.DELAY_LINE] = 0
+
+
 def record_callback(
     memory: NDArray[np.float64], frames: int, seconds: float, underflow: bool = False
 ) -> None:

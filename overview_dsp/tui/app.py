@@ -10,7 +10,8 @@ from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.widgets import Footer, Static
 
-from overview_dsp.live.player import Input, Player, Status
+from overview_dsp.live.hand import Input
+from overview_dsp.live.player import Player, Status
 from overview_dsp.tui.help_screen import HelpScreen, TextScreen
 from overview_dsp.tui.meters_view import MetersView
 from overview_dsp.tui.terminal import has_hung_up, patient
@@ -49,6 +50,10 @@ class PlayApp(App[None]):
         Binding("0", "whole", "whole"),
         Binding("left_square_bracket", "event(-1)", "event", key_display="[ ]"),
         Binding("right_square_bracket", "event(1)", show=False),
+        Binding("R", "take", "take"),
+        Binding("p,P", "replay", "replay"),
+        Binding("1", "preset(0)", "presets", key_display="1 2"),
+        Binding("2", "preset(1)", show=False),
         Binding("m", "mute_click", "mute clicks"),
         Binding("t", "mute_tactor", "mute tactor"),
         Binding("r", "remote", show=False),
@@ -216,6 +221,18 @@ class PlayApp(App[None]):
     def action_mute_tactor(self) -> None:
         """Tactor off or on."""
         self._player.mute_tactor(not self._player.settings.tactor.mute)
+
+    def action_take(self) -> None:
+        """Begin a take, or end it."""
+        self._player.toggle_take()
+
+    def action_replay(self) -> None:
+        """The last take again and again, or no more."""
+        self._player.toggle_replay()
+
+    def action_preset(self, which: int) -> None:
+        """One of the two presets."""
+        self._player.choose_preset(which)
 
     def action_remote(self) -> None:
         """How a phone takes hold of the disk."""

@@ -21,6 +21,10 @@ Enter        tap where the finger was last
 Escape       let go
 [ ]          touch the previous, the next event
 + -  0       zoom about the disk; the whole
+R            begin a take, end it
+P            play the last take in a loop, or stop
+1 2          the first, the second preset: from the loop's start
+             on; pressed again: at once
 m t          mute the clicks, the tactor
 r            the address for a phone (with --remote)
 q            quit

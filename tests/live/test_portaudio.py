@@ -284,3 +284,79 @@ def test_a_killed_server_is_reported_and_playing_goes_on_when_it_is_back(tmp_pat
     assert not report["touching"]
     assert report["cursor"] < 0.3  # let go, it recoiled once the output was back
     assert len(ov.load_gesture(path).time_s) >= 2
+
+
+REPLAY = """
+import sys, time
+import jack
+import numpy as np
+import overview_dsp as ov
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.player import Player
+from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.preset_watch import PresetWatch
+
+path, block = sys.argv[1], int(sys.argv[2])
+player = Player(
+    ov.load_timeline("world-cup-final-2018"), PresetWatch("football"),
+    lambda engine, settings: OutputStream(engine, "system", block, settings),
+    OutputSettings(), other=PresetWatch("plain"),
+)
+client = jack.Client("recorder")
+ports = [client.inports.register(name) for name in ("click", "tactor")]
+heard = np.zeros((30 * 48_000, 2), dtype=np.float32)
+state = {"at": 0}
+
+@client.set_process_callback
+def record(frames):
+    at = state["at"]
+    count = min(frames, len(heard) - at)
+    for channel, port in enumerate(ports):
+        heard[at : at + count, channel] = port.get_array()[:count]
+    state["at"] = at + count
+
+with client:
+    for channel, port in enumerate(ports):
+        client.connect(f"PortAudio:out_{channel}", port)
+    time.sleep(0.2)
+    player.replay(ov.load_gesture(sys.argv[3]), "take")
+    for number in range(2, 5):
+        player.choose_preset(number % 2 == 0)
+        while player._replay.passes < number:
+            # a new activation may lose its connections
+            for channel, port in enumerate(ports):
+                if not client.get_all_connections(port):
+                    client.connect(f"PortAudio:out_{channel}", port)
+            player.poll()
+            time.sleep(0.01)
+    time.sleep(0.3)
+player.close()
+np.save(path, heard[: state["at"]])
+"""
+
+
+@pytest.mark.parametrize("block", [64, 256, 1024])
+def test_a_replayed_take_sounds_as_rendered_each_time(match, football, tmp_path, block):
+    hand = tmp_path / "take.csv"
+    ov.save_gesture(ov.pause(0.3) + ov.sweep(0.6, 0.0, 0.5) + ov.tap(0.8, 0.3), hand)
+    gesture = ov.load_gesture(hand)
+    plain = ov.load_preset("plain")
+    renders = [
+        ov.render(match, preset, gesture, trace=False).samples
+        for preset in (football, plain, football)
+    ]
+    path = tmp_path / "heard.npy"
+    for _ in range(jack_server.ATTEMPTS):
+        with jack_server.Server(period=512) as server:
+            server.run(REPLAY, path, block, hand)
+        heard = np.load(path)
+        wrong = []
+        for expected in renders:
+            one = aligned(heard, expected)
+            length = np.flatnonzero(expected.any(axis=1))[-1] + 1
+            wrong.append(not np.array_equal(one[:length], expected[:length]))
+            first = int(np.flatnonzero(heard.any(axis=1))[0])
+            heard = heard[first - int(np.flatnonzero(expected.any(axis=1))[0]) + length :]
+        if not any(wrong):
+            break
+    assert wrong == [False, False, False]

@@ -10,8 +10,9 @@ import pytest
 from textual.widgets import Static
 
 import overview_dsp as ov
+from overview_dsp.live.hand import Input
 from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Input, Player
+from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
 from overview_dsp.tui import PlayApp, timeline_view
