@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import warnings
 from importlib import import_module
@@ -65,7 +66,12 @@ def app(debug: bool) -> None:
 
 
 def _fail(message: str, code: int) -> NoReturn:
-    click.echo(f"error: {' '.join(message.split())}", err=True)
+    line = " ".join(message.split())
+    if "--json" in sys.argv[1:]:
+        line = json.dumps({"error": line, "exit_code": code}, ensure_ascii=False)
+    else:
+        line = f"error: {line}"
+    click.echo(line, err=True)
     sys.exit(code)
 
 

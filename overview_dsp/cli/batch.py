@@ -60,11 +60,11 @@ def command(
         with progress_bar(f"rendering {len(study)}") as bar:
             outcome = run_study(study, workers=workers, scheduler=scheduler, progress=progress)
     except KeyboardInterrupt:
-        click.echo(
-            f"error: stopped with {count} of {len(study)} finished; run it again to go on",
-            err=True,
+        error = OverviewError(
+            f"stopped with {count} of {len(study)} finished; run it again to go on"
         )
-        raise SystemExit(stop_code()) from None
+        error.exit_code = stop_code()
+        raise error from None
     if as_json:
         print_json(
             {

@@ -121,7 +121,13 @@ class ControllerInput(ThreadedInput[Port]):
                     self._wanted.setdefault(id, asked)
 
     def _set(self, engine: Engine, asked: Asked | Dialled) -> None:
-        known, present = find_parameter(engine.preset, asked.id)
+        try:
+            known, present = find_parameter(engine.preset, asked.id)
+        except InputError as error:
+            if not self.counters.unknown:
+                self._say_once(f"{error} (the first of them; counted on)")
+            self.counters.unknown += 1
+            return
         if isinstance(asked, Asked):
             value = known.check(as_asked(known, asked.value))
         else:

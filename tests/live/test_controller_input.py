@@ -179,7 +179,7 @@ def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
         message("/overview/tactor/gain_db", -6.0),
         message("/overview/kinds.goal.height", 50),
         message("/overview/tactor/gian_db", -6.0),
-        message("/overview/tactor/exponent", "loud"),
+        message("/overview/tactor/decay_ms", "loud"),
     )
     until(lambda: hand.report()["messages"] == 4)
     hand.poll(running)
@@ -192,7 +192,7 @@ def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
     until(lambda: hand.report()["messages"] == 5)
     hand.poll(running)
     assert hand.take_messages() == ()
-    assert hand.report()["refused"] == 3
+    assert (hand.report()["unknown"], hand.report()["refused"]) == (2, 1)
 
 
 def test_many_surface_changes_wait_for_a_slot_and_the_last_one_wins(opened, running):
@@ -396,3 +396,45 @@ def test_lines_that_cannot_be_read_are_told_and_let_go(engine):
     assert not engine.meters.touching
     (said,) = hand.take_messages()
     assert "invalid start byte" in said
+
+
+def test_addresses_that_are_nothing_are_counted_and_one_of_them_is_said(engine):
+    port = MadePort()
+    hand = ControllerInput(engine, "osc", lambda: port, OscReader)
+    port.put(*(message(f"/overview/nothing/of{number}", 1.0) for number in range(50)))
+    until = time.monotonic() + 10.0
+    while hand.counters.unknown < 50 and time.monotonic() < until:
+        hand.poll(engine)
+        time.sleep(0.01)
+    said = hand.take_messages()
+    hand.close()
+    assert hand.counters.unknown == 50
+    assert len(said) == 1
+    assert "the first of them; counted on" in said[0]
+
+
+def test_osc_asks_for_takes_replays_presets_and_windows(engine):
+    port, asked = MadePort(), []
+    hand = ControllerInput(
+        engine, "osc", lambda: port, OscReader, ask=lambda *words: asked.append(words)
+    )
+    port.put(
+        message("/overview/record"),
+        message("/overview/record", 0),
+        message("/overview/replay", 1.0),
+        message("/overview/preset", "football-stadium"),
+        message("/overview/preset", 2),
+        message("/overview/window", 0, 2700.5),
+    )
+    until = time.monotonic() + 10.0
+    while len(asked) < 6 and time.monotonic() < until:
+        time.sleep(0.01)
+    hand.close()
+    assert asked == [
+        ("record",),
+        ("record", "0"),
+        ("replay", "1"),
+        ("preset", "football-stadium"),
+        ("preset", "2"),
+        ("window", "0", "2700.5"),
+    ]

@@ -160,7 +160,7 @@ def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, ma
     wait(player, passes_begun(player, 2))
     player.close()
     gesture = ov.load_gesture(player.takes[0])
-    assert [change.what["window"] for change in gesture.changes][0] == [600.0, 3000.0]
+    assert gesture.changes[0].what == {"window": [600.0, 3000.0]}
     assert len(gesture.changes) == 2
     assert equals_render(sound.passes[1], match, football, gesture)
 
