@@ -17,18 +17,16 @@ import click
 
 from overview_dsp.cli.common import announce_compile
 from overview_dsp.cli.options.actuator import actuator_option
-from overview_dsp.cli.options.output import SILENT, device_named, output_options, output_settings
+from overview_dsp.cli.options.output import output_options, output_settings
 from overview_dsp.cli.stopping import signals_that_end
 from overview_dsp.files.atomic import remove_temporaries
+from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
-    from overview_dsp.engine.engine import Engine
     from overview_dsp.live.hand import Input
-    from overview_dsp.live.output_settings import OutputSettings
-    from overview_dsp.live.player import Player, Stream
+    from overview_dsp.live.player import Player
     from overview_dsp.timeline import Timeline
 
-MAX_BLOCK = 8192
 STANDARD_ERROR = 2
 END_WITHIN_S = 2.0
 
@@ -94,10 +92,10 @@ def opened_player(
         A device, file or value that can't be used.
     """
     from overview_dsp.actuators.stage import warn_of_carrier
-    from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable
     from overview_dsp.live.kept_takes import take_cut_short
     from overview_dsp.live.output_settings import save_settings
+    from overview_dsp.live.outputs import MAX_BLOCK, Outputs
     from overview_dsp.live.player import Player
     from overview_dsp.live.preset_watch import PresetWatch
 
@@ -108,8 +106,7 @@ def opened_player(
             "device", "block_size", "sample_rate", "callback", "record", "seed", "actuator"
         )
     )  # fmt: skip
-    if block_size < 0 or block_size > MAX_BLOCK:
-        raise InputError(f"block size {block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
+    outputs = Outputs(device, block_size, callback)
     if record is not None:
         require_writable(record)
         require_writable(os.path.splitext(record)[0] + ".json")
@@ -126,7 +123,7 @@ def opened_player(
     player = Player(
         data,
         watch,
-        _opener(device, block_size, callback),
+        outputs,
         settings,
         sample_rate=rate,
         max_block_size=MAX_BLOCK,
@@ -146,7 +143,9 @@ def opened_player(
                 note(message)
             for ended in player.takes:
                 say(f"{ended}: the take, to the bit")
-            if device != SILENT and chosen.differ(player.settings):
+            # what belongs to another device, chosen meanwhile, isn't this one's
+            same = player.outputs is outputs
+            if same and device != SILENT and chosen.differ(player.settings):
                 save_settings(name, player.settings)
 
 
@@ -158,27 +157,6 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
 
     found = find_device(device_named(device))
     return f"{found.name} ({found.host})", sample_rate or found.sample_rate
-
-
-def _opener(
-    device: str | None, block_size: int, callback: Any
-) -> Callable[[Engine, OutputSettings], Stream]:
-    first = True
-
-    def open_stream(engine: Engine, settings: OutputSettings) -> Stream:
-        nonlocal first
-        if device == SILENT:
-            from overview_dsp.live.silent import SilentStream
-
-            return SilentStream(engine, block_size or 256, settings)
-        from overview_dsp.live.portaudio import OutputStream, rescan
-
-        if not first:
-            rescan()
-        first = False
-        return OutputStream(engine, device_named(device), block_size, settings, callback)
-
-    return open_stream
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from overview_dsp.cli.live_session import (
     note,
     opened_player,
     print_lines,
+    say,
     seconds_given,
 )
 from overview_dsp.cli.options.server import (
@@ -49,6 +50,8 @@ from overview_dsp.cli.options.timeline import (
               "from the first sample on.")  # fmt: skip
 @click.option("--loop", is_flag=True, help="Again and again.")
 @click.option("--ab", metavar="PRESET", help="A second preset: 1 and 2 switch between them.")
+@click.option("--line", "by_line", is_flag=True, help="Plain lines instead of a screen, for screen "
+              "readers: the same keys.")  # fmt: skip
 @click.option("--remote", is_flag=True, help="Also let a phone or a browser hold the disk.")
 @server_options
 @timeline_options
@@ -69,6 +72,7 @@ def command(
     replay: str | None,
     loop: bool,
     ab: str | None,
+    by_line: bool,
     remote: bool,
     server: dict[str, Any],
     load: dict[str, Any],
@@ -117,6 +121,10 @@ def command(
             invitation = stack.enter_context(open_server(server, session, routes)).text
         if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
             print_lines(player, source, received, seconds)
+        elif by_line:
+            from overview_dsp.tui.lines import run as run_lines
+
+            run_lines(player, source, lambda: bool(received), say)
         else:
             from overview_dsp.tui import run
 

@@ -82,7 +82,8 @@ class Status:
     output's `callbacks`, `late` ones, `underflows`, `frames` and `frames_lost` (gaps of a block and
     more); control events `dropped`; `load` (part of the time that callbacks take) and their times,
     s; what the actuator's protection did (`protected`); the take that grows (`recording`) and the
-    one that plays (`replay`); `messages` for the person, new since the last poll.
+    one that plays (`replay`); the tactor's `envelope` (linear) and the `strikes` so far; `messages`
+    for the person, new since the last poll.
     """
 
     time_s: float
@@ -114,6 +115,8 @@ class Status:
     protected: Protected | None
     recording: str | None
     replay: str | None
+    envelope: float
+    strikes: int
     messages: tuple[str, ...]
 
 
@@ -157,7 +160,7 @@ class Player:
         self.timeline = self.shown = timeline
         self.window = (0.0, timeline.duration_s)
         self.settings = settings
-        self._open_stream = open_stream
+        self.outputs = open_stream
         self._callback = callback
         self._messages: deque[str] = deque()
         self._finger = 0.0
@@ -166,6 +169,7 @@ class Player:
         self._wanted_window: tuple[float, float] | None = None
         self._wanted_preset: Preset | None = None
         self.engine = Engine(watch.preset, timeline, seed=seed)
+        self._max_block_size = max_block_size
         self.engine.prepare(sample_rate, max_block_size)
         self.takes: list[str] = []  # those that were ended
         self._recorder: Recorder | None = None
@@ -263,13 +267,14 @@ class Player:
 
     def mute_click(self, muted: bool) -> None:
         """Silence the clicks at the device, or let them sound again."""
-        self._set_output(self.settings.changed(click={"mute": muted}))
+        self.set_output(self.settings.changed(click={"mute": muted}))
 
     def mute_tactor(self, muted: bool) -> None:
         """Still the tactor at the device, or let it move again."""
-        self._set_output(self.settings.changed(tactor={"mute": muted}))
+        self.set_output(self.settings.changed(tactor={"mute": muted}))
 
-    def _set_output(self, settings: OutputSettings) -> None:
+    def set_output(self, settings: OutputSettings) -> None:
+        """Change gains, mutes, delays and ceilings, gliding."""
         self.settings = settings
         settings.write(self.engine.memory, self.engine.sample_rate)
 
@@ -311,7 +316,7 @@ class Player:
     # --- the output -----------------------------------------------------------------------------
 
     def _start_stream(self, record: str | os.PathLike[str] | None = None) -> None:
-        stream = self._open_stream(self.engine, self.settings)
+        stream = self.outputs(self.engine, self.settings)
         try:
             if record is not None:  # before the first sample
                 self._recorder = Recorder(self.engine, record, self._about)
@@ -355,6 +360,10 @@ class Player:
             f"output {self._output} is lost: the disk is let go; waiting for it to come back"
         )
         self.release()
+        self._close_stream(now)
+
+    def _close_stream(self, now: float) -> None:
+        assert self._stream is not None
         counts = (self._last.callbacks, self._last.late, self._last.underflows, self._last.frames)
         self._earlier = tuple(  # type: ignore[assignment]
             a + b for a, b in zip(self._earlier, counts, strict=True)
@@ -366,6 +375,48 @@ class Player:
             self._messages.append(f"closing it: {error}")
         self._stream = None
         self._retry_at = now
+
+    def reopen(
+        self,
+        outputs: Callable[[Engine, OutputSettings], Stream] | None = None,
+        settings: OutputSettings | None = None,
+        sample_rate: float | None = None,
+    ) -> None:
+        """Change to another output, other settings of it, another rate (which ends a take).
+
+        Raises
+        ------
+        OverviewError
+            It can't be opened; the present one plays on.
+        """
+        before = self.outputs, self.settings, self.engine.sample_rate
+        self.stop_replay()
+        self.release()
+        self._open_anew(outputs or self.outputs, settings or self.settings, sample_rate)
+        if self._stream is None:
+            failure = self._refused
+            self._open_anew(*before)
+            raise failure
+        rate = self.engine.sample_rate
+        self.say(f"output {self._output}, {rate:g} Hz, {self._block_size} frames")
+
+    def _open_anew(
+        self,
+        outputs: Callable[[Engine, OutputSettings], Stream],
+        settings: OutputSettings,
+        sample_rate: float | None,
+    ) -> None:
+        if self._stream is not None:
+            self._close_stream(time.monotonic())
+        self.outputs, self.settings = outputs, settings
+        try:
+            if sample_rate is not None and sample_rate != self.engine.sample_rate:
+                self.end_take()
+                self._count_before()
+                self.engine.prepare(sample_rate, self._max_block_size)
+            self._start_stream()
+        except OverviewError as error:
+            self._refused = error
 
     # --- how it stands --------------------------------------------------------------------------
 
@@ -430,6 +481,8 @@ class Player:
             protected=None if driven is None else read_protected(engine.memory, layout.L_ACTUATOR),
             recording=None if self._recorder is None else str(self._recorder.path),
             replay=None if self._replay is None else self._replay.words,
+            envelope=meters.envelope,
+            strikes=meters.strikes,
             messages=messages,
         )
 
@@ -615,8 +668,7 @@ class Player:
             preset, surface = self.engine.preset, build_surface(timeline, self.engine.preset)
 
         def anew() -> None:
-            self._before_s += self.engine.sample_time / self.engine.sample_rate
-            self._dropped_before += self.engine.meters.dropped_events
+            self._count_before()
             self.engine.restart(preset, timeline, seed=self.engine.seed, surface=surface)
             self.window, self.shown, self._wanted_window = window, timeline, None
             begin()
@@ -630,6 +682,11 @@ class Player:
             self.say(str(error))
         self._lost.restart()
         self._moved = (time.monotonic(), -1)
+
+    def _count_before(self) -> None:
+        """The engine counts from 0 again."""
+        self._before_s += self.engine.sample_time / self.engine.sample_rate
+        self._dropped_before += self.engine.meters.dropped_events
 
     # --- what others ask for --------------------------------------------------------------------
 

@@ -6,23 +6,26 @@ import time
 from collections.abc import Callable
 from typing import ClassVar
 
+from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.widgets import Footer, Static
 
 from overview_dsp.live.hand import Input
 from overview_dsp.live.player import Player, Status
-from overview_dsp.tui.help_screen import HelpScreen, TextScreen
+from overview_dsp.surface.model import Surface
+from overview_dsp.tui.help_screen import TextScreen
 from overview_dsp.tui.meters_view import MetersView
+from overview_dsp.tui.moves import Moves, help_text
+from overview_dsp.tui.palette import Changes
+from overview_dsp.tui.place import marks, place_words
 from overview_dsp.tui.terminal import has_hung_up, patient
-from overview_dsp.tui.timeline_view import TimelineView, axis_text
+from overview_dsp.tui.timeline_view import TimelineView
+from overview_dsp.tui.trace_view import TraceView
 
 POLLS_A_SECOND = 30
 SHOWN_S = 10.0
 """How long a message is shown."""
-
-STEP = 0.01
-ZOOM = 1.5
 
 
 class PlayApp(App[None]):
@@ -32,9 +35,11 @@ class PlayApp(App[None]):
     Screen { overflow: hidden; }
     #invitation { height: 1; }
     #title { height: 1; text-style: bold; }
+    #legend { height: 1; }
     #messages { height: 2; color: $warning; }
     """
-    ENABLE_COMMAND_PALETTE = False
+    COMMANDS: ClassVar = {Changes}
+    COMMAND_PALETTE_BINDING = "c"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "move(-1)", "back", show=False),
         Binding("right", "move(1)", "move"),
@@ -79,6 +84,10 @@ class PlayApp(App[None]):
         self._said: list[tuple[float, str]] = []
         self._view = TimelineView(player)
         self._meters = MetersView()
+        self._trace = TraceView()
+        self._moves = Moves(player, lambda line: None)
+        self._marked: Surface | None = None
+        self._legend = Static("", id="legend")
         self._words = Static("", id="messages", markup=False)
 
     def compose(self) -> ComposeResult:
@@ -86,7 +95,9 @@ class PlayApp(App[None]):
         yield Static(self._player.timeline.title, id="title", markup=False)
         if self._invitation:
             yield Static(self._invitation.splitlines()[0], id="invitation", markup=False)
+        yield self._legend
         yield self._view
+        yield self._trace
         yield self._meters
         yield self._words
         yield Footer()
@@ -115,11 +126,26 @@ class PlayApp(App[None]):
             self._end(error)
             return
         self._status = status
+        self._moves.look(status)
         self._view.show(status)
+        self._trace.show(status)
+        self._show_marks()
         source = self._source
-        self._meters.show(status, self._here(status), "" if source is None else source.words)
+        self._meters.show(
+            status, place_words(self._player, status.cursor), "" if source is None else source.words
+        )
         messages = (*status.messages, *(() if source is None else source.take_messages()))
         self._say(messages)
+
+    def _show_marks(self) -> None:
+        """Which mark is which kind of event, in the view's colours."""
+        if self._player.surface is not self._marked:
+            self._marked = self._player.surface
+            shown = marks(self._player)
+            text = Text(no_wrap=True, overflow="ellipsis")
+            for mark, colour, kind in shown:
+                text.append(f"{mark} ", f"bold {colour}").append(f"{kind}  ")
+            self._legend.update(text)
 
     def _say(self, messages: tuple[str, ...]) -> None:
         """Show what is new; what was read long enough goes."""
@@ -143,19 +169,6 @@ class PlayApp(App[None]):
         """The person has had enough."""
         self._end()
 
-    def _here(self, status: Status) -> str:
-        """The moment under the cursor, and the event whose surface it is on."""
-        player = self._player
-        start, end = player.window
-        moment = start + (end - start) * status.cursor
-        surface = player.surface
-        words = axis_text(player, moment)
-        for span, event in zip(surface.span, surface.event, strict=True):
-            if span[0] <= status.cursor <= span[1]:
-                there = player.shown.events[event]
-                return f"{words}  {there.kind} {there.label}".rstrip()
-        return words
-
     # --- the hand -------------------------------------------------------------------------------
 
     def on_timeline_view_touched(self, message: TimelineView.Touched) -> None:
@@ -169,16 +182,9 @@ class PlayApp(App[None]):
         else:
             self._player.release()
 
-    def _finger(self) -> float:
-        """Where the hand is, or the disk if no hand holds it."""
-        # not the status: keys may come faster than it is read
-        if self._player.holding or self._status is None:
-            return self._player.finger
-        return self._status.cursor
-
     def action_move(self, steps: int) -> None:
         """Move the finger by hundredths of the timeline, touching down if it isn't."""
-        self._player.touch(min(max(self._finger() + steps * STEP, 0.0), 1.0))
+        self._moves.move(steps)
 
     def action_to(self, position: float) -> None:
         """Touch the start or the end."""
@@ -186,10 +192,7 @@ class PlayApp(App[None]):
 
     def action_hold(self) -> None:
         """Let go if the finger holds, else tap where it was last."""
-        if self._player.holding:
-            self._player.release()
-        else:
-            self.action_tap()
+        self._moves.hold()
 
     def action_tap(self) -> None:
         """A step to where the finger is or was last."""
@@ -201,14 +204,13 @@ class PlayApp(App[None]):
 
     def action_event(self, direction: int) -> None:
         """Touch the next or the previous event."""
-        self._player.go_to_event(direction, self._finger())
+        self._player.go_to_event(direction, self._moves.finger())
 
     # --- the view and the output ------------------------------------------------------------------
 
     def action_zoom(self, direction: int) -> None:
         """More or less detail about the cursor."""
-        about = self._status.cursor if self._status is not None else 0.5
-        self._player.zoom(ZOOM if direction > 0 else 1.0 / ZOOM, about)
+        self._moves.zoom(direction)
 
     def action_whole(self) -> None:
         """The whole timeline."""
@@ -241,7 +243,7 @@ class PlayApp(App[None]):
 
     def action_help(self) -> None:
         """The keys, explained."""
-        self.push_screen(HelpScreen())
+        self.push_screen(TextScreen(help_text(self._player)))
 
 
 def run(

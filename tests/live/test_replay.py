@@ -12,6 +12,7 @@ import overview_dsp as ov
 from overview_dsp.live.commands import COMMANDS
 from overview_dsp.live.inputs import parse_command
 from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.outputs import Outputs
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.presets.library import preset_path
@@ -210,7 +211,7 @@ def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
     player.ask("preset", "heart")
     wait(player, lambda: player.preset.name == "heart")
     for words, why in (
-        (("window", "5"), "not so many words; see window START END"),
+        (("window", "5"), "window 5: it is window START END"),
         (("window", "x", "y"), "a window is two numbers"),
         (("window", "9", "1"), "window 9 1"),
         (("record", "on"), "it takes 0 or 1"),
@@ -261,3 +262,54 @@ def test_a_switch_within_a_pass_adds_no_click(match, moment):
     engine.process(out)
     around = round(moment * RATE)
     assert above(out[around - 6000 : around + 6000, 1].astype(float), 2000.0) < -60.0
+
+
+def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_nothing(
+    match, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    player = Player(
+        match,
+        PresetWatch("football"),
+        Outputs("none", 256, "native"),
+        OutputSettings(),
+        record=tmp_path / "take.csv",
+        callback="python",
+    )
+    try:
+        player.touch(0.5)
+        wait(player, lambda: player.poll().cursor > 0.45)
+        player.ask("block-size", "64")
+        wait(player, lambda: player.poll().block_size == 64)
+        assert player.recording  # the same engine goes on
+        before = player.poll().time_s
+        player.ask("channels", "2", "1")
+        wait(player, lambda: player.settings.click.channel == 2)
+        player.ask("actuator", "c2")
+        wait(player, lambda: player.settings.actuator is not None)
+        player.ask("gain", "click", "-3")
+        player.ask("mute", "tactor")
+        wait(player, lambda: player.settings.tactor.mute)
+        assert player.settings.click.gain_db == -3.0
+        player.ask("rate", "44100")
+        wait(player, lambda: player.poll().sample_rate == 44_100)
+        assert not player.recording
+        assert ov.load_gesture(tmp_path / "take.csv").duration_s >= before - 0.1
+        wait(player, lambda: player.poll().time_s > before)
+        for words, why in (
+            (("rate", "5"), "out of range"),
+            (("block-size", "-1"), "it is 1 to 8192"),
+            (("channels", "1", "1"), "can't share"),
+            (("actuator", "nothing"), "nothing"),
+            (("gain", "left", "3"), "it is click or tactor"),
+            (("dance",), "no such command"),
+        ):
+            player.ask(*words)
+            said = player.poll().messages
+            assert any(why in line and words[0] in line for line in said), (words, said)
+            now = player.poll().time_s
+            wait(player, lambda now=now: player.poll().time_s > now)
+            assert player.poll().sample_rate == 44_100
+    finally:
+        player.close()
