@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar
 
 from rich.text import Text
@@ -24,6 +25,9 @@ from overview_dsp.tui.timeline_view import TimelineView
 from overview_dsp.tui.trace_view import TraceView
 
 POLLS_A_SECOND = 30
+VIEW_EVERY, METERS_EVERY = 3, 6
+"""Polls: what is drawn costs a terminal that is far away its line."""
+
 SHOWN_S = 10.0
 """How long a message is shown."""
 
@@ -52,15 +56,15 @@ class PlayApp(App[None]):
         Binding("escape", "release", show=False),
         Binding("plus,equals_sign", "zoom(1)", "zoom", key_display="+ -"),
         Binding("minus", "zoom(-1)", show=False),
-        Binding("0", "whole", "whole"),
+        Binding("0", "whole", "whole", show=False),
         Binding("left_square_bracket", "event(-1)", "event", key_display="[ ]"),
         Binding("right_square_bracket", "event(1)", show=False),
         Binding("R", "take", "take"),
         Binding("p,P", "replay", "replay"),
         Binding("1", "preset(0)", "presets", key_display="1 2"),
         Binding("2", "preset(1)", show=False),
-        Binding("m", "mute_click", "mute clicks"),
-        Binding("t", "mute_tactor", "mute tactor"),
+        Binding("m", "mute_click", "mute clicks", show=False),
+        Binding("t", "mute_tactor", "mute tactor", show=False),
         Binding("r", "remote", show=False),
         Binding("question_mark", "help", "help"),
         Binding("q,ctrl+c", "quit", "quit"),
@@ -81,6 +85,8 @@ class PlayApp(App[None]):
         self._status: Status | None = None
         self.failure: Exception | None = None
         self._ended = False
+        self._polls = 0
+        self._peaks = [0.0, 0.0]
         self._said: list[tuple[float, str]] = []
         self._view = TimelineView(player)
         self._meters = MetersView()
@@ -127,13 +133,19 @@ class PlayApp(App[None]):
             return
         self._status = status
         self._moves.look(status)
-        self._view.show(status)
         self._trace.show(status)
-        self._show_marks()
+        self._polls += 1
+        if self._polls % VIEW_EVERY == 0:
+            self._view.show(status)
+            self._show_marks()
         source = self._source
-        self._meters.show(
-            status, place_words(self._player, status.cursor), "" if source is None else source.words
-        )
+        peaks = self._peaks
+        peaks[:] = max(peaks[0], status.peak_click), max(peaks[1], status.peak_tactor)
+        if self._polls % METERS_EVERY == 0:
+            words = "" if source is None else source.words
+            shown = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
+            self._meters.show(shown, place_words(self._player, status.cursor), words)
+            peaks[:] = 0.0, 0.0
         messages = (*status.messages, *(() if source is None else source.take_messages()))
         self._say(messages)
 
@@ -145,6 +157,7 @@ class PlayApp(App[None]):
             text = Text(no_wrap=True, overflow="ellipsis")
             for mark, colour, kind in shown:
                 text.append(f"{mark} ", f"bold {colour}").append(f"{kind}  ")
+            text.append("◉ disk  ▼ finger", "dim")
             self._legend.update(text)
 
     def _say(self, messages: tuple[str, ...]) -> None:

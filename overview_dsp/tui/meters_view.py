@@ -12,7 +12,7 @@ from overview_dsp.units import gain_to_db
 
 BAR = 24
 FLOOR_DB = -60.0
-HOLD_FALL_DB = 1.0
+HOLD_FALL_DB = 6.0
 """How much a held peak falls at each poll."""
 
 

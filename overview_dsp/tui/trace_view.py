@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 
 from rich.segment import Segment
@@ -15,10 +14,10 @@ from overview_dsp.tui.timeline_view import BLOCKS
 from overview_dsp.units import gain_to_db
 
 COLUMN_S = 0.1
-DRAWN_EVERY = 2
-"""Columns: a terminal far away gets a fifth of a second at a time."""
+DRAWN_EVERY = 3
+"""Columns: a terminal far away gets a third of a second at a time."""
 
-FLOOR_DB = -48.0
+FLOOR_DB = -60.0
 NAMES = ("torque ", "tactor ", "strikes")
 COLOURS = ("yellow", "green", "bright_red")
 WIDEST = 400
@@ -46,9 +45,8 @@ class TraceView(Widget):
         self._until = status.time_s + COLUMN_S
         before = status.strikes if self._strikes is None else self._strikes
         struck = max(0, status.strikes - before)  # fewer: the engine has begun anew
-        level = 1.0 - max(gain_to_db(self._tactor), FLOOR_DB) / FLOOR_DB if self._tactor else 0.0
         self._rows[0].append(_block(self._torque))
-        self._rows[1].append(_block(level))
+        self._rows[1].append(_block(self._tactor))
         self._rows[2].append(" " if not struck else "│" if struck == 1 else "┃")
         self._strikes, self._torque, self._tactor = status.strikes, 0.0, 0.0
         self._new += 1
@@ -74,7 +72,6 @@ class TraceView(Widget):
 
 
 def _block(part: float) -> str:
-    """A column's height; what is there at all is seen."""
-    if part < 1e-3 or math.isnan(part):
-        return " "
-    return BLOCKS[max(1, round(min(part, 1.0) * (len(BLOCKS) - 1)))]
+    """A column's height: a part of the most, by its level in dB, as it is felt."""
+    level = 1.0 - max(gain_to_db(part), FLOOR_DB) / FLOOR_DB if part > 0.0 else 0.0
+    return BLOCKS[round(min(level, 1.0) * (len(BLOCKS) - 1))]
