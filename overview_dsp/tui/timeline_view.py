@@ -22,7 +22,7 @@ from overview_dsp.live.player import Player, Status
 from overview_dsp.units import clock_text
 
 BLOCKS = " ▁▂▃▄▅▆▇█"
-MARKS = "▲◆●■✚★▼○"
+MARKS = "▲◆●■✚★◇○"
 COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
 AXIS, FINGER, EVENTS = 1, 1, 1
 CURSOR_ROWS = 3
