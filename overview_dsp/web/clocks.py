@@ -105,7 +105,7 @@ class SampleClock:
         """Read the engine's count; often."""
         sample = self._engine.sample_time
         if sample < self._last[0]:  # the engine has begun anew
-            self._looks.clear()
+            self._ahead = _Highest(LOOKS_KEPT_S)
         if sample != self._last[0]:
             self._last = (sample, now_s)
         self._ahead.note(now_s, sample - self._rate * now_s)
