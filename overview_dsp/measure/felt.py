@@ -179,9 +179,9 @@ def _first_within(
 def passages(
     surface: Surface, cursor: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The events that a stroke enters, and the first and the last frame in which it is on each.
+    """The events that a stroke meets, and the first and the last frame in which it is on each.
 
-    One that it starts on is none of them, unless its edge lies ahead (`Surface.edges`).
+    It meets those that it enters (`Surface.edges`), and of those it starts on the ones it passes.
     """
     frames = len(cursor)
     if not frames:
@@ -193,7 +193,8 @@ def passages(
     lower, upper = surface.edges.T
     upwards = (cursor[0] < lower) & (lower <= highs.max())
     downwards = (lows.min() < upper) & (upper <= cursor[0])
-    events = np.flatnonzero(upwards | downwards)
+    passed = (lows.min() < surface.position) & (surface.position <= highs.max())
+    events = np.flatnonzero(upwards | downwards | passed)
     spans, runs = surface.span[events], course.reshape(-1, _RUN)
     first = _first_within(runs, lows, highs, spans)
     backwards = _first_within(runs[::-1, ::-1], lows[::-1], highs[::-1], spans)

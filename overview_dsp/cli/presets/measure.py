@@ -9,13 +9,12 @@ import click
 
 from overview_dsp.cli.common import (
     announce_compile,
-    part_of,
     print_json,
     progress_bar,
     window_options,
 )
 from overview_dsp.cli.options.observer import observer_options
-from overview_dsp.cli.options.timeline import open_timeline, timeline_options
+from overview_dsp.cli.options.timeline import open_part, timeline_options
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
@@ -107,9 +106,7 @@ def feel(
         raise InputError(f"{len(timelines)} timelines; one is measured, several by --observer")
     given = []
     for path in timelines:
-        data = open_timeline(path, load)
-        part = part_of(data, window, zoom_to)
-        given.append(data if part is None else data.window(*part))
+        given.append(open_part(path, load, window, zoom_to))
         if not given[-1].events:
             raise InputError(f"{path}: has no events; there is nothing to distinguish")
     if plot is not None:
