@@ -14,10 +14,12 @@ The bytes, little-endian, in columns of 8:
     float64 sample_rate; float64 channels (of a `WHOLE`'s output, else 0);
     n pairs of float64: what to change in the kernel, value;
     runs: int32 how, int32 columns, then
-        FILL: the one value; DATA: as many values; TABLE: values, without the slopes between them
+        FILL: the one value; DATA: as many values; TABLE: values, without the slopes between them;
+        INTEGRAL: nothing, it is that of the friction table before it
 
 The runs of a `WHOLE` cover the memory, those of a `CHANGE` a surface slot or nothing. Slopes are
-differences of neighbours: IEEE subtraction gives the page the same bits.
+differences of neighbours and the integral is a running sum of their means: IEEE arithmetic gives the
+page the same bits.
 """
 
 from __future__ import annotations
@@ -40,7 +42,7 @@ from overview_dsp.surface.model import Surface
 
 HEAD = 5  # columns before the pairs
 WHOLE, CHANGE = range(2)
-FILL, DATA, TABLE = range(3)
+FILL, DATA, TABLE, INTEGRAL = range(4)
 LEAST_FILL = 4
 """Equal columns from which a run of its own is shorter than the values."""
 
@@ -66,6 +68,8 @@ def encoding_numbers() -> dict[str, int]:
         "FILL": FILL,
         "DATA": DATA,
         "TABLE": TABLE,
+        "INTEGRAL": INTEGRAL,
+        "INTEGRAL_FROM_TABLE": layout.SLOT_INTEGRAL - layout.SLOT_TABLE,
     }
 
 
@@ -181,6 +185,10 @@ def _slot(bits: NDArray[np.uint64]) -> bytes:
         parts.append(_runs(bits[at:start]))
         at = start + TABLE_COLUMNS
         parts.append(_table(bits[start:at]))
+        if start == layout.SLOT_TABLE:
+            # which lies behind its table (`layout`)
+            at = layout.SLOT_INTEGRAL + layout.CELLS + 1
+            parts.append(_integral(bits[layout.SLOT_INTEGRAL : at], bits[start::2]))
     return b"".join([*parts, _runs(bits[at:])])
 
 
@@ -190,6 +198,14 @@ def _table(bits: NDArray[np.uint64]) -> bytes:
     if (bits == bits[0]).all() or not np.array_equal(slopes.view(np.uint64), bits[1::2]):
         return _runs(bits)
     return _run(TABLE, len(bits), values)
+
+
+def _integral(bits: NDArray[np.uint64], table: NDArray[np.uint64]) -> bytes:
+    values = table[: len(bits)].view(np.float64)
+    sums = np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1])))
+    if (bits == bits[0]).all() or not np.array_equal(sums.view(np.uint64), bits):
+        return _runs(bits)
+    return _run(INTEGRAL, len(bits), bits[:0])
 
 
 def _runs(bits: NDArray[np.uint64]) -> bytes:

@@ -131,7 +131,8 @@ def _friction(clip: Clip, highest: float) -> dict[str, Any]:
     # the highest cell around each tick: no event falls between two
     edges = np.clip(np.rint((ticks - 0.5) / TICKS_PER_TURN * CELLS), 0, CELLS).astype(np.int64)
     curve = np.maximum.reduceat(table, edges)
-    places = breakpoints(curve, FRICTION_POINTS)
+    # a goal is hundreds of bare surfaces high: no level is too faint
+    places = breakpoints(curve / curve.min(), FRICTION_POINTS)
     keyframes = [
         {"relative_position": place, "amplitude_modulation": round(float(curve[place]), 6)}
         for place in places.tolist()

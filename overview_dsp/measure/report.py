@@ -50,7 +50,7 @@ GESTURES: Mapping[str, Gesture] = {
     "slow": sweep(6.0),
     "medium": sweep(3.0),
     "fast": sweep(1.0),
-    "tap": tap(1.0, 1.5),
+    "tap": tap(1.0, 3.0),
 }
 """Slow, medium and fast sweeps over all of the timeline, and a tap at its end."""
 

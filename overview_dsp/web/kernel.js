@@ -6,7 +6,7 @@
 import { DIGEST, ENCODING, L, SOURCES } from "./layout.js";
 
 export const { WHOLE, CHANGE } = ENCODING;
-const { FILL, DATA, TABLE, HEAD } = ENCODING;
+const { FILL, DATA, TABLE, INTEGRAL, HEAD } = ENCODING;
 const WHAT = { [WHOLE]: "a memory", [CHANGE]: "a change" };
 
 export const AT_ONCE = -1;
@@ -47,7 +47,8 @@ export function checkBytes(bytes, kind) {
   while (sound && at < numbers.length) {
     const how = words[2 * at];
     const count = words[2 * at + 1];
-    sound = count > 0 && (how === FILL || how === DATA || (how === TABLE && count % 2 === 0));
+    const known = how === FILL || how === DATA || how === INTEGRAL;
+    sound = count > 0 && (known || (how === TABLE && count % 2 === 0));
     covered += count;
     at += 1 + valuesOf(how, count);
   }
@@ -62,6 +63,7 @@ export function checkBytes(bytes, kind) {
 /** How many values a run has for its columns. */
 function valuesOf(how, count) {
   if (how === FILL) return 1;
+  if (how === INTEGRAL) return 0;
   return how === DATA ? count : count / 2;
 }
 
@@ -98,6 +100,13 @@ class Copy {
       } else if (how === DATA) {
         for (let i = 2 * this.done; i < 2 * stop; i += 1) {
           words[2 * this.target + i] = from[2 * data + i];
+        }
+      } else if (how === INTEGRAL) {
+        const table = this.target - ENCODING.INTEGRAL_FROM_TABLE;
+        for (let i = this.done; i < stop; i += 1) {
+          const at = this.target + i;
+          const mean = i > 0 ? 0.5 * (m[table + 2 * i] + m[table + 2 * i - 2]) : 0;
+          m[at] = i > 0 ? m[at - 1] + mean : 0;
         }
       } else {
         const points = count / 2;

@@ -284,9 +284,11 @@ export const ENCODING = Object.freeze({
   FILL: 0,
   DATA: 1,
   TABLE: 2,
+  INTEGRAL: 3,
+  INTEGRAL_FROM_TABLE: 131074,
 });
 
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([-1708174365, -540786784]);
+export const DIGEST = Object.freeze([859781105, 1217706801]);

@@ -81,6 +81,7 @@ def test_a_render_until_rest_ends_after_the_drive_has(match, football):
             "shaping.sharpen": 4.0,
         },
     )
+    football = football.with_changes({"disk.k1": 0.01})  # at rest before such a drive is
     plain = ov.render(match, football, ov.tap(0.2, 0.05), 8000, trace=False)
     with pytest.warns(ov.OverviewWarning, match="set that to 20 Hz"):
         result = ov.render(match, football, ov.tap(0.2, 0.05), 8000, trace=False, actuator=slow)

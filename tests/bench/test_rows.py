@@ -19,7 +19,12 @@ from overview_dsp.bench.table_sizes import TableOf
 from overview_dsp.bench.timing import Contender, interleaved
 from overview_dsp.bench.work import RATE, Disk, fed, prepared, the_sweep
 from overview_dsp.kernels import layout
+from overview_dsp.presets.library import load_preset
 from tests.cli.running import overview, refused
+from tests.examples import preset_with
+
+NEAR = 1e-6
+"""Of the highest torque: at a goal's edge two ways to round part a little."""
 
 
 @pytest.fixture(scope="module")
@@ -54,17 +59,23 @@ def test_the_disk_alone_is_the_disk_of_a_python_loop(disk, torque):
 
 def test_the_disk_on_a_coarser_table_makes_the_same_movement(engine, disk, torque):
     assert np.array_equal(TableOf(layout.CELLS, engine, disk).torque(), torque)
-    coarser = TableOf(16_384, engine, disk).torque()  # on still coarser ones goals are lost
+    # a goal of 11 cells is lost on a coarser table, what is wider is not
+    wide = prepared(preset=preset_with(height=20.0, width=1.0))
+    disk = Disk.of(wide)
+    torque = overview_rows.disk_alone(wide, disk)
+    coarser = TableOf(16_384, wide, disk).torque()
     assert (coarser - torque).std() < 0.03 * torque.std()
 
 
 def test_the_textbook_disk_in_c_is_ours(plain, torque):
-    assert np.abs(plain.torque() - torque).max() < 1e-8 * np.abs(torque).max()
+    assert np.abs(plain.torque() - torque).max() < NEAR * np.abs(torque).max()
 
 
-def test_the_textbook_voice_in_c_sounds_like_ours(engine, plain):
+def test_the_textbook_voice_in_c_sounds_like_ours(plain):
     frames = 4 * RATE
     ours_, theirs = np.zeros((2, frames, 2), dtype=np.float32)
+    rigid = load_preset("football").with_changes({"disk.catch_up": 0.0})  # it has no clutch
+    engine = prepared(preset=rigid)
     fed(engine, the_sweep()).process(ours_)
     plain.voice(plain_scene(engine), *c_rows.held_hand(frames), theirs)
     level = 20.0 * np.log10(theirs.std(axis=0) / ours_.std(axis=0))
@@ -78,7 +89,7 @@ def test_the_disk_in_faust_is_ours(engine, disk, torque, build):
         pytest.skip("needs Faust: apt-get install faust")
     found = np.empty(len(torque))
     programs.FaustPeer("disk_alone", programs.BUILDS[build], engine).run([disk.hand], [found])
-    assert np.abs(found - torque).max() < 1e-8 * np.abs(torque).max()
+    assert np.abs(found - torque).max() < NEAR * np.abs(torque).max()
 
 
 def test_a_solver_comes_closer_the_tighter_it_is_held(disk):

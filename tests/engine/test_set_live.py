@@ -145,7 +145,8 @@ def test_three_hands_at_one_sample_are_taken_in_the_order_of_sources(match, foot
 
 
 def test_an_heir_takes_the_disk_from_where_it_is_without_a_step(match, football):
-    engine = prepared(football, match, RATE)
+    # without the clutch the trace has the hand's own angle
+    engine = prepared(football.with_changes({"disk.catch_up": 0.0}), match, RATE)
     touch(engine, "touch", 0.5)
     touch(engine, "twist", 2.0)
     run(engine, 2 * RATE)

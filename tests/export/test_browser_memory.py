@@ -14,7 +14,14 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.engine.surface_slots import write_surface
 from overview_dsp.export import browser_memory as encoding
-from overview_dsp.export.browser_memory import DATA, FILL, TABLE, encode_change, encode_engine
+from overview_dsp.export.browser_memory import (
+    DATA,
+    FILL,
+    INTEGRAL,
+    TABLE,
+    encode_change,
+    encode_engine,
+)
 from overview_dsp.kernels import layout
 from tests.web.schedule import RATE, engine
 from tests.web.surfaces import preset_of
@@ -27,13 +34,17 @@ def decoded_runs(runs: bytes) -> np.ndarray:
     parts, at = [], 0
     while at < len(runs):
         how, columns = np.frombuffer(runs, "<i4", 2, at)
-        count = {FILL: 1, DATA: columns, TABLE: columns // 2}[how]
+        count = {FILL: 1, DATA: columns, TABLE: columns // 2, INTEGRAL: 0}[how]
         values = np.frombuffer(runs, "<u8", count, at + 8)
         at += 8 + 8 * count
         if how == FILL:
             parts.append(np.repeat(values, columns))
         elif how == DATA:
             parts.append(values)
+        elif how == INTEGRAL:
+            friction = parts[-1].view("<f8")[0::2]
+            means = 0.5 * (friction[1:] + friction[:-1])
+            parts.append(np.append(0.0, np.cumsum(means)).view(np.uint64))
         else:
             table = np.zeros(columns)
             table[0::2] = values.view("<f8")

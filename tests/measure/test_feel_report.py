@@ -17,7 +17,7 @@ from overview_dsp.rendering.audition import pages
 
 def preset_of(**heights):
     kinds = {
-        name: ov.EventKind(height=height, width_percent=0.3, modes=(ov.ClickMode(1000.0, 20.0),))
+        name: ov.EventKind(height=height, width_percent=0.06, modes=(ov.ClickMode(1000.0, 20.0),))
         for name, height in heights.items()
     }
     kinds.setdefault("default", ov.EventKind(height=4.0, width_percent=0.3))
@@ -69,7 +69,7 @@ def test_events_that_follow_within_30_ms_are_merged_and_others_are_not():
     near = ov.Timeline(
         title="",
         duration_s=60.0,
-        events=(ov.Event(20.0, "a"), ov.Event(20.05, "b"), ov.Event(40.0, "a")),
+        events=(ov.Event(20.0, "a"), ov.Event(20.4, "b"), ov.Event(40.0, "a")),
     )
     preset = preset_of(a=20.0, b=10.0)
     assert sum(kind.merged for kind in feel_report(preset, timeline).stroke("slow").kinds) == 0
