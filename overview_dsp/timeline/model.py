@@ -5,7 +5,8 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from bisect import bisect_left
+from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from functools import cached_property
 
@@ -16,9 +17,10 @@ from overview_dsp.errors import InputError
 from overview_dsp.public.reprs import counted, short
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
-from overview_dsp.timeline.fine_events import shown_details
+from overview_dsp.timeline.fine_events import Rules, ranks, window_events
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
+from overview_dsp.timeline.ticks import part_ticks
 from overview_dsp.units import clock_text
 
 __all__ = ["Event", "Intensity", "Timeline"]
@@ -50,8 +52,10 @@ class Timeline:
         The calendar moment of time 0, with or without a time zone; None where there is none (a
         match clock).
     details : tuple of Event
-        Smaller things (a match's passes); kept sorted. They are felt only in a `window` so short
-        that a hand can distinguish them.
+        Smaller things (a match's passes); kept sorted. They are felt in a `window`, the weightiest
+        first, as many as a hand can tell apart.
+    rules : object or None
+        What finds the events of a part of a series (set by the readers of series).
 
     Raises
     ------
@@ -81,6 +85,7 @@ class Timeline:
     notes: tuple[str, ...] = ()
     start: datetime | None = None
     details: tuple[Event, ...] = ()
+    rules: Rules | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         checks.text(self.title, "title")
@@ -263,9 +268,12 @@ class Timeline:
     def window(self, start_s: float, end_s: float) -> Timeline:
         """Cut out a part as a timeline of its own, which starts at 0.
 
-        Events at the two ends belong to it, and details become events where they are few enough to
-        be distinguished: the shorter the part, the more of them. The curve is cut with interpolated
-        end points, so it has the same value at the same moment; gaps are cut likewise. A part in
+        Events at the two ends belong to it. It carries ticks of the calendar or the clock, and is
+        filled up with what rules find in it (a series' turning points, moves and crossings) and
+        with details, the weightiest first, up to what a hand can tell apart: as one zooms about an
+        event, the number of events doesn't fall until the data has no more. The curve is cut with
+        interpolated end points, so it has the same value at the same moment; gaps are cut likewise.
+        A part in
         which nothing is known (no event, no curve) becomes a flat curve of 0 with a note, since its
         emptiness is what a hand should feel. The title stays; a note names the part.
 
@@ -293,14 +301,23 @@ class Timeline:
         50.0
         """
         start, end = self.require_window(start_s, end_s)
-        events = cut_events(self.events, start, end)
+        given = cut_events(self._given, start, end)
         details = cut_events(self.details, start, end)
-        shown = shown_details(details, events, end - start)
-        if shown:
-            events = tuple(sorted((*events, *shown), key=lambda event: event.time_s))
+        first = bisect_left(self.details, start, key=lambda event: event.time_s)
+        rank = self._ranks[first : first + len(details)]
+        rules = self.rules.cut(start, end) if self.rules is not None else None
+        moment = self.start + timedelta(seconds=start) if self.start is not None else None
+        from_s = self._from_s + start
+        events = window_events(
+            given,
+            part_ticks(moment, from_s, end - start),
+            rules.found(end - start) if rules is not None else (),
+            [details[i] for i in np.argsort(rank)],
+            end - start,
+        )
         intensity = self.intensity.cut(start, end) if self.intensity is not None else None
         notes = (*self.notes, f"the part from {self.moment_text(start)} to {self.moment_text(end)}")
-        if not events and intensity is None:
+        if not given and not details and intensity is None:
             unit = self.intensity.unit if self.intensity is not None else ""
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
             notes = (*notes, "nothing happens in this part: no event, no curve")
@@ -313,8 +330,12 @@ class Timeline:
             gaps=cut_gaps(self.gaps, start, end),
             provenance=self.provenance,
             notes=notes,
-            start=self.start + timedelta(seconds=start) if self.start is not None else None,
+            start=moment,
             details=details,
+            rules=rules,
+            _given=given,
+            _ranks=rank,
+            _from_s=from_s,
         )
         return part
 
@@ -404,6 +425,23 @@ class Timeline:
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
+
+    # --- what a part carries, in place of these, from the whole it was cut from
+
+    @cached_property
+    def _given(self) -> tuple[Event, ...]:
+        """The events of the whole, without those that a window found."""
+        return self.events
+
+    @cached_property
+    def _ranks(self) -> NDArray[np.int64]:
+        """In which order the details are taken into a window."""
+        return ranks(self.details)
+
+    @cached_property
+    def _from_s(self) -> float:
+        """Where on the whole this begins, s."""
+        return 0.0
 
     def __repr__(self) -> str:
         parts = [clock_text(self.duration_s), counted(len(self.events), "event")]

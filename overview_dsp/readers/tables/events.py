@@ -15,8 +15,8 @@
     Round levels crossed, with hysteresis (`crossings`).
 `split`
     A share split the prices aren't adjusted for (`splits`); steps are taken without it.
-`century` to `minute`
-    Ticks of the calendar (`event_rules`).
+`century` to `second`
+    Ticks of the calendar (`timeline.ticks`).
 
 Prominence and steps of prices are relative (logarithms and per cent), of other series in their
 unit. A step over a gap is no move.
@@ -30,15 +30,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.readers.tables import event_rules
 from overview_dsp.readers.tables.cells import Calendar, value_text
 from overview_dsp.readers.tables.event_rules import crossings, peaks
 from overview_dsp.readers.tables.share_splits import Split
+from overview_dsp.timeline import ticks
 from overview_dsp.timeline.event import Event
 
 KINDS = (
     "highest", "lowest", "record_high", "record_low", "peak", "trough", "largest_rise",
-    "largest_fall", "crossing_up", "crossing_down", "split", *event_rules.KINDS,
+    "largest_fall", "crossing_up", "crossing_down", "split", *ticks.KINDS,
 )  # fmt: skip
 """Every kind a series may have."""
 
@@ -102,7 +102,6 @@ def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[st
         series.event("split", split.index, f"{split.ratio} split to {series.shown(split.index)}")
         for split in series.splits
     ]
-    ticks = event_rules.ticks(series.calendar.start, duration_s)
     notes = []
     if turn_events:
         notes.append(f"peaks and troughs: the {TURNS} most prominent of each, of at least {least}")
@@ -114,7 +113,7 @@ def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[st
         *move_events,
         *crossing_events,
         *split_events,
-        *ticks,
+        *ticks.ticks(series.calendar.start, duration_s),
     ], notes
 
 
