@@ -30,8 +30,8 @@ MOST_DETAILS = 180
 second gives each a tenth of a second."""
 
 MOST_BY_RULE = 90
-"""A window is filled up to so many events with those found by rule, one in two degrees: peaks, rises
-and crossings are wider than a touch, and no more than in a whole series (20 to 90)."""
+"""A window is filled up to so many events with those found by rule, one in two degrees: peaks and
+crossings are wider than a touch, and a whole series has 20 to 90."""
 
 
 class Rules(Protocol):
@@ -52,7 +52,7 @@ def ranks(details: Sequence[Event]) -> NDArray[np.int64]:
     turn = np.zeros(count, dtype=np.int64)
     for bit in range(bits):  # the index, read backwards
         turn |= ((index >> bit) & 1) << (bits - 1 - bit)
-    order = np.lexsort((turn, [-detail.weight for detail in details]))
+    order = np.lexsort((turn, np.array([-detail.weight for detail in details])))
     rank = np.empty(count, dtype=np.int64)
     rank[order] = index
     return rank
@@ -81,7 +81,9 @@ def window_events(
     known = {(event.time_s, event.kind) for event in given}
     taken = [*given, *(mark for mark in marks if (mark.time_s, mark.kind) not in known)]
     sampled = {event.time_s for event in given}
-    _fill(taken, [event for event in ruled if event.time_s not in sampled], MOST_BY_RULE, duration_s)
+    _fill(
+        taken, [event for event in ruled if event.time_s not in sampled], MOST_BY_RULE, duration_s
+    )
     known = {(event.time_s, event.kind) for event in taken}
     fresh = [event for event in details if (event.time_s, event.kind) not in known]
     _fill(taken, fresh, MOST_DETAILS, duration_s)

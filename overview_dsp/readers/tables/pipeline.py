@@ -25,6 +25,7 @@ from overview_dsp.readers.tables.formats import csv, json, json_lines, parquet
 from overview_dsp.readers.tables.gaps import find_holes, gaps_of
 from overview_dsp.readers.tables.grouping import chosen_group, refuse_groups
 from overview_dsp.readers.tables.mapping import PERCENTILES
+from overview_dsp.readers.tables.part_rules import PartRules, only_dates
 from overview_dsp.readers.tables.plan import (
     Found,
     Plan,
@@ -157,7 +158,15 @@ def _timeline(plan: Plan, found: Found, title: str) -> Timeline:
         ),
         notes=tuple(notes),
         start=found.series.calendar.start,
+        rules=_rules(plan, found),
     )
+
+
+def _rules(plan: Plan, found: Found) -> PartRules:
+    """What finds events in windows: in all samples, also where the series has but some of them."""
+    is_level = plan.map.name == "level" and not found.series.every
+    curve = found.intensity if is_level else None
+    return PartRules(found.series, 0.0, found.duration_s, curve, found.gaps)
 
 
 def _scale_note(found: Found) -> str:
@@ -210,7 +219,7 @@ def look_at(plan: Plan, samples: Samples) -> Found:
     price = share_splits.is_price(plan.value_column)
     relative = price or mapping.grows_like_a_price(value, unit)
     splits = _splits(plan, by_column) if relative else []
-    calendar = Calendar(samples.start, _dates_only(samples))
+    calendar = Calendar(samples.start, only_dates(samples.start, samples.time_s))
     notes = [*samples.notes, *_split_notes(plan, value, time_s, splits, calendar)]
     if relative and not price:
         notes.append(mapping.GROWS)
@@ -249,14 +258,6 @@ def look_at(plan: Plan, samples: Samples) -> Found:
         duration_s=float(time_s[-1]),
         notes=tuple(notes),
     )
-
-
-def _dates_only(samples: Samples) -> bool:
-    """Return whether all samples are at midnight."""
-    start = samples.start
-    if start is None or (start.hour, start.minute, start.second) != (0, 0, 0):
-        return False
-    return not np.any(np.mod(np.round(samples.time_s, 6), 86_400.0))
 
 
 def _splits(plan: Plan, by_column: dict[int, NDArray[np.float64]]) -> list[Split]:
