@@ -1,9 +1,9 @@
 """Which of the small things a window shows: the weightiest, up to what a hand can tell apart.
 
 A window is filled up, at every width: with what rules find in it (`Rules`), then with details, each
-the weightiest first. Those that lie apart from everything shown already come first, then the others
-while there is room; so the number of events never falls from a window to one within it unless all
-that is there is shown.
+the weightiest first. Of one weight those that lie apart from everything shown already come first,
+then the others while there is room; so the number of events never falls from a window to one
+within it unless all that is there is shown.
 
 Details of one weight take turns by how evenly they divide the timeline (the middle, the quarters,
 the eighths ...), so that a window shows some from all of it, and one that is shown in a window is
@@ -14,12 +14,14 @@ from __future__ import annotations
 
 from bisect import bisect_left, insort
 from collections.abc import Iterable, Sequence
+from itertools import groupby
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.timeline.event import Event
+from overview_dsp.timeline.ticks import KINDS
 
 APART = 0.0018
 """Part of the surface between two events that can be felt apart, a third of a degree: it takes a
@@ -78,16 +80,25 @@ def window_events(
     duration_s
         Its length.
     """
-    known = {(event.time_s, event.kind) for event in given}
-    taken = [*given, *(mark for mark in marks if (mark.time_s, mark.kind) not in known)]
-    sampled = {event.time_s for event in given}
-    _fill(
-        taken, [event for event in ruled if event.time_s not in sampled], MOST_BY_RULE, duration_s
-    )
-    known = {(event.time_s, event.kind) for event in taken}
-    fresh = [event for event in details if (event.time_s, event.kind) not in known]
-    _fill(taken, fresh, MOST_DETAILS, duration_s)
+    taken = [*given, *_other(marks, given)]
+    sampled = {event.time_s for event in given if event.kind not in KINDS}
+    found = [event for event in ruled if event.time_s not in sampled]
+    _fill(taken, found, MOST_BY_RULE, duration_s)
+    for _, alike in groupby(_other(details, taken), key=lambda event: event.weight):
+        _fill(taken, [*alike], MOST_DETAILS, duration_s)
     return tuple(sorted(taken, key=lambda event: event.time_s))
+
+
+def _other(events: Iterable[Event], there: Iterable[Event]) -> list[Event]:
+    """Those of a moment and a kind that aren't there; two of a kind at one moment feel as one."""
+    known = {(event.time_s, event.kind) for event in there}
+    other = []
+    for event in events:
+        key = event.time_s, event.kind
+        if key not in known:
+            known.add(key)
+            other.append(event)
+    return other
 
 
 def _fill(taken: list[Event], ranked: Sequence[Event], most: int, duration_s: float) -> None:
