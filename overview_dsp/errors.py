@@ -23,12 +23,14 @@ from types import ModuleType
 
 
 class OverviewError(Exception):
-    """Base of every error this package raises on purpose; `str()` is one line.
+    """Base of every error this package raises on purpose; `str()` is one line, or two.
 
     Parameters
     ----------
     message : str
         What is wrong, where, what is allowed, what to try.
+    fix : str
+        A second line, where what to try needs one.
 
     Attributes
     ----------
@@ -47,8 +49,9 @@ class OverviewError(Exception):
 
     exit_code = 1
 
-    def __init__(self, message: str) -> None:
-        super().__init__(" ".join(message.split()))
+    def __init__(self, message: str, fix: str = "") -> None:
+        lines = (" ".join(line.split()) for line in (message, fix))
+        super().__init__("\n".join(line for line in lines if line))
 
 
 class InputError(OverviewError, ValueError):

@@ -63,7 +63,7 @@ def app(debug: bool) -> None:
 
 
 def _fail(message: str, code: int) -> NoReturn:
-    click.echo(f"error: {' '.join(message.split())}", err=True)
+    click.echo(f"error: {message}", err=True)
     sys.exit(code)
 
 
@@ -96,9 +96,9 @@ def main() -> NoReturn:
         sys.exit(2)
     except click.UsageError as error:
         path = error.ctx.command_path if error.ctx else "overview"
-        _fail(f"{error.format_message()} (see {path} --help)", 2)
+        _fail(f"{' '.join(error.format_message().split())} (see {path} --help)", 2)
     except click.ClickException as error:
-        _fail(error.format_message(), error.exit_code)
+        _fail(" ".join(error.format_message().split()), error.exit_code)
     except (click.Abort, KeyboardInterrupt):
         _fail("stopped; nothing was left behind", 130)
     except BrokenPipeError:
@@ -107,7 +107,7 @@ def main() -> NoReturn:
         if debug:
             raise
         what = error.filename if error.filename is not None else "the output"
-        _fail(f"{what}: {error.strerror or error}", 1)
+        _fail(" ".join(f"{what}: {error.strerror or error}".split()), 1)
     except Exception as error:
         if debug:
             raise

@@ -19,6 +19,8 @@ from overview_dsp.readers.audio import reader as audio
 from overview_dsp.readers.cardiac import table as heart_table
 from overview_dsp.readers.cardiac import wfdb_reader
 from overview_dsp.readers.compression import opened
+from overview_dsp.readers.everyday import cues, icalendar, labels, nearest
+from overview_dsp.readers.everyday import table_reader as everyday
 from overview_dsp.readers.football import metrica, minute_list, openfootball, statsbomb, wyscout
 from overview_dsp.readers.json_limits import MOST_DEPTH
 from overview_dsp.readers.source import LoadOptions, Source, decode_text, parse_json
@@ -101,6 +103,31 @@ FORMATS: tuple[Format, ...] = (
         events_csv.sniff,
         events_csv.read,
         frozenset({"duration_s"}),
+    ),
+    Format(
+        "calendar (iCalendar, .ics)",
+        icalendar.sniff,
+        icalendar.read,
+        frozenset({"duration_s"}),
+    ),
+    Format(
+        "subtitles (SubRip .srt, WebVTT .vtt)",
+        cues.sniff,
+        cues.read,
+        frozenset({"duration_s"}),
+    ),
+    Format(
+        "labels (Audacity: start, end and label with tabs between)",
+        labels.sniff,
+        labels.read,
+        frozenset({"duration_s"}),
+    ),
+    Format(
+        "table of events (CSV, TSV, JSON: time, date, minute or start with event, what, type, name "
+        "or label; lines of clock and words)",
+        everyday.sniff,
+        everyday.read,
+        frozenset({"duration_s", "time"}),
     ),
     Format(
         "WFDB record (.hea, with .dat and .atr beside it)",
@@ -252,10 +279,9 @@ def _format_of(source: Source) -> Format:
     for candidate in FORMATS:
         if candidate.sniff(source):
             return candidate
-    known = "; ".join(candidate.name for candidate in FORMATS)
     raise InputError(
-        f"{source.where}: {_described(source)}, not a format that can be read. Known: {known}. "
-        "Convert the data to one of these"
+        f"{source.where}: {_described(source)}, not a format that can be read",
+        f"{nearest.fix_of(source)}; overview timeline formats lists all that can be read",
     )
 
 

@@ -62,6 +62,8 @@ _YEAR_MONTH = re.compile(r"(?P<y>\d{4})(?P<m>\d{2})", re.ASCII)
 CLOCK = re.compile(
     r"(?:(?P<h>\d{1,4}):)?(?P<min>\d{1,2}):(?P<s>\d{1,2})(?:[.,](?P<f>\d{1,9})\d*)?", re.ASCII
 )
+_DAY_CLOCK = re.compile(rf"(?P<y>){_CLOCK}", re.ASCII)
+_YEAR_2000 = (date(2000, 1, 1).toordinal() - _EPOCH_DAY) * DAY_NS
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,15 @@ def year_month(text: str) -> Moment | None:
     return None if found is None else _moment(found, found["m"], "1")
 
 
+def day_clock_seconds(text: str) -> float | None:
+    """Seconds since midnight of `8:00`, `18:30:15`, `8:00 PM`."""
+    found = _DAY_CLOCK.fullmatch(text)
+    if found is None:
+        return None
+    moment = _moment(found, "1", "1")
+    return None if moment is None else (moment.ns - _YEAR_2000) / NS
+
+
 WAYS: dict[str, Callable[[str], Moment | None]] = {
     "iso": iso,
     "dmy": day_first,
@@ -140,7 +151,7 @@ WAYS: dict[str, Callable[[str], Moment | None]] = {
 
 
 def _moment(found: re.Match[str], month: str, day: str) -> Moment | None:
-    year = int(found["y"])
+    year = int(found["y"] or 2000)
     if len(found["y"]) == 2:
         year += 1900 if year >= _PIVOT else 2000
     try:

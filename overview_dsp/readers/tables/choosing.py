@@ -11,7 +11,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.tables import share_splits
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, Table, as_list, column_named, listed
-from overview_dsp.readers.tables.time_column import Format, detected_format, split_wish
+from overview_dsp.readers.tables.time_column import CLOCKS, Format, detected_format, split_wish
 from overview_dsp.timeline import checks, written_times
 
 _DATE_NAMES = (
@@ -79,6 +79,9 @@ def choose_time(
                 f"no column {checks.shown(named)} for the times; columns are {listed(columns)}"
             )
         form = Format(written) if written else detected_format(columns[index], head[index])
+        if form is None and looks_numeric(head[index]):  # asked for: numbers are seconds then
+            header = checks.shown(columns[index].header)
+            form = Format("s", f"the numbers of column {header} are read as seconds")
         if form is None:
             first = next((c for c in head[index] if not is_missing(c)), None)
             raise InputError(
@@ -96,9 +99,9 @@ def choose_time(
         if parts is not None:
             return parts
         raise InputError(
-            f"no column looks like times; columns are {listed(columns)}: name one "
-            "with time (--time), or give the samples a second of evenly spaced rows with rate "
-            "(--rate)"
+            f"no column looks like times (numbers of rows and names are none); columns are "
+            f"{listed(columns)}: name one with time (--time COLUMN:FORMAT), or give the samples a "
+            "second of evenly spaced rows with rate (--rate)"
         )
     index, form = found
     if written:
@@ -134,7 +137,7 @@ def _best(columns: Sequence[Column], head: Sequence[list[Any]]) -> tuple[int, Fo
             dated = i == 0  # large numbers elsewhere are volumes and the like
         if dated and form.name == "iso" and not named and looks_numeric(cells):
             dated = i == 0
-        if form.name == "clock" and not named:
+        if form.name in CLOCKS and not named:
             continue
         if dated:
             rank = 0 if named and name != "" else 1

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.readers.tables.cells import sentinel
 from overview_dsp.readers.tables.rows import RowReader, Rows
+from overview_dsp.readers.tables.time_column import CLOCKS
 from overview_dsp.timeline import checks
 
 
@@ -64,7 +65,7 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
         notes.append("rows were in descending order; they were turned round")
     elif (step < 0.0).any():
         back = int(np.flatnonzero(step < 0.0)[0]) + 1
-        if reader.choice.format.name == "clock":
+        if reader.choice.format.name in CLOCKS:
             raise InputError(
                 f"{word} {int(rows[back])}: the clock goes back; give dates too, or cut the file "
                 "there"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
@@ -147,8 +147,12 @@ class Layout:
     notes: tuple[str, ...] = ()
 
 
-def layout_of(source: Source) -> Layout | None:
-    """Detect how a file holds a table; None if it is no table of numbers, or an event list."""
+Accepts = Callable[[tuple[str, ...], list[list[str]]], bool]
+"""Whether a table with this header and these first rows is the one that is looked for."""
+
+
+def layout_of(source: Source, accepts: Accepts | None = None) -> Layout | None:
+    """Detect how a file holds a table; None if it is no table of numbers (or that `accepts`)."""
     if source.looks_like_json:
         return None
     encoding = delimited.encoding_of(source)
@@ -158,8 +162,9 @@ def layout_of(source: Source) -> Layout | None:
     lines = [(i, line) for i, line in enumerate(head, 1) if line.strip()]
     if lines and _SEPARATOR_LINE.fullmatch(lines[0][1]):
         del lines[0]
-    # where most lines begin with # (rank, hash tags), they are rows
-    comments = 2 * sum(line.startswith("#") for _, line in lines) <= len(lines)
+    # where most lines begin with # (rank, hash tags), they are rows, and so is a header "#,name"
+    ranked = bool(lines) and re.match(r'"?#"?[,;\t|]', lines[0][1]) is not None
+    comments = not ranked and 2 * sum(line.startswith("#") for _, line in lines) <= len(lines)
     kept = [entry for entry in lines if not (comments and entry[1].startswith("#"))]
     separation = _separation(kept)
     if separation is None:
@@ -177,7 +182,10 @@ def layout_of(source: Source) -> Layout | None:
         notes.append("the file isn't UTF-8; read as Windows-1252")
     header, units, first, note = _header(rows[begin:], commented)
     below = [row for i, row in rows[begin:] if i >= first]
-    if not _is_series(header, below) or (note and not _is_bare(below)):
+    if accepts is not None:
+        if not accepts(header, below):
+            return None
+    elif not _is_series(header, below) or (note and not _is_bare(below)):
         return None
     return Layout(
         encoding, separator, header, units, first, comments, tuple(filter(None, (*notes, note)))

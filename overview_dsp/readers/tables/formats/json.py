@@ -107,7 +107,12 @@ class Shape:
 
 def series_in(document: Any) -> list[Shape]:
     """Return all tables of a document that have a column of times and one of numbers."""
-    return [shape for shape in _shapes(document, "", 0, {}) if _is_series(shape)]
+    return [shape for shape in shapes_in(document) if _is_series(shape)]
+
+
+def shapes_in(document: Any) -> Iterator[Shape]:
+    """Yield all tables of a document."""
+    return _shapes(document, "", 0, {})
 
 
 def is_single(value: Any) -> bool:
