@@ -26,7 +26,14 @@ _CLOCK = (
     r"(?P<h>\d{1,2}):(?P<min>\d{2})(?::(?P<s>\d{2})(?:[.,](?P<f>\d{1,9})\d*)?)?"
     r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
 )
-_ZONE = r"(?:\s*(?P<zone>Z|z|UTC|GMT|[+\-−]\d{2}(?::?\d{2})?))?"
+_NAMED_ZONES_MIN = {
+    "WET": 0, "WEST": 60, "CET": 60, "CEST": 120, "EET": 120, "EEST": 180,
+    "EST": -300, "EDT": -240, "CST": -360, "CDT": -300, "MST": -420, "MDT": -360,
+    "PST": -480, "PDT": -420,
+}  # fmt: skip
+"""Offsets of zones whose letters tell summer from winter."""
+
+_ZONE = rf"(?:\s*(?P<zone>Z|z|UTC|GMT|{'|'.join(_NAMED_ZONES_MIN)}|[+\-−]\d{{2}}(?::?\d{{2}})?))?"
 _THEN_CLOCK = rf"(?:(?:,?\s+|[Tt]){_CLOCK}{_ZONE})?"
 _WEEKDAY = r"(?:(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun)[a-z]*,?\s+)?"
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
@@ -174,7 +181,7 @@ def _moment(found: re.Match[str], month: str, day: str) -> Moment | None:
     zone = parts.get("zone")
     if not zone:
         return Moment(ns)
-    offset = 0
+    offset = _NAMED_ZONES_MIN.get(zone, 0)
     if zone[0] in "+-−":
         figures = zone[1:].replace(":", "").ljust(4, "0")
         if int(figures[:2]) >= 24 or int(figures[2:]) >= 60:

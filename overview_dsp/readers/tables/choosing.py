@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -24,6 +25,8 @@ _DATE_NAMES = (
 )  # fmt: skip
 _DATE_WORDS = ("date", "time", "datum", "zeit", "fecha", "epoch", "unix", "seconds", "elapsed")
 _COUNTER_NAMES = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
+_OFFSET_NAMES = ("utcoffset", "offset", "gmtoffset", "tz", "timezone", "zone", "tzoffset")
+_OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
 _CLOCK_NAMES = ("time", "zeit", "hora", "heure", "uhrzeit", "clock", "timeofday")
 
 
@@ -107,8 +110,10 @@ def choose_time(
     if written:
         form = Format(written)
     clock = _clock_beside(columns, head, index, form)
-    if clock is not None:
-        return TimeChoice((index, clock), form, " ", _form_notes(form))
+    offset = _offset_beside(columns, head, index, form)
+    beside = tuple(i for i in (clock, offset) if i is not None)
+    if beside:
+        return TimeChoice((index, *beside), form, " ", _form_notes(form))
     if form.name == "year":
         parts = _year_month_day(columns, head)
         if parts is not None:
@@ -181,6 +186,20 @@ def _clock_beside(
         if i == date or not texts or not any(name in column.plain for name in _CLOCK_NAMES):
             continue
         if all(written_times.iso(f"2000-01-01 {text.strip()}") is not None for text in texts):
+            return i
+    return None
+
+
+def _offset_beside(
+    columns: Sequence[Column], head: Sequence[list[Any]], date: int, form: Format
+) -> int | None:
+    """A column of offsets from UTC, which tells the hours apart that clock changes repeat."""
+    if form.name not in ("iso", "dmy", "mdy", "dmy or mdy", "month names"):
+        return None
+    for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
+        texts = [cell.strip() for cell in cells if isinstance(cell, str) and not is_missing(cell)]
+        named = column.plain in _OFFSET_NAMES
+        if i != date and named and texts and all(map(_OFFSET.fullmatch, texts)):
             return i
     return None
 

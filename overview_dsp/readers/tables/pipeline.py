@@ -105,7 +105,7 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
     """
     if options.match is not None:
         table = chosen_group(table, options.match)
-    plan = plan_of(table, options)
+    plan = plan_of(table, options, title)
     reader = RowReader(
         table, plan.time, plan.columns, plan.style, options.rate, options.report_progress
     )
@@ -216,13 +216,12 @@ def look_at(plan: Plan, samples: Samples) -> Found:
     gaps = gaps_of(time_s, np.where(np.isnan(level), np.nan, value), holes.after)
     require_few_gaps(len(gaps))
 
-    price = share_splits.is_price(plan.value_column)
-    relative = price or mapping.grows_like_a_price(value, unit)
-    splits = _splits(plan, by_column) if relative else []
+    relative = plan.worth.relative and not bool((value <= 0.0).any())
+    splits = _splits(plan, by_column) if relative and plan.worth.kind == "share" else []
     calendar = Calendar(samples.start, only_dates(samples.start, samples.time_s))
     notes = [*samples.notes, *_split_notes(plan, value, time_s, splits, calendar)]
-    if relative and not price:
-        notes.append(mapping.GROWS)
+    if plan.worth.relative and not relative:
+        notes.append(mapping.NOT_ABOVE_0)
 
     factors = {split.index: split.factor for split in splits}
     step = mapping.steps(value, holes.after, relative, factors)
