@@ -57,6 +57,12 @@ class Format:
 FORMATS: tuple[Format, ...] = (
     # before the formats of whole JSON documents, which lines of them are not
     Format(
+        "table of events (one JSON object a line)",
+        everyday.sniff_lines,
+        everyday.read_lines,
+        frozenset({"duration_s", "time"}),
+    ),
+    Format(
         "series (one JSON object a line)",
         series.sniff_json_lines,
         series.read_json_lines,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import json
 import os
+import re
 import stat
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -24,6 +25,8 @@ four times that in memory, parsed several times."""
 
 HEAD_BYTES = 65_536
 """How much of a file the readers see before one of them claims it."""
+
+_CLOCKED = re.compile(r"\[\d+:\d", re.ASCII)
 
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -230,7 +233,10 @@ class Source:
     @property
     def looks_like_json(self) -> bool:
         """True if the file is text whose first character is a bracket JSON begins with."""
-        return self.head_text is not None and self.head_text.lstrip()[:1] in ("{", "[")
+        if self.head_text is None:
+            return False
+        begins = self.head_text.lstrip()[:8]
+        return begins[:1] in ("{", "[") and not _CLOCKED.match(begins)  # [0:12] is a chapter
 
     @cached_property
     def text(self) -> str:

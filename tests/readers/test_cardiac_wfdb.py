@@ -48,7 +48,7 @@ def refused(path: Path, words: str, **options: Any) -> str:
     with pytest.raises(InputError, match=words) as caught:
         load_timeline(path, **options)
     text = str(caught.value)
-    assert "\n" not in text
+    assert text.count("\n") <= 1  # the second line: what it comes nearest to
     return text
 
 

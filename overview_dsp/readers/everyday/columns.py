@@ -138,7 +138,7 @@ def roles_of(columns: Sequence[Column], head: Sequence[Sequence[Any]], wish: str
         No such column, or cells that aren't times.
     """
     asked, written = (None, None) if wish is None else split_wish(wish, tuple(columns))
-    time = time_named(columns) if asked is None else column_named(columns, asked)
+    time = _best_time(columns, head) if asked is None else column_named(columns, asked)
     if time is None:
         raise InputError(
             f"no column {checks.shown(asked)} for the times; columns are {listed(columns)}"
@@ -163,6 +163,16 @@ def roles_of(columns: Sequence[Column], head: Sequence[Sequence[Any]], wish: str
         named(columns, _IDS),
         (form.note,) if form.note else (),
     )
+
+
+def _best_time(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> int | None:
+    """The column that is called like times; one of dates before one of clocks."""
+    for i, column in enumerate(columns):
+        if column.plain in TIMES:
+            form = detected_format(column, list(head[i]))
+            if form is not None and form.calendar:
+                return i
+    return time_named(columns)
 
 
 def _clock_beside(

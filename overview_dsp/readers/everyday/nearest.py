@@ -57,7 +57,7 @@ def fix_of(source: Source) -> str:
 
 def _text_table(source: Source) -> tuple[list[Column], list[list[object]]] | None:
     layout = csv.layout_of(source, lambda header, below: bool(below))
-    if layout is None:
+    if layout is None or layout.separator is None:  # prose has blanks between its words
         return None
     columns = [Column.of(name) for name in layout.header]
     table = csv.CsvTable(source, layout)

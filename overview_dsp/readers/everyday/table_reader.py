@@ -27,7 +27,7 @@ from overview_dsp.readers.everyday.listing import PLAIN_KIND, About, Listed, are
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.cells import Style, is_missing, parse
 from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
-from overview_dsp.readers.tables.formats import csv
+from overview_dsp.readers.tables.formats import csv, json_lines
 from overview_dsp.readers.tables.formats.json import JsonTable, is_single, shapes_in
 from overview_dsp.readers.tables.rows import settled
 from overview_dsp.readers.tables.table import Column, Table, first_rows
@@ -37,7 +37,9 @@ from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Timeline
 
 _HEAD = 200
-_CHAPTER = re.compile(r"\s*[\[(]?(\d{1,3}(?::\d{2}){1,2}(?:[.,]\d{1,3})?)[\])]?[\s\-–—:|]+(\S.*)")
+_CHAPTER = re.compile(
+    r"\s*[\[(]?(\d{1,3}(?::\d{2}){1,2}(?:[.,]\d{1,3})?)(?![\d:])[\])]?[\s,;\-–—:|]+(\S.*)"
+)
 _SERIES_OPTIONS = ("value", "map", "rate")
 
 
@@ -48,19 +50,36 @@ def sniff(source: Source) -> bool:
     return _has_table(source) or bool(_chapters(source.head_text))
 
 
+def sniff_lines(source: Source) -> bool:
+    """Return whether the file is one JSON object a line, each an event."""
+    if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json_lines.sniff(source):
+        return False
+    table = json_lines.JsonLinesTable(source)
+    return looks_listed(table.columns, first_rows(table, 50))
+
+
+def read_lines(source: Source, options: LoadOptions) -> Timeline:
+    """Read one JSON object a line, as `read`."""
+    with checks.located(f"{source.where}: "):
+        return _read(json_lines.JsonLinesTable(source), source.stem, options)
+
+
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read a list of events (takes `duration_s`, `time`); InputError names row and column."""
     if not _has_table(source):
         return _read_chapters(source, options)
     with checks.located(f"{source.where}: "):
-        table = _table(source)
-        head = first_rows(table, _HEAD)
-        roles = roles_of(table.columns, head, options.time)
-        choice = TimeChoice(
-            (roles.time,) if roles.clock is None else (roles.time, roles.clock), roles.format, " "
-        )
-        choice = settled(table, choice)
-        return _Reader(table, roles, choice).timeline(source.stem, options.duration_s)
+        return _read(_table(source), source.stem, options)
+
+
+def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
+    head = first_rows(table, _HEAD)
+    roles = roles_of(table.columns, head, options.time)
+    choice = TimeChoice(
+        (roles.time,) if roles.clock is None else (roles.time, roles.clock), roles.format, " "
+    )
+    choice = settled(table, choice)
+    return _Reader(table, roles, choice).timeline(title, options.duration_s)
 
 
 def _has_table(source: Source) -> bool:

@@ -102,9 +102,9 @@ def choose_time(
         if parts is not None:
             return parts
         raise InputError(
-            f"no column looks like times (numbers of rows and names are none); columns are "
-            f"{listed(columns)}: name one with time (--time COLUMN:FORMAT), or give the samples a "
-            "second of evenly spaced rows with rate (--rate)"
+            f"no column looks like times; columns are {listed(columns)}: name one with time "
+            "(--time COLUMN:FORMAT; numbers that only count rows are no times), or give the "
+            "samples a second of evenly spaced rows with rate (--rate)"
         )
     index, form = found
     if written:
@@ -142,6 +142,7 @@ def _best(columns: Sequence[Column], head: Sequence[list[Any]]) -> tuple[int, Fo
             dated = i == 0  # large numbers elsewhere are volumes and the like
         if dated and form.name == "iso" and not named and looks_numeric(cells):
             dated = i == 0
+        named = named or form.name == "hhmm"  # a heading that names a time of day
         if form.name in CLOCKS and not named:
             continue
         if dated:

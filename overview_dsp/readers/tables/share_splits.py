@@ -218,7 +218,7 @@ def preferred(columns: Sequence[Column]) -> int | None:
         return found if found is not None else _first(columns, _CLOSE)
     # a close and its volume alone
     rest = [column for column in columns if _key(column) not in _VOLUME]
-    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0]):
+    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
         return columns.index(rest[0])
     return None
 

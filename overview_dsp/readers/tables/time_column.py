@@ -526,7 +526,7 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
         note = f"whole numbers from {low:g} to {size:g} are read as years"
         return Format("year", f"{note}; time='{column.header}:s' (--time) reads them as seconds")
     bare = re.fullmatch(r"column\d+", name)
-    if bare or name in _TIME_NAMES or "time" in name or "elapsed" in name or "zeit" in name:
+    if bare or name in _TIME_NAMES or any(word in name for word in ("time", "elapsed", "date")):
         return Format("s")
     return None
 

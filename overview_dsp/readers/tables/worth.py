@@ -125,7 +125,7 @@ def _said(kind: str, column: Column, why: str) -> Worth:
     splits = "are" if kind == "share" else "aren't"
     return Worth(
         kind,
-        f"column {header} is {what} ({why}): steps are per cent, splits {splits} looked for; "
+        f"{header} is {what} ({why}): steps are per cent, splits {splits} looked for; "
         f"value='{column.header}:{other}' or '{column.header}:plain' (--value) says otherwise",
     )
 

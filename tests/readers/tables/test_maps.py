@@ -58,8 +58,8 @@ def test_a_split_is_no_change(tmp_path: Path) -> None:
     level[60] = level[59]
     split = level.copy()
     split[60:] /= 2.0
-    timeline = load(tmp_path, daily(split, "price"), map="activity")
-    whole = load(tmp_path, daily(level, "price"), map="activity")
+    timeline = load(tmp_path, daily(split, "price"), value="price:share", map="activity")
+    whole = load(tmp_path, daily(level, "price"), value="price:price", map="activity")
     assert "split" in timeline.kinds()
     assert values(timeline) == pytest.approx(values(whole))
 
