@@ -246,6 +246,8 @@ def _chapters(text: str) -> list[tuple[int, str, str]]:
         for n, line in lines
         if (match := _CHAPTER.fullmatch(line)) and re.search(r"[^\W\d_]", match[2])
     ]
+    if found and lines[0][0] != found[0][0] and any(mark in lines[0][1] for mark in ",;\t"):
+        return []  # a header: a table of something else
     return found if len(found) > 1 and 3 * len(found) >= 2 * len(lines) else []
 
 

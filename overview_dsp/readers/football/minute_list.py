@@ -111,6 +111,7 @@ STOPPAGE_NOTE = (
 
 _MIDDLE_S = 30.0
 _SNIFFED = 50
+_ANYONES = ("", "period", "half_end", "match_end")  # other things start and end too
 _FOOTBALL = re.compile(
     r"substitut|^sub$|corner|offside|throw in|free kick|goal kick|penalty|\bvar\b|tackle|assist"
 )
@@ -467,7 +468,7 @@ def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bo
         for _, fields in itertools.islice(rows(whole), _SNIFFED):
             kind = words_of(fields[columns["kind"][0]])
             details = " ".join(words_of(fields[name]) for name in columns.get("details", []))
-            told = bool(meaning(kind, details, own=False, penalty=False)[0])
+            told = meaning(kind, details, own=False, penalty=False)[0] not in _ANYONES
             if told and sides and _is_minute(fields[timed]):
                 return True
             known += (told or bool(_FOOTBALL.search(kind))) and _is_minute(fields[timed])

@@ -133,7 +133,10 @@ def _best(columns: Sequence[Column], head: Sequence[list[Any]]) -> tuple[int, Fo
     ranked: list[tuple[int, int, Format]] = []
     for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
         form = detected_format(column, cells)
-        if form is None or (form.name != "year" and _is_constant(cells)):
+        if form is None:
+            continue
+        fixed = form.name != "year" and _is_constant(cells)  # a station's number, a table's date
+        if fixed and _clock_beside(columns, head, i, form) is None:
             continue
         name = column.plain
         named = name in _DATE_NAMES or any(word in name for word in _DATE_WORDS)

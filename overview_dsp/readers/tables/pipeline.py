@@ -267,9 +267,11 @@ def _splits(plan: Plan, by_column: dict[int, NDArray[np.float64]]) -> list[Split
     def beside(found: int | None) -> NDArray[np.float64] | None:
         return None if found is None or found == plan.value else by_column.get(found)
 
+    adjusted = beside(share_splits.adjusted(columns))
+    close = beside(share_splits.close(columns)) if adjusted is not None else None
     return find_splits(
-        by_column[plan.value],
-        beside(share_splits.adjusted(columns)),
+        by_column[plan.value] if close is None else close,
+        adjusted,
         beside(share_splits.opening(columns)),
         beside(share_splits.volume(columns)),
     )

@@ -20,6 +20,8 @@ from overview_dsp.timeline.model import Intensity
 
 HEAD_ROWS = 500
 
+_BESIDE = (share_splits.adjusted, share_splits.close, share_splits.opening, share_splits.volume)
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -96,7 +98,7 @@ def plan_of(table: Table, options: LoadOptions, name: str = "") -> Plan:
     if mapped != value.column:
         columns.append(mapped)
     if worth.kind == "share":
-        for find in (share_splits.adjusted, share_splits.opening, share_splits.volume):
+        for find in _BESIDE:
             beside = find(table.columns)
             if beside is not None and beside not in (*columns, *time.columns):
                 columns.append(beside)

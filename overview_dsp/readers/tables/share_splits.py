@@ -223,6 +223,11 @@ def preferred(columns: Sequence[Column]) -> int | None:
     return None
 
 
+def close(columns: Sequence[Column]) -> int | None:
+    """Return the close as it was, which the adjusted one is compared with."""
+    return _first(columns, _CLOSE)
+
+
 def opening(columns: Sequence[Column]) -> int | None:
     """Return the opening price."""
     return _first(columns, _OPEN)
