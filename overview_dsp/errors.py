@@ -1,4 +1,6 @@
-"""The errors a person can cause, each one clear line: what, where, what is allowed, what to try.
+"""The errors a person can cause, each a clear line: what, where, what is allowed, what to try.
+
+A file that no reader claims has a second line with what it comes nearest to.
 
 ::
 
@@ -61,6 +63,8 @@ class InputError(OverviewError, ValueError):
     ----------
     message : str
         What is wrong, where, what is allowed, what to try.
+    fix : str
+        A second line, where what to try needs one.
 
     Examples
     --------
@@ -80,6 +84,8 @@ class OutputError(OverviewError):
     ----------
     message : str
         What could not be written, and why.
+    fix : str
+        A second line, where what to try needs one.
 
     Examples
     --------
@@ -98,6 +104,8 @@ class NotPreparedError(OverviewError, RuntimeError):
     ----------
     message : str
         What to call.
+    fix : str
+        A second line, where what to try needs one.
 
     Examples
     --------

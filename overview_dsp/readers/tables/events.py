@@ -51,6 +51,7 @@ _LARGE_STEP = 95.0
 _HEAVIEST, _LIGHTEST = 1.5, 0.5
 _LESSER = 200  # of a part: more than a window shows, so that it can choose those apart
 _TINY = 1e-300
+_FAINT = 0.1  # the lightest of a part's other changes, which are lighter than its largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +140,9 @@ def _extremes(series: Series, here: str = "") -> tuple[set[int], list[Event]]:
     high, low = int(np.argmax(series.value)), int(np.argmin(series.value))
     if series.value[high] == series.value[low]:
         return set(), []  # a constant series has no highest place
+    weight = _LIGHTEST if here else 1.0  # those of a part are no extremes of the whole
     events = [
-        series.event(kind, at, f"{kind}{here} {series.shown(at)}{_often(series, at)}")
+        series.event(kind, at, f"{kind}{here} {series.shown(at)}{_often(series, at)}", weight)
         for kind, at in (("highest", high), ("lowest", low))
     ]
     return {high, low}, events
@@ -216,7 +218,7 @@ def _prominent(
 
 
 def _lesser(series: Series, turns: _Turns, taken: set[float]) -> list[Event]:
-    """The other turning points, then the other changes; weight: as the root of the size."""
+    """The other turning points (weight: as the root of their size), then the other changes."""
     size = np.zeros(len(series.value))
     for found, prominence in turns.found.values():
         size[found] = prominence
@@ -232,11 +234,15 @@ def _lesser(series: Series, turns: _Turns, taken: set[float]) -> list[Event]:
             continue
         if turning[k]:
             kind = "peak" if k in tops else "trough"
-            words, part = f"{kind} {series.shown(k)}", float(size[k]) / largest[0]
+            words = f"{kind} {series.shown(k)}"
+            weight = max(_LIGHTEST, math.sqrt(float(size[k]) / largest[0]))
         else:
             kind = "largest_rise" if series.step[k] > 0.0 else "largest_fall"
-            words, part = _moved(series, k), float(change[k]) / largest[1]
-        events.append(series.event(kind, k, words, max(_LIGHTEST, math.sqrt(part))))
+            words, weight = (
+                _moved(series, k),
+                max(_FAINT, _LIGHTEST * float(change[k]) / largest[1]),
+            )
+        events.append(series.event(kind, k, words, weight))
     return events
 
 
