@@ -73,7 +73,7 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
     yield f"events   {len(timeline.events)}{': ' if kinds else ''}{kinds}"
     if timeline.details:
         counts = ", ".join(f"{n} {kind}" for kind, n in _counts(timeline.details).items())
-        yield f"details  {len(timeline.details)}: {counts}; felt in short windows"
+        yield f"details  {len(timeline.details)}: {counts}; felt in windows"
     yield f"gaps     {_gaps(timeline)}"
     if timeline.provenance:
         yield f"from     {timeline.provenance}"
