@@ -58,8 +58,9 @@ def sniff(source: Source) -> bool:
     for line in io.StringIO(source.head_text, newline=""):
         if line.strip() and not line.startswith("#"):
             names = _split_header(line, _delimiter(line))
-            columns = [Column.of(name) for name in names]
-            return "kind" in names and ("time_s" in names or time_named(columns) is None)
+            if "kind" not in names or "time_s" in names:
+                return "kind" in names
+            return time_named([Column.of(name) for name in names]) is None
     return False
 
 

@@ -210,7 +210,8 @@ def load_timeline(
         Length, s, for a format that doesn't say it (event lists).
     value, time : str or None
         The columns of the values and of the times, for tables; left out, they are found.
-        `time="day:dmy"` says how dates are written.
+        `time="day:dmy"` says how dates are written (`time="start:hhmm"`: clocks of the day),
+        `value="Close:share"` whether values are a share's, another price's or `plain`.
     map : str or None
         What of a table's values becomes friction: `level`, `change`, `activity`,
         `volatility[:WINDOW]` or a column.
