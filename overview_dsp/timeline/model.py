@@ -17,7 +17,7 @@ from overview_dsp.public.reprs import counted, short
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.fine_events import shown_details
-from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
+from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.units import clock_text
 
@@ -52,6 +52,9 @@ class Timeline:
     details : tuple of Event
         Smaller things (a match's passes); kept sorted. They are felt only in a `window` so short
         that a hand can distinguish them.
+    gap_reasons : tuple of str
+        Why there are no data, a text for each of the gaps, `""` where it isn't known; empty where
+        none is.
 
     Raises
     ------
@@ -81,6 +84,7 @@ class Timeline:
     notes: tuple[str, ...] = ()
     start: datetime | None = None
     details: tuple[Event, ...] = ()
+    gap_reasons: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         checks.text(self.title, "title")
@@ -95,7 +99,9 @@ class Timeline:
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         with checks.located("details: "):
             object.__setattr__(self, "details", sorted_events(self.details, duration_s))
-        object.__setattr__(self, "gaps", sorted_gaps(self.gaps, duration_s))
+        gaps = sorted_gaps(self.gaps, duration_s)
+        object.__setattr__(self, "gap_reasons", sorted_reasons(self.gap_reasons, self.gaps))
+        object.__setattr__(self, "gaps", gaps)
         if self.intensity is not None and self.intensity.last_s > duration_s:
             last = self.intensity.count - 1
             raise InputError(
@@ -304,13 +310,15 @@ class Timeline:
             unit = self.intensity.unit if self.intensity is not None else ""
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
             notes = (*notes, "nothing happens in this part: no event, no curve")
+        gaps, gap_reasons = cut_gaps(self.gaps, self.gap_reasons, start, end)
         part = object.__new__(Timeline)  # a part of what was checked
         part.__dict__.update(
             title=self.title,
             duration_s=end - start,
             events=events,
             intensity=intensity,
-            gaps=cut_gaps(self.gaps, start, end),
+            gaps=gaps,
+            gap_reasons=gap_reasons,
             provenance=self.provenance,
             notes=notes,
             start=self.start + timedelta(seconds=start) if self.start is not None else None,
