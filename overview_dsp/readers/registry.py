@@ -1,7 +1,7 @@
 """Any supported file, detected from its content, into a Timeline.
 
 A new format is one module with `sniff(source) -> bool` and `read(source, options) -> Timeline`, and
-one entry in `FORMATS`.
+one entry in `FORMATS`; other packages bring theirs by an entry point (`plugins`).
 """
 
 from __future__ import annotations
@@ -19,8 +19,16 @@ from overview_dsp.readers.audio import reader as audio
 from overview_dsp.readers.cardiac import table as heart_table
 from overview_dsp.readers.cardiac import wfdb_reader
 from overview_dsp.readers.compression import opened
-from overview_dsp.readers.football import metrica, minute_list, openfootball, statsbomb, wyscout
+from overview_dsp.readers.football import (
+    metrica,
+    minute_list,
+    openfootball,
+    providers,
+    statsbomb,
+    wyscout,
+)
 from overview_dsp.readers.json_limits import MOST_DEPTH
+from overview_dsp.readers.plugins import package_readers
 from overview_dsp.readers.source import LoadOptions, Source, decode_text, parse_json
 from overview_dsp.readers.tables import pipeline as series
 from overview_dsp.timeline import checks
@@ -83,6 +91,12 @@ FORMATS: tuple[Format, ...] = (
         wyscout.matches,
     ),
     Format(
+        "Opta F24, Stats Perform MA3, Sportec, DataFactory, Metrica JSON or Wyscout v3 (with the "
+        "extra `football`)",
+        providers.sniff,
+        providers.read,
+    ),
+    Format(
         "openfootball matches (JSON with team1, team2 and goals)",
         openfootball.sniff,
         openfootball.read,
@@ -139,7 +153,14 @@ FORMATS: tuple[Format, ...] = (
         series.OPTIONS,
     ),
 )
-"""The formats that can be read, asked in this order."""
+"""The formats of this package, asked in this order."""
+
+
+def formats() -> tuple[Format, ...]:
+    """Return all formats that can be read, in the order they are asked: other packages' first."""
+    others = (Format(p.name, p.sniff, p.read, p.options, p.matches) for p in package_readers())
+    return (*others, *FORMATS)
+
 
 LIMITS = frozenset({"max_mb", "max_depth"})
 """The options every format takes."""
@@ -249,10 +270,10 @@ def _opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Sour
 
 def _format_of(source: Source) -> Format:
     """Return the first format that claims the file; InputError describes one that none does."""
-    for candidate in FORMATS:
+    for candidate in formats():
         if candidate.sniff(source):
             return candidate
-    known = "; ".join(candidate.name for candidate in FORMATS)
+    known = "; ".join(candidate.name for candidate in formats())
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read. Known: {known}. "
         "Convert the data to one of these"
