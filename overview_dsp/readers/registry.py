@@ -134,6 +134,13 @@ FORMATS: tuple[Format, ...] = (
         audio.read,
         frozenset({"map", "max_mb"}),
     ),
+    Format("track (GPX, TCX)", series.sniff_track, series.read_track, series.OPTIONS),
+    Format(
+        "log (lines with a date each, for map count)",
+        series.sniff_log,
+        series.read_log,
+        series.OPTIONS,
+    ),
     Format(
         "series (CSV, TSV: a table with a column of times and one of values)",
         series.sniff_csv,
@@ -146,6 +153,8 @@ FORMATS: tuple[Format, ...] = (
         series.read_json,
         series.OPTIONS,
     ),
+    Format("series (NumPy .npy)", series.sniff_npy, series.read_npy, series.OPTIONS),
+    Format("series (NumPy .npz)", series.sniff_npz, series.read_npz, series.OPTIONS),
     Format(
         "series (Parquet, with the extra `parquet`)",
         series.sniff_parquet,
@@ -200,8 +209,8 @@ def load_timeline(
         The columns of the values and of the times, for tables; left out, they are found.
         `time="day:dmy"` says how dates are written.
     map : str or None
-        What of a table's values becomes friction: `level`, `change`, `activity`,
-        `volatility[:WINDOW]` or a column.
+        What of a table becomes friction: `level`, `change`, `activity`, `volatility[:WINDOW]` of
+        its values, `count[:WINDOW]` of its rows, or a column.
     rate : float or None
         Samples a second, Hz, for tables and records without times.
     match : str or None
@@ -270,7 +279,11 @@ def _opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Sour
 
 def _format_of(source: Source) -> Format:
     """Return the first format that claims the file; InputError describes one that none does."""
+    # an event list is a table too, where its rows are to be counted
+    tables_only = source.options.counts
     for candidate in formats():
+        if tables_only and candidate.options != series.OPTIONS:
+            continue
         if candidate.sniff(source):
             return candidate
     known = "; ".join(candidate.name for candidate in formats())
