@@ -62,7 +62,7 @@ def opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Sourc
     """
     source = Source.open(path, options)
     packed = packing(source.head)
-    if packed is None:
+    if packed is None or (packed == _ZIP and _is_arrays(source)):
         yield source
         return
     with tempfile.TemporaryDirectory(prefix="overview-") as folder:
@@ -161,6 +161,17 @@ def _zip(source: Source) -> Iterator[bytes]:
                 f"{source.where}: a ZIP archive of a kind that isn't read ({error}); unpack it "
                 "first"
             ) from error
+
+
+def _is_arrays(source: Source) -> bool:
+    """Return whether a ZIP archive is NumPy's of several arrays, which is read packed."""
+    _check_directory(source)
+    try:
+        with zipfile.ZipFile(source.path) as archive:
+            names = archive.namelist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
+        return False  # said when it is unpacked
+    return len(names) > 1 and all(name.endswith(".npy") for name in names)
 
 
 def _check_directory(source: Source) -> None:

@@ -11,6 +11,7 @@
                    "unit": "dB",             unit optional
                    "percentiles": [1, 99]},  what becomes 0 and 1, [0, 100] if left out
      "gaps": [[300.0, 310.0]],               optional
+     "gap_reasons": ["lead off"],            why, a text for each gap, optional
      "events": [{"time_s": 786.2, "kind": "goal",
                  "label": "1-0 Parris (pen)", "weight": 1.0}],     label, weight optional
      "details": [{"time_s": 783.9, "kind": "touch"}],   felt when zoomed, as events; optional
@@ -54,6 +55,7 @@ _TOP_KEYS = (
     "start",
     "intensity",
     "gaps",
+    "gap_reasons",
     "events",
     "details",
     "series",
@@ -115,6 +117,10 @@ def decode(document: object, default_title: str = "") -> Timeline:
             (checks.number(start, f"gaps[{i}][0]"), checks.number(end, f"gaps[{i}][1]"))
             for i, (start, end) in enumerate(_pairs(top.get("gaps", [])))
         ),
+        gap_reasons=tuple(
+            checks.text(reason, f"gap_reasons[{i}]")
+            for i, reason in enumerate(_list(top.get("gap_reasons", []), "gap_reasons"))
+        ),
         provenance=checks.text(top.get("provenance", ""), "provenance"),
         notes=tuple(
             checks.text(note, f"notes[{i}]")
@@ -146,6 +152,8 @@ def encode(timeline: Timeline) -> bytes:
         entries.append(("notes", _json(timeline.notes)))
     if timeline.gaps:
         entries.append(("gaps", _json(timeline.gaps)))
+    if timeline.gap_reasons:
+        entries.append(("gap_reasons", _json(timeline.gap_reasons)))
     for key, events in (("events", timeline.events), ("details", timeline.details)):
         if events:
             entries.append((key, "[\n  " + ",\n  ".join(_row(event) for event in events) + "\n ]"))

@@ -1,7 +1,7 @@
 """Any supported file, detected from its content, into a Timeline.
 
 A new format is one module with `sniff(source) -> bool` and `read(source, options) -> Timeline`, and
-one entry in `FORMATS`.
+one entry in `FORMATS`; other packages bring theirs by an entry point (`plugins`).
 """
 
 from __future__ import annotations
@@ -21,8 +21,16 @@ from overview_dsp.readers.cardiac import wfdb_reader
 from overview_dsp.readers.compression import opened
 from overview_dsp.readers.everyday import cues, icalendar, labels, nearest
 from overview_dsp.readers.everyday import table_reader as everyday
-from overview_dsp.readers.football import metrica, minute_list, openfootball, statsbomb, wyscout
+from overview_dsp.readers.football import (
+    metrica,
+    minute_list,
+    openfootball,
+    providers,
+    statsbomb,
+    wyscout,
+)
 from overview_dsp.readers.json_limits import MOST_DEPTH
+from overview_dsp.readers.plugins import package_readers
 from overview_dsp.readers.source import LoadOptions, Source, decode_text, parse_json
 from overview_dsp.readers.tables import pipeline as series
 from overview_dsp.timeline import checks
@@ -91,6 +99,12 @@ FORMATS: tuple[Format, ...] = (
         wyscout.matches,
     ),
     Format(
+        "Opta F24, Stats Perform MA3, Sportec, DataFactory, Metrica JSON or Wyscout v3 (with the "
+        "extra `football`)",
+        providers.sniff,
+        providers.read,
+    ),
+    Format(
         "openfootball matches (JSON with team1, team2 and goals)",
         openfootball.sniff,
         openfootball.read,
@@ -153,6 +167,13 @@ FORMATS: tuple[Format, ...] = (
         audio.read,
         frozenset({"map", "max_mb"}),
     ),
+    Format("track (GPX, TCX)", series.sniff_track, series.read_track, series.OPTIONS),
+    Format(
+        "log (lines with a date each, for map count)",
+        series.sniff_log,
+        series.read_log,
+        series.OPTIONS,
+    ),
     Format(
         "series (CSV, TSV: a table with a column of times and one of values)",
         series.sniff_csv,
@@ -165,6 +186,8 @@ FORMATS: tuple[Format, ...] = (
         series.read_json,
         series.OPTIONS,
     ),
+    Format("series (NumPy .npy)", series.sniff_npy, series.read_npy, series.OPTIONS),
+    Format("series (NumPy .npz)", series.sniff_npz, series.read_npz, series.OPTIONS),
     Format(
         "series (Parquet, with the extra `parquet`)",
         series.sniff_parquet,
@@ -172,7 +195,14 @@ FORMATS: tuple[Format, ...] = (
         series.OPTIONS,
     ),
 )
-"""The formats that can be read, asked in this order."""
+"""The formats of this package, asked in this order."""
+
+
+def formats() -> tuple[Format, ...]:
+    """Return all formats that can be read, in the order they are asked: other packages' first."""
+    others = (Format(p.name, p.sniff, p.read, p.options, p.matches) for p in package_readers())
+    return (*others, *FORMATS)
+
 
 LIMITS = frozenset({"max_mb", "max_depth"})
 """The options every format takes."""
@@ -213,8 +243,8 @@ def load_timeline(
         `time="day:dmy"` says how dates are written (`time="start:hhmm"`: clocks of the day),
         `value="Close:share"` whether values are a share's, another price's or `plain`.
     map : str or None
-        What of a table's values becomes friction: `level`, `change`, `activity`,
-        `volatility[:WINDOW]` or a column.
+        What of a table becomes friction: `level`, `change`, `activity`, `volatility[:WINDOW]` of
+        its values, `count[:WINDOW]` of its rows, or a column.
     rate : float or None
         Samples a second, Hz, for tables and records without times.
     match : str or None
@@ -283,7 +313,11 @@ def _opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Sour
 
 def _format_of(source: Source) -> Format:
     """Return the first format that claims the file; InputError describes one that none does."""
-    for candidate in FORMATS:
+    # an event list is a table too, where its rows are to be counted
+    tables_only = source.options.counts
+    for candidate in formats():
+        if tables_only and candidate.options != series.OPTIONS:
+            continue
         if candidate.sniff(source):
             return candidate
     raise InputError(

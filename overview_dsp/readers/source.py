@@ -49,7 +49,8 @@ class LoadOptions:
     value, time
         Names of the columns with the values and the times.
     map
-        What becomes the intensity: `level`, `change`, `activity`, `volatility`, or a column.
+        What becomes the intensity: `level`, `change`, `activity`, `volatility`, `count`, or a
+        column.
     rate
         Samples a second, for a file without times.
     match
@@ -76,6 +77,11 @@ class LoadOptions:
         """Return the names of the options that were set and say something about the data."""
         names = {name for name, value in vars(self).items() if value is not None}
         return frozenset(names - {"progress"})
+
+    @property
+    def counts(self) -> bool:
+        """Whether a table's rows may be what is asked for (`map` is `count`, with or without :)."""
+        return self.map is not None and self.map.partition(":")[0].strip().lower() == "count"
 
     def report_progress(self, part: float) -> None:
         """Report how much is read, 0 to 1."""

@@ -18,7 +18,7 @@ from overview_dsp.public.reprs import counted, short
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.fine_events import Rules, ranks, window_events
-from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
+from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.timeline.ticks import part_ticks
 from overview_dsp.units import clock_text
@@ -54,6 +54,9 @@ class Timeline:
     details : tuple of Event
         Smaller things (a match's passes); kept sorted. They are felt in a `window`, the weightiest
         first, as many as a hand can tell apart.
+    gap_reasons : tuple of str
+        Why there are no data, a text for each of the gaps, `""` where it isn't known; empty where
+        none is.
     rules : object or None
         What finds the events of a part of a series (set by the readers of series).
 
@@ -85,6 +88,7 @@ class Timeline:
     notes: tuple[str, ...] = ()
     start: datetime | None = None
     details: tuple[Event, ...] = ()
+    gap_reasons: tuple[str, ...] = ()
     rules: Rules | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -100,7 +104,9 @@ class Timeline:
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         with checks.located("details: "):
             object.__setattr__(self, "details", sorted_events(self.details, duration_s))
-        object.__setattr__(self, "gaps", sorted_gaps(self.gaps, duration_s))
+        gaps = sorted_gaps(self.gaps, duration_s)
+        object.__setattr__(self, "gap_reasons", sorted_reasons(self.gap_reasons, self.gaps))
+        object.__setattr__(self, "gaps", gaps)
         if self.intensity is not None and self.intensity.last_s > duration_s:
             last = self.intensity.count - 1
             raise InputError(
@@ -321,13 +327,15 @@ class Timeline:
             unit = self.intensity.unit if self.intensity is not None else ""
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
             notes = (*notes, "nothing happens in this part: no event, no curve")
+        gaps, gap_reasons = cut_gaps(self.gaps, self.gap_reasons, start, end)
         part = object.__new__(Timeline)  # a part of what was checked
         part.__dict__.update(
             title=self.title,
             duration_s=end - start,
             events=events,
             intensity=intensity,
-            gaps=cut_gaps(self.gaps, start, end),
+            gaps=gaps,
+            gap_reasons=gap_reasons,
             provenance=self.provenance,
             notes=notes,
             start=moment,

@@ -57,6 +57,7 @@ def timelines(draw: st.DrawFn) -> Timeline:
         events=tuple(events),
         intensity=intensity,
         gaps=tuple(zip(edges[::2], edges[1::2], strict=False)),
+        gap_reasons=draw(st.just(()) | st.tuples(*[TEXT] * (len(edges) // 2))),
         provenance=draw(TEXT),
         notes=tuple(draw(st.lists(TEXT, max_size=3))),
         details=tuple(details),

@@ -309,6 +309,19 @@ def test_a_window_without_anything_is_flat_and_says_so() -> None:
     assert part.intensity.unit == "dB"
 
 
+def test_reasons_stay_with_their_gaps() -> None:
+    timeline = make(gaps=((60.0, 95.0), (5.0, 15.0)), gap_reasons=("noise", "lead off"))
+    assert timeline.gap_reasons == ("lead off", "noise")
+    assert timeline.window(20.0, 70.0).gap_reasons == ("noise",)
+    assert timeline.window(20.0, 30.0).gap_reasons == ()
+    assert make(gaps=((5.0, 15.0),), gap_reasons=("",)).gap_reasons == ()
+
+
+def test_reasons_are_as_many_as_gaps() -> None:
+    with pytest.raises(InputError, match="2 gap_reasons for 1 gaps"):
+        make(gaps=((5.0, 15.0),), gap_reasons=("a", "b"))
+
+
 def test_a_window_within_a_gap_is_all_gap() -> None:
     part = make(events=(), gaps=((20.0, 80.0),)).window(30.0, 40.0)
     assert part.gaps == ((0.0, 10.0),)

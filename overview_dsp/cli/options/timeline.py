@@ -22,7 +22,7 @@ _OPTIONS: dict[str, tuple[str, type, str, str]] = {
         "The column of values; COLUMN:share, :price or :plain says what.",
     ),
     "--time": ("time", str, "COLUMN", "The column of times; COLUMN:dmy, :hhmm, :s ... says how."),
-    "--map": ("map", str, "WHAT", "What is felt: level, change, activity, volatility, a column."),
+    "--map": ("map", str, "WHAT", "Felt: level, change, activity, volatility, count, a column."),
     "--rate": ("rate", float, "HZ", "Samples a second, for a file without times."),
     "--match": ("match", str, "WORDS", "Which match of a file: its number, or 'France Croatia'."),
     "--duration": ("duration_s", float, "S", "Length, for an event list that doesn't give it."),

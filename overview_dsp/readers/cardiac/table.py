@@ -29,8 +29,8 @@ from overview_dsp.readers.cardiac.build import (
     About,
     check_map,
     detected,
+    gaps_of,
     heart_timeline,
-    in_seconds,
 )
 from overview_dsp.readers.cardiac.detection import MIN_RATE, find_beats
 from overview_dsp.readers.cardiac.wfdb_signal import best_signal
@@ -97,7 +97,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     ------
     InputError
         Names line and column: a word for a number, times that run backwards; the columns to choose
-        from; no rate; no heartbeat; SleepECG isn't installed.
+        from; no rate; no heartbeat.
     """
     with checks.located(f"{source.where}: "):
         check_map(options)
@@ -141,7 +141,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
             notes,
             start,
         )
-        gaps = in_seconds(detection.silent, rate, duration_s)
+        gaps = gaps_of(detection.silent, detection.noisy, rate, duration_s)
         return heart_timeline(about, detected(detection, rate), gaps, (), options)
 
 

@@ -10,6 +10,8 @@
 `--map volatility`, `volatility:20`, `volatility:30d`
     Standard deviation of the changes of the last 20 samples, or of the last 30 days (s, min, h, d,
     w, y).
+`--map count`, `count:6h`
+    How many rows there are in a window (`counting`).
 `--map COLUMN`
     The level of another column.
 
@@ -45,6 +47,14 @@ _SPANS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0, "w": 604_800.0, "y"
 _WINDOW = re.compile(r"(\d+(?:\.\d+)?)\s*(s|min|h|d|w|y)?", re.ASCII)
 
 
+def span_s(words: str) -> float | None:
+    """Return a time such as `6h` or `30d` in s; None for what is none."""
+    found = _WINDOW.fullmatch(words.strip().lower())
+    if found is None or found[2] is None:
+        return None
+    return float(found[1]) * _SPANS[found[2]] or None
+
+
 @dataclass(frozen=True)
 class Map:
     """A wish taken apart: one of `MAPS`, or `column` with its name in `argument`."""
@@ -71,7 +81,7 @@ class Map:
             found.check()
             return found
         raise InputError(
-            f"map {checks.shown(wish)}: neither {', '.join(MAPS)} nor a column of the table"
+            f"map {checks.shown(wish)}: neither {', '.join(MAPS)}, count nor a column of the table"
         )
 
     def check(self) -> None:

@@ -84,7 +84,8 @@ class PartRules:
         time_s = np.asarray(part.time_s)[1:-1]  # the ends are interpolated
         value = np.asarray(part.value, dtype=np.float64)[1:-1]
         series = replace(self.series, calendar=self._calendar())
-        return _of(time_s, value, cut_gaps(self.gaps, self.start_s, self.end_s), series, _NONE)
+        gaps, _ = cut_gaps(self.gaps, (), self.start_s, self.end_s)
+        return _of(time_s, value, gaps, series, _NONE)
 
 
 def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> PartRules:

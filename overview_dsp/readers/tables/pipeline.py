@@ -12,16 +12,25 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import mapping, share_splits, streamed
+from overview_dsp.readers.tables import counting, mapping, share_splits, streamed
 from overview_dsp.readers.tables.cells import Calendar, value_text
 from overview_dsp.readers.tables.events import Series, find_events
-from overview_dsp.readers.tables.formats import csv, json, json_lines, parquet
+from overview_dsp.readers.tables.formats import (
+    arrays,
+    csv,
+    json,
+    json_lines,
+    logs,
+    parquet,
+    tracks,
+)
 from overview_dsp.readers.tables.gaps import find_holes, gaps_of
 from overview_dsp.readers.tables.grouping import chosen_group, refuse_groups
 from overview_dsp.readers.tables.mapping import PERCENTILES
@@ -53,6 +62,10 @@ sniff_csv = csv.sniff
 sniff_json = json.sniff
 sniff_json_lines = json_lines.sniff
 sniff_parquet = parquet.sniff
+sniff_npy = arrays.sniff_npy
+sniff_npz = arrays.sniff_npz
+sniff_track = tracks.sniff
+sniff_log = logs.sniff
 
 
 def read_csv(source: Source, options: LoadOptions) -> Timeline:
@@ -73,6 +86,31 @@ def read_json_lines(source: Source, options: LoadOptions) -> Timeline:
 def read_parquet(source: Source, options: LoadOptions) -> Timeline:
     """Read Parquet; InputError names file, row and column, or says how to install pyarrow."""
     return _read(source, options, parquet.open_table)
+
+
+def read_npy(source: Source, options: LoadOptions) -> Timeline:
+    """Read a NumPy array; InputError names file, row and column."""
+    return _read(source, options, arrays.open_npy)
+
+
+def read_npz(source: Source, options: LoadOptions) -> Timeline:
+    """Read NumPy arrays; InputError names file, array, row and column."""
+    return _read(source, options, arrays.open_npz)
+
+
+def read_log(source: Source, options: LoadOptions) -> Timeline:
+    """Count the lines of a log; InputError names file and line."""
+    return _read(source, options, logs.LogTable)
+
+
+def read_track(source: Source, options: LoadOptions) -> Timeline:
+    """Read a GPX or TCX track, its speed unless asked otherwise; InputError names the file."""
+    with checks.located(f"{source.where}: "):
+        table = tracks.open_table(source)
+        first = table.columns[1].header  # speed, or what there is
+        if options.value is None and not counting.asked_of(table, options):
+            options = replace(options, value=first)
+        return series_of(table, options, source.stem)
 
 
 def _read(source: Source, options: LoadOptions, open_table: Callable[[Source], Table]) -> Timeline:
@@ -105,6 +143,8 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
     """
     if options.match is not None:
         table = chosen_group(table, options.match)
+    if counting.asked_of(table, options):
+        return counting.counted(table, options, title)
     plan = plan_of(table, options, title)
     reader = RowReader(
         table, plan.time, plan.columns, plan.style, options.rate, options.report_progress

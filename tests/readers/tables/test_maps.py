@@ -86,7 +86,7 @@ def test_a_change_is_not_taken_over_a_gap(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("wish", "words"),
     [
-        ("loudness", "map 'loudness': neither level, change, activity, volatility nor a column"),
+        ("loudness", "map 'loudness': neither level, change, activity, volatility, count nor"),
         ("change:often", "give change:percent or change:difference"),
         ("volatility:1", "give a window as samples"),
         ("volatility:soon", "give a window as samples"),

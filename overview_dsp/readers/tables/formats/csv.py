@@ -182,10 +182,10 @@ def layout_of(source: Source, accepts: Accepts | None = None) -> Layout | None:
         notes.append("the file isn't UTF-8; read as Windows-1252")
     header, units, first, note = _header(rows[begin:], commented)
     below = [row for i, row in rows[begin:] if i >= first]
-    if accepts is not None:
-        if not accepts(header, below):
-            return None
-    elif not _is_series(header, below) or (note and not _is_bare(below)):
+    if accepts is None and note and not _is_bare(below):
+        return None
+    claims = accepts or (_has_times if source.options.counts else _is_series)
+    if not claims(header, below):
         return None
     return Layout(
         encoding, separator, header, units, first, comments, tuple(filter(None, (*notes, note)))
@@ -307,6 +307,12 @@ def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
         return True
     named = any(word in name for name in names for word in _TIME_HEADERS)
     return named and any(not column for column in columns)
+
+
+def _has_times(header: tuple[str, ...], below: list[list[str]]) -> bool:
+    """Return whether rows may be counted by their times: a column of dates or numbers."""
+    columns = [_fields(below, i) for i in range(len(header))]
+    return any(looks_numeric(column) or any(map(_is_date, column)) for column in columns)
 
 
 def _is_bare(rows: list[list[str]]) -> bool:
