@@ -15,6 +15,8 @@ and so are lines that begin with `#`, except for two that are read: `# title:` (
 name) and `# duration_s:` (else the last event's time: the timeline ends with it). In a file whose
 first column is `label`, lines after the header that begin with `#` are rows.
 
+The columns may have other names if these are given (`time`, `kind`, `label`).
+
 A list with football kinds gets a crowd-excitement curve (`excitement.py`).
 """
 
@@ -24,7 +26,7 @@ import csv
 import io
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from overview_dsp.errors import InputError
@@ -50,20 +52,30 @@ def sniff(source: Source) -> bool:
     """Return whether the file is text whose first row (comments skipped) has a column `kind`."""
     if source.head_text is None or source.looks_like_json:
         return False
+    names = _names(source.options)
     for line in io.StringIO(source.head_text, newline=""):
         if line.strip() and not line.startswith("#"):
-            return "kind" in _split_header(line, _delimiter(line))
+            return "kind" in _split_header(line, _delimiter(line, names), names)
     return False
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
-    """Read an event list (takes `duration_s`, which outranks the file's own); InputError if bad."""
+    """Read an event list; InputError if bad.
+
+    Takes `duration_s`, which outranks the file's own, and what columns are called: `time`, `kind`,
+    `label`.
+    """
     text = source.text  # its errors name the file themselves
     with checks.located(f"{source.where}: "):
-        return decode(text, source.stem, options.duration_s)
+        return decode(text, source.stem, options.duration_s, _names(options))
 
 
-def decode(text: str, default_title: str = "", duration_s: float | None = None) -> Timeline:
+def decode(
+    text: str,
+    default_title: str = "",
+    duration_s: float | None = None,
+    names: Mapping[str, str] | None = None,
+) -> Timeline:
     """Make a Timeline of the text of an event list.
 
     Parameters
@@ -74,6 +86,9 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
         The title if no `# title:` line gives one.
     duration_s
         Length in s; None = the file's `# duration_s:`, else the last event's time.
+    names
+        What the text calls some of `COLUMNS`: its name and theirs. Other columns that are none of
+        them are left out then.
 
     Raises
     ------
@@ -81,7 +96,7 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
         Names line and column: an unknown or missing column, a word for a number, NaN, a negative
         time, no kind, a row given twice, an event after the end.
     """
-    rows = _Rows(text)
+    rows = _Rows(text, names or {})
     events: dict[tuple[float, str, str], tuple[Event, int]] = {}
     for line, row in rows:
         event = _event(row, line)
@@ -166,6 +181,7 @@ class _Rows:
     """Iterates over (line number, {column: field}); the comments' values are there afterwards."""
 
     text: str
+    names: Mapping[str, str] = field(default_factory=dict)
     title: str | None = None
     duration_s: float | None = None
     _line: int = field(default=0, init=False)
@@ -182,8 +198,9 @@ class _Rows:
             try:
                 if reader is None:
                     first = next(lines)
-                    delimiter = _delimiter(first)
-                    header = _checked_header(_split_header(first, delimiter), self._line)
+                    delimiter = _delimiter(first, self.names)
+                    header = _split_header(first, delimiter, self.names)
+                    _check_header(header, self._line, bool(self.names))
                     self._comments = header[0] != "label"
                     reader = csv.reader(lines, delimiter=delimiter, strict=True)
                     continue
@@ -233,25 +250,38 @@ class _Rows:
             self.duration_s = checks.positive(duration, f"line {self._line}, duration_s", hint)
 
 
-def _delimiter(header: str) -> str:
+def _names(options: LoadOptions) -> dict[str, str]:
+    """What a caller says that columns are called, and what they are called here."""
+    given = {"time_s": options.time, "kind": options.kind, "label": options.label}
+    return {name.strip().lower(): column for column, name in given.items() if name is not None}
+
+
+def _delimiter(header: str, names: Mapping[str, str]) -> str:
     """Return the separator that finds most known columns in the header line."""
-    return max(
-        _DELIMITERS, key=lambda mark: sum(name in COLUMNS for name in _split_header(header, mark))
-    )
+
+    def known(mark: str) -> int:
+        return sum(name in COLUMNS for name in _split_header(header, mark, names))
+
+    return max(_DELIMITERS, key=known)
 
 
-def _split_header(line: str, delimiter: str) -> list[str]:
+def _split_header(line: str, delimiter: str, names: Mapping[str, str]) -> list[str]:
     try:
         row = next(csv.reader([line], delimiter=delimiter), [])
     except csv.Error:  # a line of more than 131072 characters
         return []
-    return [name.strip().lower() for name in row]
+    found = [name.strip().lower() for name in row]
+    # a column whose name was given to another is none of these
+    hidden = set(names.values())
+    return [names.get(name, f"({name})" if name in hidden else name) for name in found]
 
 
-def _checked_header(names: list[str], line: int) -> list[str]:
+def _check_header(names: list[str], line: int, renamed: bool) -> None:
     known = f"columns are {', '.join(COLUMNS)}"
     for number, name in enumerate(names, start=1):
         if name not in COLUMNS:
+            if renamed:
+                continue
             raise InputError(
                 f"line {line}, column {number}: unknown column {checks.shown(name)}; {known}"
             )
@@ -260,7 +290,6 @@ def _checked_header(names: list[str], line: int) -> list[str]:
     for name in COLUMNS[:2]:
         if name not in names:
             raise InputError(f"line {line}: no column '{name}' in the header; {known}")
-    return names
 
 
 def _event(row: dict[str, str], line: int) -> Event:

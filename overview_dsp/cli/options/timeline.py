@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 _OPTIONS: dict[str, tuple[str, type, str, str]] = {
     "--value": ("value", str, "COLUMN", "The column of values."),
     "--time": ("time", str, "COLUMN", "The column of times."),
+    "--kind": ("kind", str, "COLUMN", "The column of kinds, in an event list."),
+    "--label": ("label", str, "COLUMN", "The column of labels, in an event list."),
     "--map": ("map", str, "WHAT", "What is felt: level, change, activity, volatility, a column."),
     "--rate": ("rate", float, "HZ", "Samples a second, for a file without times."),
     "--match": ("match", str, "WORDS", "Which match of a file: its number, or 'France Croatia'."),

@@ -38,12 +38,15 @@ class Column:
         `temp_max` and `°C` of `temp_max (°C)`; the unit is empty where the header has none.
     zoned
         Its datetimes are UTC. (Text says so itself.)
+    offset_min
+        The offset from UTC, min, of the clock they were written by.
     """
 
     header: str
     name: str
     unit: str = ""
     zoned: bool = False
+    offset_min: int = 0
 
     @classmethod
     def of(cls, header: str, unit: str = "") -> Column:
@@ -170,6 +173,8 @@ def as_list(cells: Cells) -> list[Any]:
 def check_single(table: Table, chunk: Chunk, columns: Sequence[int]) -> None:
     """Refuse a cell that holds a list or an object; InputError names row and column."""
     for index, cells in zip(columns, chunk.cells, strict=True):
+        if isinstance(cells, np.ndarray):
+            continue
         for i, cell in enumerate(cells):
             if isinstance(cell, list | dict):
                 header = checks.shown(table.columns[index].header)
