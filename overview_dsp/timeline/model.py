@@ -8,18 +8,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.drawn import drawn
 from overview_dsp.public.reprs import counted, short
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.dataframe import dataframe, moments
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.fine_events import shown_details
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
+from overview_dsp.timeline.page import timeline_page
 from overview_dsp.units import clock_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 __all__ = ["Event", "Intensity", "Timeline"]
 
@@ -404,6 +412,70 @@ class Timeline:
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
+
+    def to_dataframe(self, part: Literal["events", "curve"] = "events") -> DataFrame:
+        """Give the events, or the curve, as a pandas DataFrame, a row each.
+
+        Parameters
+        ----------
+        part : {"events", "curve"}
+            Which of the two.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns `time_s`, `kind`, `label` and `weight`; or `time_s` and `value`. Where the
+            timeline has a calendar, `moment` too.
+
+        Raises
+        ------
+        InputError
+            Another part, or pandas isn't installed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> list(match.to_dataframe())
+        ['time_s', 'kind', 'label', 'weight']
+        >>> len(match.to_dataframe("curve")) == match.intensity.count
+        True
+        """
+        if part not in ("events", "curve"):
+            raise InputError(f"part is {checks.shown(part)}; give 'events' or 'curve'")
+        columns: dict[str, Any]
+        if part == "events":
+            names = ("time_s", "kind", "label", "weight")
+            columns = {name: [getattr(e, name) for e in self.events] for name in names}
+        else:
+            curve = self.intensity
+            columns = {
+                "time_s": np.asarray(curve.time_s) if curve is not None else np.empty(0),
+                "value": np.asarray(curve.value) if curve is not None else np.empty(0),
+            }
+        frame = dataframe(columns)
+        if self.start is not None:
+            frame.insert(1, "moment", moments(self.start, columns["time_s"]))
+        return frame
+
+    def plot(self) -> Figure:
+        """Draw the curve with its events and gaps.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            As in the paper's figure 4; a notebook shows it.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.load_timeline("world-cup-final-2018").plot().savefig("match.png")
+        """
+        return drawn("timeline", "plot_timeline", self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a few words, and the curve."""
+        return timeline_page(self)
 
     def __repr__(self) -> str:
         parts = [clock_text(self.duration_s), counted(len(self.events), "event")]
