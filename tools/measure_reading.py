@@ -1,7 +1,7 @@
 """Processor time of reading tables, beside polars': `python tools/measure_reading.py [ROUNDS]`.
 
 A table of 2,000 rows x 5,007 columns and one of 2 million rows, read in turns, each in a process of
-its own; imports aren't counted. polars reads times as times too (`try_parse_dates`), as text besides.
+its own; imports aren't counted. polars reads times as times (`try_parse_dates`), and as text.
 """
 
 from __future__ import annotations
