@@ -5,7 +5,7 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -60,6 +60,9 @@ class Timeline:
     details : tuple of Event
         Smaller things (a match's passes); kept sorted. They are felt only in a `window` so short
         that a hand can distinguish them.
+    signal : Intensity or None
+        The recording that the curve was found in (an ECG, where the curve is a heart's rate): drawn
+        below it, not felt, and not in files.
 
     Raises
     ------
@@ -89,6 +92,7 @@ class Timeline:
     notes: tuple[str, ...] = ()
     start: datetime | None = None
     details: tuple[Event, ...] = ()
+    signal: Intensity | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         checks.text(self.title, "title")
@@ -168,7 +172,7 @@ class Timeline:
         """
         at = np.asarray(times, dtype=np.float64)
         flat = at.reshape(-1)
-        low, span = self._scale
+        low, span = self.scale
         if span == 0.0:
             return np.zeros(at.shape, dtype=np.float64)
         scaled = np.clip((self._curve_at(flat) - low) / span, 0.0, 1.0)
@@ -199,7 +203,7 @@ class Timeline:
         (101,)
         """
         at = np.arange(steps + 1, dtype=np.float64) * (self.duration_s / steps)
-        low, span = self._scale
+        low, span = self.scale
         curve = self.intensity
         if curve is None or span == 0.0:
             return np.zeros(steps + 1)
@@ -323,6 +327,7 @@ class Timeline:
             notes=notes,
             start=self.start + timedelta(seconds=start) if self.start is not None else None,
             details=details,
+            signal=self.signal.cut(start, end) if self.signal is not None else None,
         )
         return part
 
@@ -399,8 +404,8 @@ class Timeline:
         return np.asarray(covered, dtype=np.bool_)
 
     @cached_property
-    def _scale(self) -> tuple[float, float]:
-        """Return the value that becomes 0 and the span that becomes 1."""
+    def scale(self) -> tuple[float, float]:
+        """The value of the curve that is felt as 0, and how much above it as 1."""
         if self.intensity is None:
             return 0.0, 0.0
         curve = self.intensity

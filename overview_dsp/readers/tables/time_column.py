@@ -412,7 +412,7 @@ def _moments_of(digits: NDArray[np.uint8], length: int) -> NDArray[Any] | None:
     """Moments of the digits of ISO texts, shape (places, n); None where a field is out of range."""
 
     def number(at: int, end: int) -> NDArray[np.int64]:
-        value = digits[at].astype(np.int64)
+        value: NDArray[np.int64] = digits[at].astype(np.int64)
         for place in range(at + 1, end):
             value *= 10
             value += digits[place]
@@ -436,7 +436,8 @@ def _moments_of(digits: NDArray[np.uint8], length: int) -> NDArray[Any] | None:
     if wrong.any():
         return None
     part = number(20, length) * 10 ** (per_second - places) if places else 0
-    return (seconds * 10**per_second + part).astype(f"datetime64[{fine}]")
+    moments: NDArray[Any] = (seconds * 10**per_second + part).astype(f"datetime64[{fine}]")
+    return moments
 
 
 def _written(cell: Any) -> str:
