@@ -3,9 +3,9 @@ The minute before a goal
 ========================
 
 For who felt a goal in a glance and wants to know how it came about: the same hand over a window of
-a minute feels passes and shots one by one. This is the paper's first scenario. (A real match is taken
-where the environment variable ``OVERVIEW_TEST_DATA`` names a folder with one; the passes of the
-bundled match are made up.)
+a minute feels passes and shots one by one. This is the paper's first scenario. (A real match is
+taken where the environment variable ``OVERVIEW_TEST_DATA`` names a folder with one; the passes of
+the bundled match are made up.)
 """
 
 import os

@@ -35,7 +35,7 @@ for axes, (words, look) in zip(grid, looks.items(), strict=True):
     for event in look.events:
         axes.axvline(event.time_s / DAY_S, color="#0072B2", linewidth=0.5 * event.weight)
     axes.set(xlim=(0.0, look.duration_s / DAY_S), ylabel="price")
-    axes.set_title(f"The price and its {len(look.events)} events: {words}", loc="left", fontsize=10)
+    axes.set_title(f"The price and its {len(look.events)} events: {words}", fontsize=10)
 grid[-1].set(xlabel="days of the part shown")
 
 # %%
