@@ -36,7 +36,10 @@ class Look:
 
 def draw(looks: list[Look], preset: ov.Preset) -> Figure:
     figure = Figure(figsize=(6.4 * len(looks), 6.6), layout="constrained")
-    grid = figure.subplots(3, len(looks), squeeze=False, sharey="row")
+    grid = figure.subplots(3, len(looks), squeeze=False)
+    for row in grid[1:]:  # data have the scale of the part shown
+        for axes in row[1:]:
+            axes.sharey(row[0])
     for column, look in enumerate(looks):
         data, surface, felt = grid[:, column]
         result = ov.render(look.timeline, preset, ov.sweep(look.seconds))

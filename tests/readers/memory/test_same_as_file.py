@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import datetime as dt
+import importlib.util
 import io
 import json
 from collections.abc import Iterator
@@ -57,7 +58,8 @@ def other_ways(text: str) -> Iterator[tuple[str, Any]]:
     }.items():
         yield name, frame
     frame = pd.read_csv(io.StringIO(text))
-    yield "Arrow", pl.read_csv(text.encode()).to_arrow()
+    if importlib.util.find_spec("pyarrow") is not None:
+        yield "Arrow", pl.read_csv(text.encode()).to_arrow()
     yield "a dict", frame.to_dict("list")
     yield "records", frame.to_dict("records")
     yield "rows with names", [list(frame.columns), *frame.itertuples(index=False, name=None)]
@@ -72,7 +74,6 @@ def as_file(folder: Path, text: str, **options: Any) -> ov.Timeline:
 
 @pytest.mark.parametrize("name", SERIES)
 def test_a_series_is_the_same_whatever_holds_it(name: str, tmp_path: Path) -> None:
-    pytest.importorskip("pyarrow", reason="needs pyarrow: pip install overview-dsp[parquet]")
     text = SERIES[name]
     expected = as_file(tmp_path, text)
     assert expected.intensity is not None
