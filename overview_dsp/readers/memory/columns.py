@@ -226,7 +226,7 @@ def _texts(cells: Cells, column: Column) -> list[str]:
 def _text(cell: Any) -> str:
     if cell is None or cell != cell:
         return ""
-    # 18.0 is a minute that lay in a column with missing ones
+    # 18.0 is 18 that lay in a column with missing ones
     if isinstance(cell, float) and cell.is_integer() and abs(cell) < 1e15:
         return str(int(cell))
     return _field(str(cell))

@@ -17,7 +17,7 @@ MAX_MB = 1024.0
 """What an open file or an address may hold, MB (2**20 bytes), without `max_mb`."""
 
 _CHUNK = 1 << 20
-_URL = re.compile(r"[a-z][a-z0-9+.\-]+(://|::)", re.IGNORECASE)
+_URL = re.compile(r"([a-z][a-z0-9+.\-]*::)*[a-z][a-z0-9+.\-]+://", re.IGNORECASE)
 _SECRETS = re.compile(r"(?<=://)[^/@]*@|[?#].*")
 _INSTALL = 'an address needs fsspec: pip install "overview-dsp[urls]", or save the data to a file'
 

@@ -28,6 +28,7 @@ ZONED = "t,x\n" + "".join(f"2021-06-01T{h:02d}:30:00+02:00,{h * h % 7}\n" for h 
 SECONDS = "t_s,x\n" + "".join(f"{i / 8},{i * 37 % 11}\n" for i in range(40))
 EVENTS = 'time_s,kind,label,weight\n1.5,goal,"1-0, pen",1\n4,foul,,0.5\n9,period,"a ""half""",1\n'
 MINUTES = "minute,type,player,team\n18,own goal,Mandžukić,Croatia\n28,goal,Perišić,Croatia\n"
+NUMBERED = "time_s,kind,label\n1,a,3\n2,b,\n4,c,12\n"
 SERIES = {"hourly": HOURLY, "gaps": GAPPY, "zoned": ZONED, "seconds": SECONDS}
 
 
@@ -81,7 +82,7 @@ def test_a_series_is_the_same_whatever_holds_it(name: str, tmp_path: Path) -> No
         assert bare(ov.load_timeline(data)) == expected, way
 
 
-@pytest.mark.parametrize("text", [EVENTS, MINUTES])
+@pytest.mark.parametrize("text", [EVENTS, MINUTES, NUMBERED])
 def test_events_are_the_same_whatever_holds_them(text: str, tmp_path: Path) -> None:
     expected = as_file(tmp_path, text)
     assert expected.events
