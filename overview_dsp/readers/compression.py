@@ -15,6 +15,7 @@ import tempfile
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import IO
 
@@ -51,8 +52,10 @@ def packing(head: bytes) -> str | None:
 
 
 @contextlib.contextmanager
-def opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Source]:
+def opened(path: str | os.PathLike[str], options: LoadOptions, label: str = "") -> Iterator[Source]:
     """Give a file as a `Source`, a compressed one unpacked into a temporary file.
+
+    `label` is what error lines call it, in place of its path.
 
     Raises
     ------
@@ -60,7 +63,7 @@ def opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Sourc
         As `Source.open`; a damaged archive, one of several files, one packed twice, one that
         unpacks to more than the limit (the line has it and the option that raises it).
     """
-    source = Source.open(path, options)
+    source = Source.open(path, options, label)
     packed = packing(source.head)
     if packed is None or (packed == _ZIP and _is_arrays(source)):
         yield source
@@ -102,7 +105,7 @@ def _unpacked(source: Source, packed: str, folder: Path) -> Source:
     inner = Source.open(target, options)
     if packing(inner.head) is not None:
         raise InputError(f"{where}: holds another compressed file; unpack it first")
-    return Source(target, inner.size, inner.head, options, origin=source.path)
+    return replace(inner, origin=source.path, label=source.label)
 
 
 def _gzip(source: Source) -> Iterator[bytes]:

@@ -51,9 +51,12 @@ _COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTA
 def sniff(source: Source) -> bool:
     """Return whether the first row has a column `kind`, and none of times but `time_s`.
 
-    Other names of times are for `everyday.table_reader`.
+    Other names of times, and columns that a caller names, are for `everyday.table_reader`.
     """
+    options = source.options
     if source.head_text is None or source.looks_like_json:
+        return False
+    if options.time or options.kind or options.label:
         return False
     for line in io.StringIO(source.head_text, newline=""):
         if line.strip() and not line.startswith("#"):

@@ -28,6 +28,9 @@ HEAD_BYTES = 65_536
 
 _CLOCKED = re.compile(r"\[\d+:\d", re.ASCII)
 
+UNNAMED = "unnamed"
+"""The name of a file that stands for data without one."""
+
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     # UTF-32 first: its mark begins with UTF-16's
@@ -51,6 +54,8 @@ class LoadOptions:
     map
         What becomes the intensity: `level`, `change`, `activity`, `volatility`, `count`, or a
         column.
+    kind, label
+        Names of the columns with the kinds and the labels of events.
     rate
         Samples a second, for a file without times.
     match
@@ -72,6 +77,8 @@ class LoadOptions:
     max_mb: float | None = None
     progress: Callable[[float], None] | None = field(default=None, compare=False)
     max_depth: int | None = None
+    kind: str | None = None
+    label: str | None = None
 
     def given(self) -> frozenset[str]:
         """Return the names of the options that were set and say something about the data."""
@@ -171,6 +178,8 @@ class Source:
         What the caller added, for formats that the data alone doesn't distinguish.
     origin
         The compressed file that was unpacked to `path`, None for any other.
+    label
+        What error lines call the data, where they aren't a file of the caller's.
     """
 
     path: Path
@@ -178,17 +187,23 @@ class Source:
     head: bytes
     options: LoadOptions = field(default_factory=LoadOptions)
     origin: Path | None = None
+    label: str = ""
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str], options: LoadOptions | None = None) -> Source:
-        """Look at a file.
+    def open(
+        cls,
+        path: str | os.PathLike[str],
+        options: LoadOptions | None = None,
+        label: str = "",
+    ) -> Source:
+        """Look at a file, which error lines call `label` if that is given.
 
         Raises
         ------
         InputError
             Missing, a folder or device, empty, unreadable.
         """
-        where = shown_path(path)
+        where = label or shown_path(path)
         try:
             status = os.stat(path)
             if stat.S_ISDIR(status.st_mode):
@@ -208,12 +223,12 @@ class Source:
             raise InputError(f"{where}: can't be read ({reason}); check the path") from error
         if not head:
             raise InputError(f"{where}: is empty; check how it was made, or get it again")
-        return cls(Path(path), status.st_size, head, options or LoadOptions())
+        return cls(Path(path), status.st_size, head, options or LoadOptions(), label=label)
 
     @property
     def where(self) -> str:
         """The path, printable: what an error line begins with."""
-        return shown_path(self.origin or self.path)
+        return self.label or shown_path(self.origin or self.path)
 
     @property
     def folder(self) -> Path:
@@ -223,7 +238,8 @@ class Source:
     @property
     def stem(self) -> str:
         """The file's name without its suffix: the title where the file holds none."""
-        return Path(shown_path(self.path.name)).stem
+        name = Path(shown_path(self.path.name)).stem
+        return "" if self.label and name == UNNAMED else name
 
     @cached_property
     def head_text(self) -> str | None:

@@ -9,19 +9,27 @@ from bisect import bisect_left
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.drawn import drawn
 from overview_dsp.public.reprs import counted, short
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.dataframe import dataframe, moments
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.fine_events import Rules, ranks, window_events
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
+from overview_dsp.timeline.page import timeline_page
 from overview_dsp.timeline.ticks import part_ticks
 from overview_dsp.units import clock_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 __all__ = ["Event", "Intensity", "Timeline"]
 
@@ -59,6 +67,9 @@ class Timeline:
         none is.
     rules : object or None
         What finds the events of a part of a series (set by the readers of series).
+    signal : Intensity or None
+        The recording that the curve was found in (an ECG, where the curve is a heart's rate): drawn
+        below it, not felt, and not in files.
 
     Raises
     ------
@@ -90,6 +101,7 @@ class Timeline:
     details: tuple[Event, ...] = ()
     gap_reasons: tuple[str, ...] = ()
     rules: Rules | None = field(default=None, compare=False, repr=False)
+    signal: Intensity | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         checks.text(self.title, "title")
@@ -171,7 +183,7 @@ class Timeline:
         """
         at = np.asarray(times, dtype=np.float64)
         flat = at.reshape(-1)
-        low, span = self._scale
+        low, span = self.scale
         if span == 0.0:
             return np.zeros(at.shape, dtype=np.float64)
         scaled = np.clip((self._curve_at(flat) - low) / span, 0.0, 1.0)
@@ -202,7 +214,7 @@ class Timeline:
         (101,)
         """
         at = np.arange(steps + 1, dtype=np.float64) * (self.duration_s / steps)
-        low, span = self._scale
+        low, span = self.scale
         curve = self.intensity
         if curve is None or span == 0.0:
             return np.zeros(steps + 1)
@@ -341,6 +353,7 @@ class Timeline:
             start=moment,
             details=details,
             rules=rules,
+            signal=self.signal.cut(start, end) if self.signal is not None else None,
             _given=given,
             _ranks=rank,
             _from_s=from_s,
@@ -420,8 +433,8 @@ class Timeline:
         return np.asarray(covered, dtype=np.bool_)
 
     @cached_property
-    def _scale(self) -> tuple[float, float]:
-        """Return the value that becomes 0 and the span that becomes 1."""
+    def scale(self) -> tuple[float, float]:
+        """The value of the curve that is felt as 0, and how much above it as 1."""
         if self.intensity is None:
             return 0.0, 0.0
         curve = self.intensity
@@ -433,6 +446,70 @@ class Timeline:
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
+
+    def to_dataframe(self, part: Literal["events", "curve"] = "events") -> DataFrame:
+        """Give the events, or the curve, as a pandas DataFrame, a row each.
+
+        Parameters
+        ----------
+        part : {"events", "curve"}
+            Which of the two.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns `time_s`, `kind`, `label` and `weight`; or `time_s` and `value`. Where the
+            timeline has a calendar, `moment` too.
+
+        Raises
+        ------
+        InputError
+            Another part, or pandas isn't installed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> list(match.to_dataframe())
+        ['time_s', 'kind', 'label', 'weight']
+        >>> len(match.to_dataframe("curve")) == match.intensity.count
+        True
+        """
+        if part not in ("events", "curve"):
+            raise InputError(f"part is {checks.shown(part)}; give 'events' or 'curve'")
+        columns: dict[str, Any]
+        if part == "events":
+            names = ("time_s", "kind", "label", "weight")
+            columns = {name: [getattr(e, name) for e in self.events] for name in names}
+        else:
+            curve = self.intensity
+            columns = {
+                "time_s": np.asarray(curve.time_s) if curve is not None else np.empty(0),
+                "value": np.asarray(curve.value) if curve is not None else np.empty(0),
+            }
+        frame = dataframe(columns)
+        if self.start is not None:
+            frame.insert(1, "moment", moments(self.start, columns["time_s"]))
+        return frame
+
+    def plot(self) -> Figure:
+        """Draw the curve with its events and gaps.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            As in the paper's figure 4; a notebook shows it.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.load_timeline("world-cup-final-2018").plot().savefig("match.png")
+        """
+        return drawn("timeline", "plot_timeline", self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a few words, and the curve."""
+        return timeline_page(self)
 
     # --- what a part carries, in place of these, from the whole it was cut from
 

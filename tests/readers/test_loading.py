@@ -63,7 +63,7 @@ def test_a_pipe_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
     assert refused(pipe, "regular").startswith(f"{pipe}: isn't a regular file; ")
 
 
-@pytest.mark.parametrize("path", ["a\0b", "x" * 5000, None, 3, ["a"]])
+@pytest.mark.parametrize("path", ["a\0b", "x" * 5000, None, 3, 3.5, load_timeline])
 def test_what_is_no_path_is_one_line(path: Any) -> None:
     refused(path, "can't be read|neither a path")
 

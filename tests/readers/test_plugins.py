@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.errors import InputError, OverviewWarning
-from overview_dsp.readers import list_matches, load_timeline
+from overview_dsp.readers import FORMATS, list_matches, load_timeline
 from overview_dsp.readers.plugins import GROUP, package_readers
+from tests.cli.running import overview
 
 STEPS = """
     import overview_dsp as ov
@@ -77,11 +78,11 @@ def test_options_it_does_not_take_are_refused(install: Install, walk: Path) -> N
         load_timeline(walk, value="x")
 
 
-def test_it_is_named_where_no_format_fits(install: Install, tmp_path: Path) -> None:
+def test_it_is_listed_before_the_formats_of_this_package(install: Install) -> None:
     install(STEPS)
-    (tmp_path / "other.txt").write_text("nothing of the kind")
-    with pytest.raises(InputError, match=r"Known: steps \(STEPS, then"):
-        load_timeline(tmp_path / "other.txt")
+    listed = overview("timeline", "formats").out.splitlines()
+    assert listed[0].startswith("steps (STEPS, then")
+    assert len(listed) == len(FORMATS) + 2
 
 
 def test_its_own_refusal_is_the_line_that_is_shown(install: Install, walk: Path) -> None:

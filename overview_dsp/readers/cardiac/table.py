@@ -16,7 +16,7 @@ import io
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import islice
 
@@ -33,6 +33,7 @@ from overview_dsp.readers.cardiac.build import (
     heart_timeline,
 )
 from overview_dsp.readers.cardiac.detection import MIN_RATE, find_beats
+from overview_dsp.readers.cardiac.signal import recorded
 from overview_dsp.readers.cardiac.wfdb_signal import best_signal
 from overview_dsp.readers.source import MAX_TEXT_BYTES, LoadOptions, Source, text_encoding
 from overview_dsp.timeline import checks
@@ -142,7 +143,8 @@ def read(source: Source, options: LoadOptions) -> Timeline:
             start,
         )
         gaps = gaps_of(detection.silent, detection.noisy, rate, duration_s)
-        return heart_timeline(about, detected(detection, rate), gaps, (), options)
+        timeline = heart_timeline(about, detected(detection, rate), gaps, (), options)
+        return replace(timeline, signal=recorded(signal))
 
 
 def _layout_of(source: Source) -> Layout | None:

@@ -8,6 +8,7 @@ a lead that is off) or with so much noise that no beat is told from it are gaps.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from overview_dsp.errors import InputError
@@ -20,7 +21,7 @@ from overview_dsp.readers.cardiac.build import (
     heart_timeline,
 )
 from overview_dsp.readers.cardiac.detection import find_beats, silent_parts
-from overview_dsp.readers.cardiac.signal import Spans
+from overview_dsp.readers.cardiac.signal import Spans, recorded
 from overview_dsp.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
 from overview_dsp.readers.source import LoadOptions, Source
@@ -107,7 +108,8 @@ def _timeline(
     about = About(
         header.name, duration_s, f"WFDB record {header.name}{length}; {source}", notes, header.start
     )
-    return heart_timeline(about, beats, gaps, said.others if said else (), options)
+    timeline = heart_timeline(about, beats, gaps, said.others if said else (), options)
+    return timeline if signal is None else replace(timeline, signal=recorded(signal))
 
 
 def _header_beside(path: Path) -> Path | None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from overview_dsp.errors import InputError
+from overview_dsp.readers.source import LoadOptions
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, column_named, listed
 from overview_dsp.readers.tables.time_column import Format, detected_format, split_wish
@@ -100,11 +102,18 @@ def is_wordy(cells: Sequence[Any]) -> bool:
     return bool(known) and not looks_numeric(known) and any(isinstance(c, str) for c in known)
 
 
-def looks_listed(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> bool:
-    """Return whether a table is a list of events: times, words, and no series of numbers."""
+def looks_listed(
+    columns: Sequence[Column], head: Sequence[Sequence[Any]], options: LoadOptions
+) -> bool:
+    """Return whether a table is a list of events: times, words, and no series of numbers.
+
+    A table of which a caller names the kinds or the labels is one, whatever it holds.
+    """
     if len(columns) < 2:
         return False
-    time = time_named(columns)
+    if options.kind is not None or options.label is not None:
+        return True
+    time = _asked_time(columns, options.time)
     kind, label = words_named(columns)
     if time is None or (kind is None and label is None):
         return False
@@ -122,28 +131,49 @@ def looks_listed(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> bo
     return True
 
 
-def roles_of(columns: Sequence[Column], head: Sequence[Sequence[Any]], wish: str | None) -> Roles:
+def _asked_time(columns: Sequence[Column], wish: str | None) -> int | None:
+    """The column of times that a caller names, else the one that is called like times."""
+    if wish is not None:
+        with contextlib.suppress(InputError):  # said when it is read
+            asked, _ = split_wish(wish, tuple(columns))
+            if asked is not None:
+                return column_named(columns, asked)
+    return time_named(columns)
+
+
+def roles_of(
+    columns: Sequence[Column], head: Sequence[Sequence[Any]], options: LoadOptions
+) -> Roles:
     """Decide which columns are read.
 
     Parameters
     ----------
     columns, head
         The table's, and its first rows, a list a column.
-    wish
-        `COLUMN`, `COLUMN:FORMAT` or `:FORMAT` of the times.
+    options
+        `time` (`COLUMN`, `COLUMN:FORMAT` or `:FORMAT`), `kind` and `label`.
 
     Raises
     ------
     InputError
         No such column, or cells that aren't times.
     """
+    wish = options.time
     asked, written = (None, None) if wish is None else split_wish(wish, tuple(columns))
-    time = _best_time(columns, head) if asked is None else column_named(columns, asked)
-    if time is None:
-        raise InputError(
-            f"no column {checks.shown(asked)} for the times; columns are {listed(columns)}"
-        )
+    if asked is not None:
+        time = _column_asked(columns, asked, "times")
+    else:
+        found = _best_time(columns, head)
+        if found is None:
+            raise InputError(
+                f"no column is called time, date, start or minute; columns are {listed(columns)}: "
+                "name one with time (--time)"
+            )
+        time = found
     form = Format(written) if written else detected_format(columns[time], list(head[time]))
+    if form is None and asked is not None and looks_numeric(head[time]):
+        header = checks.shown(columns[time].header)
+        form = Format("s", f"the numbers of column {header} are read as seconds")
     if form is None:
         first = next((cell for cell in head[time] if not is_missing(cell)), None)
         raise InputError(
@@ -151,6 +181,17 @@ def roles_of(columns: Sequence[Column], head: Sequence[Sequence[Any]], wish: str
             "a time in any known way; say how times are written with time (--time COLUMN:FORMAT)"
         )
     kind, label = words_named(columns)
+    if options.kind is not None:
+        kind = _column_asked(columns, options.kind, "kinds")
+        label = None if label == kind else label
+    if options.label is not None:
+        label = _column_asked(columns, options.label, "labels")
+        kind = None if kind == label and options.kind is None else kind
+    if kind is None and label is None:
+        raise InputError(
+            "no column says what happened (event, what, kind, type, name); columns are "
+            f"{listed(columns)}: name one with kind or label (--kind, --label)"
+        )
     return Roles(
         time,
         kind,
@@ -163,6 +204,15 @@ def roles_of(columns: Sequence[Column], head: Sequence[Sequence[Any]], wish: str
         named(columns, _IDS),
         (form.note,) if form.note else (),
     )
+
+
+def _column_asked(columns: Sequence[Column], name: str, what: str) -> int:
+    index = column_named(columns, name)
+    if index is None:
+        raise InputError(
+            f"no column {checks.shown(name)} for the {what}; columns are {listed(columns)}"
+        )
+    return index
 
 
 def _best_time(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> int | None:

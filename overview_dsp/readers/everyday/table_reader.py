@@ -55,7 +55,7 @@ def sniff_lines(source: Source) -> bool:
     if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json_lines.sniff(source):
         return False
     table = json_lines.JsonLinesTable(source)
-    return looks_listed(table.columns, first_rows(table, 50))
+    return looks_listed(table.columns, first_rows(table, 50), source.options)
 
 
 def read_lines(source: Source, options: LoadOptions) -> Timeline:
@@ -65,7 +65,10 @@ def read_lines(source: Source, options: LoadOptions) -> Timeline:
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
-    """Read a list of events (takes `duration_s`, `time`); InputError names row and column."""
+    """Read a list of events; InputError names row and column.
+
+    Takes `duration_s`, and which columns to read: `time`, `kind`, `label`.
+    """
     if not _has_table(source):
         return _read_chapters(source, options)
     with checks.located(f"{source.where}: "):
@@ -74,7 +77,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
 
 def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
     head = first_rows(table, _HEAD)
-    roles = roles_of(table.columns, head, options.time)
+    roles = roles_of(table.columns, head, options)
     choice = TimeChoice(
         (roles.time,) if roles.clock is None else (roles.time, roles.clock), roles.format, " "
     )
@@ -85,18 +88,23 @@ def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
 def _has_table(source: Source) -> bool:
     if source.looks_like_json:
         return _shape(source) is not None
-    return csv.layout_of(source, _accepts) is not None
+    return csv.layout_of(source, _accepting(source)) is not None
 
 
-def _accepts(header: tuple[str, ...], below: list[list[str]]) -> bool:
-    columns = [Column.of(name) for name in header]
-    head = [[row[i] for row in below if i < len(row)] for i in range(len(header))]
-    if looks_listed(columns, head):
-        return True
-    # no header: times and words
-    bare = [column.plain for column in columns] == ["column1", "column2"]
-    form = detected_format(Column.of("time"), head[0]) if bare and head[0] else None
-    return form is not None and is_wordy(head[1])
+def _accepting(source: Source) -> csv.Accepts:
+    """What tells lists of events from other tables."""
+
+    def accepts(header: tuple[str, ...], below: list[list[str]]) -> bool:
+        columns = [Column.of(name) for name in header]
+        head = [[row[i] for row in below if i < len(row)] for i in range(len(header))]
+        if looks_listed(columns, head, source.options):
+            return True
+        # no header: times and words
+        bare = [column.plain for column in columns] == ["column1", "column2"]
+        form = detected_format(Column.of("time"), head[0]) if bare and head[0] else None
+        return form is not None and is_wordy(head[1])
+
+    return accepts
 
 
 def _shape(source: Source) -> Any:
@@ -106,7 +114,7 @@ def _shape(source: Source) -> Any:
         columns = [Column.of(name) for name in shape.names]
         cells = [shape.cut(i, 0, min(shape.rows, 50)) for i in range(len(columns))]
         if all(is_single(cell) for column in cells for cell in column) and looks_listed(
-            columns, cells
+            columns, cells, source.options
         ):
             found = shape if found is None or shape.rows > found.rows else found
     return found
@@ -115,7 +123,7 @@ def _shape(source: Source) -> Any:
 def _table(source: Source) -> Table:
     if source.looks_like_json:
         return JsonTable(_shape(source))
-    layout = csv.layout_of(source, _accepts)
+    layout = csv.layout_of(source, _accepting(source))
     assert layout is not None  # sniffed
     if layout.header == ("column 1", "column 2"):
         return _Named(csv.CsvTable(source, layout))

@@ -184,11 +184,13 @@ def lows_and_highs(value: NDArray[np.float64], run: int) -> NDArray[np.int64]:
     whole = len(value) // run * run
     rows = value[:whole].reshape(-1, run)
     begins = np.arange(0, whole, run)
-    found = [begins + rows.argmin(axis=1), begins + rows.argmax(axis=1)]
+    both = np.sort([begins + rows.argmin(axis=1), begins + rows.argmax(axis=1)], axis=0)
+    found = [both.T.ravel()]
     if whole < len(value):
         rest = value[whole:]
-        found.append(np.array([whole + rest.argmin(), whole + rest.argmax()]))
-    return np.unique(np.concatenate(found))
+        found.append(np.sort([whole + rest.argmin(), whole + rest.argmax()]))
+    index = np.concatenate(found)
+    return index[np.diff(index, prepend=-1) > 0]
 
 
 @dataclass

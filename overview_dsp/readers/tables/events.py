@@ -261,12 +261,19 @@ def _moves(series: Series) -> list[Event]:
     events: list[Event] = []
     for sign, kind in ((1.0, "largest_rise"), (-1.0, "largest_fall")):
         size = np.where(np.isnan(step), 0.0, sign * step)
-        order = np.argsort(-size, kind="stable")[:MOVES]
+        order = _largest(size, MOVES)
         chosen = [i for i in order.tolist() if size[i] > 0.0 and size[i] >= least]
         for i in chosen:
             weight = max(_LIGHTEST, _HEAVIEST * math.sqrt(float(size[i] / size[chosen[0]])))
             events.append(series.event(kind, i, _moved(series, i), weight))
     return events
+
+
+def _largest(size: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    """Indices of the largest, the first of equal ones first; without sorting all."""
+    least = np.partition(size, -count)[-count] if len(size) > count else -np.inf
+    some = np.flatnonzero(size >= least)
+    return some[np.argsort(-size[some], kind="stable")[:count]]
 
 
 def _signed(value: float, unit: str) -> str:

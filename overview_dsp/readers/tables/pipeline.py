@@ -187,7 +187,7 @@ def _timeline(plan: Plan, found: Found, title: str) -> Timeline:
     names = " and ".join(checks.shown(plan.table.columns[i].header) for i in plan.time.columns)
     times = f"over {names} ({plan.time.format.words})" if names else "evenly spaced"
     return Timeline(
-        title=f"{title}: {column.name}" if column.name else title,
+        title=": ".join(filter(None, (title, column.name))),
         duration_s=found.duration_s,
         events=tuple(events),
         intensity=found.intensity,

@@ -58,6 +58,7 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
     if reader.skipped:
         notes.append(f"{reader.skipped} rows without time and value were left out")
     step = np.diff(seconds)
+    order = None
     if step.size and bool((step <= 0.0).all()) and bool((step < 0.0).any()):
         order = np.arange(len(seconds))[::-1]
         if (step == 0.0).any():  # equal times stay in the file's order
@@ -75,11 +76,11 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
             f"{int((step < 0.0).sum())} rows were earlier than the row before them (first "
             f"{word} {int(rows[back])}); rows were sorted by time"
         )
-    else:
-        order = np.arange(len(seconds))
-    ordered = Rows(seconds[order], [value[order] for value in values], rows[order])
+    ordered = read
+    if order is not None:
+        ordered = Rows(seconds[order], [value[order] for value in values], rows[order])
     single = last_of_each_time(ordered)
-    seconds, values, rows = single.seconds, single.values, single.number
+    seconds, values, rows = single.seconds, list(single.values), single.number
     if len(single) < len(ordered):
         notes.append(
             f"{len(ordered) - len(single)} rows repeat a time; of rows of one time the last with a "

@@ -387,33 +387,24 @@ class TimeColumn:
         try:
             if set(map(len, cells)) != {len(shape)}:
                 return None
-            letters = np.array(cells, dtype=f"U{len(shape)}").view(np.uint32)
-        except (TypeError, ValueError):
+            letters = np.frombuffer("".join(cells).encode("ascii"), np.uint8)
+        except (TypeError, ValueError):  # a cell that's no text, a letter of another script
             return None
-        letters = letters.reshape(len(cells), len(shape))
-        for at, mark in enumerate(shape):
-            column = letters[:, at]
-            if mark == "d":
-                if not bool(((column >= 48) & (column <= 57)).all()):
-                    return None
-            elif not bool((column == ord(mark)).all()):
-                return None
+        # one row a place of the text
+        letters = np.ascontiguousarray(letters.reshape(len(cells), len(shape)).T)
+        digits = [at for at, mark in enumerate(shape) if mark == "d"]
+        marks = [at for at, mark in enumerate(shape) if mark != "d"]
+        if any((letters[at] != ord(shape[at])).any() for at in marks):
+            return None
+        letters = letters - np.uint8(48)  # what was below "0" is far above 9 now
+        if letters[digits].max() > 9:
+            return None
         zoned = shape.endswith("Z")
         if self._zoned is None:
             self._zoned, self.offset_min = zoned, 0 if zoned else None
         elif self._zoned != zoned:
             return None  # the slow way names the cell
-        texts = np.ascontiguousarray(letters).view(f"U{len(shape)}").reshape(-1)
-        if zoned:
-            texts = texts.astype(f"U{len(shape) - 1}")
-        fine = "ns" if len(shape.rstrip("Z").partition(".")[2]) > 6 else "us"
-        years = letters[:, 0] * 10 + letters[:, 1] - 528  # centuries
-        if fine == "ns" and not bool(((years >= 17) & (years <= 22)).all()):
-            return None
-        try:
-            return texts.astype(f"datetime64[{fine}]")
-        except ValueError:  # the 30th of February
-            return None
+        return _moments_of(letters, len(shape.rstrip("Z")))
 
     def _fast_whole(self, cells: list[Any], unit_ns: int) -> NDArray[np.float64] | None:
         """Seconds of cells that are all whole numbers."""
@@ -447,6 +438,38 @@ class TimeColumn:
         except (TypeError, ValueError, IndexError, OverflowError):
             return None
         return None if np.isinf(found).any() else found
+
+
+def _moments_of(digits: NDArray[np.uint8], length: int) -> NDArray[Any] | None:
+    """Moments of the digits of ISO texts, shape (places, n); None where a field is out of range."""
+
+    def number(at: int, end: int) -> NDArray[np.int64]:
+        value: NDArray[np.int64] = digits[at].astype(np.int64)
+        for place in range(at + 1, end):
+            value *= 10
+            value += digits[place]
+        return value
+
+    month, day = number(5, 7), number(8, 10)
+    months = (number(0, 4) - 1970) * 12 + month - 1
+    first = months.astype("datetime64[M]").astype("datetime64[D]").astype(np.int64)
+    after = (months + 1).astype("datetime64[M]").astype("datetime64[D]").astype(np.int64)
+    wrong = (month < 1) | (month > 12) | (day < 1) | (day > after - first)
+    seconds = (first + day - 1) * 86_400
+    for at, most, unit in ((11, 23, 3600), (14, 59, 60), (17, 59, 1)):
+        if at < length:
+            value = number(at, at + 2)
+            wrong |= value > most
+            seconds += value * unit
+    places = max(length - 20, 0)
+    fine, per_second = ("ns", 9) if places > 6 else ("us", 6)
+    if fine == "ns" and np.abs(seconds).max() > 2**63 // NS - 1:
+        wrong[:] = True
+    if wrong.any():
+        return None
+    part = number(20, length) * 10 ** (per_second - places) if places else 0
+    moments: NDArray[Any] = (seconds * 10**per_second + part).astype(f"datetime64[{fine}]")
+    return moments
 
 
 def _written(cell: Any) -> str:

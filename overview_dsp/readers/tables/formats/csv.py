@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
@@ -17,8 +17,14 @@ from typing import Any
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import is_missing, is_number, looks_numeric
-from overview_dsp.readers.tables.formats import delimited
-from overview_dsp.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Chunk, Column
+from overview_dsp.readers.tables.formats import delimited, plain_lines
+from overview_dsp.readers.tables.table import (
+    CHUNK_CELLS,
+    CHUNK_ROWS,
+    MAX_COLUMNS,
+    Chunk,
+    Column,
+)
 from overview_dsp.timeline.written_times import WAYS
 
 
@@ -38,12 +44,45 @@ class CsvTable:
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read these columns; InputError names a row that is too long, or a broken quote."""
+        rest = yield from self._plain(columns)
+        if rest is not None:
+            yield from self._rows(columns, rest)
+
+    def _plain(self, columns: Sequence[int]) -> Generator[Chunk, None, int | None]:
+        """Read plain blocks of lines; return the line where the first begins that isn't."""
+        layout, width = self._layout, len(self._layout.header)
+        separator = layout.separator
+        if separator is None:
+            return layout.first
+        lines = delimited.Lines(self._source, layout.encoding, layout.comments)
+        first = layout.first
+        above = first - 1
+        for block in lines.blocks():
+            while above and block:
+                block = block.partition("\n")[2]
+                above -= 1
+            if not block:
+                continue
+            whole = block if block.endswith("\n") else block + "\n"
+            marks = plain_lines.marks_of(whole, separator, width, layout.comments)
+            if marks is None:
+                return first
+            cells = plain_lines.cells_of(whole, marks, separator, width, columns)
+            for begin in range(0, len(cells[0]), CHUNK_ROWS):
+                some = tuple(column[begin : begin + CHUNK_ROWS] for column in cells)
+                yield Chunk(some, first, None, lines.part)
+                first += len(some[0])
+        return None
+
+    def _rows(self, columns: Sequence[int], begin: int) -> Iterator[Chunk]:
+        """Read whatever lines there are from line `begin` on."""
         layout = self._layout
         lines = delimited.Lines(self._source, layout.encoding, layout.comments)
         width = len(layout.header)
-        for first, numbers, rows in delimited.Rows(lines, layout.separator, CHUNK_ROWS):
-            if first < layout.first:
-                skip = self._skipped(first, numbers, rows)
+        block = min(CHUNK_ROWS, max(CHUNK_CELLS // width, 1))
+        for first, numbers, rows in delimited.Rows(lines, layout.separator, block):
+            if first < begin:
+                skip = self._skipped(begin, first, numbers, rows)
                 rows = rows[skip:]
                 first, numbers = first + skip, numbers[skip:] if numbers else None
             lengths = set(map(len, rows))
@@ -54,11 +93,13 @@ class CsvTable:
             cells: tuple[Any, ...] = tuple(list(map(itemgetter(i), rows)) for i in columns)
             yield Chunk(cells, first, numbers, lines.part)
 
-    def _skipped(self, first: int, numbers: list[int] | None, rows: list[list[str]]) -> int:
-        """How many rows lie before the table's first line."""
+    def _skipped(
+        self, begin: int, first: int, numbers: list[int] | None, rows: list[list[str]]
+    ) -> int:
+        """How many rows lie before line `begin`."""
         if numbers is None:
-            return min(len(rows), self._layout.first - first)
-        return sum(number < self._layout.first for number in numbers)
+            return min(len(rows), begin - first)
+        return sum(number < begin for number in numbers)
 
     def _tidied(
         self, first: int, numbers: list[int] | None, rows: list[list[str]]
