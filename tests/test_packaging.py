@@ -289,8 +289,8 @@ def test_a_wheel_has_what_the_page_loads(installed):
 def test_a_wheel_finds_its_sensors_from_any_folder(installed, tmp_path):
     code = """
 import json
-from overview_dsp.sensors.profile_file import load_sensor, sensor_names
-print(json.dumps([[name, load_sensor(name).source] for name in sensor_names()]))
+from overview_dsp.sensors.profile_file import LIBRARY, load_sensor
+print(json.dumps([[name, load_sensor(name).source] for name in LIBRARY.bundled]))
 """
     found = json.loads(python(code, tmp_path, installed))
     assert [name for name, _ in found] == sorted(p.stem for p in (ROOT / "sensors").glob("*.toml"))

@@ -18,6 +18,7 @@ import argparse
 import ast
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -30,6 +31,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 COPIED = ("overview_dsp", "presets", "actuators", "sensors", "tests", "pyproject.toml")
 KILLED_AT_LEAST = 0.9
+CACHE = re.compile(r"(functools\.)?(lru_)?cache\b")
 SURVIVED = {0, 5, 33}  # exit codes: all tests passed, or none runs there
 
 # a failing example needn't be made small, and no run may learn from another
@@ -52,7 +54,7 @@ def decorators_as_assignments(source: str) -> str:
         if not names or names == ["classmethod"]:
             continue
         indent = " " * function.col_offset
-        kept = [name for name in names if "lru_cache" not in name]
+        kept = [name for name in names if not CACHE.match(name)]
         value = function.name
         for name in reversed(kept):
             value = f"{name}({value})"

@@ -1,6 +1,6 @@
 """An actuator: its resonance, what it may be given, and how it is to be driven.
 
-Everything a file may say stands in one table, as with presets: id, unit, range, default, sentence.
+Everything a file may say stands in `parameters.toml`, as with presets.
 """
 
 from __future__ import annotations
@@ -8,52 +8,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from types import MappingProxyType
 
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.presets.parameter import Parameter, Value
+from overview_dsp.presets.parameter import Parameter, Value, read_parameters
 from overview_dsp.public.reprs import short
 
-LOWEST_Q, HIGHEST_Q = 0.6, 100.0
 MAX_CALIBRATION_DB = 30.0
 LN_9 = 2.1972245773362196  # from 10 to 90 % of an exponential rise, in time constants
 
-
-def _number(
-    id: str, default: float | None, low: float, high: float, unit: str, doc: str
-) -> Parameter:
-    return Parameter(id, default, low, high, unit, doc)
-
-
 ACTUATOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
-    {
-        known.id: known
-        for known in (
-            _number("resonance.frequency_hz", None, 20.0, 2000.0, "Hz", "Where it moves most."),
-            _number("resonance.q", None, LOWEST_Q, HIGHEST_Q, "", "How narrow that is."),
-            _number("resonance.bandwidth_hz", None, 1.0, 3000.0, "Hz",
-                    "The same as a width: between the points 3 dB below, frequency / q."),
-            _number("resonance.rise_ms", None, 0.1, 1000.0, "ms",
-                    "The same as a time: a vibration's rise from 10 to 90 %, "
-                    "ln 9 * q / (pi * frequency)."),
-            Parameter("drive.unit", "full scale", doc="What the drive is counted in.",
-                      choices=("A", "V", "full scale")),
-            _number("drive.rated_rms", None, 1e-4, 1e3, "", "What it bears while it is on, RMS."),
-            _number("drive.peak", None, 1e-4, 1e4, "", "What no sample may pass."),
-            _number("drive.full_scale", None, 1e-4, 1e4, "",
-                    "What a digital sample of 1 puts on it, through its amplifier; "
-                    "the peak if left out."),
-            _number("drive.duty", 1.0, 0.01, 1.0, "", "The part of the time it may be on."),
-            _number("drive.burst_ms", 1000.0, 10.0, 60_000.0, "ms",
-                    "How long it may be on at the rated drive; RMS is taken over burst / duty."),
-            _number("shaping.sharpen", 1.0, 1.0, 16.0, "",
-                    "How many times faster its vibration is to rise and fall; 1 = as it is."),
-            Parameter("shaping.equal_sensation", False, doc="Raise what the skin feels less.",
-                      choices=(False, True)),
-        )
-    }
-)  # fmt: skip
+    read_parameters(Path(__file__).with_name("parameters.toml"))
+)
 """Everything a profile may say, by id."""
+
+_Q = ACTUATOR_PARAMETERS["resonance.q"]
+LOWEST_Q = _Q.low
 
 ONE_OF = ("resonance.q", "resonance.bandwidth_hz", "resonance.rise_ms")
 _OPTIONAL = (*ONE_OF, "drive.full_scale")
@@ -107,10 +78,10 @@ class Actuator:
             raise InputError(
                 f"resonance.frequency_hz: give one of {', '.join(ONE_OF)} with it, not {what}"
             )
-        if not LOWEST_Q <= self.q <= HIGHEST_Q:
+        if not LOWEST_Q <= self.q <= _Q.high:
             raise InputError(
                 f"{given[0]} = {self.number(given[0]):g} makes a q of {self.q:.3g} at "
-                f"{self.resonance_hz:g} Hz; it is {LOWEST_Q:g} to {HIGHEST_Q:g}"
+                f"{self.resonance_hz:g} Hz; it is {_Q.allowed}"
             )
         if self.number("drive.peak") < self.number("drive.rated_rms"):
             raise InputError("drive.peak is below drive.rated_rms; it is the larger of the two")

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS, Actuator
-from overview_dsp.files.toml import check_head, faults_at_their_line, given_in, parse_toml
-from overview_dsp.presets.parameter import Value
+from overview_dsp.files.toml import (
+    check_head,
+    faults_at_their_line,
+    parse_toml,
+    sections_of,
+    values_in,
+)
 
 SCHEMA = 1
-_SECTIONS = tuple(dict.fromkeys(id.split(".")[0] for id in ACTUATOR_PARAMETERS))
 
 
 def parse_actuator(text: str, name: str, source: str) -> Actuator:
@@ -21,10 +25,6 @@ def parse_actuator(text: str, name: str, source: str) -> Actuator:
     """
     data = parse_toml(text, source)
     with faults_at_their_line(text, source):
-        check_head(data, _SECTIONS, SCHEMA, needs_texts=True)
-        values: dict[str, Value] = {}
-        for section in _SECTIONS:
-            keys = (id.split(".")[1] for id in ACTUATOR_PARAMETERS if id.split(".")[0] == section)
-            for key, value in given_in(data, section, keys).items():
-                values[f"{section}.{key}"] = value
+        check_head(data, sections_of(ACTUATOR_PARAMETERS), SCHEMA, needs_texts=True)
+        values = values_in(data, ACTUATOR_PARAMETERS)
         return Actuator(name, data["title"], data["description"], values, source)

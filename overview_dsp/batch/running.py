@@ -99,12 +99,16 @@ def run_study(
     if missing:
         count = found
         jobs = [(index, key) for key, index in missing.items()]
-        with _runner(study, workers, scheduler) as (run, at_a_time):
-            for done in run(study, _tasks(jobs, at_a_time)):
-                count += done.finished + len(done.failed)
-                failed += done.failed
-                if progress:
-                    progress(min(count, len(keys)), len(keys))
+        try:
+            with _runner(study, workers, scheduler) as (run, at_a_time):
+                for done in run(study, _tasks(jobs, at_a_time)):
+                    count += done.finished + len(done.failed)
+                    failed += done.failed
+                    if progress:
+                        progress(min(count, len(keys)), len(keys))
+        except BaseException:
+            place.clean()  # of what was being written
+            raise
     table, parts = manifest.read_rows(place)
     finished = manifest.finished_rows(table, place.sizes(manifest.SOUNDS))
     rows = manifest.rows_of(place, table, finished, keys)

@@ -69,22 +69,37 @@ class Place:
                     self._made.add(folder)
                 self._fs.pipe_file(self._remote(name), data)
                 return
-            for needed in (folder, UNFINISHED):
-                if needed not in self._made:
-                    (self._path / needed).mkdir(parents=True, exist_ok=True)
-                    self._made.add(needed)
-            # paths as text: a study has many files
-            temporary = os.path.join(self._path, UNFINISHED, uuid.uuid4().hex)
-            try:
-                with open(temporary, "wb") as file:
-                    file.write(data)
-                os.replace(temporary, os.path.join(self._path, name))
-            except BaseException:
-                with contextlib.suppress(FileNotFoundError):
-                    os.unlink(temporary)
-                raise
+            for last in (False, False, False, True):
+                try:
+                    self._make_folders(folder)
+                    self._put_in_folder(name, data)
+                    return
+                except FileNotFoundError:  # somebody has deleted what this process made
+                    if last:
+                        raise
+                    self._made.clear()
         except OSError as error:
             raise output_error(Path(self.where, name), error) from error
+
+    def _make_folders(self, folder: str) -> None:
+        assert self._path is not None
+        for needed in (folder, UNFINISHED):
+            if needed not in self._made:
+                (self._path / needed).mkdir(parents=True, exist_ok=True)
+                self._made.add(needed)
+
+    def _put_in_folder(self, name: str, data: bytes) -> None:
+        assert self._path is not None
+        # paths as text: a study has many files
+        temporary = os.path.join(self._path, UNFINISHED, uuid.uuid4().hex)
+        try:
+            with open(temporary, "wb") as file:
+                file.write(data)
+            os.replace(temporary, os.path.join(self._path, name))
+        except BaseException:
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(temporary)
+            raise
 
     def get(self, name: str) -> bytes:
         """A file's bytes.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -12,35 +13,38 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.units import HALF_TURN, db_to_gain
 
-_DOUBLES = [
-    "dt",
-    "inertia",
-    "k1",
-    "k2",
-    "smoothing",
-    "full_torque",
-    "gate",
-    "compression",
-    "decay",
-    "rise",
-    "carrier_hz",
-    "tactor_gain",
-    "strike_torque",
-    "strike_compression",
-    "approach_s",
-    "click_gain",
-    "texture_gain",
-    "brightness_hz",
-    "grain_s",
-    "ceiling",
-    "dc_pole",
-]
+# in the C struct's order: a parameter of the preset, a coefficient's column, or what makes it
+_SETTINGS: dict[str, str | int | Callable[[Engine], float]] = {
+    "dt": lambda engine: 1.0 / engine.sample_rate,
+    "inertia": "disk.inertia",
+    "k1": "disk.k1",
+    "k2": "disk.k2",
+    "smoothing": layout.C_SMOOTH,
+    "full_torque": lambda engine: 1.0 / engine.memory[layout.C_TORQUE],
+    "gate": layout.C_GATE,
+    "compression": layout.C_EXPONENT,
+    "decay": layout.C_DECAY,
+    "rise": layout.C_RISE,
+    "carrier_hz": "tactor.frequency_hz",
+    "tactor_gain": layout.C_TACTOR_GAIN,
+    "strike_torque": lambda engine: 1.0 / engine.memory[layout.C_STRIKE_TORQUE],
+    "strike_compression": layout.C_STRIKE_EXPONENT,
+    "approach_s": lambda engine: APPROACH_S,
+    "click_gain": layout.C_CLICK_GAIN,
+    "texture_gain": layout.C_TEXTURE_GAIN,
+    "brightness_hz": "texture.brightness_hz",
+    "grain_s": lambda engine: GRAIN_S,
+    "ceiling": layout.C_CEILING,
+    "dc_pole": layout.C_DC_POLE,
+}
+SETTINGS = tuple(_SETTINGS)
+"""Names of a C version's settings, in their order."""
 
 
 class Settings(ctypes.Structure):
     """`Settings` of plain_voice.c."""
 
-    _fields_ = [(name, ctypes.c_double) for name in _DOUBLES]
+    _fields_ = [(name, ctypes.c_double) for name in SETTINGS]
 
 
 class Scene(ctypes.Structure):
@@ -57,31 +61,13 @@ class Scene(ctypes.Structure):
 
 def plain_settings(engine: Engine) -> Settings:
     """A prepared engine's parameters."""
-    m = engine.memory
-    number = engine.preset.number
-    return Settings(
-        dt=1.0 / engine.sample_rate,
-        inertia=number("disk.inertia"),
-        k1=number("disk.k1"),
-        k2=number("disk.k2"),
-        smoothing=m[layout.C_SMOOTH],
-        full_torque=1.0 / m[layout.C_TORQUE],
-        gate=m[layout.C_GATE],
-        compression=m[layout.C_EXPONENT],
-        decay=m[layout.C_DECAY],
-        rise=m[layout.C_RISE],
-        carrier_hz=number("tactor.frequency_hz"),
-        tactor_gain=m[layout.C_TACTOR_GAIN],
-        strike_torque=1.0 / m[layout.C_STRIKE_TORQUE],
-        strike_compression=m[layout.C_STRIKE_EXPONENT],
-        approach_s=APPROACH_S,
-        click_gain=m[layout.C_CLICK_GAIN],
-        texture_gain=m[layout.C_TEXTURE_GAIN],
-        brightness_hz=number("texture.brightness_hz"),
-        grain_s=GRAIN_S,
-        ceiling=m[layout.C_CEILING],
-        dc_pole=m[layout.C_DC_POLE],
-    )
+
+    def value(of: str | int | Callable[[Engine], float]) -> float:
+        if isinstance(of, str):
+            return engine.preset.number(of)
+        return float(engine.memory[of]) if isinstance(of, int) else of(engine)
+
+    return Settings(*(value(of) for of in _SETTINGS.values()))
 
 
 def plain_scene(engine: Engine) -> Scene:
@@ -104,8 +90,3 @@ def plain_scene(engine: Engine) -> Scene:
     scene = Scene(addresses[0], len(surface.position), *addresses[1:])
     scene.kept = arrays
     return scene
-
-
-def settings_names() -> list[str]:
-    """The fields of `Settings`."""
-    return list(_DOUBLES)

@@ -13,7 +13,7 @@ import numpy as np
 
 from overview_dsp.bench.building import MissingError, built, source
 from overview_dsp.bench.c_rows import held_hand, pointer
-from overview_dsp.bench.plain_settings import plain_settings, settings_names
+from overview_dsp.bench.plain_settings import SETTINGS, plain_settings
 from overview_dsp.bench.timing import DISK, VOICE, Contender, timed
 from overview_dsp.bench.work import RATE, SECONDS, SWEEP_S, Disk, prepared
 from overview_dsp.engine.engine import Engine
@@ -34,7 +34,7 @@ class FaustPeer:
         for name in ("voice.dsp", "faust_host.c", "tables.h"):
             shutil.copy(source(name), folder / name)
         settings = plain_settings(engine)
-        numbers = (f"{name} = {getattr(settings, name)!r};" for name in settings_names())
+        numbers = (f"{name} = {getattr(settings, name)!r};" for name in SETTINGS)
         (folder / "settings.lib").write_text("\n".join(numbers) + "\n", encoding="utf-8")
         command = ["faust", "-lang", "c", "-double", "-pn", process, *options]
         command += ["-I", str(folder), "voice.dsp", "-o", "generated.c"]

@@ -89,4 +89,4 @@ def merging(cost: Cost) -> str:
     """Says so where a series' events were merged."""
     if cost.series != "events" or int(cost.entry.split()[0]) == cost.strikes:
         return ""
-    return f"  merged to {cost.strikes} strikes"
+    return f", merged to {cost.strikes} strikes"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import warnings
 from importlib import import_module
@@ -10,7 +11,9 @@ from typing import Any, NoReturn
 import click
 
 from overview_dsp import __version__
+from overview_dsp.cli.stopping import stop_code, stopped_by_signals
 from overview_dsp.errors import OverviewError, OverviewWarning
+from overview_dsp.files.atomic import remove_temporaries
 
 # name: (module, the line in the list of commands)
 COMMANDS = {
@@ -63,7 +66,12 @@ def app(debug: bool) -> None:
 
 
 def _fail(message: str, code: int) -> NoReturn:
-    click.echo(f"error: {message}", err=True)
+    if "--json" in sys.argv[1:]:
+        line = " ".join(message.split())
+        said = json.dumps({"error": line, "exit_code": code}, ensure_ascii=False)
+    else:
+        said = f"error: {message}"
+    click.echo(said, err=True)
     sys.exit(code)
 
 
@@ -85,7 +93,8 @@ def main() -> NoReturn:
     warnings.simplefilter("always", OverviewWarning)
     warnings.showwarning = _note
     try:
-        code = app.main(prog_name="overview", standalone_mode=False)
+        with stopped_by_signals():
+            code = app.main(prog_name="overview", standalone_mode=False)
     except OverviewError as error:
         if debug:
             raise
@@ -100,7 +109,8 @@ def main() -> NoReturn:
     except click.ClickException as error:
         _fail(" ".join(error.format_message().split()), error.exit_code)
     except (click.Abort, KeyboardInterrupt):
-        _fail("stopped; nothing was left behind", 130)
+        remove_temporaries()
+        _fail("stopped; nothing was left behind", stop_code())
     except BrokenPipeError:
         sys.exit(0)
     except OSError as error:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.common import print_json, progress_bar
+from overview_dsp.cli.common import print_json, progress_bar, show
+from overview_dsp.cli.stopping import stop_code
 
 SHOWN_FAILURES = 10
 
@@ -43,10 +44,8 @@ def command(
         raise click.UsageError("--workers are of this machine, --scheduler has its own; give one")
     study = load_study(jobs, out)
     if dry_run:
-        if as_json:
-            print_json({"out": study.out, "cases": len(study)})
-        else:
-            click.echo(f"{study.out}: {len(study)} renders")
+        report = {"out": study.out, "cases": len(study)}
+        show(as_json, report, f"{study.out}: {len(study)} renders")
         return
     count = 0
 
@@ -59,11 +58,11 @@ def command(
         with progress_bar(f"rendering {len(study)}") as bar:
             outcome = run_study(study, workers=workers, scheduler=scheduler, progress=progress)
     except KeyboardInterrupt:
-        click.echo(
-            f"error: stopped with {count} of {len(study)} finished; run it again to go on",
-            err=True,
+        error = OverviewError(
+            f"stopped with {count} of {len(study)} finished; run it again to go on"
         )
-        raise SystemExit(130) from None
+        error.exit_code = stop_code()
+        raise error from None
     if as_json:
         print_json(
             {

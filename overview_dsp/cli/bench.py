@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar
+from overview_dsp.cli.common import announce_compile, progress_bar, show
+from overview_dsp.live.device_names import device_named
 
 SPEED_ROUNDS = 7
 LIVE_ROUNDS = 5
@@ -56,8 +60,6 @@ def command(
 
 
 def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> None:
-    from dataclasses import asdict
-
     from overview_dsp.bench.picture import draw
     from overview_dsp.bench.report import lines, measure
     from overview_dsp.files.atomic import require_writable
@@ -69,24 +71,25 @@ def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> No
         report = measure(rounds, longest_s, progress)
     if plot is not None:
         draw(report, plot)
-    if as_json:
-        print_json(asdict(report))
-        return
-    for line in lines(report):
-        click.echo(line)
+    _show(report, lines, as_json)
 
 
 def _live(rounds: int, device: str | None, seconds: float, as_json: bool) -> None:
-    from dataclasses import asdict
-
-    from overview_dsp.bench.live.table import latency_table, load_table, measure_live
+    from overview_dsp.bench.live.table import lines, measure_live
 
     announce_compile()
-    where = int(device) if device is not None and device.isdecimal() else device
     with progress_bar("playing") as progress:
-        report = measure_live(where, seconds, rounds, progress)
-    if as_json:
-        print_json(asdict(report))
-        return
-    for line in [*load_table(report), "", *latency_table(report)]:
-        click.echo(line)
+        report = measure_live(device_named(device), seconds, rounds, progress)
+    _show(report, lines, as_json)
+
+
+def _show(report: Any, lines: Callable[[Any], list[str]], as_json: bool) -> None:
+    """With the machine and the day, without which no figure means anything."""
+    from dataclasses import asdict
+    from datetime import date
+
+    from overview_dsp.bench.machine import this_machine
+
+    machine, day = this_machine(), date.today().isoformat()
+    figures = {"machine": machine, "date": day, **asdict(report)}
+    show(as_json, figures, f"{day}, {machine}", *lines(report))

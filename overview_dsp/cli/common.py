@@ -6,9 +6,9 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
 
 BAR_AFTER_S = 1.0
+T = TypeVar("T")
 
 
 def announce_compile(*kernels: str) -> None:
@@ -72,6 +73,50 @@ def read_gesture(text: str) -> Gesture:
 def print_json(report: Any) -> None:
     """A report as JSON on standard output."""
     click.echo(json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def show(as_json: bool, report: Any, *lines: object) -> None:
+    """A report as JSON, or as lines for a person."""
+    if as_json:
+        print_json(report)
+        return
+    for line in lines:
+        click.echo(line)
+
+
+def list_profiles(
+    names: Iterable[str],
+    load: Callable[[str], T],
+    described: Callable[[T], dict[str, Any]],
+    as_json: bool,
+    remark: Callable[[T], str] = lambda profile: "",
+) -> None:
+    """Those that load, with name, title and description in a line; what is wrong with the others.
+
+    Parameters
+    ----------
+    described : callable
+        What JSON says of one, with these three keys.
+    remark : callable
+        What the line ends with.
+    """
+    from overview_dsp.errors import InputError
+
+    found, faults = [], []
+    for name in names:
+        try:
+            found.append(load(name))
+        except InputError as error:
+            faults.append(str(error))
+    rows = [described(profile) for profile in found]
+    width = max((len(row["name"]) for row in rows), default=0)
+    lines = (
+        f"{row['name']:<{width}}  {row['title']}: {row['description']}{remark(profile)}"
+        for row, profile in zip(rows, found, strict=True)
+    )
+    show(as_json, rows, *lines)
+    for fault in faults:
+        click.echo(f"note: left out: {fault}", err=True)
 
 
 def window_options(function: Callable[..., Any]) -> Callable[..., Any]:

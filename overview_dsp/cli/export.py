@@ -9,7 +9,6 @@ import click
 
 from overview_dsp.cli.common import (
     announce_compile,
-    part_of,
     print_json,
     progress_bar,
     read_gesture,
@@ -17,7 +16,7 @@ from overview_dsp.cli.common import (
 )
 from overview_dsp.cli.options.actuator import actuator_option, calibrated, drive_line
 from overview_dsp.cli.options.timeline import (
-    open_timeline,
+    open_part,
     preset_for,
     preset_option,
     timeline_options,
@@ -112,10 +111,7 @@ def command(
     from overview_dsp.rendering.offline import render
     from overview_dsp.rendering.schedule import tail_of
 
-    data = open_timeline(timeline, load)
-    part = part_of(data, window, zoom_to)
-    if part is not None:
-        data = data.window(*part)
+    data = open_part(timeline, load, window, zoom_to)
     chosen = load_preset(preset_for(data, preset))
     if SITE in formats:
         _require_site_alone(context, formats)

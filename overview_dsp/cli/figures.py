@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json
+from overview_dsp.cli.common import announce_compile, show
 from overview_dsp.cli.options.timeline import (
     open_timeline,
     preset_for,
@@ -32,8 +32,4 @@ def command(
     chosen = load_preset(preset_for(data, preset))
     announce_compile()
     files = draw(data, renders(data, chosen), out)
-    if as_json:
-        print_json({"files": [str(path) for path in files]})
-    else:
-        for path in files:
-            click.echo(path)
+    show(as_json, {"files": [str(path) for path in files]}, *files)

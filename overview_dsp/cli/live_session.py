@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -14,15 +17,18 @@ import click
 
 from overview_dsp.cli.common import announce_compile
 from overview_dsp.cli.options.actuator import actuator_option
-from overview_dsp.cli.options.output import SILENT, device_named, output_options, output_settings
+from overview_dsp.cli.options.output import output_options, output_settings
+from overview_dsp.cli.stopping import signals_that_end
+from overview_dsp.files.atomic import remove_temporaries
+from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
-    from overview_dsp.engine.engine import Engine
-    from overview_dsp.live.output_settings import OutputSettings
-    from overview_dsp.live.player import Input, Player, Stream
+    from overview_dsp.live.hand import Input
+    from overview_dsp.live.player import Player
     from overview_dsp.timeline import Timeline
 
-MAX_BLOCK = 8192
+STANDARD_ERROR = 2
+END_WITHIN_S = 2.0
 
 
 def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -31,7 +37,8 @@ def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--device", help="Output: a name or number of `overview devices`, or none."),
         click.option("--block-size", default=256, show_default=True,
                      help="Frames, 0 = the device's own."),
-        click.option("--sample-rate", type=float, help="Hz; the device's own if left out."),
+        click.option("--sample-rate", type=float, callback=rate_given,
+                     help="Hz; the device's own if left out."),
         click.option("--callback", type=click.Choice(["native", "python"]), default="native",
                      show_default=True, help="What PortAudio calls."),
         click.option("--record", metavar="TAKE.csv", help="Keep what was played, to the bit."),
@@ -44,16 +51,40 @@ def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return function
 
 
+def rate_given(context: Any, option: Any, rate: float | None) -> float | None:
+    """A sample rate, refused here: the device would be asked for its own at 0."""
+    from overview_dsp.engine.engine import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
+    from overview_dsp.errors import InputError
+
+    if rate is not None and not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
+        raise InputError(
+            f"sample rate {rate:g} Hz is out of range; it is {MIN_SAMPLE_RATE:g} to "
+            f"{MAX_SAMPLE_RATE:g} Hz"
+        )
+    return rate
+
+
+def seconds_given(context: Any, option: Any, seconds: float | None) -> float | None:
+    """How long to play; written so that NaN fails."""
+    from overview_dsp.errors import InputError
+
+    if seconds is not None and not 0.0 <= seconds < math.inf:
+        raise InputError(f"--seconds {seconds:g}; it is 0 or more")
+    return seconds
+
+
 @contextmanager
 def opened_player(
     data: Timeline,
     part: tuple[float, float] | None,
     preset: str,
     live: dict[str, Any],
+    ab: str | None = None,
 ) -> Iterator[tuple[Player, list[int]]]:
     """A player on the device that the options name, and the signals that ask for its end.
 
-    It is closed, saved and remembered afterwards. `part` (s) is what it shows first.
+    It is closed, saved and remembered afterwards. `part` (s) is what it shows first, `ab` a second
+    preset to switch to.
 
     Raises
     ------
@@ -61,9 +92,10 @@ def opened_player(
         A device, file or value that can't be used.
     """
     from overview_dsp.actuators.stage import warn_of_carrier
-    from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable
+    from overview_dsp.live.kept_takes import take_cut_short
     from overview_dsp.live.output_settings import save_settings
+    from overview_dsp.live.outputs import MAX_BLOCK, Outputs
     from overview_dsp.live.player import Player
     from overview_dsp.live.preset_watch import PresetWatch
 
@@ -74,11 +106,12 @@ def opened_player(
             "device", "block_size", "sample_rate", "callback", "record", "seed", "actuator"
         )
     )  # fmt: skip
-    if block_size < 0 or block_size > MAX_BLOCK:
-        raise InputError(f"block size {block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
+    outputs = Outputs(device, block_size, callback)
     if record is not None:
         require_writable(record)
         require_writable(os.path.splitext(record)[0] + ".json")
+    for take in take_cut_short():
+        note(f"a take was cut short; it is in {take} (overview render ... --gesture {take})")
     watch = PresetWatch(preset)
     name, rate = _device(device, sample_rate)
     chosen = output_settings(None if device == SILENT else name, live, actuator)
@@ -90,25 +123,30 @@ def opened_player(
     player = Player(
         data,
         watch,
-        _opener(device, block_size, callback),
+        outputs,
         settings,
         sample_rate=rate,
         max_block_size=MAX_BLOCK,
         callback="native" if native else "python",
         record=record,
         seed=seed,
+        other=None if ab is None else PresetWatch(ab),
     )
-    with ended_by_signals() as received:
+    with ended_by_signals(player.end_take) as received:
         try:
             if part is not None:
                 player.show(*part)
             yield player, received
         finally:
             player.close()
-            if device != SILENT and chosen.differ(player.settings):
+            for message in player.take_messages():
+                note(message)
+            for ended in player.takes:
+                say(f"{ended}: the take, to the bit")
+            # what belongs to another device, chosen meanwhile, isn't this one's
+            same = player.outputs is outputs
+            if same and device != SILENT and chosen.differ(player.settings):
                 save_settings(name, player.settings)
-    if record is not None:
-        click.echo(f"{record}: the take, to the bit", err=True)
 
 
 def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
@@ -121,36 +159,30 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
     return f"{found.name} ({found.host})", sample_rate or found.sample_rate
 
 
-def _opener(
-    device: str | None, block_size: int, callback: Any
-) -> Callable[[Engine, OutputSettings], Stream]:
-    first = True
-
-    def open_stream(engine: Engine, settings: OutputSettings) -> Stream:
-        nonlocal first
-        if device == SILENT:
-            from overview_dsp.live.silent import SilentStream
-
-            return SilentStream(engine, block_size or 256, settings)
-        from overview_dsp.live.portaudio import OutputStream, rescan
-
-        if not first:
-            rescan()
-        first = False
-        return OutputStream(engine, device_named(device), block_size, settings, callback)
-
-    return open_stream
-
-
 @contextmanager
-def ended_by_signals() -> Iterator[list[int]]:
-    """The signals that ask for an end, collected instead of obeyed."""
+def ended_by_signals(save: Callable[[], None] | None = None) -> Iterator[list[int]]:
+    """The signals that ask for an end, collected instead of obeyed.
+
+    A process that hasn't ended `END_WITHIN_S` after the first one (a terminal that takes nothing
+    more, a device that doesn't answer) is ended then, after `save`.
+    """
     received: list[int] = []
-    names = ("SIGINT", "SIGTERM", "SIGHUP")
-    wanted = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    before = {
-        number: signal.signal(number, lambda got, _: received.append(got)) for number in wanted
-    }
+
+    def receive(number: int, frame: Any) -> None:
+        received.append(number)
+        if len(received) == 1:
+            threading.Thread(target=end_anyway, name="end", daemon=True).start()
+
+    def end_anyway() -> None:
+        time.sleep(END_WITHIN_S)
+        try:
+            if save is not None:
+                save()
+            remove_temporaries()
+        finally:
+            os._exit(128 + received[0])
+
+    before = {number: signal.signal(number, receive) for number in signals_that_end()}
     try:
         yield received
     finally:
@@ -161,13 +193,23 @@ def ended_by_signals() -> Iterator[list[int]]:
 def exit_if_stopped(received: list[int]) -> None:
     """End the program as signals do, if one came."""
     if received:
-        click.echo(f"stopped by {signal.Signals(received[0]).name}", err=True)
+        say(f"stopped by {signal.Signals(received[0]).name}")
         sys.exit(128 + received[0])
 
 
 def note(message: str) -> None:
     """A line for the person."""
-    click.echo(f"note: {message}", err=True)
+    say(f"note: {message}")
+
+
+def say(line: str) -> None:
+    """A line on standard error, if there is one still: it may be a terminal that was closed."""
+    try:
+        click.echo(line, err=True)
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, STANDARD_ERROR)  # else its end would fail again
+        os.close(nowhere)
 
 
 def print_lines(
@@ -178,3 +220,4 @@ def print_lines(
 
     for report in run(player, source, lambda: bool(received), note, seconds):
         print(json.dumps(report), flush=True)
+    player.close()  # before anything else that may take its time

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from overview_dsp.cli.common import print_json
+from overview_dsp.cli.common import show
 
 if TYPE_CHECKING:
     from overview_dsp.controllers.midi_map import Control
@@ -75,10 +75,8 @@ def learn(
     kept = tuple(one for one in controls if (one.name, one.channel) != same and one.to != target)
     with whole_file(path) as temporary:
         temporary.write_text(write_map((*kept, found)), encoding="utf-8")
-    if as_json:
-        print_json({"control": found.name, "channel": found.channel, "to": target, "file": path})
-    else:
-        click.echo(f"{path}: {found.name}, channel {found.channel}, is {target}")
+    report = {"control": found.name, "channel": found.channel, "to": target, "file": path}
+    show(as_json, report, f"{path}: {found.name}, channel {found.channel}, is {target}")
 
 
 def _moved(name: str, target: str, seconds: float) -> Control:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from contextlib import ExitStack
 from typing import Any
 
 import click
 
-from overview_dsp.cli.common import part_of, window_options
+from overview_dsp.cli.common import part_of, read_gesture, window_options
 from overview_dsp.cli.live_session import (
     exit_if_stopped,
     live_options,
     note,
     opened_player,
     print_lines,
+    say,
+    seconds_given,
 )
 from overview_dsp.cli.options.server import (
     open_server,
@@ -39,10 +42,16 @@ from overview_dsp.cli.options.timeline import (
 @preset_option
 @input_options
 @window_options
-@click.option("--seconds", type=float, help="Stop after so long.")
+@click.option("--seconds", type=float, callback=seconds_given, help="Stop after so long.")
 @click.option(
     "--headless", "--json", "headless", is_flag=True, help="Lines of JSON, as without a terminal."
 )
+@click.option("--replay", metavar="TAKE.csv", help="Play a take or a gesture as the same hand, "
+              "from the first sample on.")  # fmt: skip
+@click.option("--loop", is_flag=True, help="Again and again.")
+@click.option("--ab", metavar="PRESET", help="A second preset: 1 and 2 switch between them.")
+@click.option("--line", "by_line", is_flag=True, help="Plain lines instead of a screen, for screen "
+              "readers: the same keys.")  # fmt: skip
 @click.option("--remote", is_flag=True, help="Also let a phone or a browser hold the disk.")
 @server_options
 @timeline_options
@@ -60,6 +69,10 @@ def command(
     zoom_to: str | None,
     seconds: float | None,
     headless: bool,
+    replay: str | None,
+    loop: bool,
+    ab: str | None,
+    by_line: bool,
     remote: bool,
     server: dict[str, Any],
     load: dict[str, Any],
@@ -79,18 +92,26 @@ def command(
     part = part_of(data, window, zoom_to)
     if part is not None and window:
         data, part = data.window(*part), None
+    hand = None if replay is None else read_gesture(replay)
+    if loop and hand is None:
+        raise click.UsageError("--loop is for --replay")
+    if hand is not None and sources:
+        raise click.UsageError("--replay is the hand; leave --input out")
     named = parse_sources(sources, sensor, baud, midi_map, force)
     if force:
         choose_force_block(live)
     name = preset_for(data, preset)
     with ExitStack() as stack:
-        player, received = stack.enter_context(opened_player(data, part, name, live))
-        source = named.opened(player.engine, stack.callback)
+        player, received = stack.enter_context(opened_player(data, part, name, live, ab))
+        if hand is not None:
+            assert replay is not None
+            player.replay(hand, os.path.basename(replay), loop)
+        source = named.opened(player, stack.callback)
         invitation = ""
         if osc_out is not None:
             from overview_dsp.live.osc_out import OscOut
 
-            stack.callback(OscOut(player.engine, osc_out).close)
+            stack.callback(OscOut(player.engine, osc_out, player.say).close)
         if remote:
             from overview_dsp.web.data import data_routes
             from overview_dsp.web.session import HostSession
@@ -100,6 +121,10 @@ def command(
             invitation = stack.enter_context(open_server(server, session, routes)).text
         if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
             print_lines(player, source, received, seconds)
+        elif by_line:
+            from overview_dsp.tui.lines import run as run_lines
+
+            run_lines(player, source, lambda: bool(received), say)
         else:
             from overview_dsp.tui import run
 

@@ -15,6 +15,7 @@ from overview_dsp.cli.live_session import (
     live_options,
     opened_player,
     print_lines,
+    seconds_given,
 )
 from overview_dsp.cli.options.server import (
     Opened,
@@ -45,7 +46,7 @@ LOOK_EVERY_S = 0.1
 @click.option("--media", metavar="FILE", help="A film or recording of it, to play from a moment.")
 @click.option("--media-offset", type=float, default=0.0, show_default=True, metavar="S",
               help="Where in it the timeline's time 0 is.")  # fmt: skip
-@click.option("--seconds", type=float, help="Stop after so long.")
+@click.option("--seconds", type=float, callback=seconds_given, help="Stop after so long.")
 @click.option("--json", "as_json", is_flag=True, help="The address as a line of JSON.")
 @server_options
 @timeline_options

@@ -49,7 +49,14 @@ class Dialled:
     high: float | None = None
 
 
-Move = Turned | Touched | LetGo | Asked | Dialled
+@dataclass(frozen=True)
+class Command:
+    """The session is asked for something that is no movement: a name and its words."""
+
+    words: tuple[str, ...]
+
+
+Move = Turned | Touched | LetGo | Asked | Dialled | Command
 
 
 @dataclass

@@ -4,6 +4,10 @@
 /overview/theta2 1.57 1      the angle, and whether the hand holds on
 /overview/touch 1            whether the hand holds on (0 or 1)
 /overview/tactor/gain_db -6  a parameter by its id; a dot may stand for the stroke
+/overview/record 1           begin a take (0: end it; nothing: the other)
+/overview/replay 1           play the last take again and again (0: stop)
+/overview/preset football    change to a preset by its name; 1 or 2: to one of two
+/overview/window 0 2700      show a part of the timeline, s
 """
 
 from __future__ import annotations
@@ -12,12 +16,21 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from overview_dsp.controllers.control_messages import Asked, Counters, Move, PositionControl
+from overview_dsp.controllers.control_messages import (
+    Asked,
+    Command,
+    Counters,
+    Move,
+    PositionControl,
+)
 from overview_dsp.controllers.osc_packets import decode_packet
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
 
 PREFIX = "/overview/"
+COMMANDS = ("record", "replay", "preset", "window")
+"""What asks for something that is neither movement nor parameter."""
+
 ROUNDED = 1e-4
 """Beyond an end by so much (rad) is the end in single precision, and no mistake."""
 
@@ -75,6 +88,8 @@ class OscReader:
             if len(values) == 2:
                 return self._position.both(angle, _flag(values[1]))
             return self._position.turn(angle)
+        if name in COMMANDS:
+            return [Command((name, *map(_word, values)))]
         if len(values) != 1:
             raise InputError(f"it takes one value; {len(values)} came")
         if name == "touch":
@@ -102,6 +117,17 @@ class OscReader:
         if not self.counters.refused:
             self._said.append(f"{why} (the first of them; counted on)")
         self.counters.refused += 1
+
+
+def _word(value: object) -> str:
+    """A value of a command as it would be typed."""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    if isinstance(value, int | float | str):
+        return str(value)
+    raise InputError("it takes numbers and texts")
 
 
 def _flag(value: object) -> bool:

@@ -22,6 +22,7 @@ from overview_dsp.engine.compile_notice import announce_compile
 from overview_dsp.engine.meters import EngineParameter, Meters, Strikes
 from overview_dsp.engine.queues import ControlQueues, stamp_of
 from overview_dsp.engine.state import decode_state, encode_state
+from overview_dsp.engine.struck import StruckSurfaces
 from overview_dsp.engine.surface_slots import write_surface
 from overview_dsp.engine.tail import tail_seconds
 from overview_dsp.errors import InputError, NotPreparedError
@@ -37,7 +38,7 @@ from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
 
 if TYPE_CHECKING:
-    from overview_dsp.timeline import Timeline
+    from overview_dsp.timeline import Event, Timeline
 
 MIN_SAMPLE_RATE = 1_000.0
 MAX_SAMPLE_RATE = 768_000.0
@@ -56,8 +57,9 @@ class Engine:
     - any thread: `control` and `control_all`, the properties that report the state (`meters`,
       `holder`, `impulse`, `sample_time`, `preset` ...), and `take_applied`. Events of one source
       are applied in the order of their calls, so a source whose order matters has one writer;
-    - one thread, whichever: `take_strikes`;
-    - one control thread: everything else, as `set` and its kin, and `take_changes`.
+    - one thread, whichever: `take_strikes` and `take_struck_events`;
+    - one thread, whichever: `take_changes`;
+    - one control thread: everything else, as `set` and its kin.
 
     `prepare`, `restart`, `reset` and `load_state` begin anew: nobody else calls anything meanwhile,
     and no stream runs.
@@ -102,6 +104,7 @@ class Engine:
         self._slot_surfaces: list[Surface | None] = [None] * layout.SLOTS
         self._sample_rate = 0.0
         self._max_block_size = 0
+        self._struck = StruckSurfaces()
         self._journal: deque[tuple[int, dict[str, Any] | None]] = deque(maxlen=layout.HOST_RING)
 
     # --- life -----------------------------------------------------------------------------------
@@ -247,6 +250,7 @@ class Engine:
         block.reset(self._f64, self._i64, self._u64)
         self._queues.clear_dropped()
         self._journal.clear()
+        self._struck.reset(self._surface, self._timeline)
 
     # --- control thread -------------------------------------------------------------------------
 
@@ -435,8 +439,7 @@ class Engine:
         """
         surface = build_surface(timeline, self._preset)
         note = {"window": list(window)} if window is not None else None
-        self._change(self._preset, surface, sample_time, note)
-        self._timeline = timeline
+        self._change(self._preset, surface, sample_time, note, timeline)
 
     def set_surface(self, surface: Surface, sample_time: int | None = None) -> None:
         """Crossfade to another surface (new data, a zoom, a preset) in 30 ms.
@@ -475,8 +478,10 @@ class Engine:
         surface: Surface | None,
         sample_time: int | None,
         note: dict[str, Any] | None,
+        timeline: Timeline | None = None,
     ) -> None:
         """Take over a preset and a surface, all at one sample; or nothing, with an error."""
+        timeline = self._timeline if timeline is None else timeline
         if self._sample_rate:
             check_carrier(preset, self._sample_rate)
             stamp = stamp_of(sample_time)
@@ -488,8 +493,12 @@ class Engine:
                 self._slot_surfaces[slot] = surface
                 changed.append((layout.COMMAND_SURFACE, float(slot)))
             if changed:
-                self._journal.append((self._queues.push(changed, stamp), note))
-        self._preset = preset
+                number = self._queues.push(changed, stamp)
+                self._journal.append((number, note))
+                if surface is not None:  # it comes last
+                    last = number + len(changed) - 1
+                    self._struck.add(last, surface, timeline, self._queues.applied_at)
+        self._preset, self._timeline = preset, timeline
         if surface is not None:
             self._surface = surface
 
@@ -742,10 +751,43 @@ class Engine:
         >>> len(engine.take_strikes())
         0
         """
+        return self._take_strikes()[0]
+
+    def take_struck_events(self) -> list[tuple[Event, float]]:
+        """Look up the events struck since the last call of this or `take_strikes`.
+
+        Returns
+        -------
+        list of (Event, float)
+            Each as it is in the timeline that was under the disk then, and the amplitude of its
+            click, linear.
+
+        Raises
+        ------
+        NotPreparedError
+            Before `prepare`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.take_struck_events()
+        []
+        """
+        strikes, timelines = self._take_strikes()
+        return [
+            (timeline.events[event], float(level))
+            for event, level, timeline in zip(strikes.event, strikes.level, timelines, strict=True)
+            if event >= 0 and timeline is not None
+        ]
+
+    def _take_strikes(self) -> tuple[Strikes, list[Timeline | None]]:
         self._require_prepared()
-        surface = self._slot_surfaces[int(self._i64[layout.ACTIVE_SLOT])]
-        assert surface is not None
-        return reports.take_strikes(self._f64, surface, self._sample_rate)
+        return reports.take_strikes(
+            self._f64, self._struck, self._queues.applied_at, self._sample_rate
+        )
 
     def take_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
         """Look up the parameter and surface changes applied since the last call.

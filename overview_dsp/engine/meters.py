@@ -117,7 +117,7 @@ class Strikes:
     time_s : float64 (strikes,)
         When, s since reset, with its fraction of a sample.
     event : int64 (strikes,)
-        Index into the timeline's events; -1 is the bare surface.
+        Index into the events of the timeline under the disk then; -1 is the bare surface.
     torque : float64 (strikes,)
         Let go there, N m.
     level : float64 (strikes,)

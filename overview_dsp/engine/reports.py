@@ -5,20 +5,29 @@ Each function takes the block of `kernels.layout`, float64; the audio thread may
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.engine.meters import Meters, Strikes
-from overview_dsp.engine.surface_slots import struck_event
+from overview_dsp.engine.struck import StruckSurfaces
 from overview_dsp.errors import OverviewError
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.ordering import acquired
-from overview_dsp.surface import Surface
+
+if TYPE_CHECKING:
+    from overview_dsp.timeline import Timeline
 
 APPLIED_EVENT = np.dtype(
     [("sample", np.int64), ("source", np.int64), ("theta2", np.float64), ("touching", np.bool_)]
 )
+
+LOG_FIRST_S = 2e-4
+"""An event is in the log a little before the hand's state shows it."""
 
 
 def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
@@ -109,19 +118,49 @@ def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.vo
     return events, now
 
 
-def take_strikes(memory: NDArray[np.float64], surface: Surface, sample_rate: float) -> Strikes:
-    """The strikes since the last call (up to the log's latest), by the surface they fell on."""
+def take_strikes(
+    memory: NDArray[np.float64],
+    struck: StruckSurfaces,
+    applied_at: Callable[[int], int | None],
+    sample_rate: float,
+) -> tuple[Strikes, list[Timeline | None]]:
+    """The strikes since the last call (up to the log's latest), by the surfaces they fell on.
+
+    And each one's timeline, None where that isn't known any more.
+    """
     i64 = memory.view(np.int64)
+    now = int(i64[layout.CLOCK])
     total = acquired(i64, layout.M_STRIKES)
     first = max(int(i64[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
     i64[layout.STRIKES_READ] = total
     at = np.arange(first, total) % layout.STRIKE_LOG
-    return Strikes(
-        time_s=memory[layout.LOG_TIME + at] / sample_rate,
-        event=struck_event(surface, i64[layout.LOG_EVENT + at]),
+    times = memory[layout.LOG_TIME + at]
+    events, timelines = struck.find(i64[layout.LOG_EVENT + at], times, now, applied_at)
+    strikes = Strikes(
+        time_s=times / sample_rate,
+        event=events,
         torque=memory[layout.LOG_TORQUE + at],
         level=memory[layout.LOG_LEVEL + at],
     )
+    return strikes, timelines
+
+
+def read_hands(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, float]]]:
+    """A sample, how many events were applied by then, and the hands that hold on after those.
+
+    Each hand's source (an index) and theta2 (rad), in the order in which they touched.
+    """
+    i64 = memory.view(np.int64)
+    while True:  # the audio thread may apply events meanwhile
+        now = int(i64[layout.CLOCK])
+        applied = acquired(i64, layout.APPLIED)
+        time.sleep(LOG_FIRST_S)
+        touched = i64[layout.SOURCE_TOUCHED_AT :][: layout.SOURCES].copy()
+        held = np.flatnonzero(i64[layout.SOURCE_TOUCHING :][: layout.SOURCES])
+        theta2 = memory[layout.SOURCE_THETA2 :][: layout.SOURCES].copy()
+        if applied == acquired(i64, layout.APPLIED):
+            order = sorted(held.tolist(), key=lambda source: int(touched[source]))
+            return now, applied, [(source, float(theta2[source])) for source in order]
 
 
 def tactor_of(memory: NDArray[np.float64], torque: NDArray[np.float64]) -> NDArray[np.float32]:

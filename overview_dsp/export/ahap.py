@@ -44,11 +44,8 @@ def vibration_pattern(clip: Clip, budget: int) -> dict[str, Any]:
             "Time": start,
             "EventDuration": (end - first) / LEVELS_PER_S,
             "EventParameters": [
-                {"ParameterID": "HapticIntensity", "ParameterValue": 1.0},
-                {
-                    "ParameterID": "HapticSharpness",
-                    "ParameterValue": sharpness_of(clip.frequency_hz),
-                },
+                _value("HapticIntensity", 1.0),
+                _value("HapticSharpness", sharpness_of(clip.frequency_hz)),
             ],
         }
         curve = {
@@ -75,14 +72,8 @@ def strikes_pattern(clip: Clip) -> dict[str, Any]:
                 "EventType": "HapticTransient",
                 "Time": round(strike.time_s, 4),
                 "EventParameters": [
-                    {
-                        "ParameterID": "HapticIntensity",
-                        "ParameterValue": _intensity(strike.amplitude),
-                    },
-                    {
-                        "ParameterID": "HapticSharpness",
-                        "ParameterValue": round(strike.sharpness, 4),
-                    },
+                    _value("HapticIntensity", _intensity(strike.amplitude)),
+                    _value("HapticSharpness", round(strike.sharpness, 4)),
                 ],
             }
         }

@@ -57,9 +57,9 @@ def document(clip: Clip, budget: int) -> dict[str, Any]:
         )
         for strike in clip.transients
     ]
-    channels = [_channel(0, "vibration", [_wave(0, vibration)])]
+    channels = [_waves(0, "vibration", [_wave(0, vibration)])]
     if strikes:
-        channels.append(_channel(1, "strikes", strikes))
+        channels.append(_waves(1, "strikes", strikes))
     highest = float(clip.surface.resistance.max())
     return {
         "version": "2023",
@@ -93,22 +93,26 @@ def document(clip: Clip, budget: int) -> dict[str, Any]:
     }
 
 
-def _channel(number: int, name: str, effects: list[dict[str, Any]]) -> dict[str, Any]:
-    band = {
-        "band_type": "VectorialWave",
-        "lower_frequency_limit": _LOW_HZ,
-        "upper_frequency_limit": _HIGH_HZ,
-        "effects": effects,
-    }
+def _channel(number: int, name: str, band: dict[str, Any], **device: int) -> dict[str, Any]:
     return {
         "id": number,
         "description": name,
         "gain": 1.0,
         "mixing_coefficient": 1.0,
         "body_part_mask": _RIGHT_HAND,
-        "reference_device_id": _TACTOR,
+        **device,
         "bands": [band],
     }
+
+
+def _waves(number: int, name: str, effects: list[dict[str, Any]]) -> dict[str, Any]:
+    band = {
+        "band_type": "VectorialWave",
+        "lower_frequency_limit": _LOW_HZ,
+        "upper_frequency_limit": _HIGH_HZ,
+        "effects": effects,
+    }
+    return _channel(number, name, band, reference_device_id=_TACTOR)
 
 
 def _wave(position: int, keyframes: list[dict[str, Any]]) -> dict[str, Any]:
@@ -142,24 +146,9 @@ def _friction(clip: Clip, highest: float) -> dict[str, Any]:
         "curve_type": "Linear",
         "lower_frequency_limit": 0,
         "upper_frequency_limit": _HIGH_HZ,
-        "effects": [
-            {
-                "effect_type": "Basis",
-                "position": 0,
-                "phase": 0.0,
-                "base_signal": "Sine",
-                "keyframes": keyframes,
-            }
-        ],
+        "effects": [_wave(0, keyframes)],
     }
-    return {
-        "id": 2,
-        "description": "B over phi",
-        "gain": 1.0,
-        "mixing_coefficient": 1.0,
-        "body_part_mask": _RIGHT_HAND,
-        "bands": [band],
-    }
+    return _channel(2, "B over phi", band)
 
 
 def _c2(hz: int) -> dict[str, Any]:

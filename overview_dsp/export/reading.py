@@ -7,7 +7,6 @@ are written (`ahap`, `haptic`): so a clip that was exported comes back as it was
 from __future__ import annotations
 
 import json
-import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.export.clip import LEVELS_PER_S, MAX_CLIP_S, Transient
 from overview_dsp.public.reprs import counted
+from overview_dsp.timeline.checks import number
 
 MAX_BYTES = 8_000_000
 MAX_ENTRIES = 100_000
@@ -157,7 +157,7 @@ def _curve(curve: dict[str, Any], place: str) -> list[tuple[float, float]]:
     return [
         (
             start + _seconds(point.get("Time"), f"{place}.ControlPoints[{k}].Time"),
-            _number(point.get("ParameterValue"), f"{place}.ControlPoints[{k}].ParameterValue"),
+            number(point.get("ParameterValue"), f"{place}.ControlPoints[{k}].ParameterValue"),
         )
         for k, point in enumerate(points)
     ]
@@ -167,13 +167,13 @@ def _step(parameter: dict[str, Any], place: str) -> list[tuple[float, float]]:
     if parameter.get("ParameterID") != _CONTROL:
         return []
     time = _seconds(parameter.get("Time"), f"{place}.Time")
-    return [(time, _number(parameter.get("ParameterValue"), f"{place}.ParameterValue"))]
+    return [(time, number(parameter.get("ParameterValue"), f"{place}.ParameterValue"))]
 
 
 def _parameters(entries: Any, place: str) -> dict[str, float]:
     found = {}
     for k, entry in enumerate(_entries(entries, place)):
-        value = _number(entry.get("ParameterValue"), f"{place}[{k}].ParameterValue")
+        value = number(entry.get("ParameterValue"), f"{place}[{k}].ParameterValue")
         if entry.get("ParameterID") in ("HapticIntensity", "HapticSharpness"):
             found[str(entry["ParameterID"])] = _unit(value, f"{place}[{k}].ParameterValue")
     return found
@@ -194,13 +194,13 @@ def _haptic(document: dict[str, Any]) -> PlayedClip:
     for k, point in enumerate(points):
         here = f"{place}[{k}]"
         times.append(_seconds(point.get("time"), f"{here}.time"))
-        levels.append(_unit(_number(point.get("amplitude"), f"{here}.amplitude"), here))
+        levels.append(_unit(number(point.get("amplitude"), f"{here}.amplitude"), here))
         if k and times[-1] < times[-2]:
             raise InputError(f"{here}.time = {times[-1]:g} is before the point above it")
         if "emphasis" in point:
             emphasis = _table(point["emphasis"], f"{here}.emphasis")
             strength, sharpness = (
-                _unit(_number(emphasis.get(key), f"{here}.emphasis.{key}"), here)
+                _unit(number(emphasis.get(key), f"{here}.emphasis.{key}"), here)
                 for key in ("amplitude", "frequency")
             )
             strikes.append(Transient(times[-1], strength, sharpness, ""))
@@ -233,26 +233,14 @@ def _table(value: Any, place: str) -> dict[str, Any]:
     return value
 
 
-def _number(value: Any, place: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{place} isn't a number")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise InputError(f"{place} isn't a finite number")
-    return number
-
-
 def _seconds(value: Any, place: str) -> float:
-    number = _number(value, place)
-    if not 0.0 <= number <= MAX_CLIP_S:
-        raise InputError(f"{place} = {number:g} s; it is 0 to {MAX_CLIP_S:g}")
-    return number
+    seconds = number(value, place)
+    if not 0.0 <= seconds <= MAX_CLIP_S:
+        raise InputError(f"{place} = {seconds:g} s; it is 0 to {MAX_CLIP_S:g}")
+    return seconds
 
 
-def _unit(number: float, place: str) -> float:
-    if not 0.0 <= number <= 1.0:
-        raise InputError(f"{place} = {number:g}; it is 0 to 1")
-    return number
+def _unit(part: float, place: str) -> float:
+    if not 0.0 <= part <= 1.0:
+        raise InputError(f"{place} = {part:g}; it is 0 to 1")
+    return part

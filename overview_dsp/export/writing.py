@@ -17,7 +17,6 @@ from overview_dsp.errors import InputError
 from overview_dsp.export import ahap, android, haptic, hjif
 from overview_dsp.export.clip import Clip, clip_of
 from overview_dsp.export.felt_error import FeltError, felt_error
-from overview_dsp.export.pad_wav import pad_samples
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.public.reprs import counted, short
@@ -192,7 +191,8 @@ def export(
         raise InputError(f"{points_per_s:g} points a second; it is 1 to 1000")
     target = Path(path)
     if to == "wav4":
-        save_sound(target, pad_samples(result), result.sample_rate, "PCM_16")
+        # for pads whose voice coils are channels 3 and 4 (DualSense): clicks on both sides, tactor
+        save_sound(target, result.samples[:, [0, 0, 1, 1]], result.sample_rate, "PCM_16")
         return Exported((target,), None, 0, 0)
     clip = clip_of(result)
     budget = max(2, round(points_per_s * clip.duration_s))

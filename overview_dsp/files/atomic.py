@@ -6,7 +6,7 @@ import contextlib
 import errno
 import os
 import shutil
-import tempfile
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -68,6 +68,34 @@ def require_writable(path: str | os.PathLike[str]) -> None:
         raise InputError(f"{target}: can't be written; choose a folder you may write to")
 
 
+_temporaries: set[Path] = set()
+
+
+def _temporary(target: Path, suffix: str = "") -> Path:
+    """A name for a temporary file or folder beside a target, noted before it is there."""
+    # the stem is left out: with it, a name that fits its folder could become too long
+    path = target.parent / f".overview-{uuid.uuid4().hex[:12]}{suffix}"
+    _temporaries.add(path)
+    return path
+
+
+def _remove(path: Path | None) -> None:
+    if path is None:
+        return
+    with contextlib.suppress(OSError):  # it may never have been made
+        if os.path.isdir(path):
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            os.unlink(path)
+    _temporaries.discard(path)
+
+
+def remove_temporaries() -> None:
+    """Delete what a writer that was stopped anywhere has left, in this process."""
+    for path in list(_temporaries):
+        _remove(path)
+
+
 @contextlib.contextmanager
 def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[Path]:
     """Give a temporary path beside `path`; rename it into place on success, delete it otherwise.
@@ -89,16 +117,9 @@ def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[
     # os.path: a name that is too long is no folder, where pathlib raises
     if os.path.isdir(target):
         raise InputError(f"{target}: is a folder; name a file in it")
+    temporary = _temporary(target, target.suffix)
     try:
-        # the stem is left out: with it, a name that fits its folder could become too long
-        handle, name = tempfile.mkstemp(
-            prefix=".overview-", suffix=target.suffix, dir=target.parent
-        )
-    except OSError as error:
-        raise output_error(target, error) from error
-    os.close(handle)
-    temporary = Path(name)
-    try:
+        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
         yield temporary
         with open(temporary, "rb") as written:
             os.fsync(written.fileno())
@@ -110,7 +131,7 @@ def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[
     except OSError as error:
         raise output_error(target, error) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        _remove(temporary)
 
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
@@ -147,7 +168,8 @@ def whole_folder(path: str | os.PathLike[str], ours: str) -> Iterator[Path]:
                     f"{target}: holds other files, which would be lost; name an empty or new folder"
                 )
         target = target.absolute()
-        temporary = Path(tempfile.mkdtemp(prefix=".overview-", dir=target.parent))
+        temporary = _temporary(target)
+        temporary.mkdir(mode=0o700)
     except (OSError, ValueError) as error:  # ValueError: a zero byte
         if isinstance(error, OSError):
             raise output_error(target, error) from error
@@ -158,14 +180,13 @@ def whole_folder(path: str | os.PathLike[str], ours: str) -> Iterator[Path]:
         os.umask(umask)
         os.chmod(temporary, 0o777 & ~umask)
         if target.exists():
-            old = Path(tempfile.mkdtemp(prefix=".overview-", dir=target.parent))
+            old = _temporary(target)
             os.replace(target, old)
         os.replace(temporary, target)
     except OSError as error:
-        if old is not None and not target.exists():
-            os.replace(old, target)
         raise output_error(target, error) from error
     finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-        if old is not None:
-            shutil.rmtree(old, ignore_errors=True)
+        if old is not None and not target.exists():
+            os.replace(old, target)
+        _remove(temporary)
+        _remove(old)

@@ -1,4 +1,4 @@
-"""The small TOML files a person writes, found by name or path and read strictly.
+"""The small TOML files a person writes, read strictly.
 
 Presets, the profiles of actuators and sensors, maps of controllers: what is wrong in one is said
 with its file and line.
@@ -6,10 +6,9 @@ with its file and line.
 
 from __future__ import annotations
 
-import os
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,27 +18,6 @@ from overview_dsp.errors import InputError, did_you_mean, shown
 SUFFIX = ".toml"
 MAX_BYTES = 1_000_000
 TEXTS = ("title", "description")
-
-
-def names_in(folder: Path) -> tuple[str, ...]:
-    """Names of the files in a folder, which may not be there, sorted."""
-    return tuple(sorted(path.stem for path in folder.glob("*" + SUFFIX))) if folder.is_dir() else ()
-
-
-def own_folder(what: str, variable: str) -> Path:
-    """The folder of a person's own files of a sort (`presets`), which may not be there yet.
-
-    Parameters
-    ----------
-    variable
-        The environment variable that names another one.
-    """
-    given = os.environ.get(variable)
-    if given:
-        return Path(given)
-    import platformdirs
-
-    return platformdirs.user_config_path("overview-dsp", appauthor=False) / what
 
 
 def read_text(path: Path) -> str:
@@ -107,16 +85,27 @@ def check_head(
             )
 
 
-def given_in(data: Mapping[str, Any], section: str, keys: Iterable[str]) -> dict[str, Any]:
-    """A section's keys and values; InputError, which begins with the key, for one not of `keys`."""
-    given = data.get(section, {})
-    if not isinstance(given, dict):
-        raise InputError(f"{section} = {shown(given)} is not allowed; it is a table: [{section}]")
-    known = tuple(keys)
-    for key in given:
-        if key not in known:
-            raise InputError(f"{section}.{shown_key(key)}: unknown key{did_you_mean(key, known)}")
-    return given
+def sections_of(ids: Iterable[str]) -> tuple[str, ...]:
+    """The sections of ids, `section.key`, in order."""
+    return tuple(dict.fromkeys(id.partition(".")[0] for id in ids))
+
+
+def values_in(data: Mapping[str, Any], ids: Collection[str]) -> dict[str, Any]:
+    """What a profile gives, by id; InputError, which begins with the key, for one not of `ids`."""
+    values = {}
+    for section in sections_of(ids):
+        given = data.get(section, {})
+        if not isinstance(given, dict):
+            raise InputError(
+                f"{section} = {shown(given)} is not allowed; it is a table: [{section}]"
+            )
+        known = [id.partition(".")[2] for id in ids if id.startswith(f"{section}.")]
+        for key, value in given.items():
+            if key not in known:
+                hint = did_you_mean(key, known)
+                raise InputError(f"{section}.{shown_key(key)}: unknown key{hint}")
+            values[f"{section}.{key}"] = value
+    return values
 
 
 def shown_key(key: str) -> str:

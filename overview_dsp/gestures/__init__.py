@@ -1,7 +1,6 @@
 """Gestures: scripts and takes in, control events out; opens no device."""
 
 from overview_dsp.gestures.model import SOURCES, Change, Gesture
-from overview_dsp.gestures.recorded_take import save_take
 from overview_dsp.gestures.scripts import pause, sweep, tap
 from overview_dsp.gestures.spec import parse_gesture
 from overview_dsp.gestures.take import load_gesture, save_gesture
@@ -14,7 +13,6 @@ __all__ = [
     "parse_gesture",
     "pause",
     "save_gesture",
-    "save_take",
     "sweep",
     "tap",
 ]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -121,18 +122,7 @@ class Gesture:
 
     def __add__(self, other: Gesture) -> Gesture:
         """This gesture, then the other."""
-        later = (
-            replace(change, time_s=change.time_s + self.duration_s) for change in other.changes
-        )
-        return Gesture(
-            np.concatenate([self.time_s, other.time_s + self.duration_s]),
-            np.concatenate([self.theta2, other.theta2]),
-            np.concatenate([self.touching, other.touching]),
-            self.duration_s + other.duration_s,
-            np.concatenate([self.source, other.source]),
-            (*self.changes, *later),
-            (*self.on_arrival, *(event + len(self.time_s) for event in other.on_arrival)),
-        )
+        return joined([self, other])
 
     def stamps(self, sample_rate: float) -> NDArray[np.int64]:
         """Find the sample of each event: the nearest to its time.
@@ -163,3 +153,26 @@ class Gesture:
             f"<Gesture: {self.duration_s:g} s, {counted(len(self.time_s), 'control event')}{by}"
             f"{changes}>"
         )
+
+
+def joined(parts: Sequence[Gesture]) -> Gesture:
+    """Gestures one after the other; at least one."""
+    starts = list(accumulate((part.duration_s for part in parts), initial=0.0))
+    firsts = accumulate((len(part.time_s) for part in parts), initial=0)
+    return Gesture(
+        np.concatenate([part.time_s + start for part, start in zip(parts, starts, strict=False)]),
+        np.concatenate([part.theta2 for part in parts]),
+        np.concatenate([part.touching for part in parts]),
+        starts[-1],
+        np.concatenate([part.source for part in parts]),
+        tuple(
+            replace(change, time_s=change.time_s + start)
+            for part, start in zip(parts, starts, strict=False)
+            for change in part.changes
+        ),
+        tuple(
+            event + first
+            for part, first in zip(parts, firsts, strict=False)
+            for event in part.on_arrival
+        ),
+    )

@@ -1,5 +1,7 @@
 """Recorded takes: what a kernel applied, sample by sample, and what else changed meanwhile.
 
+Written while they are played: `growing_take.py`.
+
 The CSV has the columns of any take and `sample`, `sample_rate` and `source`; a JSON of the same
 name beside it holds the stamped parameter and surface changes::
 
@@ -11,10 +13,9 @@ name beside it holds the stamped parameter and surface changes::
 
 from __future__ import annotations
 
-import csv
 import json
-import os
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,32 +28,21 @@ CHANGES = ("set", "preset", "window")
 VERSION = 1
 
 
-def save_take(
-    path: str | os.PathLike[str],
-    events: Iterable[tuple[int, int, float, bool]],
+@dataclass(frozen=True)
+class Beside:
+    """What the JSON beside a take says: its changes, and for one cut short how far it came, s."""
+
+    changes: tuple[Change, ...]
+    played_s: float | None
+
+
+def save_document(
+    path: Path,
     sample_rate: float,
     about: Mapping[str, Any],
     changes: Iterable[tuple[int, Mapping[str, Any]]],
 ) -> None:
-    """Write a recorded take and its JSON, each whole or not at all.
-
-    Parameters
-    ----------
-    path
-        The CSV's; the JSON's has the suffix `.json`.
-    events
-        Sample, source (index of `SOURCES`), theta2 (rad), touching; in order.
-    about
-        What was played: `seed`, and words for a person (`title`, `preset`).
-    changes
-        Sample and change, in order.
-
-    Raises
-    ------
-    InputError, OutputError
-        An unwritable place, a full disk.
-    """
-    path = Path(path)
+    """Write the JSON beside the take at `path`, whole or not at all; InputError, OutputError."""
     document = {
         "overview_take": VERSION,
         "sample_rate": sample_rate,
@@ -62,19 +52,19 @@ def save_take(
     with whole_file(path.with_suffix(".json")) as temporary:
         text = json.dumps(document, ensure_ascii=False, allow_nan=False)
         temporary.write_text(text, encoding="utf-8")
-    with whole_file(path) as temporary, open(temporary, "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        rate = repr(float(sample_rate))
-        for sample, source, theta2, touching in events:
-            time_s = repr(sample / sample_rate)
-            writer.writerow(
-                [time_s, repr(float(theta2)), int(touching), sample, rate, SOURCES[source]]
-            )
 
 
-def load_changes(path: Path) -> tuple[Change, ...]:
-    """The changes beside a recorded take's CSV.
+def event_line(event: tuple[int, int, float, bool], sample_rate: float) -> str:
+    """An event (sample, source, theta2, touching) as a line of a recorded take."""
+    sample, source, theta2, touching = event
+    return (
+        f"{sample / sample_rate!r},{float(theta2)!r},{int(touching)},{sample},"
+        f"{float(sample_rate)!r},{SOURCES[source]}\n"
+    )
+
+
+def load_beside(path: Path) -> Beside:
+    """What lies beside a recorded take's CSV.
 
     Raises
     ------
@@ -83,7 +73,7 @@ def load_changes(path: Path) -> tuple[Change, ...]:
     """
     beside = path.with_suffix(".json")
     try:
-        document = json.loads(beside.read_bytes())
+        text = beside.read_bytes()
     except FileNotFoundError:
         raise InputError(
             f"{path}: a recorded take, but {beside.name} with its parameter changes isn't beside "
@@ -91,8 +81,14 @@ def load_changes(path: Path) -> tuple[Change, ...]:
         ) from None
     except OSError as error:
         raise InputError(f"{beside}: can't be read ({error.strerror})") from None
+    growing = False
+    try:
+        document = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{beside}: broken JSON ({error})") from None
+        document = _cut_short(text)
+        growing = document is not None
+        if document is None:
+            raise InputError(f"{beside}: broken JSON ({error})") from None
     if not isinstance(document, dict) or document.get("overview_take") != VERSION:
         raise InputError(f'{beside}: not a take\'s changes ("overview_take": {VERSION} is missing)')
     rate = document.get("sample_rate")
@@ -102,20 +98,41 @@ def load_changes(path: Path) -> tuple[Change, ...]:
     if not isinstance(listed, list):
         raise InputError(f"{beside}: changes isn't a list")
     changes: list[Change] = []
+    played_s = None
+    before = 0.0
     for index, entry in enumerate(listed):
         place = f"{beside}: changes[{index}]"
-        if not isinstance(entry, dict) or len(entry.keys() & set(CHANGES)) != 1:
-            raise InputError(f"{place} isn't one of {', '.join(CHANGES)} with its sample")
-        sample = entry.get("sample")
-        before = changes[-1].time_s if changes else 0.0
-        if (
-            isinstance(sample, bool)
-            or not isinstance(sample, int)
-            or not before <= sample / rate <= LONGEST_S
+        if not isinstance(entry, dict) or (
+            len(entry.keys() & set(CHANGES)) != 1 and not (growing and entry.keys() == {"sample"})
         ):
-            raise InputError(
-                f"{place}.sample is {sample!r}; samples count up, from 0 to {LONGEST_S:g} s"
-            )
+            raise InputError(f"{place} isn't one of {', '.join(CHANGES)} with its sample")
+        before = _sample_s(entry, before, rate, place)
         what = {key: value for key, value in entry.items() if key != "sample"}
-        changes.append(Change(sample / rate, what))
-    return tuple(changes)
+        if what:
+            changes.append(Change(before, what))
+        else:
+            played_s = before
+    return Beside(tuple(changes), played_s)
+
+
+def _sample_s(entry: Mapping[str, Any], before: float, rate: float, place: str) -> float:
+    sample = entry.get("sample")
+    if (
+        isinstance(sample, bool)
+        or not isinstance(sample, int)
+        or not before <= sample / rate <= LONGEST_S
+    ):
+        raise InputError(
+            f"{place}.sample is {sample!r}; samples count up, from 0 to {LONGEST_S:g} s"
+        )
+    return sample / rate
+
+
+def _cut_short(text: bytes) -> Any:
+    """The lines of a take that was cut short as the document they would have become, or None."""
+    *lines, _ = text.split(b"\n")  # after the last line's end there is nothing, or a part of one
+    try:
+        head, *entries = [json.loads(line) for line in lines]
+    except (ValueError, RecursionError):
+        return None
+    return {**head, "changes": entries} if isinstance(head, dict) else None

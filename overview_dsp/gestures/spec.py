@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from overview_dsp.errors import InputError
-from overview_dsp.gestures.model import Gesture
+from overview_dsp.gestures.model import Gesture, joined
 from overview_dsp.gestures.scripts import pause, sweep, tap
 from overview_dsp.gestures.take import load_gesture
 
@@ -50,12 +50,12 @@ def parse_gesture(spec: str) -> Gesture:
     # a take's path may hold any character, a plus too
     if Path(spec).suffix.lower() == ".csv" and os.path.exists(spec):
         return load_gesture(spec)
-    gesture: Gesture | None = None
-    for part in spec.split("+"):
-        piece = _part(part.strip())
-        gesture = piece if gesture is None else gesture + piece
-    assert gesture is not None
-    return gesture
+    made: dict[str, Gesture] = {}
+    parts = [part.strip() for part in spec.split("+")]
+    for part in parts:
+        if part not in made:
+            made[part] = _part(part)
+    return joined([made[part] for part in parts])
 
 
 def _part(text: str) -> Gesture:

@@ -18,9 +18,12 @@ import numpy as np
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.gestures.model import LONGEST_S, SOURCES, Gesture
-from overview_dsp.gestures.recorded_take import load_changes
+from overview_dsp.gestures.recorded_take import Beside, load_beside
 
 COLUMNS = ("time_s", "theta2_rad", "touching")
+ROUNDED_RAD = 1e-5
+"""An angle so far outside was rounded: 3.141593 is pi to six decimals."""
+
 _TOUCH = {"1": True, "true": True, "0": False, "false": False}
 
 
@@ -83,6 +86,7 @@ def _read(file: TextIO, path: Path) -> Gesture:
         )
     at = [header.index(name) for name in COLUMNS]
     by = header.index("source") if "source" in header else None
+    recorded = "sample" in header and "sample_rate" in header
     # arrays: an hour's take in tuples would fill half a gigabyte
     times, angles, touches, sources = array("d"), array("d"), array("b"), array("b")
     event = (0.0, 0.0, False)
@@ -90,13 +94,26 @@ def _read(file: TextIO, path: Path) -> Gesture:
         for row in rows:
             if not row or not any(cell.strip() for cell in row):
                 continue
-            event = _event(row, at, event[0], f"{path}:{rows.line_num}")
+            place = f"{path}:{rows.line_num}"
+            try:
+                event = _event(row, at, event[0], place)
+                source = 0 if by is None else _source(row, by, place)
+            except InputError:
+                if recorded and _is_cut_short(path) and next(rows, None) is None:
+                    break  # a disk was full, or the machine went down, within its last line
+                raise
             times.append(event[0])
             angles.append(event[1])
             touches.append(event[2])
-            sources.append(0 if by is None else _source(row, by, f"{path}:{rows.line_num}"))
+            sources.append(source)
     except csv.Error as error:
         raise InputError(f"{path}:{rows.line_num}: not CSV: {error}") from None
+    beside = load_beside(path) if recorded else Beside((), None)
+    if beside.played_s is not None and beside.played_s > (times[-1] if times else 0.0):
+        times.append(beside.played_s)
+        angles.append(angles[-1] if angles else 0.0)
+        touches.append(touches[-1] if touches else False)
+        sources.append(sources[-1] if sources else 0)
     if not times:
         raise InputError(f"{path}: no events; a take has one control event a line")
     # a gesture ends with a release, of every hand
@@ -107,15 +124,21 @@ def _read(file: TextIO, path: Path) -> Gesture:
             angles.append(angles[last])
             touches.append(False)
             sources.append(source)
-    recorded = "sample" in header and "sample_rate" in header
     return Gesture(
         np.array(times),
         np.array(angles),
         np.array(touches, dtype=bool),
         times[-1],
         np.array(sources, dtype=np.int8),
-        load_changes(path) if recorded else (),
+        beside.changes,
     )
+
+
+def _is_cut_short(path: Path) -> bool:
+    """Whether the file's last line has no end."""
+    with open(path, "rb") as file:
+        file.seek(-1, os.SEEK_END)
+        return file.read(1) != b"\n"
 
 
 def _source(row: list[str], at: int, place: str) -> int:
@@ -143,7 +166,7 @@ def _event(row: list[str], at: list[int], before: float, place: str) -> tuple[fl
         raise InputError(
             f"{place}: time_s goes back, {time_s:g} after {before:g}; sort the take by time"
         )
-    if not -1e-9 <= theta2 <= math.pi + 1e-9:
+    if not -ROUNDED_RAD <= theta2 <= math.pi + ROUNDED_RAD:
         raise InputError(f"{place}: theta2_rad = {theta2:g} is out of range; it is 0 to pi")
     return time_s, min(max(theta2, 0.0), math.pi), touching
 

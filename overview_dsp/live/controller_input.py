@@ -7,7 +7,14 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from overview_dsp.controllers.control_messages import Asked, Counters, Dialled, Move, Turned
+from overview_dsp.controllers.control_messages import (
+    Asked,
+    Command,
+    Counters,
+    Dialled,
+    Move,
+    Turned,
+)
 from overview_dsp.controllers.parameters import PickUp, as_asked, find_parameter
 from overview_dsp.controllers.source import ControllerSource
 from overview_dsp.engine.engine import Engine
@@ -64,11 +71,12 @@ class ControllerInput(ThreadedInput[Port]):
         open_port: Callable[[], Port],
         make_reader: Callable[[Counters], Reader],
         silent_s: float | None = None,
+        ask: Callable[..., None] = lambda *words: None,
     ) -> None:
         """Open the port and begin; `open_port` is called again when it is lost.
 
         `source`: one of `gestures.SOURCES`; `silent_s`: one that holds on and says nothing for so
-        long lets go (None: never).
+        long lets go (None: never); `ask` receives the words of commands, from this thread.
 
         Raises
         ------
@@ -78,6 +86,7 @@ class ControllerInput(ThreadedInput[Port]):
         self._open_port = open_port
         self._make_reader = make_reader
         self._silent_s = silent_s
+        self._ask = ask
         self.counters = Counters()
         port = open_port()
         super().__init__(engine, source, port, port.name)
@@ -112,7 +121,13 @@ class ControllerInput(ThreadedInput[Port]):
                     self._wanted.setdefault(id, asked)
 
     def _set(self, engine: Engine, asked: Asked | Dialled) -> None:
-        known, present = find_parameter(engine.preset, asked.id)
+        try:
+            known, present = find_parameter(engine.preset, asked.id)
+        except InputError as error:
+            if not self.counters.unknown:
+                self._say_once(f"{error} (the first of them; counted on)")
+            self.counters.unknown += 1
+            return
         if isinstance(asked, Asked):
             value = known.check(as_asked(known, asked.value))
         else:
@@ -157,7 +172,9 @@ class ControllerInput(ThreadedInput[Port]):
         for move in moves:
             if isinstance(move, Turned) and not self._source.rules.by_rest:
                 self._say_once('a control feels no taps: choose twist.release = "rest"')
-            if isinstance(move, Asked | Dialled):
+            if isinstance(move, Command):
+                self._ask(*move.words)
+            elif isinstance(move, Asked | Dialled):
                 with self._wanting:
                     self._wanted[move.id] = move
             else:

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from overview_dsp.actuators.stage import protected_report
-from overview_dsp.live.player import Input, Player, Status
+from overview_dsp.live.hand import Input
+from overview_dsp.live.player import Player, Status
 from overview_dsp.units import gain_to_db
 
 LOOK_EVERY_S = 0.02
@@ -21,11 +22,12 @@ def run(
     note: Callable[[str], None],
     seconds: float | None = None,
 ) -> Iterator[dict[str, Any]]:
-    """Play until the source is over and the disk at rest, `seconds` are over, or `stopped()`.
+    """Play until source or replay is over and the disk at rest, `seconds` are over, or `stopped()`.
 
     Yields a report a second and a summary at the end; `note` receives messages as they come.
     """
     started = last = time.monotonic()
+    replayed = player.replaying
     click = tactor = 0.0
     while True:
         if source is not None:
@@ -40,6 +42,7 @@ def run(
             yield {**_line(status, click, tactor), **_input(source)}
             click = tactor = 0.0
         over = source is not None and source.is_over(player.engine) and player.at_rest
+        over |= source is None and replayed and not player.replaying
         if over or stopped() or (seconds is not None and now - started >= seconds):
             break
         time.sleep(LOOK_EVERY_S)
@@ -81,6 +84,7 @@ def _summary(status: Status) -> dict[str, Any]:
         "frames": status.frames,
         "frames_lost": status.frames_lost,
         "dropped_events": status.dropped,
+        "dsp_load_percent": round(100.0 * status.load, 2),
         "callback_p50_us": round(status.median_s * 1e6, 2),
         "callback_p99_us": round(status.p99_s * 1e6, 2),
         "callback_max_us": round(status.longest_s * 1e6, 2),

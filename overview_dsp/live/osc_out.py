@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 
 from overview_dsp.controllers.osc_report import OscReport
 from overview_dsp.engine.engine import Engine
 from overview_dsp.live.osc_port import OscSender
-from overview_dsp.timeline.event import Event
 
 EVERY_S = 0.01
+AGAIN_S = 1.0
+"""How long it waits after an error."""
 
 
 class OscOut:
@@ -19,9 +21,16 @@ class OscOut:
     Thread: its own, the only one that takes the engine's strikes.
     """
 
-    def __init__(self, engine: Engine, address: str) -> None:
-        """Send to `HOST:PORT`, or to `PORT` of this machine, from now on; errors as `OscSender`."""
+    def __init__(
+        self, engine: Engine, address: str, say: Callable[[str], None] = lambda line: None
+    ) -> None:
+        """Send to `HOST:PORT`, or to `PORT` of this machine, from now on; errors as `OscSender`.
+
+        `say` is told of what a person should know, from this thread.
+        """
         self._engine = engine
+        self._address = address
+        self._say = say
         self._sender = OscSender(address)
         self._report = OscReport()
         engine.take_strikes()  # only those from now on
@@ -30,22 +39,28 @@ class OscOut:
         self._thread.start()
 
     def _run(self) -> None:
+        said = set()
         while not self._over.wait(EVERY_S):
-            meters = self._engine.meters
-            self._sender.send(
-                self._report.due(
-                    time.monotonic(), meters.cursor, meters.torque, meters.touching, self._struck()
-                )
-            )
+            try:
+                self._send()
+            except Exception as error:  # what it is can't be known: the next report may go
+                line = f"osc out {self._address}: {type(error).__name__}: {error}; it goes on"
+                if line not in said:
+                    said.add(line)
+                    self._say(line)
+                self._over.wait(AGAIN_S)
 
-    def _struck(self) -> list[tuple[Event, float]]:
-        strikes = self._engine.take_strikes().of_events()
-        events = self._engine.timeline.events
-        return [
-            (events[index], float(level))
-            for index, level in zip(strikes.event, strikes.level, strict=True)
-            if index < len(events)  # else of a window that has just changed
-        ]
+    def _send(self) -> None:
+        meters = self._engine.meters
+        self._sender.send(
+            self._report.due(
+                time.monotonic(),
+                meters.cursor,
+                meters.torque,
+                meters.touching,
+                self._engine.take_struck_events(),
+            )
+        )
 
     def close(self) -> None:
         """Send no more."""

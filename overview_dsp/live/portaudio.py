@@ -12,6 +12,7 @@ import shutil
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -23,7 +24,7 @@ from overview_dsp.errors import InputError, OverviewError, require_internals
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
-from overview_dsp.live.stream_meters import StreamMeters, read_meters
+from overview_dsp.live.stream_meters import StreamMeters, play_again, read_meters
 from overview_dsp.public.reprs import short
 
 SOUNDDEVICE = "sounddevice>=0.4.6,<0.6"
@@ -350,6 +351,47 @@ class OutputStream:
         self._stream.start()
         self._started = True
 
+    def restart(self, begin: Callable[[], None]) -> None:
+        """Fade out, call `begin` while nothing runs the engine, and play on.
+
+        Parameters
+        ----------
+        begin : callable
+            May call what needs the engine to itself: `reset`, `restart`.
+
+        Raises
+        ------
+        OverviewError
+            The device doesn't answer any more; `begin` wasn't called.
+
+        Examples
+        --------
+        This needs an output:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
+        >>> stream.restart(engine.reset)  # doctest: +SKIP
+        """
+        self._fade_out()
+        if self._stream.active:
+            raise OverviewError(f"output {self.name} doesn't answer")
+        try:
+            self._stream.stop()
+            begin()
+            play_again(self._memory)
+            self._stream.start()
+        except self._sounddevice.PortAudioError as error:
+            raise OverviewError(f"output {self.name}: {_first_line(error)}") from None
+
+    def _fade_out(self) -> None:
+        self._w[layout.L_STOP] = 1
+        until = time.monotonic() + FADE_WITHIN_S
+        while self._stream.active and time.monotonic() < until:
+            time.sleep(0.002)
+
     def close(self) -> None:
         """Fade out, end playing and give the device back; may be called twice.
 
@@ -366,10 +408,7 @@ class OutputStream:
         """
         if self not in _RUNNING:
             return
-        self._w[layout.L_STOP] = 1
-        until = time.monotonic() + FADE_WITHIN_S
-        while self._stream.active and time.monotonic() < until:
-            time.sleep(0.002)
+        self._fade_out()
         faded = self._w[layout.L_FADED] >= self._w[layout.S_GLIDE]
         if "JACK" in self._host and self._started and not faded:
             # its server has died: closing would wait for it for ten minutes, and terminating

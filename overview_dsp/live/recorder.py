@@ -1,64 +1,183 @@
-"""What the kernel applied, kept while it plays, for a take that replays every bit."""
+"""What the kernel applies, written to disk as it is played, for a take that replays every bit."""
 
 from __future__ import annotations
 
 import os
+import threading
+from collections import deque
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from overview_dsp.engine.engine import Engine
-from overview_dsp.errors import OverviewError
-from overview_dsp.gestures import save_take
+from overview_dsp.engine.reports import read_hands
+from overview_dsp.errors import InputError, OutputError, OverviewError
+from overview_dsp.gestures.growing_take import Event, GrowingTake
+from overview_dsp.live.kept_takes import GrowingNote, other_places
+
+EVERY_S = 0.1
+"""How often the engine's logs are written; a frozen screen or a busy session doesn't delay it."""
+
+STUCK_S = 1.0
+"""How long closing waits for a disk that doesn't answer."""
 
 
 class Recorder:
-    """Collects an engine's applied events and changes from its first sample on.
+    """Writes an engine's applied events and changes to a take, from now on.
 
-    Thread: control; `poll` at least ten times a second.
+    From the engine's first sample on, the take renders to the very samples that were heard. Later,
+    it begins with the hands as they hold the disk.
+
+    Thread: any for `take_messages`; the rest is one thread's, `start` gives it one.
     """
 
-    def __init__(self, engine: Engine) -> None:
-        """Begin with a prepared engine that has processed nothing yet."""
-        if engine.sample_time != 0:
-            raise OverviewError("a recording begins with the engine's first sample; reset it first")
-        self._engine = engine
-        self._seen = 0
-        self._events: list[Any] = []
-        self._changes: list[tuple[int, Mapping[str, Any]]] = []
-        self.count = 0
-
-    def poll(self) -> None:
-        """Fetch what was applied since the last time.
-
-        Raises
-        ------
-        OverviewError
-            More was applied than the logs keep, or a surface that no take can hold.
-        """
-        events, self._seen = self._engine.take_applied(self._seen)
-        if len(events):
-            self._events.append(events)
-            self.count += len(events)
-        for sample, what in self._engine.take_changes():
-            if what is None:
-                raise OverviewError(
-                    "a surface was set that a take can't hold; use set, set_preset or set_timeline"
-                )
-            self._changes.append((sample, what))
-
-    def save(self, path: str | os.PathLike[str], about: Mapping[str, Any]) -> None:
-        """Write the take up to now; its last line repeats the last event at the present sample.
+    def __init__(
+        self,
+        engine: Engine,
+        path: str | os.PathLike[str],
+        about: Mapping[str, Any],
+        changes: list[Mapping[str, Any]] | None = None,
+    ) -> None:
+        """Begin a take; `changes` were made before and hold at its first sample.
 
         Raises
         ------
         InputError, OutputError
-            An unwritable place, a full disk.
+            It can't be written.
         """
-        self.poll()
-        events = [tuple(event.tolist()) for part in self._events for event in part]
-        now = self._engine.sample_time
-        _, source, theta2, touching = events[-1] if events else (0, 0, 0.0, False)
-        if not events or events[-1][0] < now:
-            events.append((now, source, theta2, touching))
-        about = {"seed": self._engine.seed, **about}
-        save_take(path, events, self._engine.sample_rate, about, self._changes)
+        self._engine = engine
+        self._begin, self._seen, hands = read_hands(engine.memory)
+        self._now = 0
+        self._events: list[Event] = [(0, source, theta2, True) for source, theta2 in hands]
+        self._changes: list[tuple[int, Mapping[str, Any]]] = [(0, one) for one in changes or ()]
+        self._messages: deque[str] = deque()
+        self._over = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._said: set[str] = set()
+        self._busy = threading.Lock()  # whoever ends the process may close it from elsewhere
+        about = {"seed": engine.seed, **about}
+        self._take: GrowingTake | None = GrowingTake(path, engine.sample_rate, about)
+        self.path: Path = self._take.path  # where it is now
+        self._note = GrowingNote(self.path)
+
+    def start(self) -> None:
+        """Write from now on in a thread of its own, until `close`."""
+        self._thread = threading.Thread(target=self._run, name="take", daemon=True)
+        self._thread.start()
+
+    def take_messages(self) -> tuple[str, ...]:
+        """What a person should know, new since the last call."""
+        return tuple(self._messages.popleft() for _ in range(len(self._messages)))
+
+    def _run(self) -> None:
+        while not self._over.wait(EVERY_S):
+            try:
+                self.poll()
+            except Exception as error:  # what it is can't be known: the rest may be kept
+                self._say_once(f"{self.path}: {type(error).__name__}: {error}; the take goes on")
+
+    def poll(self) -> None:
+        """Write what was applied since the last time; what can't be written anywhere is kept."""
+        with self._busy:
+            if self._take is not None:
+                self._collect()
+                self._write(self._take)
+
+    def close(self) -> None:
+        """Write what is left and end the take; may be called twice, from anywhere.
+
+        Raises
+        ------
+        OutputError
+            No place for the rest: the take on disk is whole without it.
+        """
+        self._over.set()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join(STUCK_S)
+        with self._busy:
+            take = self._take
+            if take is None:
+                return
+            self._collect()
+            error = self._write(take) or self._finish()
+            self._take = None
+            self._note.close()
+        if error is not None:
+            raise OutputError(
+                f"{self.path}: {error.strerror}; the take is whole up to {take.played_s:.1f} s"
+            )
+
+    def _collect(self) -> None:
+        """What the logs hold now; the sample first, so that nothing before it is missed later."""
+        self._now = self._engine.sample_time - self._begin
+        try:
+            events, self._seen = self._engine.take_applied(self._seen)
+        except OverviewError as error:
+            self._say_once(f"{error}; these are missing in the take")
+            _, self._seen, _ = read_hands(self._engine.memory)
+            return
+        self._events += [
+            (sample - self._begin, source, theta2, touching)
+            for sample, source, theta2, touching in events.tolist()
+        ]
+        try:
+            changes = self._engine.take_changes()
+        except OverviewError as error:
+            self._say_once(f"{error}; these are missing in the take")
+            return
+        for sample, what in changes:
+            if what is None:
+                self._say_once("a surface was set that a take can't hold: replayed, it is missing")
+            elif sample >= self._begin:
+                self._changes.append((sample - self._begin, what))
+
+    def _write(self, take: GrowingTake) -> OSError | None:
+        """All that was collected, here or in another place; the error if there is none."""
+        played = max([self._now] + [last[-1][0] for last in (self._events, self._changes) if last])
+        try:
+            take.append(self._events, self._changes, played)
+        except OSError as error:
+            moved = self._moved(take, error)
+            if moved is None:
+                self._say_once(
+                    f"{self.path}: {error.strerror}, and there is no other place; the take is kept "
+                    "in memory until there is one"
+                )
+                return error
+            return self._write(moved)
+        self._events, self._changes = [], []
+        return None
+
+    def _moved(self, take: GrowingTake, error: OSError) -> GrowingTake | None:
+        """The take in another place, whole up to now; None if there is none."""
+        for place in other_places(take.path):
+            if place.parent == take.path.parent:
+                return None
+            try:
+                self._take = take.continued(place)
+            except (InputError, OutputError):
+                continue
+            self.path = place
+            self._note.moved(place)
+            self._messages.append(
+                f"{take.path}: {error.strerror}; the whole take goes on in {place}"
+            )
+            return self._take
+        return None
+
+    def _finish(self) -> OSError | None:
+        assert self._take is not None
+        try:
+            self._take.finish()
+        except OSError as error:
+            moved = self._moved(self._take, error)
+            if moved is None:
+                self._take.close()
+                return error
+            return self._finish()
+        return None
+
+    def _say_once(self, line: str) -> None:
+        if line not in self._said:
+            self._said.add(line)
+            self._messages.append(line)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from overview_dsp.engine.engine import Engine
-from overview_dsp.live.player import Input
+from overview_dsp.live.hand import Input
 
 
 class SeveralInputs(Input):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
-from overview_dsp.live.stream_meters import StreamMeters, read_meters
+from overview_dsp.live.stream_meters import StreamMeters, play_again, read_meters
 
 
 class SilentStream:
@@ -86,6 +87,28 @@ class SilentStream:
             over = run_block(self._engine, self._out)
             due = max(due + period, began - 1.0)
             time.sleep(max(0.0, due - time.perf_counter()))
+
+    def restart(self, begin: Callable[[], None]) -> None:
+        """Fade out, call `begin` while nothing runs the engine, and play on.
+
+        Parameters
+        ----------
+        begin : callable
+            May call what needs the engine to itself: `reset`, `restart`.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> with ov.live.SilentStream(engine) as stream:
+        ...     stream.restart(engine.reset)
+        """
+        self.close()
+        begin()
+        play_again(self._engine.memory)
+        self.start()
 
     def close(self) -> None:
         """Fade out and end; may be called twice.

@@ -57,7 +57,7 @@ class SourceWriter:
         last, since = self._ran
         if sample == last:
             return now - since < STALLED_S
-        if now - since >= STALLED_S:
+        if now - since >= STALLED_S or sample < last:  # or it has begun anew
             self.restart()
         self._ran = (sample, now)
         return True

@@ -21,6 +21,8 @@ class StreamMeters:
         How often the device called, and what it was given.
     underflows, late : int
         Callbacks that reported one, and that took longer than their own frames last.
+    load : float
+        Part of the time that callbacks take, 0 to 1 (to a fifth): beyond 1 the output stutters.
     median_s, p99_s, longest_s : float
         Callback times, s; the first two to a fifth.
     latency_s : float
@@ -41,6 +43,7 @@ class StreamMeters:
     frames: int
     underflows: int
     late: int
+    load: float
     median_s: float
     p99_s: float
     longest_s: float
@@ -66,6 +69,13 @@ def clear_meters(memory: NDArray[np.float64], channels: int) -> None:
     w[layout.L_CHANNELS] = channels
 
 
+def play_again(memory: NDArray[np.float64]) -> None:
+    """After a fade: as before it, with nothing left in the delay lines."""
+    w = memory.view(np.int64)
+    w[layout.L_STOP] = w[layout.L_FADED] = 0
+    w[layout.L_LINES : layout.L_LINES + layout.SIGNALS * layout.DELAY_LINE] = 0
+
+
 def record_callback(
     memory: NDArray[np.float64], frames: int, seconds: float, underflow: bool = False
 ) -> None:
@@ -88,6 +98,7 @@ def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
         frames=int(w[layout.L_FRAMES]),
         underflows=int(w[layout.L_UNDERFLOWS]),
         late=int(w[layout.L_LATE]),
+        load=_load(w, float(memory[layout.S_SAMPLE_RATE])),
         median_s=_quantile(w, 0.5),
         p99_s=_quantile(w, 0.99),
         longest_s=float(memory[layout.L_LONGEST]),
@@ -101,6 +112,14 @@ def take_peaks(memory: NDArray[np.float64]) -> tuple[float, float]:
     click, tactor = peaks.tolist()
     peaks[:] = 0.0
     return click, tactor
+
+
+def _load(w: NDArray[np.int64], sample_rate: float) -> float:
+    """The callback times, each at the middle of its bin, over how long their frames last."""
+    bins = np.arange(layout.BUSY_BINS) + 0.5
+    seconds = layout.SHORTEST_S * 2.0 ** (bins / layout.BINS_AN_OCTAVE)
+    busy = float(w[layout.L_BUSY : layout.L_BUSY + layout.BUSY_BINS] @ seconds)
+    return busy * sample_rate / max(1, int(w[layout.L_FRAMES]))
 
 
 def _quantile(w: NDArray[np.int64], part: float) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any, Generic, TypeVar
 
 from overview_dsp.engine.engine import Engine
-from overview_dsp.live.player import Input
+from overview_dsp.live.hand import Input
 from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.source_writer import SourceWriter
 from overview_dsp.sensors.touching import Event, TouchRules

@@ -5,15 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import EventKind, Preset
-from overview_dsp.presets.parameter import Value, is_close_default
+from overview_dsp.presets.parameter import is_close_default, value_text
 from overview_dsp.presets.parameters import PARAMETERS
-
-
-def _text(value: Value) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"{value:g}" if isinstance(value, float) else value
 
 
 def character(preset: Preset) -> dict[str, float]:
@@ -82,7 +77,7 @@ def describe(preset: Preset) -> str:
             lines.append(f"[{section}]")
         value = preset.values[id]
         star = " " if is_close_default(known, value) else "*"
-        shown = f"{_text(value)} {known.unit}".strip()
+        shown = f"{value_text(value)} {known.unit}".strip()
         lines.append(f" {star}{known.key:<18} {shown:<20} ({known.allowed}) {known.doc}")
     facts = character(preset)
     lines += [
@@ -116,13 +111,5 @@ def describe_json(preset: Preset) -> dict[str, Any]:
         },
         "character": character(preset)
         | (bristle_hold(preset) if preset.values["surface.model"] == "bristle" else {}),
-        "kinds": {
-            name: {
-                **vars(kind),
-                "also": list(kind.also),
-                "points": list(kind.points),
-                "modes": [vars(mode) for mode in kind.modes],
-            }
-            for name, kind in preset.kinds.items()
-        },
+        "kinds": preset_to_dict(preset)["kinds"],
     }

@@ -6,9 +6,9 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.files import toml as toml_files
-from overview_dsp.files.toml import MAX_BYTES, SUFFIX, names_in, read_text
+from overview_dsp.errors import InputError
+from overview_dsp.files.library import Library
+from overview_dsp.files.toml import MAX_BYTES, SUFFIX, read_text
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.validation import parse_preset
 from overview_dsp.timeline.ticks import KINDS as TICKS
@@ -16,15 +16,7 @@ from overview_dsp.timeline.ticks import KINDS as TICKS
 FOR_DATA = ("football", "series", "heart", "crowd")
 """The bundled presets made for a sort of data; `plain` is for what none of them names."""
 
-FOLDER_VARIABLE = "OVERVIEW_PRESETS"
-"""Environment variable that names the folder of own presets."""
-
-
-def bundled_folder() -> Path:
-    """The folder of bundled presets: in the installed package, or the checkout's `presets/`."""
-    here = Path(__file__).resolve().parent
-    installed = here / "bundled"
-    return installed if installed.is_dir() else here.parent.parent / "presets"
+LIBRARY = Library("presets", "a preset", "OVERVIEW_PRESETS")
 
 
 def bundled_presets() -> tuple[str, ...]:
@@ -41,12 +33,7 @@ def bundled_presets() -> tuple[str, ...]:
     >>> "football" in ov.bundled_presets()
     True
     """
-    return names_in(bundled_folder())
-
-
-def own_folder() -> Path:
-    """The folder of a person's own presets, which may not be there yet."""
-    return toml_files.own_folder("presets", FOLDER_VARIABLE)
+    return LIBRARY.bundled
 
 
 def own_names() -> tuple[str, ...]:
@@ -67,7 +54,7 @@ def own_names() -> tuple[str, ...]:
     ('mine',)
     >>> del os.environ["OVERVIEW_PRESETS"]
     """
-    return tuple(sorted(set(names_in(own_folder())) - set(bundled_presets())))
+    return LIBRARY.own
 
 
 def preset_path(name: str | Path) -> Path:
@@ -78,23 +65,7 @@ def preset_path(name: str | Path) -> Path:
     InputError
         There is no such preset or file.
     """
-    text = str(name)
-    if text in bundled_presets():
-        return bundled_folder() / (text + SUFFIX)
-    if text in own_names():
-        return own_folder() / (text + SUFFIX)
-    path = Path(text)
-    if path.suffix == SUFFIX or path.parent != Path("."):
-        # os.path: a name that is too long is no file, where pathlib raises
-        if os.path.isfile(path):
-            return path
-        what = "is a folder" if os.path.isdir(path) else "no such file"
-        raise InputError(f"{path}: {what}; give a preset's .toml file or one of the bundled names")
-    known = (*bundled_presets(), *own_names())
-    raise InputError(
-        f"no preset is called {text!r}{did_you_mean(text, known)} "
-        "(or give the path of a .toml file)"
-    )
+    return LIBRARY.path(name)
 
 
 def load_preset(name: str | Path) -> Preset:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from overview_dsp.errors import InputError, shown
@@ -64,7 +67,7 @@ class Parameter:
         """What a value may be, in words with the unit."""
         if self.choices:
             return " or ".join(
-                str(choice).lower() if isinstance(choice, bool) else f'"{choice}"'
+                value_text(choice) if isinstance(choice, bool) else f'"{choice}"'
                 for choice in self.choices
             )
         unit = f" {self.unit}" if self.unit else ""
@@ -117,23 +120,35 @@ class Parameter:
         return f"<{type(self).__name__} {self.id}: {self.allowed}, default {self.default}>"
 
 
-def number(
+def read_parameters(file: Path) -> dict[str, Parameter]:
+    """The parameters of a program's own TOML table, by id: the section and the key of each."""
+    sections = tomllib.loads(file.read_text(encoding="utf-8"))
+    return {
+        (id := f"{section}.{key}"): _parameter(id, **given)
+        for section, members in sections.items()
+        for key, given in members.items()
+    }
+
+
+def _parameter(
     id: str,
-    default: float | None,
-    low: float,
-    high: float,
-    unit: str,
     doc: str,
+    default: Value | None = None,
+    range: tuple[float, float] = (0.0, 0.0),
+    choices: Iterable[str] = (),
+    unit: str = "",
     scale: Literal["linear", "log"] = "linear",
-    surface: bool = False,
 ) -> Parameter:
-    """A number in a range."""
-    return Parameter(id, default, low, high, unit, doc, (), scale, surface)
+    if isinstance(default, bool):
+        return Parameter(id, default, 0.0, 1.0, unit, doc, (False, True))
+    return Parameter(id, default, *range, unit, doc, tuple(choices), scale)
 
 
-def flag(id: str, doc: str) -> Parameter:
-    """A thing that is on or off."""
-    return Parameter(id, False, 0.0, 1.0, "", doc, (False, True))
+def value_text(value: Value) -> str:
+    """A value as it is written: `true`, `0.5`, `gaussian`."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else value
 
 
 def is_close_default(parameter: Parameter, value: Value) -> bool:

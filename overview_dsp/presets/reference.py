@@ -7,7 +7,7 @@ from typing import Any
 
 from overview_dsp.presets.migrations import SCHEMA
 from overview_dsp.presets.model import TAG_SCALES
-from overview_dsp.presets.parameter import Parameter
+from overview_dsp.presets.parameter import Parameter, value_text
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 from overview_dsp.presets.validation import preset_model
 
@@ -54,16 +54,7 @@ def reference() -> str:
 def _table(members: Any) -> str:
     rows = ["| key | default | range | what it does |", "|---|---|---|---|"]
     for known in members:
-        default = known.default
-        text = (
-            "must be given"
-            if default is None
-            else str(default).lower()
-            if isinstance(default, bool)
-            else f"{default:g}"
-            if isinstance(default, float)
-            else default
-        )
+        text = "must be given" if known.default is None else value_text(known.default)
         rows.append(f"| `{known.key}` | {text} | {known.allowed} | {known.doc} |")
     return "\n".join(rows) + "\n"
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from overview_dsp.sensors.frames import FrameDecoder
-from overview_dsp.sensors.json_lines import JsonDecoder, reading_of
-from overview_dsp.sensors.line_splitter import LineSplitter
+from overview_dsp.sensors.json_lines import reading_of
+from overview_dsp.sensors.lines import LineDecoder, LineSplitter
 from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters, Reading
-from overview_dsp.sensors.text_lines import TextDecoder, columns_of, numbers_of
+from overview_dsp.sensors.text_lines import columns_of, numbers_of
+from overview_dsp.sensors.text_lines import reading_of as text_reading_of
 
 Format = Literal["frames", "json", "text"]
 
@@ -40,8 +41,8 @@ class DetectedFormat:
         if self.format == "frames":
             return FrameDecoder(counters)
         if self.format == "json":
-            return JsonDecoder(counters)
-        return TextDecoder(counters, self.columns)
+            return LineDecoder(counters, reading_of)
+        return LineDecoder(counters, lambda line: text_reading_of(line, self.columns))
 
     def __str__(self) -> str:
         names = {"frames": "binary frames", "json": "JSON lines", "text": "lines of "}

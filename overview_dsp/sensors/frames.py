@@ -31,6 +31,7 @@ import struct
 
 from overview_dsp.sensors import cobs
 from overview_dsp.sensors.crc import crc16
+from overview_dsp.sensors.pieces import Pieces
 from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters, Reading
 
 PAYLOAD = 19
@@ -89,45 +90,25 @@ def decode_frame(frame: bytes | bytearray) -> Reading | None:
 
 
 class FrameDecoder:
-    """Frames from bytes that come in any pieces."""
+    """Frames from bytes that come in any cuts."""
 
     def __init__(self, counters: Counters) -> None:
         """What is wrong is counted in `counters`."""
         self._counters = counters
-        self._pending = bytearray()
-        self._synchronised = False
-        self._too_long = 0
+        self._pieces = Pieces(FRAME)
 
     def feed(self, data: bytes) -> list[Reading]:
         """The readings that these bytes complete."""
         self._counters.received_bytes += len(data)
         readings = []
-        *ended, rest = data.split(b"\0")
-        for piece in ended:
-            self._append(piece)
-            reading = self._end()
+        for frame, left_out, first in self._pieces.ended(data, b"\0"):
+            reading = decode_frame(frame)
             if reading is not None:
                 readings.append(reading)
-        self._append(rest)
+            elif first:
+                self._counters.fragments += bool(frame)
+            elif frame:
+                self._counters.refuse(frame)
+                self._counters.noise_bytes += left_out
+        self._counters.readings += len(readings)
         return readings
-
-    def _append(self, piece: bytes) -> None:
-        space = FRAME + 1 - len(self._pending)  # one more than fits says that it is too long
-        self._pending += piece[:space]
-        self._too_long += max(0, len(piece) - space)
-
-    def _end(self) -> Reading | None:
-        frame, self._pending = self._pending, bytearray()
-        too_long, self._too_long = self._too_long, 0
-        first, self._synchronised = not self._synchronised, True
-        if not frame:
-            return None
-        reading = decode_frame(frame)
-        if reading is not None:
-            self._counters.readings += 1
-        elif first:
-            self._counters.fragments += 1
-        else:
-            self._counters.refuse(frame)
-            self._counters.noise_bytes += too_long
-        return reading

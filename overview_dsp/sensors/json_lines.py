@@ -10,8 +10,7 @@ import json
 import math
 from typing import Any
 
-from overview_dsp.sensors.line_splitter import LineSplitter
-from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, COLUMNS, Counters, Reading
+from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, COLUMNS, Reading
 
 _THREES = {"acc": ACCELERATION, "gyr": ANGULAR_VELOCITY}
 
@@ -38,24 +37,3 @@ def reading_of(line: str) -> Reading | None:
 def _is_number(value: object) -> bool:
     # a bool is a number too: touch may be true or false
     return isinstance(value, int | float) and -1e300 < value < 1e300 and math.isfinite(value)
-
-
-class JsonDecoder:
-    """Readings from lines of JSON objects."""
-
-    def __init__(self, counters: Counters) -> None:
-        """What is wrong is counted in `counters`."""
-        self._counters = counters
-        self._lines = LineSplitter(counters)
-
-    def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
-        readings: list[Reading] = []
-        for line in self._lines.feed(data):
-            reading = reading_of(line)
-            if reading is None:
-                self._counters.refuse(line.encode())
-            else:
-                readings.append(reading)
-        self._counters.readings += len(readings)
-        return readings

@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 
-from overview_dsp.sensors.line_splitter import LineSplitter
-from overview_dsp.sensors.reading import COLUMNS, Counters, Reading
+from overview_dsp.sensors.reading import COLUMNS, Reading
 
 _APART = re.compile(r"\s*[,;]\s*|\s+")
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?")
@@ -33,23 +31,15 @@ def columns_of(line: str) -> tuple[str, ...] | None:
     return names if known else None
 
 
-class TextDecoder:
-    """Readings from lines of numbers with known columns."""
+def reading_of(line: str, columns: tuple[str, ...]) -> Reading | None:
+    """The reading of a line with these columns: empty if it names them again, None if it is none.
 
-    def __init__(self, counters: Counters, columns: Sequence[str]) -> None:
-        """`columns` are names of `COLUMNS`, in the order of the line."""
-        self._counters = counters
-        self._columns = tuple(columns)
-        self._lines = LineSplitter(counters)
-
-    def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
-        readings: list[Reading] = []
-        for line in self._lines.feed(data):
-            numbers = numbers_of(line)
-            if numbers is not None and len(numbers) == len(self._columns):
-                readings.append(dict(zip(self._columns, numbers, strict=True)))
-            elif columns_of(line) != self._columns:  # a header, sent again
-                self._counters.refuse(line.encode())
-        self._counters.readings += len(readings)
-        return readings
+    Parameters
+    ----------
+    columns : tuple of str
+        Names of `COLUMNS`, in the order of the line.
+    """
+    numbers = numbers_of(line)
+    if numbers is not None and len(numbers) == len(columns):
+        return dict(zip(columns, numbers, strict=True))
+    return {} if columns_of(line) == columns else None

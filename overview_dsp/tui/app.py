@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar
 
+from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.widgets import Footer, Static
 
-from overview_dsp.live.player import Input, Player, Status
-from overview_dsp.tui.help_screen import HelpScreen, TextScreen
+from overview_dsp.live.hand import Input
+from overview_dsp.live.player import Player, Status
+from overview_dsp.surface.model import Surface
+from overview_dsp.tui.help_screen import TextScreen
 from overview_dsp.tui.meters_view import MetersView
-from overview_dsp.tui.timeline_view import TimelineView, axis_text
+from overview_dsp.tui.moves import Moves, help_text
+from overview_dsp.tui.palette import Changes
+from overview_dsp.tui.place import marks, place_words
+from overview_dsp.tui.terminal import has_hung_up, patient
+from overview_dsp.tui.timeline_view import TimelineView
+from overview_dsp.tui.trace_view import TraceView
 
 POLLS_A_SECOND = 30
-STEP = 0.01
-ZOOM = 1.5
+VIEW_EVERY, METERS_EVERY = 3, 6
+"""Polls: what is drawn costs a terminal that is far away its line."""
+
+SHOWN_S = 10.0
+"""How long a message is shown."""
 
 
 class PlayApp(App[None]):
@@ -26,9 +39,11 @@ class PlayApp(App[None]):
     Screen { overflow: hidden; }
     #invitation { height: 1; }
     #title { height: 1; text-style: bold; }
+    #legend { height: 1; }
     #messages { height: 2; color: $warning; }
     """
-    ENABLE_COMMAND_PALETTE = False
+    COMMANDS: ClassVar = {Changes}
+    COMMAND_PALETTE_BINDING = "c"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "move(-1)", "back", show=False),
         Binding("right", "move(1)", "move"),
@@ -41,11 +56,15 @@ class PlayApp(App[None]):
         Binding("escape", "release", show=False),
         Binding("plus,equals_sign", "zoom(1)", "zoom", key_display="+ -"),
         Binding("minus", "zoom(-1)", show=False),
-        Binding("0", "whole", "whole"),
+        Binding("0", "whole", "whole", show=False),
         Binding("left_square_bracket", "event(-1)", "event", key_display="[ ]"),
         Binding("right_square_bracket", "event(1)", show=False),
-        Binding("m", "mute_click", "mute clicks"),
-        Binding("t", "mute_tactor", "mute tactor"),
+        Binding("R", "take", "take"),
+        Binding("p,P", "replay", "replay"),
+        Binding("1", "preset(0)", "presets", key_display="1 2"),
+        Binding("2", "preset(1)", show=False),
+        Binding("m", "mute_click", "mute clicks", show=False),
+        Binding("t", "mute_tactor", "mute tactor", show=False),
         Binding("r", "remote", show=False),
         Binding("question_mark", "help", "help"),
         Binding("q,ctrl+c", "quit", "quit"),
@@ -58,15 +77,23 @@ class PlayApp(App[None]):
         stopped: Callable[[], bool] | None = None,
         invitation: str = "",
     ) -> None:
-        super().__init__()
+        super().__init__(driver_class=patient(self.get_driver_class()))
         self._invitation = invitation
         self._player = player
         self._source = source
         self._stopped = stopped
         self._status: Status | None = None
         self.failure: Exception | None = None
+        self._ended = False
+        self._polls = 0
+        self._peaks = [0.0, 0.0]
+        self._said: list[tuple[float, str]] = []
         self._view = TimelineView(player)
         self._meters = MetersView()
+        self._trace = TraceView()
+        self._moves = Moves(player, lambda line: None)
+        self._marked: Surface | None = None
+        self._legend = Static("", id="legend")
         self._words = Static("", id="messages", markup=False)
 
     def compose(self) -> ComposeResult:
@@ -74,7 +101,9 @@ class PlayApp(App[None]):
         yield Static(self._player.timeline.title, id="title", markup=False)
         if self._invitation:
             yield Static(self._invitation.splitlines()[0], id="invitation", markup=False)
+        yield self._legend
         yield self._view
+        yield self._trace
         yield self._meters
         yield self._words
         yield Footer()
@@ -84,37 +113,74 @@ class PlayApp(App[None]):
         self.set_interval(1.0 / POLLS_A_SECOND, self._poll)
 
     def _poll(self) -> None:
-        if self._stopped is not None and self._stopped():
-            self.exit()
+        if self._ended:
             return
+        if self._stopped is not None and self._stopped():
+            self._end()
+            return
+        writer = getattr(self._driver, "writer", None)
+        if writer is not None and (writer.gone or has_hung_up(writer.fileno())):
+            self._end()
+            return
+        if writer is not None and writer.take_left_out():
+            self.refresh(layout=True)
         try:
             if self._source is not None:
                 self._source.poll(self._player.engine)
             status = self._player.poll()
         except Exception as error:  # shown by the command line once the screen is given back
-            self.failure = error
-            self.exit()
+            self._end(error)
             return
         self._status = status
-        self._view.show(status)
+        self._moves.look(status)
+        self._trace.show(status)
+        self._polls += 1
+        if self._polls % VIEW_EVERY == 0:
+            self._view.show(status)
+            self._show_marks()
         source = self._source
-        self._meters.show(status, self._here(status), "" if source is None else source.words)
+        peaks = self._peaks
+        peaks[:] = max(peaks[0], status.peak_click), max(peaks[1], status.peak_tactor)
+        if self._polls % METERS_EVERY == 0:
+            words = "" if source is None else source.words
+            shown = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
+            self._meters.show(shown, place_words(self._player, status.cursor), words)
+            peaks[:] = 0.0, 0.0
         messages = (*status.messages, *(() if source is None else source.take_messages()))
-        if messages:
-            self._words.update("\n".join(messages[-2:]))
+        self._say(messages)
 
-    def _here(self, status: Status) -> str:
-        """The moment under the cursor, and the event whose surface it is on."""
-        player = self._player
-        start, end = player.window
-        moment = start + (end - start) * status.cursor
-        surface = player.surface
-        words = axis_text(player, moment)
-        for span, event in zip(surface.span, surface.event, strict=True):
-            if span[0] <= status.cursor <= span[1]:
-                there = player.shown.events[event]
-                return f"{words}  {there.kind} {there.label}".rstrip()
-        return words
+    def _show_marks(self) -> None:
+        """Which mark is which kind of event, in the view's colours."""
+        if self._player.surface is not self._marked:
+            self._marked = self._player.surface
+            shown = marks(self._player)
+            text = Text(no_wrap=True, overflow="ellipsis")
+            for mark, colour, kind in shown:
+                text.append(f"{mark} ", f"bold {colour}").append(f"{kind}  ")
+            text.append("◉ disk  ▼ finger", "dim")
+            self._legend.update(text)
+
+    def _say(self, messages: tuple[str, ...]) -> None:
+        """Show what is new; what was read long enough goes."""
+        now = time.monotonic()
+        kept = [(said, line) for said, line in self._said if now - said < SHOWN_S]
+        kept += [(now, line) for line in messages]
+        if kept != self._said:
+            self._said = kept
+            self._words.update("\n".join(line for _, line in kept[-2:]))
+
+    def _end(self, failure: Exception | None = None) -> None:
+        """Fade out and save first: giving the screen back may take its time."""
+        self.failure, self._ended = failure, True
+        try:
+            self._player.close()
+        except Exception as error:
+            self.failure = failure or error
+        self.exit()
+
+    async def action_quit(self) -> None:
+        """The person has had enough."""
+        self._end()
 
     # --- the hand -------------------------------------------------------------------------------
 
@@ -129,16 +195,9 @@ class PlayApp(App[None]):
         else:
             self._player.release()
 
-    def _finger(self) -> float:
-        """Where the hand is, or the disk if no hand holds it."""
-        # not the status: keys may come faster than it is read
-        if self._player.holding or self._status is None:
-            return self._player.finger
-        return self._status.cursor
-
     def action_move(self, steps: int) -> None:
         """Move the finger by hundredths of the timeline, touching down if it isn't."""
-        self._player.touch(min(max(self._finger() + steps * STEP, 0.0), 1.0))
+        self._moves.move(steps)
 
     def action_to(self, position: float) -> None:
         """Touch the start or the end."""
@@ -146,10 +205,7 @@ class PlayApp(App[None]):
 
     def action_hold(self) -> None:
         """Let go if the finger holds, else tap where it was last."""
-        if self._player.holding:
-            self._player.release()
-        else:
-            self.action_tap()
+        self._moves.hold()
 
     def action_tap(self) -> None:
         """A step to where the finger is or was last."""
@@ -161,14 +217,13 @@ class PlayApp(App[None]):
 
     def action_event(self, direction: int) -> None:
         """Touch the next or the previous event."""
-        self._player.go_to_event(direction, self._finger())
+        self._player.go_to_event(direction, self._moves.finger())
 
     # --- the view and the output ------------------------------------------------------------------
 
     def action_zoom(self, direction: int) -> None:
         """More or less detail about the cursor."""
-        about = self._status.cursor if self._status is not None else 0.5
-        self._player.zoom(ZOOM if direction > 0 else 1.0 / ZOOM, about)
+        self._moves.zoom(direction)
 
     def action_whole(self) -> None:
         """The whole timeline."""
@@ -182,6 +237,18 @@ class PlayApp(App[None]):
         """Tactor off or on."""
         self._player.mute_tactor(not self._player.settings.tactor.mute)
 
+    def action_take(self) -> None:
+        """Begin a take, or end it."""
+        self._player.toggle_take()
+
+    def action_replay(self) -> None:
+        """The last take again and again, or no more."""
+        self._player.toggle_replay()
+
+    def action_preset(self, which: int) -> None:
+        """One of the two presets."""
+        self._player.choose_preset(which)
+
     def action_remote(self) -> None:
         """How a phone takes hold of the disk."""
         if self._invitation:
@@ -189,7 +256,7 @@ class PlayApp(App[None]):
 
     def action_help(self) -> None:
         """The keys, explained."""
-        self.push_screen(HelpScreen())
+        self.push_screen(TextScreen(help_text(self._player)))
 
 
 def run(

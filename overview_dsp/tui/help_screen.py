@@ -21,10 +21,17 @@ Enter        tap where the finger was last
 Escape       let go
 [ ]          touch the previous, the next event
 + -  0       zoom about the disk; the whole
+R            begin a take, end it
+P            play the last take in a loop, or stop
+1 2          the first, the second preset: from the loop's start
+             on; pressed again: at once
+c            change preset, window, gains, device, block size, rate,
+             channels, actuator
 m t          mute the clicks, the tactor
 r            the address for a phone (with --remote)
 q            quit
 
+MARKS
 ▼ finger  ~ spring  ◉ disk: it sticks where friction is high
 
 any key closes this"""
@@ -55,10 +62,3 @@ class TextScreen(ModalScreen[None]):
     def on_click(self) -> None:
         """Close."""
         self.dismiss()
-
-
-class HelpScreen(TextScreen):
-    """The keys."""
-
-    def __init__(self) -> None:
-        super().__init__(HELP)

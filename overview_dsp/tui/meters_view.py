@@ -12,7 +12,7 @@ from overview_dsp.units import gain_to_db
 
 BAR = 24
 FLOOR_DB = -60.0
-HOLD_FALL_DB = 1.0
+HOLD_FALL_DB = 6.0
 """How much a held peak falls at each poll."""
 
 
@@ -48,8 +48,9 @@ class MetersView(Static):
             text.append(f", {status.actuator.name} {-status.protected.taken_db:.1f} dB")
         faults = status.late + status.underflows + status.dropped
         text.append(
-            f"\n{status.callbacks} callbacks, {status.late} late, {status.underflows} underflows, "
-            f"{status.frames_lost} frames lost, {status.dropped} events dropped",
+            f"\nDSP load {100.0 * status.load:.1f} %, p99 {1e6 * status.p99_s:.0f} µs, "
+            f"max {1e6 * status.longest_s:.0f} µs; {status.late} late, {status.underflows} "
+            f"underflows, {status.frames_lost} lost, {status.dropped} dropped",
             "red" if faults else "dim",
         )
         if source:

@@ -13,6 +13,7 @@ import numpy as np
 from rich.segment import Segment
 from rich.style import Style
 from textual import events
+from textual.geometry import Region
 from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
@@ -21,9 +22,12 @@ from overview_dsp.live.player import Player, Status
 from overview_dsp.units import clock_text
 
 BLOCKS = " ▁▂▃▄▅▆▇█"
-MARKS = "▲◆●■✚★▼○"
+MARKS = "▲◆●■✚★◇○"
 COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
 AXIS, FINGER, EVENTS = 1, 1, 1
+CURSOR_ROWS = 3
+"""The disk's column is marked so high: more would be much to draw for a terminal far away."""
+
 TAP_WITHIN_S = 0.25
 
 
@@ -100,7 +104,12 @@ class TimelineView(Widget):
             self._drawn = surface
             self.refresh()
         elif seen != before:
-            self.refresh()
+            # only what has changed: a terminal may be far away
+            height = self.size.height
+            for x in {seen[0], before[0]} if seen[0] != before[0] else ():
+                self.refresh(Region(x, max(0, height - 2 - CURSOR_ROWS), 1, CURSOR_ROWS))
+            ends = (*seen[:2], *before[:2])
+            self.refresh(Region(min(ends), height - 2, max(ends) - min(ends) + 1, 1))
 
     def _measure(self) -> None:
         """How high each column of the surface is, and which event marks it."""
@@ -128,12 +137,12 @@ class TimelineView(Widget):
             return Strip.blank(width)
         rows = height - AXIS - FINGER - EVENTS
         if y == 0:
-            return Strip(self._event_line(width))
+            return Strip(self._event_line(width)).simplify()
         if y == height - 1:
             return Strip([Segment(self._axis(width), Style(dim=True))])
         if y == height - 2:
             return Strip(self._hand_line(width))
-        return Strip(self._column_line(width, rows, rows - y))
+        return Strip(self._column_line(width, rows, rows - y)).simplify()
 
     def _event_line(self, width: int) -> list[Segment]:
         return [
@@ -151,7 +160,7 @@ class TimelineView(Widget):
         for x in range(width):
             block = BLOCKS[round(float(parts[x]) * (len(BLOCKS) - 1))]
             colour = self._marks[x][1] if x in self._marks else "bright_black"
-            if x == cursor:
+            if x == cursor and row < CURSOR_ROWS:
                 line.append(Segment("│" if block == " " else block, Style(color="bright_white")))
             else:
                 line.append(Segment(block, Style(color=colour)))

@@ -50,27 +50,43 @@ class PageClock:
         return page_s - min(self._pings)[1]
 
 
+class _Highest:
+    """The highest value of the last seconds."""
+
+    def __init__(self, kept_s: float) -> None:
+        self._kept_s = kept_s
+        self._values: deque[tuple[float, float]] = deque()
+
+    def note(self, now_s: float, value: float) -> None:
+        """One more."""
+        # only those that may yet be the highest are kept: the first one is
+        while self._values and self._values[-1][1] <= value:
+            self._values.pop()
+        self._values.append((now_s, value))
+        while self._values[0][0] < now_s - self._kept_s:
+            self._values.popleft()
+
+    @property
+    def value(self) -> float:
+        """It; 0 before the first."""
+        return self._values[0][1] if self._values else 0.0
+
+
 class Delay:
     """How long events wait, so that late and early ones keep their distance."""
 
     def __init__(self) -> None:
-        self._ages: deque[tuple[float, float]] = deque()
+        self._age = _Highest(DELAY_KEPT_S)
 
     def note(self, now_s: float, age_s: float) -> float:
         """An event came `age_s` after it happened; how old all are made to be."""
-        age = min(max(age_s, 0.0), MAX_DELAY_S)
-        # only those that may yet be the greatest are kept: the first one is
-        while self._ages and self._ages[-1][1] <= age:
-            self._ages.pop()
-        self._ages.append((now_s, age))
-        while self._ages[0][0] < now_s - DELAY_KEPT_S:
-            self._ages.popleft()
+        self._age.note(now_s, min(max(age_s, 0.0), MAX_DELAY_S))
         return self.seconds
 
     @property
     def seconds(self) -> float:
         """How old events are when they act."""
-        return self._ages[0][1] if self._ages else 0.0
+        return self._age.value
 
 
 class SampleClock:
@@ -82,21 +98,17 @@ class SampleClock:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._rate = engine.sample_rate
-        self._looks: deque[tuple[float, float]] = deque()
+        self._ahead = _Highest(LOOKS_KEPT_S)
         self._last = (-1, 0.0)
 
     def look(self, now_s: float) -> None:
         """Read the engine's count; often."""
         sample = self._engine.sample_time
+        if sample < self._last[0]:  # the engine has begun anew
+            self._ahead = _Highest(LOOKS_KEPT_S)
         if sample != self._last[0]:
             self._last = (sample, now_s)
-        ahead = sample - self._rate * now_s
-        # only those that may yet be the highest are kept: the first one is
-        while self._looks and self._looks[-1][1] <= ahead:
-            self._looks.pop()
-        self._looks.append((now_s, ahead))
-        while self._looks[0][0] < now_s - LOOKS_KEPT_S:
-            self._looks.popleft()
+        self._ahead.note(now_s, sample - self._rate * now_s)
 
     def runs(self, now_s: float) -> bool:
         """Whether samples are being processed."""
@@ -104,12 +116,8 @@ class SampleClock:
 
     def sample_at(self, time_s: float) -> int:
         """The sample of a moment of the host's clock."""
-        return round(self._rate * time_s + self._ahead)
+        return round(self._rate * time_s + self._ahead.value)
 
     def time_of(self, sample: int) -> float:
         """The moment of a sample."""
-        return (sample - self._ahead) / self._rate
-
-    @property
-    def _ahead(self) -> float:
-        return self._looks[0][1]
+        return (sample - self._ahead.value) / self._rate

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from overview_dsp.errors import InputError
+from overview_dsp.timeline import checks
 
 MAX_MESSAGE_BYTES = 8192
 MAX_EVENTS = 64
@@ -117,13 +118,8 @@ def _row(given: Any, where: str, length: int) -> list[Any]:
 
 
 def _number(given: Any, where: str, low: float, high: float) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float):
-        raise InputError(f"{where} is a number")
-    try:
-        value = float(given)
-    except OverflowError:
-        value = math.inf
-    if not math.isfinite(value) or not low <= value <= high:
+    value = checks.number(given, where)
+    if not low <= value <= high:
         raise InputError(f"{where} is out of range; it is finite, {low:g} to {high:g}")
     return value
 

@@ -16,9 +16,9 @@ from overview_dsp.files.atomic import make_folder, whole_file
 from overview_dsp.files.toml import SUFFIX
 from overview_dsp.presets.dicts import preset_from_dict, preset_to_dict
 from overview_dsp.presets.library import (
+    LIBRARY,
     bundled_presets,
     load_preset,
-    own_folder,
     own_names,
     parse_own,
 )
@@ -66,7 +66,7 @@ def save_own(name: str, text: str, replace: bool) -> Path:
         raise InputError(f"{name[:70]!r} is no name for a preset: letters, digits, - and _")
     if name in bundled_presets():
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
-    path = own_folder() / (name + SUFFIX)
+    path = LIBRARY.own_folder / (name + SUFFIX)
     if path.exists() and not replace:
         raise InputError(f"a preset {name!r} is there already; replace=1 replaces it")
     _require_named_base(text, name)

@@ -12,7 +12,8 @@ from typing import Any
 from overview_dsp.engine.coefficients import check_carrier
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.player import Input, Player
+from overview_dsp.live.hand import Input
+from overview_dsp.live.player import Player
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.build import build_surface
 from overview_dsp.web.hands import RemoteHands

@@ -12,7 +12,6 @@ from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.zooming import NARROWEST_S
 
 RATIO = 3
-MAX_LEVELS = 3
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from overview_dsp.actuators.calibration import (
     gain_for,
     save_threshold,
 )
-from overview_dsp.actuators.library import bundled_folder
+from overview_dsp.actuators.library import LIBRARY
 from tests.actuators.driving import burst, driven
 
 C2 = ov.load_actuator("c2")
@@ -59,7 +59,7 @@ def test_a_threshold_is_kept_used_and_forgotten():
 
 def test_a_file_of_the_same_name_has_a_threshold_of_its_own(tmp_path):
     mine = tmp_path / "c2.toml"
-    mine.write_bytes((bundled_folder() / "c2.toml").read_bytes())
+    mine.write_bytes((LIBRARY.bundled_folder / "c2.toml").read_bytes())
     save_threshold(ov.load_actuator(mine), -50.0)
     assert calibrated_actuator("c2").gain_db == 0.0
     assert calibrated_actuator(mine).gain_db == -10.0

@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.actuators.library import (
-    FOLDER_VARIABLE,
+    LIBRARY,
     actuator_names,
-    bundled_folder,
     load_actuator,
 )
 from overview_dsp.actuators.model import ACTUATOR_PARAMETERS
@@ -21,7 +20,7 @@ from overview_dsp.actuators.validation import parse_actuator
 from tests.actuators.strategies import actuators
 from tests.presets.strategies import toml_value
 
-C2 = (bundled_folder() / "c2.toml").read_text(encoding="utf-8")
+C2 = (LIBRARY.bundled_folder / "c2.toml").read_text(encoding="utf-8")
 
 
 def refused(text, *words):
@@ -60,7 +59,9 @@ def test_a_bundled_actuator_says_what_it_is_and_can_be_driven(name):
     assert actuator.description
     assert 0.0 < actuator.nominal <= actuator.peak <= 1.0
     assert actuator.mean_square <= actuator.nominal**2
-    header = (bundled_folder() / f"{name}.toml").read_text(encoding="utf-8").split("schema")[0]
+    header = (
+        (LIBRARY.bundled_folder / f"{name}.toml").read_text(encoding="utf-8").split("schema")[0]
+    )
     # a fact has its source, and what isn't one says so
     assert "data sheet" in header or "ssumptions" in header
 
@@ -97,7 +98,7 @@ def test_any_actuator_survives_the_way_through_toml(actuator):
     assert (again.peak, again.nominal) == (actuator.peak, actuator.nominal)
 
 
-@pytest.mark.parametrize("id", [id for id, known in ACTUATOR_PARAMETERS.items() if known.high])
+@pytest.mark.parametrize("id", [p.id for p in ACTUATOR_PARAMETERS.values() if not p.choices])
 def test_every_number_is_held_to_its_range_and_named_with_its_line(id):
     known = ACTUATOR_PARAMETERS[id]
     section, key = id.split(".")
@@ -152,7 +153,7 @@ def test_garbage_is_one_line(tmp_path_factory, garbage):
 def test_own_actuators_are_found_by_name_and_a_bundled_name_stays_the_bundleds(
     tmp_path, monkeypatch
 ):
-    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(LIBRARY.variable, str(tmp_path))
     (tmp_path / "mine.toml").write_text(C2.replace("C-2 tactor", "Mine"), encoding="utf-8")
     (tmp_path / "c2.toml").write_text(C2.replace("C-2 tactor", "Not mine"), encoding="utf-8")
     assert actuator_names()[-1] == "mine"

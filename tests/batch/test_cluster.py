@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import contextlib
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -36,6 +38,38 @@ def test_a_cluster_makes_the_same_files_as_one_process(cluster, tmp_path):
     assert (outcome.rendered, outcome.failed) == (CASES, ())
     assert run_study(study_in(tmp_path), scheduler=cluster).found == CASES
     run_study(study_in(tmp_path / "one"), workers=1)
+    assert hashes(tmp_path / "study") == hashes(tmp_path / "one" / "study")
+
+
+def test_a_folder_that_is_deleted_and_made_again_is_no_trouble_to_running_workers(
+    cluster, tmp_path
+):
+    (tmp_path / "one").mkdir()
+    run_study(study_in(tmp_path / "one"), workers=1)
+    whole = hashes(tmp_path / "one" / "study")
+    for _ in range(2):
+        outcome = run_study(study_in(tmp_path), scheduler=cluster)
+        assert (outcome.rendered, outcome.failed) == (CASES, ())
+        assert hashes(tmp_path / "study") == whole
+        shutil.rmtree(tmp_path / "study")
+    (tmp_path / "study").mkdir()
+    assert run_study(study_in(tmp_path), scheduler=cluster).failed == ()
+    assert hashes(tmp_path / "study") == whole
+
+
+def test_folders_that_vanish_again_and_again_cost_nothing_but_what_was_in_them(cluster, tmp_path):
+    """Whatever becomes of a run meanwhile, the next one finishes the same study."""
+    (tmp_path / "one").mkdir()
+    run_study(study_in(tmp_path / "one"), workers=1)
+
+    def vanish(finished, of):
+        if finished % 7 == 3:
+            shutil.rmtree(tmp_path / "study", ignore_errors=True)
+
+    for _ in range(3):
+        with contextlib.suppress(ov.OverviewError):
+            run_study(study_in(tmp_path), scheduler=cluster, progress=vanish)
+    assert run_study(study_in(tmp_path), scheduler=cluster).failed == ()
     assert hashes(tmp_path / "study") == hashes(tmp_path / "one" / "study")
 
 

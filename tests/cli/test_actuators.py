@@ -9,7 +9,8 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-from overview_dsp.actuators import actuator_names, calibration, load_actuator
+from overview_dsp.actuators import calibration
+from overview_dsp.actuators.library import actuator_names, load_actuator
 from tests.cli.running import MATCH, QUICK, overview, refused
 
 

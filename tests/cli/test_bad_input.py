@@ -253,3 +253,14 @@ def test_a_title_no_terminal_knows_is_no_error(folder):
     )
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["file"] == "out.wav"
+
+
+def test_an_error_under_json_is_json():
+    done = overview("render", "no-such-file.csv", "--json")
+    assert done.code == 2
+    assert done.out == ""
+    report = json.loads(done.errors[-1])
+    assert report["exit_code"] == 2
+    assert "no-such-file.csv" in report["error"]
+    wrong = json.loads(overview("render", MATCH, "--json", "--nonsense").errors[-1])
+    assert "No such option" in wrong["error"]

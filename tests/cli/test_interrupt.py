@@ -8,15 +8,20 @@ import time
 
 import pytest
 
+from overview_dsp.files import atomic
 from tests.cli.running import MATCH, end_of_group, environment
 
 
-@pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")
+@pytest.mark.skipif(os.name != "posix", reason="sends signals")
 @pytest.mark.parametrize(
-    "outputs",
-    [("-o", "a.wav"), ("-o", "a.wav", "--trace", "a.npz"), ("-o", "a.wav", "--trace", "a.csv")],
+    ("name", "outputs"),
+    [
+        ("SIGINT", ("-o", "a.wav")),
+        ("SIGTERM", ("-o", "a.wav", "--trace", "a.npz")),
+        ("SIGHUP", ("-o", "a.wav", "--trace", "a.csv")),
+    ],
 )
-def test_ctrl_c_in_a_render_leaves_no_file_and_ends_with_130(folder, outputs):
+def test_a_render_that_is_stopped_leaves_no_file_and_ends_as_signals_do(folder, name, outputs):
     command = subprocess.Popen(
         [
             *(sys.executable, "-m", "overview_dsp", "render", MATCH, "--gesture", "sweep:5000"),
@@ -32,12 +37,12 @@ def test_ctrl_c_in_a_render_leaves_no_file_and_ends_with_130(folder, outputs):
         while not any(path.stat().st_size > 100_000 for path in folder.iterdir()):
             assert command.poll() is None, command.communicate()
             time.sleep(0.02)
-        command.send_signal(signal.SIGINT)
+        command.send_signal(getattr(signal, name))
         out, err = command.communicate(timeout=60)
     finally:
         command.kill()
         command.wait()
-    assert command.returncode == 130
+    assert command.returncode == 128 + getattr(signal, name)
     # click goes to a new line after the terminal's ^C
     lines = [line for line in err.splitlines() if line and not line.startswith("compiling")]
     assert lines == ["error: stopped; nothing was left behind"]
@@ -45,8 +50,50 @@ def test_ctrl_c_in_a_render_leaves_no_file_and_ends_with_130(folder, outputs):
     assert os.listdir(folder) == []
 
 
-@pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")
-def test_ctrl_c_in_a_study_says_how_far_it_came_and_ends_its_workers(folder):
+@pytest.mark.skipif(os.name != "posix", reason="sends signals")
+def test_an_export_that_is_stopped_leaves_nothing(folder):
+    command = subprocess.Popen(
+        [
+            *(sys.executable, "-m", "overview_dsp", "export", MATCH, "--to", "web"),
+            *("--zooms", "3", "-o", "page"),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment(),
+    )
+    try:
+        while not os.listdir(folder):
+            assert command.poll() is None, command.communicate()
+            time.sleep(0.001)
+        command.send_signal(signal.SIGTERM)
+        _, err = command.communicate(timeout=60)
+    finally:
+        command.kill()
+        command.wait()
+    assert command.returncode == 128 + signal.SIGTERM
+    assert "nothing was left behind" in err
+    assert os.listdir(folder) == []
+
+
+def test_a_temporary_file_is_known_before_it_is_there(folder, monkeypatch):
+    def made(path, *flags):
+        (folder / path).write_text("x")
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "open", made)
+        patched.setattr(os, "unlink", made)  # stopped again while it cleans up
+        with pytest.raises(KeyboardInterrupt):
+            atomic.whole_file("a.wav").__enter__()
+    assert len(os.listdir(folder)) == 1
+    atomic.remove_temporaries()
+    assert os.listdir(folder) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_study_that_is_stopped_says_how_far_it_came_and_ends_its_workers(folder, name):
     pytest.importorskip("pyarrow", reason="needs the extra batch")
     (folder / "jobs.toml").write_text(
         f'out = "o"\ntimelines = ["{MATCH}"]\ngestures = ["tap:1:0.5"]\nseeds = 50000\n'
@@ -65,12 +112,13 @@ def test_ctrl_c_in_a_study_says_how_far_it_came_and_ends_its_workers(folder):
             assert command.poll() is None, command.communicate()
             time.sleep(0.02)
         # as a terminal does: to all of its processes
-        os.killpg(command.pid, signal.SIGINT)
+        os.killpg(command.pid, getattr(signal, name))
         out, err = command.communicate(timeout=60)
     finally:
         command.kill()
         command.wait()
-    assert command.returncode == 130
+    assert command.returncode == 128 + getattr(signal, name)
+    assert not (folder / "o" / ".unfinished").exists()
     lines = [line for line in err.splitlines() if line and not line.startswith("compiling")]
     assert len(lines) == 1, err
     assert lines[0].startswith("error: stopped with ")

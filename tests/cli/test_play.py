@@ -75,6 +75,9 @@ def test_a_signal_ends_it_with_the_take_saved(tmp_path, name):
     ("arguments", "words"),
     [
         (["--block-size", "-1"], "block size -1; it is 1 to 8192 frames, or 0"),
+        (["--seconds", "nan"], "--seconds nan; it is 0 or more"),
+        (["--seconds", "-1"], "--seconds -1; it is 0 or more"),
+        (["--sample-rate", "0"], "sample rate 0 Hz is out of range"),
         (["--click-gain", "99"], "gain 99 is out of range"),
         (["--click-channel", "2"], "can't share channel 2"),
         (["--input", "wobble:3"], "gesture 'wobble:3' is not understood"),

@@ -9,6 +9,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.engine.coefficients import (
+    PACE_MOST,
     changes,
     check_carrier,
     coefficients,
@@ -16,8 +17,8 @@ from overview_dsp.engine.coefficients import (
     one_pole,
     ring_samples,
 )
-from overview_dsp.kernels import layout
-from tests.examples import plain_preset
+from overview_dsp.kernels import clutch, layout
+from tests.examples import K1, K2, plain_preset
 
 RATES = [1000.0, 44_100.0, 48_000.0, 192_000.0]
 VALUES = {
@@ -89,6 +90,16 @@ def test_every_coefficient_is_what_its_parameter_says(rate):
         assert found[column] == pytest.approx(value, rel=1e-12), column
     for column, (left, time_s) in falls.items():
         assert left ** (time_s * rate) == pytest.approx(math.exp(-1.0), rel=1e-9), column
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_a_clutch_that_is_off_is_rigid_and_a_tap_unfolds_as_fast_as_a_hand_may_move(rate):
+    found = coefficients(plain_preset(disk__catch_up=0.0, disk__unfold_s=0.0), rate)
+    assert found[layout.C_CATCH] == clutch.OFF
+    assert found[layout.C_UNFOLD] == pytest.approx(PACE_MOST / rate)
+    slow = coefficients(plain_preset(disk__catch_up=0.25, disk__unfold_s=0.25), rate)
+    assert slow[layout.C_CATCH] == pytest.approx(0.25 * rate / (K1 + K2))
+    assert slow[layout.C_UNFOLD] == pytest.approx(1.0 / (0.25 * rate))
 
 
 @pytest.mark.parametrize("signal", ["tactor", "click"])

@@ -598,3 +598,28 @@ def test_a_hand_that_rests_at_the_start_leaves_no_denormals():
     for _ in range(30):
         run(engine, 2048)
         assert not denormal(float_state(engine)).any()
+
+
+def test_an_engine_is_shown_with_its_preset_its_data_and_its_rate():
+    engine = ov.Engine(preset_with(), timeline_of(5.0))
+    shown = f"<Engine: {engine.preset.name!r} on {engine.timeline.title!r}, "
+    assert repr(engine) == shown + "not prepared>"
+    engine.prepare(8000, 64)
+    assert repr(engine) == shown + "8000 Hz>"
+
+
+def test_it_says_since_when_the_disk_is_at_the_finger():
+    rate = 8000
+    engine = prepared(preset_with(height=1.0), timeline_of(50.0), rate)
+    assert engine.arrived_at is None
+    engine.control(3.0, True)
+    run(engine, 8)
+    assert engine.arrived_at is None  # on its way
+    run(engine, 4 * rate)
+    arrived = engine.arrived_at
+    assert 8 < arrived < 4 * rate
+    run(engine, rate)
+    assert engine.arrived_at == arrived
+    engine.control(3.0, False)
+    run(engine, 8)
+    assert engine.arrived_at is None

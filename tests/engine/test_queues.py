@@ -14,6 +14,7 @@ import overview_dsp as ov
 from overview_dsp.engine.queues import ControlQueues, stamp_of
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.control import push_control
 
 RINGS = range(len(SOURCES))
 
@@ -91,6 +92,17 @@ def test_each_ring_takes_as_many_events_as_it_has_places_and_counts_what_it_drop
         queues.control(3.0, True, 7, SOURCES[ring])
     assert queues.dropped == 2
     assert waiting(memory, words, ring)[-1] == (5, 1.0, 1)
+    queues.clear_dropped()
+    assert queues.dropped == 0
+    with pytest.warns(ov.OverviewWarning, match=SOURCES[ring]):
+        queues.control(4.0, True, 8, SOURCES[ring])
+
+
+def test_no_event_is_compiled_for_anew_whatever_its_numbers_are():
+    queues, _, _ = block()
+    for theta2, touching in ((1, 1), (1.0, True), (np.float32(1.0), np.bool_(False))):
+        queues.control(theta2, touching, 5, SOURCES[0])
+    assert len(push_control.signatures) == 1
 
 
 def many(count, *sources):

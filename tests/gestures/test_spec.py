@@ -94,3 +94,16 @@ def test_any_text_is_a_gesture_or_one_line(spec):
         one_line(error)
     else:
         assert isinstance(gesture, ov.Gesture)
+
+
+def test_many_parts_are_one_after_the_other_as_two_are():
+    parts = [f"tap:0.{i % 7}:0.1" for i in range(5000)]
+    whole = ov.parse_gesture("+".join(parts))
+    one_by_one = ov.parse_gesture("+".join(parts[:20]))
+    for part in parts[20:30]:
+        one_by_one = one_by_one + ov.parse_gesture(part)
+    count = len(one_by_one.time_s)
+    assert np.array_equal(whole.time_s[:count], one_by_one.time_s)
+    assert np.array_equal(whole.theta2[:count], one_by_one.theta2)
+    assert whole.on_arrival[: len(one_by_one.on_arrival)] == one_by_one.on_arrival
+    assert len(whole.time_s) == 10_000

@@ -174,3 +174,12 @@ def test_a_take_goes_into_no_folder_that_is_not_there(tmp_path):
     with pytest.raises(ov.InputError, match=r"take\.csv: can't be written"):
         ov.save_gesture(ov.tap(0.5), tmp_path / "no" / "take.csv")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_angle_that_was_rounded_to_six_decimals_is_the_end_it_was(tmp_path):
+    path = tmp_path / "take.csv"
+    path.write_text("time_s,theta2_rad,touching\n0,3.141593,1\n1,-0.000001,0\n")
+    assert ov.load_gesture(path).theta2.tolist() == [math.pi, 0.0]
+    path.write_text("time_s,theta2_rad,touching\n0,3.1417,1\n")
+    with pytest.raises(ov.InputError, match="out of range"):
+        ov.load_gesture(path)

@@ -323,6 +323,45 @@ def test_commands_are_no_coefficients_and_what_is_neither_does_nothing():
     assert block.f64[: layout.TOTAL_STATE].tobytes() == before
 
 
+# --- where the clutch's pace begins ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("returns", [False, True])
+def test_a_hand_that_takes_hold_and_a_return_begin_at_the_unfolding_pace(returns):
+    block = Block()
+    f64, i64 = block.f64, block.i64
+    f64[layout.C_UNFOLD] = 0.25
+    i64[layout.S_RELEASE_RETURNS] = returns
+    apply_one(f64, i64, 2, 1.0, 1)
+    assert f64[layout.PACE] == 0.25 * layout.CELLS
+    f64[layout.PACE] = 3.0
+    apply_one(f64, i64, 2, 1.5, 1)
+    assert f64[layout.PACE] == 3.0  # a hand that goes on keeps its own
+    apply_one(f64, i64, 2, 1.5, 0)
+    assert f64[layout.PACE] == (0.25 * layout.CELLS if returns else 3.0)
+
+
+# --- what is pushed -------------------------------------------------------------------------------
+
+
+def test_an_event_is_written_as_given_until_the_ring_is_full():
+    block = Block()
+    f64, i64 = block.f64, block.i64
+    source, ring = 3, layout.RING
+    for n in range(ring):
+        assert control.push_control(f64, i64, source, n, 0.5 * n, n % 3 == 0) is True
+    at = source * ring + np.arange(ring)
+    assert i64[layout.RING_TIME + at].tolist() == list(range(ring))
+    assert f64[layout.RING_THETA2 + at].tolist() == [0.5 * n for n in range(ring)]
+    assert i64[layout.RING_TOUCHING + at].tolist() == [int(n % 3 == 0) for n in range(ring)]
+    before = f64.tobytes()
+    assert control.push_control(f64, i64, source, ring, 1.0, True) is False
+    assert f64.tobytes() == before
+    i64[layout.RING_READ + source] = 1  # one is read: one more has room
+    assert control.push_control(f64, i64, source, ring, 1.0, True) is True
+    assert control.push_control(f64, i64, source, ring, 1.0, True) is False
+
+
 @pytest.mark.parametrize("tiny", [5e-324, 2.2e-313, 1e-200])
 def test_an_angle_too_small_for_the_arithmetic_is_the_start(tiny):
     block = Block()

@@ -14,7 +14,9 @@ import overview_dsp as ov
 from overview_dsp.controllers.midi_messages import MidiReader
 from overview_dsp.controllers.osc_messages import OscReader
 from overview_dsp.gestures import SOURCES
+from overview_dsp.live import osc_out
 from overview_dsp.live.controller_input import ControllerInput
+from overview_dsp.live.inputs import LineInput
 from overview_dsp.live.osc_out import OscOut
 from overview_dsp.live.osc_port import OscPort
 from overview_dsp.live.output_settings import OutputSettings
@@ -177,7 +179,7 @@ def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
         message("/overview/tactor/gain_db", -6.0),
         message("/overview/kinds.goal.height", 50),
         message("/overview/tactor/gian_db", -6.0),
-        message("/overview/tactor/exponent", "loud"),
+        message("/overview/tactor/decay_ms", "loud"),
     )
     until(lambda: hand.report()["messages"] == 4)
     hand.poll(running)
@@ -190,7 +192,7 @@ def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
     until(lambda: hand.report()["messages"] == 5)
     hand.poll(running)
     assert hand.take_messages() == ()
-    assert hand.report()["refused"] == 3
+    assert (hand.report()["unknown"], hand.report()["refused"]) == (2, 1)
 
 
 def test_many_surface_changes_wait_for_a_slot_and_the_last_one_wins(opened, running):
@@ -351,3 +353,88 @@ def test_what_the_disk_does_is_sent_out(running, match):
     for kind, label, _, level in events:
         assert (kind, label) in happened
         assert level > 0.0
+
+
+def test_a_report_that_fails_is_told_once_and_goes_on(running, monkeypatch):
+    listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    listener.bind(("127.0.0.1", 0))
+    listener.settimeout(10.0)
+    said = []
+    failing = threading.Event()
+    take = running.take_struck_events
+
+    def fail():
+        if failing.is_set():
+            raise RuntimeError("made up")
+        return take()
+
+    monkeypatch.setattr(running, "take_struck_events", fail)
+    monkeypatch.setattr(osc_out, "AGAIN_S", 0.01)
+    failing.set()
+    with listener:
+        out = OscOut(running, str(listener.getsockname()[1]), said.append)
+        until = time.monotonic() + 10.0
+        while not said and time.monotonic() < until:
+            time.sleep(0.01)
+        failing.clear()
+        assert b"/overview/" in listener.recv(1000)
+        out.close()
+    assert len(said) == 1
+    assert "made up; it goes on" in said[0]
+
+
+def test_lines_that_cannot_be_read_are_told_and_let_go(engine):
+    def lines():
+        yield "1.0 1\n"
+        raise UnicodeDecodeError("utf-8", b"\xff", 0, 1, "invalid start byte")
+
+    hand = LineInput(lines(), engine)
+    until = time.monotonic() + 10.0
+    while not hand.is_over(engine) and time.monotonic() < until:
+        time.sleep(0.01)
+    engine.process(np.empty((4800, 2), dtype=np.float32))
+    assert not engine.meters.touching
+    (said,) = hand.take_messages()
+    assert "invalid start byte" in said
+
+
+def test_addresses_that_are_nothing_are_counted_and_one_of_them_is_said(engine):
+    port = MadePort()
+    hand = ControllerInput(engine, "osc", lambda: port, OscReader)
+    port.put(*(message(f"/overview/nothing/of{number}", 1.0) for number in range(50)))
+    until = time.monotonic() + 10.0
+    while hand.counters.unknown < 50 and time.monotonic() < until:
+        hand.poll(engine)
+        time.sleep(0.01)
+    said = hand.take_messages()
+    hand.close()
+    assert hand.counters.unknown == 50
+    assert len(said) == 1
+    assert "the first of them; counted on" in said[0]
+
+
+def test_osc_asks_for_takes_replays_presets_and_windows(engine):
+    port, asked = MadePort(), []
+    hand = ControllerInput(
+        engine, "osc", lambda: port, OscReader, ask=lambda *words: asked.append(words)
+    )
+    port.put(
+        message("/overview/record"),
+        message("/overview/record", 0),
+        message("/overview/replay", 1.0),
+        message("/overview/preset", "football-stadium"),
+        message("/overview/preset", 2),
+        message("/overview/window", 0, 2700.5),
+    )
+    until = time.monotonic() + 10.0
+    while len(asked) < 6 and time.monotonic() < until:
+        time.sleep(0.01)
+    hand.close()
+    assert asked == [
+        ("record",),
+        ("record", "0"),
+        ("replay", "1"),
+        ("preset", "football-stadium"),
+        ("preset", "2"),
+        ("window", "0", "2700.5"),
+    ]

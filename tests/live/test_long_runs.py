@@ -154,6 +154,7 @@ def test_no_native_callback_is_late_under_load_and_next_to_nothing_is_lost():
         )
     found["load"] = [LoadRow(**row) for row in found["load"]]
     found["latency"] = [LatencyResult(**row) for row in found["latency"]]
+    print(found.pop("date"), found.pop("machine"))
     report = Report(**found)
     print("\n".join(load_table(report)))
     native = [row for row in report.load if row.callback == "native"]

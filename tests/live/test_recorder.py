@@ -38,7 +38,7 @@ def play(match, preset, blocks, path):
     """Play as a live session would, as soon as possible, and record it."""
     engine = ov.Engine(preset, match)
     engine.prepare(48_000, 8192)
-    recorder = Recorder(engine)
+    recorder = Recorder(engine, path, {"title": match.title})
     sounds = []
     for controls, change, frames in blocks:
         for theta2, touching, source in controls:
@@ -60,7 +60,7 @@ def play(match, preset, blocks, path):
         sounds.append(np.empty((frames, 2), dtype=np.float32))
         engine.process(sounds[-1])
         recorder.poll()
-    recorder.save(path, {"title": match.title})
+    recorder.close()
     return np.concatenate(sounds)
 
 

@@ -54,7 +54,7 @@ def test_each_says_what_it_is_like_and_for(name):
     scales = preset.tags.energy, preset.tags.roughness, preset.tags.tempo, preset.tags.pleasantness
     assert all(scale is not None for scale in scales)
     assert preset.tags.usage
-    header = (library.bundled_folder() / f"{name}.toml").read_text(encoding="utf-8")
+    header = (library.LIBRARY.bundled_folder / f"{name}.toml").read_text(encoding="utf-8")
     for words in ("# Feels like: ", "# Sounds like: ", "# For: "):
         assert words in header
 
@@ -112,7 +112,7 @@ def differences(committed, now, path=""):
 @pytest.mark.parametrize("name", NAMES)
 def test_the_committed_feel_report_is_up_to_date(name):
     """`python tools/measure_presets.py` writes them anew."""
-    path = library.bundled_folder() / "feel" / f"{name}.json"
+    path = library.LIBRARY.bundled_folder / "feel" / f"{name}.json"
     preset = ov.load_preset(name)
     now = feel_report(preset, pages(preset)).to_json()
     committed = json.loads(path.read_text(encoding="utf-8"))

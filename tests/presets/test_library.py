@@ -42,7 +42,7 @@ def test_every_bundled_preset_is_valid_and_plays_the_bundled_match(name, match):
 
 @pytest.mark.parametrize("name", ov.bundled_presets())
 def test_every_bundled_preset_begins_with_what_it_feels_and_sounds_like(name):
-    header = (library.bundled_folder() / f"{name}.toml").read_text(encoding="utf-8")
+    header = (library.LIBRARY.bundled_folder / f"{name}.toml").read_text(encoding="utf-8")
     header = header.split("schema =")[0]
     assert "Feels like" in header
     assert "Sounds like" in header
@@ -53,7 +53,7 @@ def test_football_names_every_kind_of_the_bundled_match(match, football):
 
 
 def test_a_preset_is_found_by_its_name_and_by_its_path(tmp_path):
-    text = (library.bundled_folder() / "football.toml").read_text(encoding="utf-8")
+    text = (library.LIBRARY.bundled_folder / "football.toml").read_text(encoding="utf-8")
     path = tmp_path / "mine.toml"
     path.write_text(text, encoding="utf-8")
     mine, football = ov.load_preset(path), ov.load_preset("football")
@@ -63,7 +63,7 @@ def test_a_preset_is_found_by_its_name_and_by_its_path(tmp_path):
 
 
 def test_a_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path):
-    text = (library.bundled_folder() / "football.toml").read_text(encoding="utf-8")
+    text = (library.LIBRARY.bundled_folder / "football.toml").read_text(encoding="utf-8")
     path = tmp_path / "football.toml"
     path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
     assert ov.load_preset(path) == ov.load_preset("football")

@@ -12,7 +12,7 @@ from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PA
 from overview_dsp.presets.validation import parse_preset
 from tests.presets.strategies import presets, toml_of, toml_value
 
-FOOTBALL = (library.bundled_folder() / "football.toml").read_text(encoding="utf-8")
+FOOTBALL = (library.LIBRARY.bundled_folder / "football.toml").read_text(encoding="utf-8")
 SMALL = """schema = 1
 title = "Small"
 description = "a small one"

@@ -16,7 +16,7 @@ from overview_dsp.engine.state import decode_state, encode_state
 from overview_dsp.errors import InputError
 from overview_dsp.presets.blending import morph, randomized
 from overview_dsp.presets.comparing import differences
-from overview_dsp.presets.library import bundled_folder, bundled_presets
+from overview_dsp.presets.library import LIBRARY, bundled_presets
 from overview_dsp.presets.reference import json_schema, reference
 from overview_dsp.presets.validation import parse_preset
 from overview_dsp.presets.writing import preset_toml, save_preset, started_from
@@ -47,7 +47,7 @@ def test_a_preset_comes_back_from_its_file_and_from_a_state_byte_for_byte(preset
 def test_bundled_presets_fit_the_editors_schema_and_come_back(name, tmp_path):
     preset = ov.load_preset(name)
     jsonschema.validate(
-        tomllib.loads((bundled_folder() / f"{name}.toml").read_text(encoding="utf-8")),
+        tomllib.loads((LIBRARY.bundled_folder / f"{name}.toml").read_text(encoding="utf-8")),
         json_schema(),
     )
     again = ov.load_preset(save_preset(preset, tmp_path / f"{name}.toml"))
@@ -80,7 +80,7 @@ def test_a_started_preset_is_its_base_until_it_is_changed(football):
 
 
 def base_text(name):
-    return (bundled_folder() / f"{name}.toml").read_text(encoding="utf-8")
+    return (LIBRARY.bundled_folder / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def test_a_morph_goes_from_one_to_the_other_by_steps_of_one_ratio(football):

@@ -7,15 +7,15 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.sensors.profile import SENSOR_PARAMETERS, Sensor
-from overview_dsp.sensors.profile_file import load_sensor, parse_sensor, sensor_names
+from overview_dsp.sensors.profile_file import LIBRARY, load_sensor, parse_sensor
 from overview_dsp.sensors.units import units_of
 
 HEAD = "schema = 1\n"
 
 
 def test_every_bundled_sensor_is_read():
-    assert sensor_names() == ("encoder", "imu", "potentiometer", "roll", "simplefoc")
-    for name in sensor_names():
+    assert LIBRARY.bundled == ("encoder", "imu", "potentiometer", "roll", "simplefoc")
+    for name in LIBRARY.bundled:
         assert load_sensor(name).title
 
 

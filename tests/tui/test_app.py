@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import os
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -10,13 +13,17 @@ import pytest
 from textual.widgets import Static
 
 import overview_dsp as ov
+from overview_dsp.live.hand import Input
 from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Input, Player
+from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
-from overview_dsp.tui import PlayApp, timeline_view
+from overview_dsp.tui import PlayApp, lines, timeline_view
+from overview_dsp.tui import app as app_module
 from overview_dsp.tui.meters_view import MetersView
+from overview_dsp.tui.terminal import TerminalWriter
 from overview_dsp.tui.timeline_view import TimelineView
+from overview_dsp.tui.trace_view import TraceView
 
 
 @pytest.fixture
@@ -282,3 +289,172 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
             assert await until(pilot, lambda: shown.size.height == 6)
 
     run(inside())
+
+
+def test_a_message_goes_when_it_was_read(player, monkeypatch):
+    monkeypatch.setattr(app_module, "SHOWN_S", 0.5)
+
+    async def inside():
+        app = PlayApp(player, CountingHand())
+        async with app.run_test(size=(100, 30)) as pilot:
+            words = app.query_one("#messages")
+            assert await until(pilot, lambda: "hold it still" in str(words.render()))
+            assert await until(pilot, lambda: "hold it still" not in str(words.render()))
+
+    run(inside())
+
+
+def test_the_load_of_the_callbacks_is_on_the_screen(player):
+    async def script(app, pilot):
+        shown = app.query_one(MetersView)
+        assert await until(pilot, lambda: "DSP load" in shown._shown)
+        status = app._status
+        assert f"max {1e6 * status.longest_s:.0f} µs" in shown._shown
+        assert 0.0 < status.load < 5.0
+
+    drive(player, script)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (200, 60)])
+def test_what_is_felt_goes_by_beside_the_timeline_and_the_marks_are_explained(player, size):
+    async def script(app, pilot):
+        trace = app.query_one(TraceView)
+
+        def rows():
+            return ["".join(s.text for s in trace.render_line(y)) for y in range(3)]
+
+        def felt():
+            player.touch(0.1 if player.finger > 0.5 else 0.9)
+            return all(row[8:].strip() for row in rows())
+
+        assert await until(pilot, felt)
+        assert all(len(row) == size[0] for row in rows())
+        assert rows()[0].startswith("torque")
+        legend = str(app.query_one("#legend").render())
+        assert "goal" in legend
+        assert app.query_one(TimelineView).size.height >= 8
+        assert app.query_one("Footer").region.bottom == size[1]
+        await pilot.press("question_mark")
+        await pilot.pause(0.1)
+        assert "goal" in str(app.screen.query_one("Static").render())
+
+    drive(player, script, size=size)
+
+
+def test_the_keys_of_takes_replays_and_presets(player, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    async def script(app, pilot):
+        await pilot.press("R")
+        assert await until(pilot, lambda: player.recording)
+        await pilot.press("end")
+        assert await until(pilot, lambda: cursor(player) > 0.9)
+        await pilot.press("R")
+        assert await until(pilot, lambda: not player.recording)
+        await pilot.press("p")
+        assert await until(pilot, lambda: player.replaying)
+        await pilot.press("1")
+        assert await until(pilot, lambda: "from the loop's start" in str(app._words.render()))
+        await pilot.press("p")
+        assert await until(pilot, lambda: not player.replaying)
+        assert len(list(tmp_path.glob("take-*.csv"))) == 1
+
+    drive(player, script)
+
+
+def test_a_command_may_be_typed_and_chosen(player):
+    async def script(app, pilot):
+        await pilot.press("c")
+        await pilot.pause(0.5)
+        await pilot.press(*"gain", "space", *"tactor", "space", "minus", "7")
+        await pilot.pause(0.5)
+        await pilot.press("down", "enter")
+        assert await until(pilot, lambda: player.settings.tactor.gain_db == -7.0)
+
+    drive(player, script)
+
+
+def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, monkeypatch):
+    goal = next(
+        place
+        for place, event in zip(player.surface.position, player.surface.event, strict=True)
+        if player.shown.events[event].kind == "goal"
+    )
+    keys = ["?", "m"]
+    said = []
+
+    def read():
+        if keys:
+            return keys.pop(0)
+        player.touch(float(goal))
+        time.sleep(0.02)
+        return "q" if any("goal" in line for line in said[2:]) else ""
+
+    @contextlib.contextmanager
+    def reading():
+        yield read
+
+    monkeypatch.setattr(lines, "_raw_keys", reading)
+    began = time.monotonic()
+    lines.run(player, None, lambda: time.monotonic() - began > 20.0, said.append)
+    assert said[0].startswith(player.timeline.title)
+    assert "drag" in said[1]
+    assert "clicks muted" in said
+    assert any("goal" in line for line in said[2:])
+    assert player.settings.click.mute
+
+
+@pytest.mark.parametrize(
+    ("text", "keys"),
+    [
+        ("\x1b[C\x1b[1;2D", ["right", "shift+left"]),
+        ("\x1b", ["escape"]),
+        ("R \r]", ["R", "space", "enter", "]"]),
+        ("\x1b[H\x1b[4~", ["home", "end"]),
+        ("\x03", ["q"]),
+    ],
+)
+def test_keys_are_told_from_what_a_terminal_sends(text, keys):
+    assert list(lines.keys_of(text)) == keys
+
+
+class Pipe:
+    """A terminal that reads nothing until it is let."""
+
+    def __init__(self):
+        self.reader, self.writer = os.pipe()
+
+    def fileno(self):
+        return self.writer
+
+
+def test_a_terminal_that_reads_nothing_holds_nobody_up_and_is_drawn_anew_later():
+    file = Pipe()
+    writer = TerminalWriter(file)
+    writer.start()
+    for _ in range(200):
+        writer.write("x" * 4096)  # a pipe holds 64 kB
+    writer.write("\x1b[?25h")
+    writer.stop()
+    assert writer.is_alive()
+    assert not writer.take_left_out()
+    read = b""
+    while not read.endswith(b"\x1b[?25h"):
+        read += os.read(file.reader, 65_536)
+    writer.join(10.0)
+    assert len(read) < 200 * 4096
+    assert writer.take_left_out()
+    os.close(file.reader)
+    os.close(file.writer)
+
+
+def test_a_terminal_that_has_gone_is_noticed():
+    file = Pipe()
+    os.close(file.reader)
+    writer = TerminalWriter(file)
+    writer.start()
+    writer.write("x")
+    writer.join(5.0)
+    assert writer.gone
+    writer.stop()
+    os.close(file.writer)

@@ -145,6 +145,11 @@ def lost_ratio(rows: list[LoadRow], seconds: float) -> tuple[float, bool]:
     return max(lost["python"], 0.0) / max(lost["native"], block), lost["native"] < block
 
 
+def lines(report: Report) -> list[str]:
+    """The report as lines of text."""
+    return [*load_table(report), "", *latency_table(report)]
+
+
 def load_table(report: Report) -> list[str]:
     """The load test as lines of text."""
     lines = [

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from overview_dsp.cli.common import announce_compile, print_json
-from overview_dsp.cli.options.output import SILENT, device_named
+from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
     import numpy as np

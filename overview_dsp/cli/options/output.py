@@ -15,10 +15,6 @@ if TYPE_CHECKING:
     from overview_dsp.live.output_settings import OutputSettings
 
 
-SILENT = "none"
-"""The device that isn't one."""
-
-
 def output_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Options of both signals' ways out."""
     for name in ("tactor", "click"):
@@ -32,11 +28,6 @@ def output_options(function: Callable[..., Any]) -> Callable[..., Any]:
         for option in reversed(options):
             function = option(function)
     return function
-
-
-def device_named(device: str | None) -> int | str | None:
-    """The device as PortAudio takes it: a number, a name, None for the default."""
-    return int(device) if device is not None and device.isdecimal() else device
 
 
 @dataclass(frozen=True)

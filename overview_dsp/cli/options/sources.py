@@ -12,10 +12,10 @@ import click
 from overview_dsp.cli.common import read_gesture
 
 if TYPE_CHECKING:
-    from overview_dsp.engine.engine import Engine
     from overview_dsp.live.controller_input import Reader
+    from overview_dsp.live.hand import Input
     from overview_dsp.live.inputs import LineInput
-    from overview_dsp.live.player import Input
+    from overview_dsp.live.player import Player
 
 DEVICES = ("serial", "osc", "midi")
 SILENT_OSC_S = 5.0
@@ -64,7 +64,7 @@ class Sources:
         Standard input, once it is opened.
     """
 
-    openers: dict[str, Callable[[Engine], Input]]
+    openers: dict[str, Callable[[Player], Input]]
     lines: LineInput | None = None
 
     @property
@@ -72,14 +72,14 @@ class Sources:
         """Whether standard input is one of them."""
         return "lines" in self.openers
 
-    def opened(self, engine: Engine, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
+    def opened(self, player: Player, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
         """The sources, begun, as one; `closing` receives what closes each. InputError as they."""
         from overview_dsp.live.inputs import LineInput
         from overview_dsp.live.several_inputs import SeveralInputs
 
         inputs: dict[str, Input] = {}
         for name, open_one in self.openers.items():
-            one = inputs[name] = open_one(engine)
+            one = inputs[name] = open_one(player)
             closing(one.close)
             if isinstance(one, LineInput):
                 self.lines = one
@@ -104,10 +104,10 @@ def parse_sources(
     """
     from overview_dsp.errors import InputError
 
-    openers: dict[str, Callable[[Engine], Input]] = {}
+    openers: dict[str, Callable[[Player], Input]] = {}
     for source in sources:
         kind, colon, where = source.partition(":")
-        open_one: Callable[[Engine], Input]
+        open_one: Callable[[Player], Input]
         if source == "-":
             name, open_one = "lines", _open_lines
         elif colon and kind in DEVICES:
@@ -131,22 +131,22 @@ def parse_sources(
     return Sources(openers)
 
 
-def _open_lines(engine: Engine) -> Input:
+def _open_lines(player: Player) -> Input:
     from overview_dsp.live.inputs import LineInput
 
-    return LineInput(sys.stdin, engine)
+    return LineInput(sys.stdin, player.engine, player.ask)
 
 
-def _take(source: str) -> Callable[[Engine], Input]:
+def _take(source: str) -> Callable[[Player], Input]:
     from overview_dsp.live.inputs import TakeInput
 
     gesture = read_gesture(source)
-    return lambda engine: TakeInput(gesture)
+    return lambda player: TakeInput(gesture)
 
 
 def _device(
     kind: str, where: str, sensor: str | None, baud: int | None, midi_map: str | None, force: bool
-) -> Callable[[Engine], Input]:
+) -> Callable[[Player], Input]:
     if kind == "serial":
         return _serial(where, sensor, baud, force)
     return _osc(where) if kind == "osc" else _midi(where, midi_map)
@@ -154,7 +154,7 @@ def _device(
 
 def _serial(
     where: str, sensor: str | None, baud: int | None, force: bool
-) -> Callable[[Engine], Input]:
+) -> Callable[[Player], Input]:
     from overview_dsp.force_feedback.loop import require_motor
     from overview_dsp.live.motor_input import MotorInput
     from overview_dsp.live.sensor_input import SensorInput
@@ -164,22 +164,22 @@ def _serial(
     profile = Sensor() if sensor is None else load_sensor(sensor)
     if force:
         require_motor(profile)
-        return lambda engine: MotorInput(engine, where, profile, baud)
-    return lambda engine: SensorInput(engine, where, profile, baud)
+        return lambda player: MotorInput(player.engine, where, profile, baud)
+    return lambda player: SensorInput(player.engine, where, profile, baud)
 
 
-def _osc(where: str) -> Callable[[Engine], Input]:
+def _osc(where: str) -> Callable[[Player], Input]:
     from overview_dsp.controllers.osc_messages import OscReader
     from overview_dsp.live.controller_input import ControllerInput
     from overview_dsp.live.osc_port import OscPort, parse_address
 
     parse_address(where)
-    return lambda engine: ControllerInput(
-        engine, "osc", lambda: OscPort(where), OscReader, SILENT_OSC_S
+    return lambda player: ControllerInput(
+        player.engine, "osc", lambda: OscPort(where), OscReader, SILENT_OSC_S, player.ask
     )
 
 
-def _midi(where: str, midi_map: str | None) -> Callable[[Engine], Input]:
+def _midi(where: str, midi_map: str | None) -> Callable[[Player], Input]:
     from overview_dsp.controllers.control_messages import Counters
     from overview_dsp.controllers.midi_map import DEFAULT, load_map
     from overview_dsp.controllers.midi_messages import MidiReader
@@ -192,9 +192,9 @@ def _midi(where: str, midi_map: str | None) -> Callable[[Engine], Input]:
     def reader(counters: Counters) -> Reader:
         return MidiReader(controls, counters)
 
-    def opened(engine: Engine) -> Input:
-        require_parameters(controls, engine.preset)
-        return ControllerInput(engine, "midi", lambda: MidiPort(where), reader)
+    def opened(player: Player) -> Input:
+        require_parameters(controls, player.preset)
+        return ControllerInput(player.engine, "midi", lambda: MidiPort(where), reader)
 
     return opened
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import keep_input, progress_bar
+from overview_dsp.cli.common import keep_input, part_of, progress_bar
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
@@ -62,6 +62,15 @@ def preset_for(timeline: Timeline, preset: str | None) -> str:
     from overview_dsp.presets.library import fitting
 
     return preset if preset is not None else fitting(timeline.kinds())
+
+
+def open_part(
+    path: str, load: dict[str, Any], window: tuple[str, str] | None, zoom_to: str | None
+) -> Timeline:
+    """The part of a timeline that --window or --zoom-to names, or the whole; errors as they."""
+    whole = open_timeline(path, load)
+    part = part_of(whole, window, zoom_to)
+    return whole if part is None else whole.window(*part)
 
 
 def open_timeline(path: str, load: dict[str, Any]) -> Timeline:

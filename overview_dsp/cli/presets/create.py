@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from overview_dsp.cli.common import print_json
+from overview_dsp.cli.common import show
 from overview_dsp.errors import InputError
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
@@ -22,25 +22,23 @@ def new(name: str, base: str, out: str | None, as_json: bool) -> None:
     """A new preset that extends another, with every parameter in it to be changed."""
     from overview_dsp.files.atomic import make_folder, whole_file
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets.library import bundled_presets, load_preset, own_folder
+    from overview_dsp.presets.library import LIBRARY, load_preset
     from overview_dsp.presets.writing import started_from
 
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
-    if out is None and name in bundled_presets():
+    if out is None and name in LIBRARY.bundled:
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
     preset = load_preset(base)
-    path = Path(out) if out is not None else make_folder(own_folder()) / (name + SUFFIX)
+    path = Path(out) if out is not None else make_folder(LIBRARY.own_folder) / (name + SUFFIX)
     if path.exists():
         raise InputError(f"{path}: is there already; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
     with whole_file(path) as temporary:
         temporary.write_text(started_from(str(named), preset, name), encoding="utf-8", newline="\n")
     load_preset(path)
-    if as_json:
-        print_json({"file": str(path), "extends": base})
-    else:
-        click.echo(f"{path}: extends {base}; change it with: overview presets edit {out or name}")
+    line = f"{path}: extends {base}; change it with: overview presets edit {out or name}"
+    show(as_json, {"file": str(path), "extends": base}, line)
 
 
 @click.command(epilog="Example: overview presets edit my-match")
@@ -61,10 +59,7 @@ def edit(preset: str, as_json: bool) -> None:
     except click.ClickException as error:
         raise InputError(f"{error.message}; set EDITOR to an editor that is there") from None
     load_preset(path)
-    if as_json:
-        print_json({"file": str(path), "valid": True})
-    else:
-        click.echo(f"{path}: valid")
+    show(as_json, {"file": str(path), "valid": True}, f"{path}: valid")
 
 
 @click.command(epilog="Example: overview presets morph football heart --steps 5 -o between")
@@ -84,7 +79,7 @@ def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
     found = blend(load_preset(first), load_preset(second), steps)
     folder = make_folder(out)
     paths = [save_preset(preset, folder / (preset.name + SUFFIX)) for preset in found]
-    _report(paths, as_json)
+    show(as_json, {"files": [str(path) for path in paths]}, *paths)
 
 
 @click.command(epilog="Example: overview presets randomize football --seed 7 -o seven.toml")
@@ -103,12 +98,5 @@ def randomize(preset: str, seed: int, amount: float, out: str | None, as_json: b
     if seed < 0:
         raise InputError(f"seed {seed} is out of range; it is 0 or more")
     found = randomized(load_preset(preset), seed, amount)
-    _report([save_preset(found, out if out is not None else found.name + SUFFIX)], as_json)
-
-
-def _report(paths: list[Path], as_json: bool) -> None:
-    if as_json:
-        print_json({"files": [str(path) for path in paths]})
-        return
-    for path in paths:
-        click.echo(path)
+    path = save_preset(found, out if out is not None else found.name + SUFFIX)
+    show(as_json, {"files": [str(path)]}, path)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
-from overview_dsp.cli.common import keep_input, print_json
+from overview_dsp.cli.common import keep_input, show
 
 if TYPE_CHECKING:
     from overview_dsp.export.layers import Layer
@@ -42,7 +42,5 @@ def import_(clip: str, kind: str, into: str, layer: str, out: str | None, as_jso
     made = with_layer(base, kind, read_clip(clip), cast("Layer", layer))
     path = Path(out) if out is not None else Path(f"{base.name}-{kind}{SUFFIX}")
     save_preset(made, path)
-    if as_json:
-        print_json({"file": str(path), "kind": kind, "layer": layer})
-    else:
-        click.echo(f"{path}: {into} with {clip} as its {kind}")
+    report = {"file": str(path), "kind": kind, "layer": layer}
+    show(as_json, report, f"{path}: {into} with {clip} as its {kind}")

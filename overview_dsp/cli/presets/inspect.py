@@ -4,41 +4,27 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.common import print_json
+from overview_dsp.cli.common import list_profiles, print_json
 
 
 @click.command(name="list", epilog="Example: overview presets list")
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def list_(as_json: bool) -> None:
     """The bundled presets and your own, and what each is for."""
-    from overview_dsp.errors import InputError
-    from overview_dsp.presets.library import bundled_presets, load_preset, own_names, preset_path
+    from overview_dsp.presets.library import LIBRARY, load_preset, preset_path
 
-    report = []
-    faults = []
-    for name in (*bundled_presets(), *own_names()):
-        try:
-            preset = load_preset(name)
-        except InputError as error:
-            faults.append(str(error))
-            continue
-        report.append(
-            {
-                "name": name,
-                "title": preset.title,
-                "description": preset.description,
-                "tags": vars(preset.tags),
-                "file": str(preset_path(name)),
-            }
-        )
-    if as_json:
-        print_json(report)
-    else:
-        width = max(len(str(entry["name"])) for entry in report)
-        for entry in report:
-            click.echo(f"{entry['name']:<{width}}  {entry['title']}: {entry['description']}")
-    for fault in faults:
-        click.echo(f"note: left out: {fault}", err=True)
+    list_profiles(
+        (*LIBRARY.bundled, *LIBRARY.own),
+        load_preset,
+        lambda preset: {
+            "name": preset.name,
+            "title": preset.title,
+            "description": preset.description,
+            "tags": vars(preset.tags),
+            "file": str(preset_path(preset.name)),
+        },
+        as_json,
+    )
 
 
 @click.command(epilog="Example: overview presets show football")

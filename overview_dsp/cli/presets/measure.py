@@ -9,12 +9,11 @@ import click
 
 from overview_dsp.cli.common import (
     announce_compile,
-    part_of,
     print_json,
     progress_bar,
     window_options,
 )
-from overview_dsp.cli.options.timeline import open_timeline, timeline_options
+from overview_dsp.cli.options.timeline import open_part, timeline_options
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
@@ -88,9 +87,7 @@ def feel(
     loaded = load_preset(preset)
     timelines = pages(loaded)
     if timeline is not None:
-        data = open_timeline(timeline, load)
-        part = part_of(data, window, zoom_to)
-        data = data if part is None else data.window(*part)
+        data = open_part(timeline, load, window, zoom_to)
         if not data.events:
             raise InputError(f"{timeline}: has no events; there is nothing to distinguish")
         timelines = (data,)

@@ -19,7 +19,8 @@ from collections import OrderedDict, deque
 from collections.abc import Callable
 
 MAX_WRONG = 10
-"""Wrong tokens of an address within `WRONG_WITHIN_S`; the next ones aren't looked at."""
+"""Wrong tokens of an address within `WRONG_WITHIN_S`; the next ones are told to wait. The right one
+is let in all the same: others share the address, and 128 bits aren't guessed."""
 
 WRONG_WITHIN_S = 60.0
 MAX_ADDRESSES = 1024
@@ -54,12 +55,12 @@ class Access:
             return Verdict.ALLOWED
         if token is None:
             return Verdict.MISSING
+        if _same(token, self.token):
+            return Verdict.ALLOWED
         whose = _subnet(address)
         wrong = self._recent(whose)
         if len(wrong) >= MAX_WRONG:
             return Verdict.LIMITED
-        if _same(token, self.token):
-            return Verdict.ALLOWED
         wrong.append(self._clock())
         self._wrong[whose] = wrong
         self._wrong.move_to_end(whose)

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.sensors.json_lines import JsonDecoder, reading_of
-from overview_dsp.sensors.line_splitter import LONGEST, LineSplitter
+from overview_dsp.sensors.json_lines import reading_of
+from overview_dsp.sensors.lines import LONGEST, LineDecoder, LineSplitter
 from overview_dsp.sensors.reading import Counters
-from overview_dsp.sensors.text_lines import TextDecoder, columns_of, numbers_of
+from overview_dsp.sensors.text_lines import columns_of, numbers_of
+from overview_dsp.sensors.text_lines import reading_of as text_reading_of
 from tests.sensors.streams import cut, damages, harm, places
 
 AXES = ("ax", "ay", "az")
@@ -19,13 +20,13 @@ finite = st.floats(-1e6, 1e6)
 
 def text(data: bytes, where: list[int] = ()) -> tuple[list[dict], Counters]:
     counters = Counters()
-    decoder = TextDecoder(counters, AXES)
+    decoder = LineDecoder(counters, lambda line: text_reading_of(line, AXES))
     return [dict(r) for piece in cut(data, where) for r in decoder.feed(piece)], counters
 
 
 def as_json(data: bytes, where: list[int] = ()) -> tuple[list[dict], Counters]:
     counters = Counters()
-    decoder = JsonDecoder(counters)
+    decoder = LineDecoder(counters, reading_of)
     return [dict(r) for piece in cut(data, where) for r in decoder.feed(piece)], counters
 
 
@@ -101,7 +102,7 @@ def test_a_line_without_end_is_not_kept():
     splitter.feed(b"\n")
     for _ in range(100):
         assert splitter.feed(b"1,2,3," * 100) == []
-    assert len(splitter._pending) <= LONGEST + 1
+    assert len(splitter._pieces._pending) <= LONGEST + 1
     assert splitter.feed(b"\n1,2,3\n") == ["1,2,3"]
     assert (counters.damaged, counters.noise_bytes) == (1, 60_000)
 

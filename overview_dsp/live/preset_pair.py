@@ -1,0 +1,90 @@
+"""The two presets of a session: the one whose file is edited, and what it is compared with."""
+
+from __future__ import annotations
+
+from overview_dsp.errors import OverviewError
+from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.presets.model import Preset
+
+
+class PresetPair:
+    """A and B, one of them chosen: two watched files, or one file as it was and as it is now.
+
+    Thread: control.
+
+    Attributes
+    ----------
+    waiting : int or None
+        The one (0 or 1) that is to be chosen when a loop begins.
+    """
+
+    def __init__(self, watch: PresetWatch, other: PresetWatch | None = None) -> None:
+        """`watch` is chosen first. Without `other`, A is its file as it is now."""
+        self._before = watch.preset
+        self._watches = (None, watch) if other is None else (watch, other)
+        self._chosen = 1 if other is None else 0
+        self._changed: Preset | None = None
+        self.waiting: int | None = None
+
+    def _preset(self, which: int) -> Preset:
+        watch = self._watches[which]
+        return self._before if watch is None else watch.preset
+
+    @property
+    def preset(self) -> Preset:
+        """The chosen one, as its file is."""
+        return self._preset(self._chosen)
+
+    @property
+    def name(self) -> str:
+        """The chosen one's file."""
+        watch = self._watches[self._chosen]
+        return self._before.name if watch is None else watch.path.name
+
+    @property
+    def letter(self) -> str:
+        """The chosen one: A or B."""
+        return "AB"[self._chosen]
+
+    def words(self, which: int) -> str:
+        """One of them, for a person."""
+        watch = self._watches[which]
+        what = f"{self._before.name} as it was" if watch is None else watch.path.name
+        return f"{'AB'[which]}, {what}"
+
+    def choose(self, which: int) -> Preset:
+        """Choose one; it."""
+        self._chosen, self.waiting = which, None
+        return self.preset
+
+    def replace(self, watch: PresetWatch) -> Preset:
+        """Put another preset in the chosen one's place; it."""
+        self._before = self.preset
+        if self._watches[0] is None:
+            self._watches, self._chosen = (None, watch), 1
+        else:
+            first, second = self._watches
+            self._watches = (watch, second) if self._chosen == 0 else (first, watch)
+        return watch.preset
+
+    def look(self) -> list[str]:
+        """See whether a file was saved; what a person should know."""
+        said = []
+        for which, watch in enumerate(self._watches):
+            if watch is None:
+                continue
+            try:
+                changed = watch.changed()
+            except OverviewError as error:
+                said.append(f"{error}; the last good one plays on")
+                continue
+            if changed is not None:
+                said.append(f"{watch.path.name}: read again")
+                if which == self._chosen:
+                    self._changed = changed
+        return said
+
+    def take_changed(self) -> Preset | None:
+        """The chosen preset, if its file was saved since the last call."""
+        changed, self._changed = self._changed, None
+        return changed

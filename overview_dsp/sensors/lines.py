@@ -1,0 +1,57 @@
+"""Lines of text from bytes that come in any cuts, and readings from lines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from overview_dsp.sensors.pieces import Pieces
+from overview_dsp.sensors.reading import Counters, Reading
+
+LONGEST = 512
+"""Bytes of a line; a longer one is noise."""
+
+
+class LineSplitter:
+    """Splits at CR and LF. What comes before the first end of a line may be half of one."""
+
+    def __init__(self, counters: Counters) -> None:
+        """What is wrong is counted in `counters`."""
+        self._counters = counters
+        self._pieces = Pieces(LONGEST)
+
+    def feed(self, data: bytes) -> list[str]:
+        """The lines that these bytes end, stripped; empty ones and comments (#) left out."""
+        self._counters.received_bytes += len(data)
+        lines = []
+        for piece, left_out, first in self._pieces.ended(data.replace(b"\r", b"\n"), b"\n"):
+            text = piece.strip()
+            if first:
+                self._counters.fragments += bool(piece)
+            elif len(piece) > LONGEST or not all(32 <= byte < 127 or byte == 9 for byte in text):
+                self._counters.refuse(piece)
+                self._counters.noise_bytes += left_out
+            elif text and not text.startswith(b"#"):
+                lines.append(text.decode("ascii"))
+        return lines
+
+
+class LineDecoder:
+    """Readings from lines."""
+
+    def __init__(self, counters: Counters, reading_of: Callable[[str], Reading | None]) -> None:
+        """`reading_of` reads a line: None if it is none, empty if there is nothing in it."""
+        self._counters = counters
+        self._reading_of = reading_of
+        self._lines = LineSplitter(counters)
+
+    def feed(self, data: bytes) -> list[Reading]:
+        """The readings that these bytes complete."""
+        readings: list[Reading] = []
+        for line in self._lines.feed(data):
+            reading = self._reading_of(line)
+            if reading is None:
+                self._counters.refuse(line.encode())
+            elif reading:
+                readings.append(reading)
+        self._counters.readings += len(readings)
+        return readings

@@ -1,0 +1,86 @@
+"""`overview play` in a pseudo-terminal of its own, as a person's terminal runs it."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import select
+import struct
+import subprocess
+import sys
+import termios
+import threading
+import time
+
+ENDS_WITHIN_S = 3.0
+
+
+class Terminal:
+    """A command as the foreground process of a terminal; `read` by a thread unless it is frozen."""
+
+    def __init__(self, arguments, environment, size=(100, 30)):
+        self.ours, theirs = os.openpty()
+        self.resize(*size)
+
+        def take_terminal():
+            fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "overview_dsp", *map(str, arguments)],
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+            env={**environment, "TERM": "xterm-256color"},
+            start_new_session=True,
+            preexec_fn=take_terminal,
+        )
+        os.close(theirs)
+        self.shown = bytearray()
+        self.frozen = False
+        self._closed = False
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self):
+        while not self._closed:
+            if self.frozen or not select.select([self.ours], [], [], 0.05)[0]:
+                time.sleep(0.01)
+                continue
+            try:
+                self.shown += os.read(self.ours, 65_536)
+            except OSError:  # nobody writes any more
+                return
+
+    def press(self, keys):
+        os.write(self.ours, keys.encode())
+
+    def resize(self, columns, rows):
+        fcntl.ioctl(self.ours, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+
+    def close(self):
+        """Close the window."""
+        if not self._closed:
+            self._closed = True
+            self._reader.join()
+            os.close(self.ours)
+
+    def wait_for(self, condition, seconds=60.0):
+        until = time.monotonic() + seconds
+        while not condition():
+            assert self.process.poll() is None, self.shown.decode(errors="replace")[-3000:]
+            assert time.monotonic() < until, self.shown.decode(errors="replace")[-3000:]
+            time.sleep(0.002)
+        return time.monotonic()
+
+    def end(self):
+        """How long it takes to end by itself from now, s, and its exit code; None if it doesn't."""
+        began = time.monotonic()
+        try:
+            code = self.process.wait(2 * ENDS_WITHIN_S)
+        except subprocess.TimeoutExpired:
+            code = None
+        took = time.monotonic() - began
+        self.process.kill()
+        self.process.wait()
+        self.close()
+        return took, code

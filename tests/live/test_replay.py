@@ -1,0 +1,315 @@
+"""The same hand again: each pass is the offline render, whatever was felt in between."""
+
+from __future__ import annotations
+
+import shutil
+import time
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.live.commands import COMMANDS
+from overview_dsp.live.inputs import parse_command
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.outputs import Outputs
+from overview_dsp.live.player import Player
+from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.presets.library import preset_path
+from tests.live.kept_sound import KeptSound
+
+RATE = 48_000
+
+
+@pytest.fixture
+def session(match, tmp_path, monkeypatch):
+    """Makes a player on an output that keeps what it was given: both."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    made = []
+
+    def make(preset="football", block_size=256, other=None, **given):
+        outputs = []
+
+        def open_stream(engine, settings):
+            outputs.append(KeptSound(engine, block_size, settings))
+            return outputs[-1]
+
+        player = Player(
+            match,
+            PresetWatch(preset),
+            open_stream,
+            OutputSettings(),
+            sample_rate=RATE,
+            callback="python",
+            other=None if other is None else PresetWatch(other),
+            **given,
+        )
+        made.append(player)
+        return player, outputs[0]
+
+    yield make
+    for player in made:
+        player.close()
+
+
+def wait(player, condition, seconds=30.0):
+    """Poll until a condition holds; what was said meanwhile."""
+    said, until = [], time.monotonic() + seconds
+    while time.monotonic() < until:
+        said += player.poll().messages
+        if condition():
+            return said
+        time.sleep(0.01)
+    raise AssertionError(f"waited in vain; {said}")
+
+
+def passes_begun(player, count):
+    return lambda: player.poll().replay is not None and player._replay.passes >= count
+
+
+def play_a_take(player):
+    """A hand over a part of the match, recorded from the first sample on."""
+    for i in range(30):
+        player.touch(0.1 + 0.02 * i)
+        until = time.monotonic() + 0.02
+        wait(player, lambda until=until: time.monotonic() > until)
+    player.release()
+    player.poll()
+
+
+def equals_render(heard, match, preset, gesture):
+    """Whether a pass is the offline render, but for its end, which is faded."""
+    rendered = ov.render(match, preset, gesture, RATE, tail=1.0, trace=False).samples
+    length = min(len(rendered), len(heard) - round(0.1 * RATE))
+    return length > 0.6 * RATE and np.array_equal(heard[:length], rendered[:length])
+
+
+@pytest.mark.parametrize("block_size", [64, 256, 1024])
+def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
+    session, match, football, tmp_path, block_size
+):
+    series = ov.load_preset("plain")
+    player, sound = session(block_size=block_size, other="plain", record=tmp_path / "take.csv")
+    play_a_take(player)
+    said = []
+    player.toggle_replay()
+    wait(player, passes_begun(player, 1))
+    player.choose_preset(1)
+    said += wait(player, passes_begun(player, 2))
+    player.choose_preset(0)
+    said += wait(player, passes_begun(player, 3))
+    wait(player, passes_begun(player, 4))
+    player.close()
+    gesture = ov.load_gesture(tmp_path / "take.csv")
+    _, first, second, third, _ = sound.passes
+    assert equals_render(first, match, football, gesture)
+    assert equals_render(second, match, series, gesture)
+    assert equals_render(third, match, football, gesture)
+    assert any("B, plain.toml: from the loop's start on" in line for line in said)
+    assert player.engine.meters.late_events == 0
+
+
+def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
+    session, match, tmp_path
+):
+    mine = tmp_path / "mine.toml"
+    shutil.copy(preset_path("plain"), mine)
+    player, sound = session(str(mine), record=tmp_path / "take.csv")
+    play_a_take(player)
+    player.toggle_replay()
+    wait(player, passes_begun(player, 1))
+    before = ov.load_preset(str(mine))
+    after = before.with_value("tactor.gain_db", before.number("tactor.gain_db") - 9.0)
+    ov.presets.save(after, mine)
+    wait(player, lambda: player.preset.number("tactor.gain_db") == after.number("tactor.gain_db"))
+    assert player._replay.passes == 1
+    wait(player, passes_begun(player, 2))
+    # A is the file as it was, B as it is
+    player.choose_preset(0)
+    wait(player, passes_begun(player, 3))
+    wait(player, passes_begun(player, 4))
+    player.close()
+    gesture = ov.load_gesture(tmp_path / "take.csv")
+    passes = sound.passes
+    assert equals_render(passes[2], match, ov.load_preset(str(mine)), gesture)
+    assert equals_render(passes[3], match, before, gesture)
+
+
+def test_chosen_twice_it_changes_at_once(session, tmp_path):
+    player, _ = session(other="plain", record=tmp_path / "take.csv")
+    play_a_take(player)
+    player.toggle_replay()
+    wait(player, passes_begun(player, 1))
+    player.choose_preset(1)
+    assert player.preset.name == "football"
+    player.choose_preset(1)
+    wait(player, lambda: player.preset.name == "plain")
+    assert player._replay.passes == 1
+
+
+def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, match, football):
+    player, sound = session()
+    player.show(600.0, 3000.0)
+    wait(player, lambda: player.window == (600.0, 3000.0))
+    player.toggle_take()
+    play_a_take(player)
+    player.zoom(2.0, 0.5)
+    play_a_take(player)
+    player.toggle_take()
+    player.toggle_replay()
+    wait(player, passes_begun(player, 2))
+    player.close()
+    gesture = ov.load_gesture(player.takes[0])
+    assert gesture.changes[0].what == {"window": [600.0, 3000.0]}
+    assert len(gesture.changes) == 2
+    assert equals_render(sound.passes[1], match, football, gesture)
+
+
+def test_takes_and_replays_alternate_and_replace_none(session):
+    player, _ = session()
+    player.toggle_replay()
+    assert any("nothing to replay yet" in line for line in player.poll().messages)
+    for number in range(3):
+        player.toggle_take()
+        assert player.poll().recording is not None
+        play_a_take(player)
+        player.toggle_replay()  # ends the take
+        wait(player, passes_begun(player, 1))
+        assert player.poll().recording is None
+        assert len(player.takes) == number + 1
+        player.touch(0.5)  # a hand of one's own ends it
+        assert not player.replaying
+        wait(player, lambda: player.engine.meters.touching)
+        player.release()
+    assert len(set(player.takes)) == 3
+    assert all(len(ov.load_gesture(take).time_s) >= 30 for take in player.takes)
+
+
+def test_a_gesture_that_is_not_looped_is_played_once(session):
+    player, _ = session()
+    player.replay(ov.tap(0.5, 0.2), "tap", loop=False)
+    wait(player, lambda: not player.replaying)
+    assert player.engine.meters.strikes > 0
+
+
+def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
+    player, _ = session(other="plain")
+    player.ask("record")
+    player.ask("record", "1")  # it is on already
+    wait(player, lambda: player.recording)
+    player.ask("window", "600", "1200")
+    wait(player, lambda: player.window == (600.0, 1200.0))
+    player.ask("preset", "2")
+    wait(player, lambda: player.preset.name == "plain")
+    player.ask("record", "0")
+    wait(player, lambda: not player.recording)
+    player.ask("replay", "1")
+    wait(player, lambda: player.replaying)
+    player.ask("replay", "0")
+    wait(player, lambda: not player.replaying)
+    player.ask("preset", "heart")
+    wait(player, lambda: player.preset.name == "heart")
+    for words, why in (
+        (("window", "5"), "window 5: it is window START END"),
+        (("window", "x", "y"), "a window is two numbers"),
+        (("window", "9", "1"), "window 9 1"),
+        (("record", "on"), "it takes 0 or 1"),
+        (("preset", "nothing"), "no preset is called 'nothing'"),
+    ):
+        player.ask(*words)
+        assert any(why in line for line in player.poll().messages), words
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("R\n", ("record",)),
+        ("p", ("replay",)),
+        ("1", ("preset", "1")),
+        ("2\n", ("preset", "2")),
+        ("window 0 600", ("window", "0", "600")),
+        ("1 1", None),
+        ("x", None),
+        ("", None),
+    ],
+)
+def test_lines_of_input_are_the_keys_too(line, words):
+    assert parse_command(line) == words
+    assert words is None or words[0] in COMMANDS
+
+
+def above(signal, hz):
+    """The part of a signal above a frequency, by a window that leaks less than -120 dB."""
+    window = np.blackman(len(signal))
+    spectrum = np.fft.rfft(signal * window)
+    frequency = np.fft.rfftfreq(len(signal), 1.0 / RATE)
+    loud = np.abs(spectrum[frequency <= hz]).max()
+    return 20.0 * np.log10(np.abs(spectrum[frequency > hz]).max() / loud)
+
+
+@pytest.mark.parametrize("moment", [0.31, 0.4003, 0.52])
+def test_a_switch_within_a_pass_adds_no_click(match, moment):
+    """The tactor's vibration, which has nothing above 2 kHz, while a hand moves on."""
+    a = ov.load_preset("football")
+    b = a.with_value("tactor.gain_db", -9.0).with_value("surface.friction", 2e-3)
+    engine = ov.Engine(a, match)
+    engine.prepare(RATE, RATE)
+    sweep = ov.sweep(1.0, 0.2, 0.6)
+    engine.control_all(sweep.theta2, sweep.touching, sweep.stamps(RATE), sweep.source)
+    engine.set_preset(b, round(moment * RATE))
+    out = np.zeros((RATE, 2), dtype=np.float32)
+    engine.process(out)
+    around = round(moment * RATE)
+    assert above(out[around - 6000 : around + 6000, 1].astype(float), 2000.0) < -60.0
+
+
+def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_nothing(
+    match, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    player = Player(
+        match,
+        PresetWatch("football"),
+        Outputs("none", 256, "native"),
+        OutputSettings(),
+        record=tmp_path / "take.csv",
+        callback="python",
+    )
+    try:
+        player.touch(0.5)
+        wait(player, lambda: player.poll().cursor > 0.45)
+        player.ask("block-size", "64")
+        wait(player, lambda: player.poll().block_size == 64)
+        assert player.recording  # the same engine goes on
+        before = player.poll().time_s
+        player.ask("channels", "2", "1")
+        wait(player, lambda: player.settings.click.channel == 2)
+        player.ask("actuator", "c2")
+        wait(player, lambda: player.settings.actuator is not None)
+        player.ask("gain", "click", "-3")
+        player.ask("mute", "tactor")
+        wait(player, lambda: player.settings.tactor.mute)
+        assert player.settings.click.gain_db == -3.0
+        player.ask("rate", "44100")
+        wait(player, lambda: player.poll().sample_rate == 44_100)
+        assert not player.recording
+        assert ov.load_gesture(tmp_path / "take.csv").duration_s >= before - 0.1
+        wait(player, lambda: player.poll().time_s > before)
+        for words, why in (
+            (("rate", "5"), "out of range"),
+            (("block-size", "-1"), "it is 1 to 8192"),
+            (("channels", "1", "1"), "can't share"),
+            (("actuator", "nothing"), "nothing"),
+            (("gain", "left", "3"), "it is click or tactor"),
+            (("dance",), "no such command"),
+        ):
+            player.ask(*words)
+            said = player.poll().messages
+            assert any(why in line and words[0] in line for line in said), (words, said)
+            now = player.poll().time_s
+            wait(player, lambda now=now: player.poll().time_s > now)
+            assert player.poll().sample_rate == 44_100
+    finally:
+        player.close()

@@ -1,0 +1,108 @@
+"""Write the tables of docs/benchmarks.md from what `overview bench` reports.
+
+python tools/write_benchmarks.py                 measures speeds here: about five minutes
+python tools/write_benchmarks.py --live          how the output holds: 21 minutes, and it sounds
+python tools/write_benchmarks.py --report FILE   either, from `overview bench [--live] --json >FILE`
+
+Speeds draw docs/pictures/speeds.png too. The tables stand between `<!-- bench: speeds -->` (or
+`live`) and `<!-- end of bench -->`, behind the machine and the day: measure on a quiet one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "benchmarks.md"
+PICTURE = ROOT / "docs" / "pictures" / "speeds.png"
+ROUNDS = 5
+
+
+def measured(live: bool) -> dict[str, Any]:
+    """What `overview bench` reports, measured now."""
+    command = [sys.executable, "-m", "overview_dsp", "bench", "--rounds", str(ROUNDS), "--json"]
+    command += ["--live"] if live else ["--plot", str(PICTURE)]
+    report: dict[str, Any] = json.loads(
+        subprocess.run(command, stdout=subprocess.PIPE, check=True, cwd=ROOT).stdout
+    )
+    return report
+
+
+def table(*rows: tuple[str, ...]) -> str:
+    """A Markdown table; the first row is its head."""
+    head, *others = (f"| {' | '.join(row)} |" for row in rows)
+    return "\n".join([head, "|---" * len(rows[0]) + "|", *others])
+
+
+def speeds(report: dict[str, Any]) -> str:
+    """A table for each group of rows, one of what a second costs, the memory."""
+    from overview_dsp.bench.report import merging
+    from overview_dsp.bench.scaling import Cost
+
+    parts = [f"{report['date']}, {report['machine']}; medians of {report['rounds']} rounds:"]
+    for group in dict.fromkeys(row["group"] for row in report["rows"]):
+        rows = [
+            (row["name"], f"{row['speed']:.4g}", f"{row['ratio']:.3g}", ranged(row, "ratio_"))
+            for row in report["rows"]
+            if row["group"] == group
+        ]
+        parts.append(table((group, "x realtime", "of the first", "lowest to highest"), *rows))
+    costs = [
+        (f"{cost.series}: {cost.entry}{merging(cost)}", f"{cost.ratio:.2f}", ranged(asdict(cost)))
+        for cost in (Cost(**cost) for cost in report["costs"])
+    ]
+    parts.append(table(("what a second costs", "of the first", "lowest to highest"), *costs))
+    memory = report["memory"]
+    parts.append(
+        f"Highest memory: {memory['ready_mb']:.0f} MB with an engine ready, "
+        f"{memory['streamed_mb']:.0f} MB after a stream of {memory['seconds']:g} s."
+    )
+    parts += [f"Left out: {reason}." for reason in report["left_out"]]
+    return "\n\n".join(parts)
+
+
+def ranged(figure: dict[str, Any], prefix: str = "") -> str:
+    return f"{figure[prefix + 'low']:.3g} to {figure[prefix + 'high']:.3g}"
+
+
+def live(report: dict[str, Any]) -> str:
+    """What `overview bench --live` prints."""
+    from overview_dsp.bench.live.latency import LatencyResult
+    from overview_dsp.bench.live.table import LoadRow, Report, lines
+
+    shown = {key: value for key, value in report.items() if key not in ("machine", "date")}
+    shown["load"] = [LoadRow(**row) for row in report["load"]]
+    shown["latency"] = [LatencyResult(**row) for row in report["latency"]]
+    text = "\n".join(lines(Report(**shown)))
+    return f"{report['date']}, {report['machine']}:\n\n```text\n{text}\n```"
+
+
+def filled(page: str, what: str, text: str) -> str:
+    """The page with a text between the markers of `what`."""
+    marked = re.compile(rf"(<!-- bench: {what} -->\n).*?(\n<!-- end of bench -->)", re.DOTALL)
+    page, times = marked.subn(lambda found: f"{found[1]}\n{text}\n{found[2]}", page)
+    if times != 1:
+        sys.exit(f"{PAGE.name}: one place is marked '<!-- bench: {what} -->', not {times}")
+    return page
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--live", action="store_true")
+    parser.add_argument("--report", type=Path, metavar="FILE", help="measured before")
+    asked = parser.parse_args()
+    sys.path.insert(0, str(ROOT))
+    report = json.loads(asked.report.read_text()) if asked.report else measured(asked.live)
+    what, text = ("live", live(report)) if "load" in report else ("speeds", speeds(report))
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), what, text), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
