@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+from collections.abc import Sequence
 from datetime import timedelta
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -11,16 +11,12 @@ import numpy as np
 
 from overview_dsp.readers.excitement import FOOTBALL_KINDS
 from overview_dsp.timeline import Timeline
+from overview_dsp.timeline.match_minutes import Half, halves_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-HALVES = ((0, 45), (45, 90), (90, 105), (105, 120))
-"""From and to which minute each half of a match goes, without added time."""
-
 _TICK_MIN = 15
-_SHORT_MIN = 2.0
-"""A half as listed may be shorter than it should by so much."""
 
 
 def time_unit(duration_s: float) -> tuple[float, str]:
@@ -38,37 +34,25 @@ def label_time(axes: Axes, timeline: Timeline) -> None:
     if timeline.start is not None:
         _label_dates(axes, timeline, scale)
         return
-    football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
-    halves = halves_of(timeline) if football else []
+    halves = halves_of(timeline.events)
     if halves:
         _label_minutes(axes, halves, scale)
         return
+    football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
     axes.set_xlabel(f"time of play, {unit}" if football else f"time, {unit}")
 
 
-def halves_of(timeline: Timeline) -> list[tuple[float, float]]:
-    """Where the halves of a whole match begin and end, s; none where its events don't say."""
-    edges = sorted({event.time_s for event in timeline.events if event.kind == "period"})
-    halves = list(itertools.pairwise(edges))
-    if not 2 <= len(halves) <= len(HALVES) or edges[0] > 60.0:
-        return []
-    for (begin, end), (first, last) in zip(halves, HALVES, strict=False):
-        if (end - begin) / 60.0 < last - first - _SHORT_MIN:
-            return []
-    return halves
-
-
-def _label_minutes(axes: Axes, halves: list[tuple[float, float]], scale: float) -> None:
+def _label_minutes(axes: Axes, halves: Sequence[Half], scale: float) -> None:
     """Minutes as on the board: 90+4 is the end of a half with four minutes added."""
     ticks: dict[float, str] = {}
-    for (begin, end), (first, last) in zip(halves, HALVES, strict=False):
-        for minute in range(first, last, _TICK_MIN):
-            ticks.setdefault(begin + 60.0 * (minute - first), str(minute))
-        nominal = begin + 60.0 * (last - first)
-        added = round((end - nominal) / 60.0)
-        ticks[end] = f"{last}+{added}" if added > 0 else str(last)
-        if end > nominal:
-            axes.axvspan(nominal / scale, end / scale, color="#f2ead2", linewidth=0.0, zorder=0)
+    for half in halves:
+        for minute in range(half.first, half.last, _TICK_MIN):
+            ticks.setdefault(half.begin_s + 60.0 * (minute - half.first), str(minute))
+        added = max(0, round((half.end_s - half.nominal_s) / 60.0))
+        ticks[half.end_s] = half.minute_text(half.last - half.first + added)
+        if half.end_s > half.nominal_s:
+            begin, end = half.nominal_s / scale, half.end_s / scale
+            axes.axvspan(begin, end, color="#f2ead2", linewidth=0.0, zorder=0)
     axes.set_xticks([at / scale for at in ticks], list(ticks.values()))
     axes.set_xlabel("match minute (shaded: added time)")
 

@@ -23,6 +23,7 @@ from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.fine_events import Rules, ranks, window_events
 from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
+from overview_dsp.timeline.match_minutes import Half, halves_of
 from overview_dsp.timeline.page import timeline_page
 from overview_dsp.timeline.ticks import part_ticks
 from overview_dsp.units import clock_text
@@ -328,7 +329,7 @@ class Timeline:
         from_s = self._from_s + start
         events = window_events(
             given,
-            part_ticks(moment, from_s, end - start),
+            part_ticks(moment, from_s, end - start, self._halves),
             rules.found(end - start) if rules is not None else (),
             [details[i] for i in np.argsort(rank)],
             end - start,
@@ -357,6 +358,7 @@ class Timeline:
             _given=given,
             _ranks=rank,
             _from_s=from_s,
+            _halves=self._halves,
         )
         return part
 
@@ -527,6 +529,11 @@ class Timeline:
     def _from_s(self) -> float:
         """Where on the whole this begins, s."""
         return 0.0
+
+    @cached_property
+    def _halves(self) -> tuple[Half, ...]:
+        """Those of the whole, where it is a match."""
+        return halves_of(self.events)
 
     def __repr__(self) -> str:
         parts = [clock_text(self.duration_s), counted(len(self.events), "event")]

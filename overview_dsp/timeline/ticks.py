@@ -4,16 +4,17 @@ Those of a whole timeline are the finest of century, decade, year, month, week, 
 of an hour and minute that give at most `MOST_TICKS`; one that begins a coarser span too is a tick
 of that (1 January: `year`), but weeks stay weeks. Timelines without a calendar get days, hours and
 so on from their beginning. A part has finer steps too, down to a microsecond, so that hardly a part
-is without a tick; they are those of the whole's calendar or clock.
+is without a tick; they are those of the whole's calendar or clock, or the minutes of its match.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import datetime, timedelta
 
 from overview_dsp.timeline.event import Event
+from overview_dsp.timeline.match_minutes import Half
 
 MOST_TICKS = 26
 """Most ticks: a mark every four hundredths of a turn can still be counted."""
@@ -58,7 +59,9 @@ def ticks(start: datetime | None, duration_s: float) -> tuple[Event, ...]:
     return _chosen(_WHOLE_S, start, 0.0, duration_s)
 
 
-def part_ticks(start: datetime | None, from_s: float, duration_s: float) -> tuple[Event, ...]:
+def part_ticks(
+    start: datetime | None, from_s: float, duration_s: float, halves: Sequence[Half] = ()
+) -> tuple[Event, ...]:
     """Return the ticks strictly inside a part of a timeline, on an axis that begins with the part.
 
     Parameters
@@ -69,7 +72,11 @@ def part_ticks(start: datetime | None, from_s: float, duration_s: float) -> tupl
         Where the part begins on the whole timeline, s: what ticks without a calendar count from.
     duration_s
         Length of the part, s.
+    halves
+        Those of a match, on the whole timeline: its minutes are the ticks then.
     """
+    if halves and start is None:
+        return _match_minutes(halves, from_s, duration_s)
     return _chosen(_CLOCK_S if start is None else _DATED_S, start, from_s, duration_s)
 
 
@@ -118,6 +125,36 @@ def _even(
                 yield event(at_us, time_s)
             except OverflowError:  # past the calendar's end
                 return
+
+
+def _match_minutes(halves: Sequence[Half], from_s: float, duration_s: float) -> tuple[Event, ...]:
+    """The finest ticks that are few enough, each half's from its beginning."""
+    for step_s in _CLOCK_S:
+        if duration_s / step_s <= MOST_TICKS + 2:
+            found = [
+                event for half in halves for event in _of_half(half, step_s, from_s, duration_s)
+            ]
+            if len(found) <= MOST_TICKS:
+                return tuple(found)
+    return ()
+
+
+def _of_half(half: Half, step_s: float, from_s: float, duration_s: float) -> Iterator[Event]:
+    step_us = round(step_s * _US)
+    begin_s = half.begin_s - from_s
+    for count in range(max(0, math.floor(-begin_s * _US / step_us)), 1 << 62):
+        at_us = count * step_us
+        time_s = begin_s + at_us / _US
+        if time_s >= min(duration_s, half.end_s - from_s):
+            return
+        if time_s > 0.0:
+            minutes, rest = divmod(at_us, 60 * _US)
+            shown = half.minute_text(minutes, begun=bool(rest))
+            if rest:
+                yield Event(time_s, "second", f"{shown}:{_seconds(rest)}")
+            else:
+                kind = "minute" if (half.first + minutes) % 15 else "quarter_hour"
+                yield Event(time_s, kind, f"minute {shown}, {half.name}")
 
 
 def _plain(at_us: int, time_s: float) -> Event:
