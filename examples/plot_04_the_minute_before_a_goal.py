@@ -3,14 +3,22 @@ The minute before a goal
 ========================
 
 For who felt a goal in a glance and wants to know how it came about: the same hand over a window of
-a minute feels passes and shots one by one. (Those of the bundled match are made up.)
+a minute feels passes and shots one by one. This is the paper's first scenario. (A real match is
+taken where the environment variable ``OVERVIEW_TEST_DATA`` names a folder with one; the passes of
+the bundled match are made up.)
 """
+
+import os
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 
 import overview_dsp as ov
 
-match, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+real = Path(os.environ.get("OVERVIEW_TEST_DATA", "")) / "football" / "statsbomb" / "22936.json"
+match = ov.load_timeline(real if real.is_file() else "world-cup-final-2018")
+preset = ov.load_preset("football")
+print(match)
 goal = match.event("goal", 2)
 minute = match.window(goal.time_s - 55.0, goal.time_s + 5.0)
 print(goal.label)

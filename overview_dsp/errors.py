@@ -1,4 +1,6 @@
-"""The errors a person can cause, each one clear line: what, where, what is allowed, what to try.
+"""The errors a person can cause, each a clear line: what, where, what is allowed, what to try.
+
+A file that no reader claims has a second line with what it comes nearest to.
 
 ::
 
@@ -23,12 +25,14 @@ from types import ModuleType
 
 
 class OverviewError(Exception):
-    """Base of every error this package raises on purpose; `str()` is one line.
+    """Base of every error this package raises on purpose; `str()` is one line, or two.
 
     Parameters
     ----------
     message : str
         What is wrong, where, what is allowed, what to try.
+    fix : str
+        A second line, where what to try needs one.
 
     Attributes
     ----------
@@ -47,8 +51,9 @@ class OverviewError(Exception):
 
     exit_code = 1
 
-    def __init__(self, message: str) -> None:
-        super().__init__(" ".join(message.split()))
+    def __init__(self, message: str, fix: str = "") -> None:
+        lines = (" ".join(line.split()) for line in (message, fix))
+        super().__init__("\n".join(line for line in lines if line))
 
 
 class InputError(OverviewError, ValueError):
@@ -58,6 +63,8 @@ class InputError(OverviewError, ValueError):
     ----------
     message : str
         What is wrong, where, what is allowed, what to try.
+    fix : str
+        A second line, where what to try needs one.
 
     Examples
     --------
@@ -77,6 +84,8 @@ class OutputError(OverviewError):
     ----------
     message : str
         What could not be written, and why.
+    fix : str
+        A second line, where what to try needs one.
 
     Examples
     --------
@@ -95,6 +104,8 @@ class NotPreparedError(OverviewError, RuntimeError):
     ----------
     message : str
         What to call.
+    fix : str
+        A second line, where what to try needs one.
 
     Examples
     --------

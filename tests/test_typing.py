@@ -34,7 +34,31 @@ named: ov.Result = result
 assert_type(named.trace, ov.Trace)
 assert_type(ov.render(timeline, preset, gesture, trace=False).trace, None)
 result.save(Path("out.wav"))
+assert_type(ov.render("match.json", "football", "sweep:2").trace, ov.Trace)
+without = ov.render(Path("match.json"), Path("mine.toml"), Path("take.csv"), trace=False)
+assert_type(without, ov.Result[None])
+assert_type(ov.render([1.0, 2.0], tail="none"), ov.Result)
 
+array = np.zeros(100)
+for data in (array, array.tolist(), b"time,x", open("a.csv"), open("a.csv", "rb")):
+    assert_type(ov.load_timeline(data, rate=10.0), ov.Timeline)
+ov.load_timeline([1.0, 2.0], time=array)
+ov.load_timeline([(1.0, "goal"), (2.0, "foul", "late")], kind="kind", label="label")
+ov.load_timeline([{"time_s": 1.0, "kind": "goal"}])
+ov.load_timeline({"time": [0, 1], "value": array})
+ov.load_timeline(timeline).plot().savefig("match.png")
+result.plot()
+preset.plot()
+rows = len(result.trace.to_dataframe()) + len(result.strikes.to_dataframe())
+rows += len(timeline.to_dataframe("curve"))
+
+
+class Frame:
+    def to_numpy(self, dtype: str | None = None, copy: bool = False) -> NDArray[np.float64]:
+        return np.zeros((3, 2))
+
+
+ov.load_timeline(Frame(), value="x")
 
 def whichever(trace: bool) -> ov.Trace | None:
     return ov.render(timeline, preset, gesture, trace=trace).trace
@@ -74,7 +98,10 @@ result = ov.render(ov.load_timeline("a"), ov.load_preset("b"), ov.sweep(1.0))
 result.trace.torqe
 ov.render(ov.load_timeline("a"), ov.load_preset("b"), ov.sweep(1.0), trace=False).trace.torque
 ov.rendr
-ov.render(ov.load_timeline("a"), ov.load_preset("b"), "sweep:1:")
+ov.render(ov.load_timeline("a"), ov.load_preset("b"), 1.0)
+ov.load_timeline(3)
+ov.load_timeline([1.0], time=3.0)
+ov.load_timeline("a").to_dataframe("curves")
 """
 
 
@@ -111,7 +138,7 @@ def test_a_users_program_passes_mypy_strict(checked):
 
 def test_the_types_catch_a_users_mistakes(checked):
     lines = [int(line.split(":")[1]) for line in checked(MISTAKES)]
-    assert lines == [5, 6, 7, 8]
+    assert lines == [5, 6, 7, 8, 9, 10, 11]
 
 
 def test_the_readmes_python_passes_mypy_strict(checked):

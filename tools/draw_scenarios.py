@@ -9,7 +9,7 @@ its last weeks. Left the whole, right the part: the data, the surface, and what 
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -35,10 +35,11 @@ class Look:
 
 
 def draw(looks: list[Look], preset: ov.Preset) -> Figure:
-    whole = looks[0].timeline
-    every = replace(whole, events=(*whole.events, *whole.details))
     figure = Figure(figsize=(6.4 * len(looks), 6.6), layout="constrained")
-    grid = figure.subplots(3, len(looks), squeeze=False, sharey="row")
+    grid = figure.subplots(3, len(looks), squeeze=False)
+    for row in grid[1:]:  # data have the scale of the part shown
+        for axes in row[1:]:
+            axes.sharey(row[0])
     for column, look in enumerate(looks):
         data, surface, felt = grid[:, column]
         result = ov.render(look.timeline, preset, ov.sweep(look.seconds))
@@ -49,7 +50,7 @@ def draw(looks: list[Look], preset: ov.Preset) -> Figure:
         middle = np.minimum((starts + WINDOW_S / 2.0 * result.sample_rate).astype(int) + out.start,
                             out.stop - 1)  # fmt: skip
         degrees = np.linspace(0.0, 180.0, len(result.engine.surface.friction))
-        draw_timeline(data, look.timeline, every)
+        draw_timeline(data, look.timeline)
         data.set_title(look.words, loc="left", fontsize=10)
         surface.plot(degrees, result.engine.surface.friction * 1e3, color=VERMILION, linewidth=0.7)
         surface.set_yscale("log")
@@ -73,7 +74,7 @@ def draw(looks: list[Look], preset: ov.Preset) -> Figure:
         handles.values(), handles.keys(), loc="outside lower center", ncols=9, frameon=False,
         fontsize=8, labelcolor=GREY,
     )  # fmt: skip
-    figure.suptitle(whole.title, x=0.01, ha="left", fontsize=11)
+    figure.suptitle(looks[0].timeline.title, x=0.01, ha="left", fontsize=11)
     return figure
 
 

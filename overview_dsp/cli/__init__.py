@@ -66,12 +66,12 @@ def app(debug: bool) -> None:
 
 
 def _fail(message: str, code: int) -> NoReturn:
-    line = " ".join(message.split())
     if "--json" in sys.argv[1:]:
-        line = json.dumps({"error": line, "exit_code": code}, ensure_ascii=False)
+        line = " ".join(message.split())
+        said = json.dumps({"error": line, "exit_code": code}, ensure_ascii=False)
     else:
-        line = f"error: {line}"
-    click.echo(line, err=True)
+        said = f"error: {message}"
+    click.echo(said, err=True)
     sys.exit(code)
 
 
@@ -105,9 +105,9 @@ def main() -> NoReturn:
         sys.exit(2)
     except click.UsageError as error:
         path = error.ctx.command_path if error.ctx else "overview"
-        _fail(f"{error.format_message()} (see {path} --help)", 2)
+        _fail(f"{' '.join(error.format_message().split())} (see {path} --help)", 2)
     except click.ClickException as error:
-        _fail(error.format_message(), error.exit_code)
+        _fail(" ".join(error.format_message().split()), error.exit_code)
     except (click.Abort, KeyboardInterrupt):
         remove_temporaries()
         _fail("stopped; nothing was left behind", stop_code())
@@ -117,7 +117,7 @@ def main() -> NoReturn:
         if debug:
             raise
         what = error.filename if error.filename is not None else "the output"
-        _fail(f"{what}: {error.strerror or error}", 1)
+        _fail(" ".join(f"{what}: {error.strerror or error}".split()), 1)
     except Exception as error:
         if debug:
             raise

@@ -21,7 +21,7 @@ from overview_dsp.cli.options.timeline import (
     preset_option,
     timeline_options,
 )
-from overview_dsp.gestures.spec import FORMS
+from overview_dsp.gestures.spec import DEFAULT, FORMS
 
 
 @click.command(
@@ -30,7 +30,7 @@ from overview_dsp.gestures.spec import FORMS
 )
 @click.argument("timeline")
 @preset_option
-@click.option("--gesture", default="sweep:4", show_default=True, help=FORMS + "; + joins parts.")
+@click.option("--gesture", default=DEFAULT, show_default=True, help=FORMS + "; + joins parts.")
 @click.option("-o", "--out", default="out.wav", show_default=True, help="WAV, FLAC, ... by suffix.")
 @click.option("--trace", help="Also write what the disk did, to a .npz or .csv file.")
 @click.option("--sample-rate", default=48_000.0, show_default=True, help="Hz, 1000 to 768000.")

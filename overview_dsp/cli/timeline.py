@@ -104,6 +104,25 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
     )
 
 
+@command.command(epilog="Example: overview timeline formats")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def formats(as_json: bool) -> None:
+    """What can be read, in the order in which a file is tried, and which options each takes."""
+    from overview_dsp.readers.registry import formats as known_formats
+
+    if as_json:
+        listed = [{"name": f.name, "options": sorted(f.options)} for f in known_formats()]
+        print_json({"formats": listed})
+        return
+    for known in known_formats():
+        options = "".join(f" --{_OPTIONS.get(name, name)}" for name in sorted(known.options))
+        click.echo(f"{known.name}{'  [' + options.strip() + ']' if options else ''}")
+    click.echo("any of them may be packed (gzip, bzip2, xz, ZIP); files are told by their content")
+
+
+_OPTIONS = {"duration_s": "duration", "max_mb": "max-mb"}
+
+
 def _print_matches(file: str, matches: tuple[str, ...], as_json: bool) -> None:
     if as_json:
         print_json({"file": file, "matches": list(matches)})

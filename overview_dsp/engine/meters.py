@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.public.reprs import counted
+from overview_dsp.timeline.dataframe import dataframe
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True)
@@ -131,6 +136,28 @@ class Strikes:
     event: NDArray[np.int64]
     torque: NDArray[np.float64]
     level: NDArray[np.float64]
+
+    def to_dataframe(self) -> DataFrame:
+        """Give them as a pandas DataFrame, a row a strike.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The columns above.
+
+        Raises
+        ------
+        InputError
+            pandas isn't installed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
+        >>> list(result.strikes.to_dataframe())
+        ['time_s', 'event', 'torque', 'level']
+        """
+        return dataframe(vars(self))
 
     def of_events(self) -> Strikes:
         """Leave out those of the bare surface.

@@ -15,6 +15,9 @@ from overview_dsp.gestures.take import load_gesture
 FORMS = (
     "sweep:SECONDS[:FROM:TO], tap:POSITION[:HOLD_SECONDS], rest:SECONDS, or a take's path (.csv)"
 )
+DEFAULT = "sweep:4"
+"""What the hand does where nothing is said."""
+
 _MAKERS: dict[str, Callable[..., Gesture]] = {"sweep": sweep, "tap": tap, "rest": pause}
 _COUNTS = {"sweep": (1, 3), "tap": (1, 2), "rest": (1,)}
 

@@ -15,12 +15,18 @@ from overview_dsp.plots.style import (
     tidy,
 )
 from overview_dsp.presets.model import Preset
+from overview_dsp.rendering.audition import audition
 from overview_dsp.rendering.offline import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from overview_dsp.measure.report import FeelReport
+
+
+def plot_preset(preset: Preset) -> Figure:
+    """Every kind of a preset, rendered and drawn as `plot_gallery` does."""
+    return plot_gallery(audition(preset), preset)
 
 
 def plot_gallery(result: Result, preset: Preset) -> Figure:

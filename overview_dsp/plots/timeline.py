@@ -1,53 +1,82 @@
-"""The timeline as a picture: its curve, events and gaps (the paper's figure 4)."""
+"""The timeline as a picture: its data in their unit, events and gaps (the paper's figure 4)."""
 
 from __future__ import annotations
 
-from datetime import timedelta
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from overview_dsp.plots.style import (
-    BLACK,
-    GAP_HATCH,
-    GREY,
-    LINES,
-    new_figure,
-    styles_of,
-    tidy,
-)
-from overview_dsp.readers.excitement import FOOTBALL_KINDS
-from overview_dsp.timeline import Timeline
+from overview_dsp.plots.style import BLACK, GAP_HATCH, GREY, has_face, new_figure, styles_of, tidy
+from overview_dsp.plots.time_axis import label_time, time_unit
+from overview_dsp.timeline import Intensity, Timeline
 from overview_dsp.timeline.gaps import in_gap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_STEPS = 600
+"""Positions along a picture, one for each pixel of its curve."""
+
+_CROWDED = 60
+"""From so many events on, a kind's marks are small."""
+
+_NAMED_GAP = 0.08
+"""A gap of this part of the picture's width has its reason written in it."""
+
 
 def plot_timeline(timeline: Timeline) -> Figure:
-    """The intensity curve with its events, as in the paper's figure 4; gaps are hatched."""
-    figure = new_figure(9.0, 3.6)
-    axes = figure.subplots()
+    """The data with their events, as in the paper's figure 4; gaps are hatched.
+
+    A recording that the curve was found in (an ECG) is drawn below it.
+    """
+    signal = timeline.signal
+    figure = new_figure(9.0, 3.6 if signal is None else 5.2)
+    heights = (1,) if signal is None else (2, 1)
+    grid: Any = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights)
+    axes = grid[0, 0]
     draw_timeline(axes, timeline)
-    figure.subplots_adjust(left=0.07, right=0.785, top=0.92, bottom=0.14)
+    if signal is not None:
+        below = grid[1, 0]
+        _draw_gaps(below, timeline)
+        _draw_curve(below, timeline, signal, BLACK, band=0.8)
+        below.set_ylabel(signal.unit or "signal")
+        label_time(below, timeline)
+        axes.set_xlabel("")
+        axes.tick_params(labelbottom=False)
+        tidy(below)
+    figure.subplots_adjust(
+        left=0.085, right=0.7, top=0.92, bottom=0.14 if signal is None else 0.1, hspace=0.12
+    )
     axes.set_title(timeline.title, loc="left", fontsize=10)
     if timeline.events or timeline.gaps:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.11, 1.04), frameon=False, fontsize=8)
     return figure
 
 
-def draw_timeline(axes: Axes, timeline: Timeline, like: Timeline | None = None) -> None:
-    """The intensity curve with its events and gaps into axes of any figure.
+def draw_timeline(axes: Axes, timeline: Timeline) -> None:
+    """The curve with its events and gaps into axes of any figure.
 
-    Kinds have the markers they have in a picture of `like`, which must have them all.
+    The left axis has the data's own unit; on the right is the intensity that is felt of them.
     """
-    scale, unit = _time_unit(timeline.duration_s)
-    times = np.linspace(0.0, timeline.duration_s, 4001)
-    curve = timeline.normalised_levels(4000)
-    curve[in_gap(timeline.gaps, times)] = np.nan  # no line over a gap
-    for i, (start, end) in enumerate(timeline.gaps):
+    _draw_gaps(axes, timeline)
+    if timeline.intensity is not None:
+        _draw_curve(axes, timeline, timeline.intensity, GREY)
+        _label_values(axes, timeline, timeline.intensity)
+    _draw_events(axes, timeline)
+    label_time(axes, timeline)
+    tidy(axes)
+
+
+def _draw_gaps(axes: Axes, timeline: Timeline) -> None:
+    """Gaps hatched, each reason once in the legend; in a wide gap it is written too."""
+    scale, _ = time_unit(timeline.duration_s)
+    reasons: tuple[str, ...] = getattr(timeline, "gap_reasons", ())
+    reasons = reasons or ("",) * len(timeline.gaps)
+    named: set[str] = set()
+    for (start, end), reason in zip(timeline.gaps, reasons, strict=True):
+        words = f"no data: {reason}" if reason else "no data"
         axes.axvspan(
             start / scale,
             end / scale,
@@ -55,70 +84,126 @@ def draw_timeline(axes: Axes, timeline: Timeline, like: Timeline | None = None) 
             edgecolor="#b0b0b0",
             hatch=GAP_HATCH,
             linewidth=0.0,
-            label=f"no data ({len(timeline.gaps)})" if i == 0 else None,
+            label=None if reason in named else f"{words} ({reasons.count(reason)})",
             zorder=1,
         )
-    axes.fill_between(times / scale, curve, color="#e8eef4", zorder=1)
-    axes.plot(times / scale, curve, color=GREY, linewidth=1.2, zorder=2)
-    for kind, (marker, colour, words) in styles_of(like or timeline).items():
-        at = np.array([event.time_s for event in timeline.events if event.kind == kind])
-        if not len(at):
-            continue
-        height = timeline.normalised_intensity_at(at)
+        named.add(reason)
+        if end - start >= _NAMED_GAP * timeline.duration_s:
+            axes.text(
+                (start + end) / 2.0 / scale,
+                0.5,
+                words.replace(": ", ":\n"),
+                transform=axes.get_xaxis_transform(),
+                ha="center",
+                va="center",
+                fontsize=7,
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
+                zorder=2,
+            )
+
+
+def _draw_curve(
+    axes: Axes, timeline: Timeline, curve: Intensity, colour: str, band: float = 0.3
+) -> None:
+    """A line where there are few points, else their mean in the band from lowest to highest."""
+    scale, _ = time_unit(timeline.duration_s)
+    if curve.is_constant:
+        axes.axhline(float(curve.value[0]), color=colour, linewidth=1.2, zorder=2)
+        return
+    if curve.count <= 2 * _STEPS:
+        times = np.asarray(curve.time_s)
+        axes.plot(*_broken(times, np.asarray(curve.value), timeline, scale), color=colour,
+                  linewidth=1.2, zorder=2)  # fmt: skip
+        return
+    times = np.linspace(0.0, timeline.duration_s, _STEPS)
+    low, mean, high = curve.band(times)
+    gone = in_gap(timeline.gaps, times)
+    for row in (low, mean, high):
+        row[gone] = np.nan  # no line over a gap
+    axes.fill_between(
+        times / scale, low, high, color=colour, alpha=band, linewidth=0.0, zorder=2, step="mid"
+    )
+    axes.plot(times / scale, mean, color=colour, linewidth=1.0, zorder=2)
+
+
+def _broken(
+    times: NDArray[np.float64], values: NDArray[np.float64], timeline: Timeline, scale: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The points without those in gaps, the line broken at each gap."""
+    known = ~in_gap(timeline.gaps, times)
+    middles = np.array([(start + end) / 2.0 for start, end in timeline.gaps])
+    every = np.concatenate((times[known], middles))
+    order = np.argsort(every, kind="stable")
+    levels = np.concatenate((values[known], np.full(len(middles), np.nan)))
+    return every[order] / scale, levels[order]
+
+
+def _label_values(axes: Axes, timeline: Timeline, curve: Intensity) -> None:
+    """The data's unit on the left; what is felt of it, 0 to 1, on the right."""
+    low, span = timeline.scale
+    axes.set_ylabel(curve.unit or "value")
+    if (low, span) == (0.0, 1.0):
+        axes.set_ylim(0.0, 1.18)
+        axes.set_ylabel("intensity")
+        return
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, top + 0.08 * (top - bottom))
+    if span > 0.0:
+
+        def intensity(value: Any) -> Any:
+            return (np.asarray(value) - low) / span
+
+        def in_unit(level: Any) -> Any:
+            return low + np.asarray(level) * span
+
+        felt = axes.secondary_yaxis("right", functions=(intensity, in_unit))
+        felt.set_yticks([0.0, 0.5, 1.0])
+        felt.set_ylabel("intensity")
+
+
+def _draw_events(axes: Axes, timeline: Timeline) -> None:
+    """One symbol a kind: on the curve, or without one a row a kind."""
+    scale, _ = time_unit(timeline.duration_s)
+    bottom, _ = axes.get_ylim()
+    styles = styles_of(timeline)
+    rows = timeline.intensity is None
+    for row, (kind, (marker, colour, words)) in enumerate(styles.items()):
+        events = [event for event in timeline.events if event.kind == kind]
+        at = np.array([event.time_s for event in events])
+        height = np.full(len(at), float(row)) if rows else _heights(timeline, at, bottom)
         goal = kind in ("goal", "own_goal")
+        face = has_face(marker)
         axes.scatter(
             at / scale,
             height,
-            s=90 if goal else 46,
+            s=90 if goal else 46 if len(at) < _CROWDED else 14,
             marker=marker,
             color=colour,
-            edgecolors=None if marker in LINES else BLACK,
-            linewidths=1.6 if marker in LINES else 0.7,
+            edgecolors=BLACK if face else None,
+            linewidths=1.6 if not face else 0.7 if len(at) < _CROWDED else 0.3,
             label=f"{words} ({len(at)})",
             zorder=4 if goal else 3,
         )
-    for event in timeline.events:
-        if event.kind in ("goal", "own_goal") and event.label:
-            axes.annotate(
-                event.label.split(" ")[0],
-                (
-                    event.time_s / scale,
-                    float(timeline.normalised_intensity_at(np.array([event.time_s]))[0]),
-                ),
-                xytext=(0, 8),
-                textcoords="offset points",
-                ha="center",
-                fontsize=8,
-            )
-    axes.set_xlim(0.0, timeline.duration_s / scale)
-    axes.set_ylim(0.0, 1.18)
-    _label_time(axes, timeline, scale, unit)
-    axes.set_ylabel("intensity")
-    tidy(axes)
+        if goal:
+            for event, level in zip(events, height.tolist(), strict=True):
+                _name_goal(axes, event.label.split(" ")[0], event.time_s / scale, level)
+    if rows and styles:
+        axes.set_yticks(range(len(styles)), [words for _, _, words in styles.values()], fontsize=8)
+        axes.set_ylim(-0.7, len(styles) - 0.3)
 
 
-def _time_unit(duration_s: float) -> tuple[float, str]:
-    """The seconds and the name of the unit that suits a duration."""
-    for longest_s, scale, name in ((600.0, 1.0, "s"), (18_000.0, 60.0, "min"), (3e5, 3600.0, "h")):
-        if duration_s <= longest_s:
-            return scale, name
-    return 86_400.0, "days"
+def _heights(timeline: Timeline, at: NDArray[np.float64], bottom: float) -> NDArray[np.float64]:
+    """Where on the curve events lie; at the bottom where there is none."""
+    curve = timeline.intensity
+    assert curve is not None
+    lost = in_gap(timeline.gaps, at)
+    if not curve.is_constant:
+        lost |= (at < curve.first_s) | (at > curve.last_s)
+    return np.where(lost, bottom, curve.at(at))
 
 
-def _label_time(axes: Axes, timeline: Timeline, scale: float, unit: str) -> None:
-    """Label the time axis: dates where the timeline has a calendar, else its unit."""
-    start = timeline.start
-    if start is None:
-        football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
-        axes.set_xlabel(f"time of play, {unit}" if football else f"time, {unit}")
-        return
-    dates: Any = import_module("matplotlib.dates")  # it has no types
-    # the clock on the wall: a zone would be turned into UTC
-    first = start.replace(tzinfo=None)
-    locator = dates.AutoDateLocator(minticks=4, maxticks=9)
-    days = np.asarray(locator.tick_values(first, first + timedelta(seconds=timeline.duration_s)))
-    at_s = (days - dates.date2num(first)) * 86_400.0
-    shown = (at_s >= 0.0) & (at_s <= timeline.duration_s)
-    words = dates.ConciseDateFormatter(locator).format_ticks(days[shown])
-    axes.set_xticks(at_s[shown] / scale, words)
-    axes.set_xlabel(f"from {start.isoformat(' ', 'seconds')}")
+def _name_goal(axes: Axes, score: str, x: float, y: float) -> None:
+    if score:
+        axes.annotate(
+            score, (x, y), xytext=(0, 8), textcoords="offset points", ha="center", fontsize=8
+        )

@@ -11,9 +11,10 @@ from overview_dsp.files.library import Library
 from overview_dsp.files.toml import MAX_BYTES, SUFFIX, read_text
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.validation import parse_preset
+from overview_dsp.timeline.ticks import KINDS as TICKS
 
 FOR_DATA = ("football", "series", "heart", "crowd")
-"""The bundled presets made for a sort of data; the first one is for what none of them names."""
+"""The bundled presets made for a sort of data; `plain` is for what none of them names."""
 
 LIBRARY = Library("presets", "a preset", "OVERVIEW_PRESETS")
 
@@ -108,6 +109,8 @@ def parse_own(text: str, path: Path) -> Preset:
 def fitting(kinds: Mapping[str, int]) -> str:
     """The bundled preset made for data with these kinds of events: the one that names most of them.
 
+    `plain` where none names at least half of them, ticks aside.
+
     Parameters
     ----------
     kinds
@@ -115,11 +118,14 @@ def fitting(kinds: Mapping[str, int]) -> str:
     """
     if not kinds:
         return "series"
-    presets = {name: load_preset(name) for name in FOR_DATA}
-    return max(
-        FOR_DATA,
-        key=lambda name: sum(n for kind, n in kinds.items() if presets[name].kind_for(kind)),
-    )
+    told = {kind: n for kind, n in kinds.items() if kind not in TICKS} or dict(kinds)
+    best, most = "plain", 0
+    for name in FOR_DATA:
+        preset = load_preset(name)
+        named = sum(n for kind, n in told.items() if preset.kind_for(kind))
+        if named > most:
+            best, most = name, named
+    return best if 2 * most >= sum(told.values()) else "plain"
 
 
 def _base(name: str, source: str) -> tuple[str, str]:

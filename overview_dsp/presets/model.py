@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
+from overview_dsp.presets.page import preset_page
 from overview_dsp.presets.parameter import Value
 from overview_dsp.presets.parameters import (
     KIND_PARAMETERS,
@@ -18,7 +19,11 @@ from overview_dsp.presets.parameters import (
     PARAMETERS,
     parameter,
 )
+from overview_dsp.public.drawn import drawn
 from overview_dsp.public.reprs import changed_fields, counted, short
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DEFAULT_KIND = "default"
 
@@ -412,6 +417,25 @@ class Preset:
         if key.startswith("width_"):
             changes = {"width_percent": None, "width_ms": None, **changes}
         return replace(self, kinds={**self.kinds, name: replace(self.kinds[name], **changes)})
+
+    def plot(self) -> Figure:
+        """Draw what is heard and felt of each kind of event, from a render of a sweep over them.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Click and vibration over time; a notebook shows it.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.load_preset("plain").plot().savefig("plain.png")
+        """
+        return drawn("presets", "plot_preset", self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what it is like, and its kinds."""
+        return preset_page(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mappingproxy can't be pickled

@@ -15,6 +15,7 @@ import tempfile
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import IO
 
@@ -51,8 +52,10 @@ def packing(head: bytes) -> str | None:
 
 
 @contextlib.contextmanager
-def opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Source]:
+def opened(path: str | os.PathLike[str], options: LoadOptions, label: str = "") -> Iterator[Source]:
     """Give a file as a `Source`, a compressed one unpacked into a temporary file.
+
+    `label` is what error lines call it, in place of its path.
 
     Raises
     ------
@@ -60,9 +63,9 @@ def opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Sourc
         As `Source.open`; a damaged archive, one of several files, one packed twice, one that
         unpacks to more than the limit (the line has it and the option that raises it).
     """
-    source = Source.open(path, options)
+    source = Source.open(path, options, label)
     packed = packing(source.head)
-    if packed is None:
+    if packed is None or (packed == _ZIP and _is_arrays(source)):
         yield source
         return
     with tempfile.TemporaryDirectory(prefix="overview-") as folder:
@@ -102,7 +105,7 @@ def _unpacked(source: Source, packed: str, folder: Path) -> Source:
     inner = Source.open(target, options)
     if packing(inner.head) is not None:
         raise InputError(f"{where}: holds another compressed file; unpack it first")
-    return Source(target, inner.size, inner.head, options, origin=source.path)
+    return replace(inner, origin=source.path, label=source.label)
 
 
 def _gzip(source: Source) -> Iterator[bytes]:
@@ -161,6 +164,17 @@ def _zip(source: Source) -> Iterator[bytes]:
                 f"{source.where}: a ZIP archive of a kind that isn't read ({error}); unpack it "
                 "first"
             ) from error
+
+
+def _is_arrays(source: Source) -> bool:
+    """Return whether a ZIP archive is NumPy's of several arrays, which is read packed."""
+    _check_directory(source)
+    try:
+        with zipfile.ZipFile(source.path) as archive:
+            names = archive.namelist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
+        return False  # said when it is unpacked
+    return len(names) > 1 and all(name.endswith(".npy") for name in names)
 
 
 def _check_directory(source: Source) -> None:

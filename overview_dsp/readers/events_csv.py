@@ -29,8 +29,10 @@ from dataclasses import dataclass, field
 
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
+from overview_dsp.readers.everyday.columns import time_named
 from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.readers.tables.table import Column
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Event, Timeline
@@ -47,12 +49,21 @@ _COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTA
 
 
 def sniff(source: Source) -> bool:
-    """Return whether the file is text whose first row (comments skipped) has a column `kind`."""
+    """Return whether the first row has a column `kind`, and none of times but `time_s`.
+
+    Other names of times, and columns that a caller names, are for `everyday.table_reader`.
+    """
+    options = source.options
     if source.head_text is None or source.looks_like_json:
+        return False
+    if options.time or options.kind or options.label:
         return False
     for line in io.StringIO(source.head_text, newline=""):
         if line.strip() and not line.startswith("#"):
-            return "kind" in _split_header(line, _delimiter(line))
+            names = _split_header(line, _delimiter(line))
+            if "kind" not in names or "time_s" in names:
+                return "kind" in names
+            return time_named([Column.of(name) for name in names]) is None
     return False
 
 

@@ -11,9 +11,12 @@
                    "unit": "dB",             unit optional
                    "percentiles": [1, 99]},  what becomes 0 and 1, [0, 100] if left out
      "gaps": [[300.0, 310.0]],               optional
+     "gap_reasons": ["lead off"],            why, a text for each gap, optional
      "events": [{"time_s": 786.2, "kind": "goal",
                  "label": "1-0 Parris (pen)", "weight": 1.0}],     label, weight optional
      "details": [{"time_s": 783.9, "kind": "touch"}],   felt when zoomed, as events; optional
+     "series": {"per_cent": true},           events of windows are found in the curve, or in the
+                                             time_s, value and unit beside per_cent; optional
      "provenance": "where the data are from",                      optional
      "notes": ["what a person should know"]}                       optional
 
@@ -24,6 +27,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
@@ -31,6 +35,7 @@ import numpy as np
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.readers.tables.part_rules import PartRules, rules_of
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.intensity import EXTREMES
@@ -50,12 +55,15 @@ _TOP_KEYS = (
     "start",
     "intensity",
     "gaps",
+    "gap_reasons",
     "events",
     "details",
+    "series",
     "provenance",
     "notes",
 )
 _INTENSITY_KEYS = ("time_s", "value", "unit", "percentiles")
+_SERIES_KEYS = ("per_cent", "time_s", "value", "unit")
 _EVENT_KEYS = ("time_s", "kind", "label", "weight")
 
 
@@ -99,7 +107,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
     duration_s = checks.positive(
         top["duration_s"], "duration_s", "a duration is a finite number of seconds above 0"
     )
-    return Timeline(
+    timeline = Timeline(
         title=checks.text(top.get("title", default_title), "title"),
         duration_s=duration_s,
         events=_events(top.get("events", []), duration_s),
@@ -109,6 +117,10 @@ def decode(document: object, default_title: str = "") -> Timeline:
             (checks.number(start, f"gaps[{i}][0]"), checks.number(end, f"gaps[{i}][1]"))
             for i, (start, end) in enumerate(_pairs(top.get("gaps", [])))
         ),
+        gap_reasons=tuple(
+            checks.text(reason, f"gap_reasons[{i}]")
+            for i, reason in enumerate(_list(top.get("gap_reasons", []), "gap_reasons"))
+        ),
         provenance=checks.text(top.get("provenance", ""), "provenance"),
         notes=tuple(
             checks.text(note, f"notes[{i}]")
@@ -116,6 +128,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
         ),
         start=_moment(top["start"]) if "start" in top else None,
     )
+    return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
 
 
 def encode(timeline: Timeline) -> bytes:
@@ -139,6 +152,8 @@ def encode(timeline: Timeline) -> bytes:
         entries.append(("notes", _json(timeline.notes)))
     if timeline.gaps:
         entries.append(("gaps", _json(timeline.gaps)))
+    if timeline.gap_reasons:
+        entries.append(("gap_reasons", _json(timeline.gap_reasons)))
     for key, events in (("events", timeline.events), ("details", timeline.details)):
         if events:
             entries.append((key, "[\n  " + ",\n  ".join(_row(event) for event in events) + "\n ]"))
@@ -159,6 +174,8 @@ def encode(timeline: Timeline) -> bytes:
                 f'  "value": {_json(curve.value.tolist())}}}',
             )
         )
+    if isinstance(timeline.rules, PartRules):
+        entries.append(("series", _series(timeline.rules, timeline.intensity)))
     return ("{" + ",\n ".join(f'"{key}": {body}' for key, body in entries) + "}\n").encode()
 
 
@@ -190,6 +207,40 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     data = encode(timeline)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
+
+
+def _series(rules: PartRules, curve: Intensity | None) -> str:
+    """The series in which a window's events are found: the curve itself where it is that."""
+    series = rules.part()
+    shared = f'"per_cent": {_json(series.relative)}'
+    same = curve is not None and (
+        rules.curve is not None
+        or (
+            np.array_equal(curve.time_s, series.time_s)
+            and np.array_equal(curve.value, series.value)
+        )
+    )
+    if same or len(series.value) > MAX_POINTS:
+        return f"{{{shared}}}"
+    return (
+        f'{{{shared}, "unit": {_json(series.unit)},\n'
+        f'  "time_s": {_json(series.time_s.tolist())},\n'
+        f'  "value": {_json(series.value.tolist())}}}'
+    )
+
+
+def _rules(given: object, timeline: Timeline) -> PartRules:
+    table = _table(given, "series", _SERIES_KEYS, required=("per_cent",))
+    per_cent = table.pop("per_cent")
+    if not isinstance(per_cent, bool):
+        raise InputError(f"series.per_cent is {checks.shown(per_cent)}; give true or false")
+    with checks.located("series: "):
+        curve = _intensity(table) if table else timeline.intensity
+        if curve is None:
+            raise InputError("there is no intensity that it could be; give time_s and value")
+        if curve.last_s > timeline.duration_s:
+            raise InputError("it reaches beyond the end of the timeline (duration_s)")
+    return rules_of(curve, per_cent, timeline)
 
 
 def _row(event: Event) -> str:

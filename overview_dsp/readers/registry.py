@@ -1,7 +1,7 @@
 """Any supported file, detected from its content, into a Timeline.
 
 A new format is one module with `sniff(source) -> bool` and `read(source, options) -> Timeline`, and
-one entry in `FORMATS`.
+one entry in `FORMATS`; other packages bring theirs by an entry point (`plugins`).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from importlib import resources
+from typing import cast
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers import events_csv, native
@@ -19,8 +20,22 @@ from overview_dsp.readers.audio import reader as audio
 from overview_dsp.readers.cardiac import table as heart_table
 from overview_dsp.readers.cardiac import wfdb_reader
 from overview_dsp.readers.compression import opened
-from overview_dsp.readers.football import metrica, minute_list, openfootball, statsbomb, wyscout
+from overview_dsp.readers.everyday import cues, icalendar, labels, nearest
+from overview_dsp.readers.everyday import table_reader as everyday
+from overview_dsp.readers.football import (
+    metrica,
+    minute_list,
+    openfootball,
+    providers,
+    statsbomb,
+    wyscout,
+)
 from overview_dsp.readers.json_limits import MOST_DEPTH
+from overview_dsp.readers.memory.columns import is_table, table_of
+from overview_dsp.readers.memory.kinds import MemoryTable, TimelineData
+from overview_dsp.readers.memory.reading import document_bytes, is_document, read_table
+from overview_dsp.readers.memory.streams import is_content, is_url, spooled
+from overview_dsp.readers.plugins import package_readers
 from overview_dsp.readers.source import LoadOptions, Source, decode_text, parse_json
 from overview_dsp.readers.tables import pipeline as series
 from overview_dsp.timeline import checks
@@ -52,8 +67,16 @@ class Format:
     matches: Callable[[Source], list[str]] | None = None
 
 
+_LISTED = frozenset({"duration_s", "time", "kind", "label"})
+
 FORMATS: tuple[Format, ...] = (
     # before the formats of whole JSON documents, which lines of them are not
+    Format(
+        "table of events (one JSON object a line)",
+        everyday.sniff_lines,
+        everyday.read_lines,
+        _LISTED,
+    ),
     Format(
         "series (one JSON object a line)",
         series.sniff_json_lines,
@@ -83,6 +106,12 @@ FORMATS: tuple[Format, ...] = (
         wyscout.matches,
     ),
     Format(
+        "Opta F24, Stats Perform MA3, Sportec, DataFactory, Metrica JSON or Wyscout v3 (with the "
+        "extra `football`)",
+        providers.sniff,
+        providers.read,
+    ),
+    Format(
         "openfootball matches (JSON with team1, team2 and goals)",
         openfootball.sniff,
         openfootball.read,
@@ -103,6 +132,31 @@ FORMATS: tuple[Format, ...] = (
         frozenset({"duration_s"}),
     ),
     Format(
+        "calendar (iCalendar, .ics)",
+        icalendar.sniff,
+        icalendar.read,
+        frozenset({"duration_s"}),
+    ),
+    Format(
+        "subtitles (SubRip .srt, WebVTT .vtt)",
+        cues.sniff,
+        cues.read,
+        frozenset({"duration_s"}),
+    ),
+    Format(
+        "labels (Audacity: start, end and label with tabs between)",
+        labels.sniff,
+        labels.read,
+        frozenset({"duration_s"}),
+    ),
+    Format(
+        "table of events (CSV, TSV, JSON: time, date, minute or start with event, what, type, name "
+        "or label; lines of clock and words)",
+        everyday.sniff,
+        everyday.read,
+        _LISTED,
+    ),
+    Format(
         "WFDB record (.hea, with .dat and .atr beside it)",
         wfdb_reader.sniff,
         wfdb_reader.read,
@@ -120,6 +174,13 @@ FORMATS: tuple[Format, ...] = (
         audio.read,
         frozenset({"map", "max_mb"}),
     ),
+    Format("track (GPX, TCX)", series.sniff_track, series.read_track, series.OPTIONS),
+    Format(
+        "log (lines with a date each, for map count)",
+        series.sniff_log,
+        series.read_log,
+        series.OPTIONS,
+    ),
     Format(
         "series (CSV, TSV: a table with a column of times and one of values)",
         series.sniff_csv,
@@ -132,6 +193,8 @@ FORMATS: tuple[Format, ...] = (
         series.read_json,
         series.OPTIONS,
     ),
+    Format("series (NumPy .npy)", series.sniff_npy, series.read_npy, series.OPTIONS),
+    Format("series (NumPy .npz)", series.sniff_npz, series.read_npz, series.OPTIONS),
     Format(
         "series (Parquet, with the extra `parquet`)",
         series.sniff_parquet,
@@ -139,7 +202,18 @@ FORMATS: tuple[Format, ...] = (
         series.OPTIONS,
     ),
 )
-"""The formats that can be read, asked in this order."""
+"""The formats of this package, asked in this order."""
+
+
+def formats() -> tuple[Format, ...]:
+    """Return all formats that can be read, in the order they are asked: other packages' first."""
+    others = (Format(p.name, p.sniff, p.read, p.options, p.matches) for p in package_readers())
+    return (*others, *FORMATS)
+
+
+def _is_series(known: Format) -> bool:
+    return known.options == series.OPTIONS
+
 
 LIMITS = frozenset({"max_mb", "max_depth"})
 """The options every format takes."""
@@ -154,11 +228,13 @@ _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
 def load_timeline(
-    path: str | os.PathLike[str],
+    data: Timeline | TimelineData,
     duration_s: float | None = None,
     *,
     value: str | None = None,
-    time: str | None = None,
+    time: str | MemoryTable | None = None,
+    kind: str | None = None,
+    label: str | None = None,
     map: str | None = None,
     rate: float | None = None,
     match: str | None = None,
@@ -166,21 +242,29 @@ def load_timeline(
     progress: Callable[[float], None] | None = None,
     max_depth: int | None = None,
 ) -> Timeline:
-    """Load a timeline from any supported file, or a bundled one by its name.
+    """Load a timeline from any supported file, from data in memory, or a bundled one by its name.
 
     Parameters
     ----------
-    path : str or path
+    data : str, path, bytes, open file, DataFrame, Series, array, list or dict
         A file, detected by content; or `"world-cup-final-2018"` or `"made-up-share"`, which come
-        with the package (for a file of that name, write `./made-up-share`).
+        with the package (for a file of that name, write `./made-up-share`); an address (`https://`,
+        `s3://`, whatever fsspec opens); a file's content, or an open file; a frame or a column of
+        pandas, polars or Arrow; an array; a list of numbers, of (time, value) or of events: (time,
+        kind, label, weight), dicts, `Event`; a dict of columns. Data in memory are read by the
+        rules for the file that would hold them. A Timeline is given back.
     duration_s : float or None
         Length, s, for a format that doesn't say it (event lists).
     value, time : str or None
         The columns of the values and of the times, for tables; left out, they are found.
-        `time="day:dmy"` says how dates are written.
+        `time="day:dmy"` says how dates are written (`time="start:hhmm"`: clocks of the day),
+        `value="Close:share"` whether values are a share's, another price's or `plain`. For data in
+        memory, `time` may be the times themselves: an array, a list, a Series, one a row.
+    kind, label : str or None
+        The columns with the kinds and the labels of events, for event lists.
     map : str or None
-        What of a table's values becomes friction: `level`, `change`, `activity`,
-        `volatility[:WINDOW]` or a column.
+        What of a table becomes friction: `level`, `change`, `activity`, `volatility[:WINDOW]` of
+        its values, `count[:WINDOW]` of its rows, or a column.
     rate : float or None
         Samples a second, Hz, for tables and records without times.
     match : str or None
@@ -213,33 +297,76 @@ def load_timeline(
     ...         print(row, file=file)
     >>> ov.load_timeline("load.csv", value="load").duration_s
     7200.0
+    >>> ov.load_timeline([1.0, 3.0, 2.0], rate=0.5).duration_s
+    4.0
+    >>> ov.load_timeline([(2.0, "goal", "1-0"), (8.0, "foul")], duration_s=10.0).kinds()
+    {'goal': 1, 'foul': 1}
     """
+    times = None if time is None or isinstance(time, str) else time
     options = _checked(
         LoadOptions(
-            duration_s, value, time, map, rate, match, max_mb, progress, max_depth=max_depth
+            duration_s,
+            value,
+            "time" if times is not None else cast("str | None", time),
+            map,
+            rate,
+            match,
+            max_mb,
+            progress,
+            max_depth=max_depth,
+            kind=kind,
+            label=label,
         )
     )
-    try:
-        name = os.fspath(path)
-    except TypeError as error:
-        raise InputError(
-            f"{checks.shown(path)} is neither a path nor a bundled name ({_bundled_names()})"
-        ) from error
-    if name in BUNDLED:
-        _refuse_options(options, name, LIMITS)
-        return bundled_timeline(name)
-    with _opened(path, options) as source:
+    if isinstance(data, Timeline):
+        _refuse_options(options, "a Timeline", frozenset())
+        return data
+    if isinstance(data, str) and data in BUNDLED:
+        _refuse_options(options, data, LIMITS)
+        return bundled_timeline(data)
+    if is_document(data):
+        data = document_bytes(data)
+    if not (isinstance(data, str | os.PathLike) or is_content(data)):
+        return _of_memory(data, times, options)
+    if times is not None:
+        raise InputError("time names a column of a file; times themselves go with values in memory")
+    with _opened(data, options) as source:
         candidate = _format_of(source)
         taken = candidate.options | LIMITS
         _refuse_options(options, f"{source.where}: {candidate.name}", taken)
         return candidate.read(source, options)
 
 
+def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
+    _require_table(data, f"neither a path, nor data, nor a bundled name ({_bundled_names()})")
+    if times is not None:
+        _require_table(times, "no column of times")
+    table = table_of(data, times)
+
+    def claim(source: Source) -> Callable[[Source, LoadOptions], Timeline] | None:
+        others = () if options.counts else (f for f in formats() if not _is_series(f))
+        found = next((f for f in others if f.sniff(source)), None)
+        name, taken = (found.name, found.options) if found else ("series", series.OPTIONS)
+        _refuse_options(options, f"{source.where}: {name}", taken | LIMITS)
+        return found.read if found is not None else None
+
+    return read_table(table, options, claim)
+
+
+def _require_table(data: object, what: str) -> None:
+    if not is_table(data):
+        hint = "; give list(...) of it" if hasattr(data, "__next__") else ""
+        raise InputError(f"{checks.shown(data)} is {what}{hint}")
+
+
 @contextlib.contextmanager
-def _opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Source]:
+def _opened(data: object, options: LoadOptions) -> Iterator[Source]:
     with contextlib.ExitStack() as stack:
+        path, label = cast("str | os.PathLike[str]", data), ""
+        if is_url(data) or is_content(data):
+            path, label = stack.enter_context(spooled(data, options))
         try:
-            source = stack.enter_context(opened(path, options))
+            source = stack.enter_context(opened(path, options, label))
         except InputError as error:
             missing = isinstance(error.__cause__, FileNotFoundError)
             hint = f", or use a bundled name ({_bundled_names()})" if missing else ""
@@ -249,20 +376,22 @@ def _opened(path: str | os.PathLike[str], options: LoadOptions) -> Iterator[Sour
 
 def _format_of(source: Source) -> Format:
     """Return the first format that claims the file; InputError describes one that none does."""
-    for candidate in FORMATS:
+    # an event list is a table too, where its rows are to be counted
+    for candidate in formats():
+        if source.options.counts and not _is_series(candidate):
+            continue
         if candidate.sniff(source):
             return candidate
-    known = "; ".join(candidate.name for candidate in FORMATS)
     raise InputError(
-        f"{source.where}: {_described(source)}, not a format that can be read. Known: {known}. "
-        "Convert the data to one of these"
+        f"{source.where}: {_described(source)}, not a format that can be read",
+        f"{nearest.fix_of(source)}; overview timeline formats lists all that can be read",
     )
 
 
 def list_matches(
     path: str | os.PathLike[str], options: LoadOptions | None = None
 ) -> tuple[str, ...]:
-    """Return a line on each match of a file, in the order of their numbers (`match`).
+    """Return a line on each match of a file or address, in the order of their numbers (`match`).
 
     Empty for a file of a format that holds one timeline.
 
@@ -302,6 +431,8 @@ def _checked(options: LoadOptions) -> LoadOptions:
         map=_words(options.map, "map"),
         rate=_positive(options.rate, "rate", "a rate is samples a second"),
         match=_words(options.match, "match"),
+        kind=_words(options.kind, "kind"),
+        label=_words(options.label, "label"),
         max_mb=_positive(options.max_mb, "max_mb", "a limit is megabytes"),
         max_depth=_depth(options.max_depth),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import json
 import os
+import re
 import stat
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -24,6 +25,11 @@ four times that in memory, parsed several times."""
 
 HEAD_BYTES = 65_536
 """How much of a file the readers see before one of them claims it."""
+
+_CLOCKED = re.compile(r"\[\d+:\d", re.ASCII)
+
+UNNAMED = "unnamed"
+"""The name of a file that stands for data without one."""
 
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -46,7 +52,10 @@ class LoadOptions:
     value, time
         Names of the columns with the values and the times.
     map
-        What becomes the intensity: `level`, `change`, `activity`, `volatility`, or a column.
+        What becomes the intensity: `level`, `change`, `activity`, `volatility`, `count`, or a
+        column.
+    kind, label
+        Names of the columns with the kinds and the labels of events.
     rate
         Samples a second, for a file without times.
     match
@@ -68,11 +77,18 @@ class LoadOptions:
     max_mb: float | None = None
     progress: Callable[[float], None] | None = field(default=None, compare=False)
     max_depth: int | None = None
+    kind: str | None = None
+    label: str | None = None
 
     def given(self) -> frozenset[str]:
         """Return the names of the options that were set and say something about the data."""
         names = {name for name, value in vars(self).items() if value is not None}
         return frozenset(names - {"progress"})
+
+    @property
+    def counts(self) -> bool:
+        """Whether a table's rows may be what is asked for (`map` is `count`, with or without :)."""
+        return self.map is not None and self.map.partition(":")[0].strip().lower() == "count"
 
     def report_progress(self, part: float) -> None:
         """Report how much is read, 0 to 1."""
@@ -162,6 +178,8 @@ class Source:
         What the caller added, for formats that the data alone doesn't distinguish.
     origin
         The compressed file that was unpacked to `path`, None for any other.
+    label
+        What error lines call the data, where they aren't a file of the caller's.
     """
 
     path: Path
@@ -169,17 +187,23 @@ class Source:
     head: bytes
     options: LoadOptions = field(default_factory=LoadOptions)
     origin: Path | None = None
+    label: str = ""
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str], options: LoadOptions | None = None) -> Source:
-        """Look at a file.
+    def open(
+        cls,
+        path: str | os.PathLike[str],
+        options: LoadOptions | None = None,
+        label: str = "",
+    ) -> Source:
+        """Look at a file, which error lines call `label` if that is given.
 
         Raises
         ------
         InputError
             Missing, a folder or device, empty, unreadable.
         """
-        where = shown_path(path)
+        where = label or shown_path(path)
         try:
             status = os.stat(path)
             if stat.S_ISDIR(status.st_mode):
@@ -199,12 +223,12 @@ class Source:
             raise InputError(f"{where}: can't be read ({reason}); check the path") from error
         if not head:
             raise InputError(f"{where}: is empty; check how it was made, or get it again")
-        return cls(Path(path), status.st_size, head, options or LoadOptions())
+        return cls(Path(path), status.st_size, head, options or LoadOptions(), label=label)
 
     @property
     def where(self) -> str:
         """The path, printable: what an error line begins with."""
-        return shown_path(self.origin or self.path)
+        return self.label or shown_path(self.origin or self.path)
 
     @property
     def folder(self) -> Path:
@@ -214,7 +238,8 @@ class Source:
     @property
     def stem(self) -> str:
         """The file's name without its suffix: the title where the file holds none."""
-        return Path(shown_path(self.path.name)).stem
+        name = Path(shown_path(self.path.name)).stem
+        return "" if self.label and name == UNNAMED else name
 
     @cached_property
     def head_text(self) -> str | None:
@@ -230,7 +255,10 @@ class Source:
     @property
     def looks_like_json(self) -> bool:
         """True if the file is text whose first character is a bracket JSON begins with."""
-        return self.head_text is not None and self.head_text.lstrip()[:1] in ("{", "[")
+        if self.head_text is None:
+            return False
+        begins = self.head_text.lstrip()[:8]
+        return begins[:1] in ("{", "[") and not _CLOCKED.match(begins)  # [0:12] is a chapter
 
     @cached_property
     def text(self) -> str:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Generic, Literal, overload
+from typing import TYPE_CHECKING, Generic, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +15,27 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import ActuatorStage, Protected, warn_of_carrier
 from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
+from overview_dsp.errors import InputError
 from overview_dsp.files.sound import save_sound
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import TACTOR, TRACE_COLUMNS
-from overview_dsp.presets.model import Preset
+from overview_dsp.public.drawn import drawn
 from overview_dsp.public.reprs import counted, short
+from overview_dsp.rendering.arguments import (
+    AnyGesture,
+    AnyPreset,
+    AnyTimeline,
+    given_gesture,
+    given_preset,
+    given_timeline,
+)
 from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail, unreached
 from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.rendering.transcript import transcript
-from overview_dsp.timeline import Timeline
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 BLOCK = 4096
 Progress = Callable[[float], None]
@@ -111,6 +122,30 @@ class Result(Generic[Traced]):
         """
         save_sound(path, self.samples, self.sample_rate, subtype)
 
+    def plot(self) -> Figure:
+        """Draw what the disk did: torque, friction, disk and hand over time.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            As in the paper's figures 5 and 6; a notebook shows it.
+
+        Raises
+        ------
+        InputError
+            It was rendered without a trace.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
+        >>> result.plot().savefig("sweep.png")
+        """
+        if self.trace is None:
+            raise InputError("there is no trace to draw; render with trace=True")
+        title = f"{self.engine.timeline.title}, preset {self.engine.preset.name}"
+        return drawn("strokes", "plot_strokes", [("", self)], self.engine.timeline, title)
+
     def _repr_html_(self) -> str:
         """What a notebook shows: a player, the gesture's curves and a transcript."""
         rows: list[Row] = []
@@ -169,9 +204,9 @@ def blocks(
 
 @overload
 def render(
-    timeline: Timeline,
-    preset: Preset,
-    gesture: Gesture,
+    timeline: AnyTimeline,
+    preset: AnyPreset = ...,
+    gesture: AnyGesture = ...,
     sample_rate: float = ...,
     seed: int = ...,
     *,
@@ -181,9 +216,9 @@ def render(
 ) -> Result[Trace]: ...
 @overload
 def render(
-    timeline: Timeline,
-    preset: Preset,
-    gesture: Gesture,
+    timeline: AnyTimeline,
+    preset: AnyPreset = ...,
+    gesture: AnyGesture = ...,
     sample_rate: float = ...,
     seed: int = ...,
     *,
@@ -193,9 +228,9 @@ def render(
 ) -> Result[None]: ...
 @overload
 def render(
-    timeline: Timeline,
-    preset: Preset,
-    gesture: Gesture,
+    timeline: AnyTimeline,
+    preset: AnyPreset = ...,
+    gesture: AnyGesture = ...,
     sample_rate: float = ...,
     seed: int = ...,
     *,
@@ -204,9 +239,9 @@ def render(
     actuator: Actuator | None = ...,
 ) -> Result[Trace | None]: ...
 def render(
-    timeline: Timeline,
-    preset: Preset,
-    gesture: Gesture,
+    timeline: AnyTimeline,
+    preset: AnyPreset = None,
+    gesture: AnyGesture = None,
     sample_rate: float = 48_000,
     seed: int = 0,
     *,
@@ -220,12 +255,12 @@ def render(
 
     Parameters
     ----------
-    timeline : Timeline
+    timeline : Timeline, or what `load_timeline` takes
         What is felt.
-    preset : Preset
-        How it is felt and heard.
-    gesture : Gesture
-        What the hand does.
+    preset : Preset, str, path or None
+        How it is felt and heard; None is the bundled preset that fits the data.
+    gesture : Gesture, str, path or None
+        What the hand does: a SPEC (`"sweep:2"`) or a take too; None is `"sweep:4"`.
     sample_rate : float
         Hz, 1 000 to 768 000; the preset's carrier must stay below 0.45 of it.
     seed : int
@@ -246,7 +281,8 @@ def render(
     Raises
     ------
     InputError
-        A sample rate or a tail out of range, or parameters that don't fit the rate.
+        A sample rate or a tail out of range, parameters that don't fit the rate; a timeline, a
+        preset or a gesture that can't be read.
 
     Examples
     --------
@@ -257,14 +293,19 @@ def render(
     (16001, 2)
     >>> result.trace.torque.max() > 0.0
     np.True_
+    >>> days = {"2024-01-01": 7.5, "2024-01-02": 9.0, "2024-01-03": 8.0, "2024-01-04": 8.2}
+    >>> ov.render(days, "series", "sweep:1", sample_rate=8000).engine.preset.name
+    'series'
     """
-    engine = Engine(preset, timeline, seed=seed)
+    felt = given_timeline(timeline)
+    engine = Engine(given_preset(preset, felt), felt, seed=seed)
+    hand = given_gesture(gesture)
     engine.prepare(sample_rate, BLOCK)
     nothing = Block(
         np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes()
     )
     stage = _stage(actuator, engine)
-    rendered = [nothing, *blocks(engine, gesture, tail, trace, stage=stage)]
+    rendered = [nothing, *blocks(engine, hand, tail, trace, stage=stage)]
     samples = np.concatenate([block.samples for block in rendered])
     table = np.concatenate([b.trace for b in rendered if b.trace is not None])
     strikes = join_strikes([block.strikes for block in rendered])
@@ -336,9 +377,9 @@ class Rendered:
 
 
 def render_to_file(
-    timeline: Timeline,
-    preset: Preset,
-    gesture: Gesture,
+    timeline: AnyTimeline,
+    preset: AnyPreset,
+    gesture: AnyGesture,
     path: str | os.PathLike[str],
     sample_rate: float = 48_000,
     seed: int = 0,
@@ -355,12 +396,12 @@ def render_to_file(
 
     Parameters
     ----------
-    timeline : Timeline
+    timeline : Timeline, or what `load_timeline` takes
         What is felt.
-    preset : Preset
-        How it is felt and heard.
-    gesture : Gesture
-        What the hand does.
+    preset : Preset, str, path or None
+        How it is felt and heard; None is the bundled preset that fits the data.
+    gesture : Gesture, str, path or None
+        What the hand does: a SPEC (`"sweep:2"`) or a take too; None is `"sweep:4"`.
     path : str or path
         The sound file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
     sample_rate : float
@@ -401,7 +442,9 @@ def render_to_file(
     from overview_dsp.files.sound import SoundWriter
     from overview_dsp.rendering.trace_file import TraceWriter
 
-    engine = Engine(preset, timeline, seed=seed)
+    felt = given_timeline(timeline)
+    engine = Engine(given_preset(preset, felt), felt, seed=seed)
+    hand = given_gesture(gesture)
     engine.prepare(sample_rate, BLOCK)
     stage = _stage(actuator, engine)
     peaks = np.zeros(2)
@@ -410,7 +453,7 @@ def render_to_file(
         SoundWriter(Path(path), engine.sample_rate, subtype) as sound,
         TraceWriter(Path(trace_path) if trace_path is not None else None) as traced,
     ):
-        for block in blocks(engine, gesture, tail, trace_path is not None, progress, stage):
+        for block in blocks(engine, hand, tail, trace_path is not None, progress, stage):
             sound.write(block.samples)
             if block.trace is not None:
                 traced.write(block.trace)

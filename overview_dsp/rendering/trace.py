@@ -9,6 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import TRACE_COLUMNS
+from overview_dsp.timeline.dataframe import dataframe
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 class Trace(Mapping[str, NDArray[np.float64]]):
@@ -87,6 +91,28 @@ class Trace(Mapping[str, NDArray[np.float64]]):
 
     def __len__(self) -> int:
         return len(self._names)
+
+    def to_dataframe(self) -> DataFrame:
+        """Give the columns as a pandas DataFrame, a row a frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The columns above.
+
+        Raises
+        ------
+        InputError
+            pandas isn't installed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
+        >>> result.trace.to_dataframe()["cursor"].max().round(2)
+        np.float64(1.0)
+        """
+        return dataframe({name: self[name] for name in self})
 
     def __repr__(self) -> str:
         return f"<Trace: {len(self._table)} frames of {', '.join(self._names)}>"

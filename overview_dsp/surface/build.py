@@ -44,6 +44,7 @@ from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.model import Surface
 from overview_dsp.surface.profiles import bumps, entries, profile, span
 from overview_dsp.surface.thinning import thin_events
+from overview_dsp.timeline.ticks import KINDS as TICKS
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Event, Timeline
@@ -238,7 +239,9 @@ def _felt(
 
 
 def _warn_of_unknown(timeline: Timeline, preset: Preset) -> None:
-    unknown = sorted(kind for kind in timeline.kinds() if preset.kind_for(kind) is None)
+    # a tick is a tick under any preset
+    kinds = set(timeline.kinds()) - set(TICKS)
+    unknown = sorted(kind for kind in kinds if preset.kind_for(kind) is None)
     if unknown:
         warnings.warn(
             f"preset {preset.name!r} has no {', '.join(unknown)}: felt as its "

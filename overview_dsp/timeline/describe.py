@@ -39,6 +39,7 @@ def describe_json(timeline: Timeline, *, events: bool = False) -> dict[str, Any]
         "kinds": timeline.kinds(),
         "details": _counts(timeline.details),
         "gaps": [list(gap) for gap in timeline.gaps],
+        "gap_reasons": list(timeline.gap_reasons),
         "gaps_s": sum(end - start for start, end in timeline.gaps),
         "notes": list(timeline.notes),
         "provenance": timeline.provenance,
@@ -73,7 +74,7 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
     yield f"events   {len(timeline.events)}{': ' if kinds else ''}{kinds}"
     if timeline.details:
         counts = ", ".join(f"{n} {kind}" for kind, n in _counts(timeline.details).items())
-        yield f"details  {len(timeline.details)}: {counts}; felt in short windows"
+        yield f"details  {len(timeline.details)}: {counts}; felt in windows"
     yield f"gaps     {_gaps(timeline)}"
     if timeline.provenance:
         yield f"from     {timeline.provenance}"
@@ -113,8 +114,13 @@ def _gaps(timeline: Timeline) -> str:
         return "none"
     total = span_text(sum(end - start for start, end in timeline.gaps))
     first = "; ".join(
-        f"{_moment(timeline, start)} to {_moment(timeline, end)}"
-        for start, end in timeline.gaps[:_GAPS_SHOWN]
+        f"{_moment(timeline, start)} to {_moment(timeline, end)}{_reason(timeline, i)}"
+        for i, (start, end) in enumerate(timeline.gaps[:_GAPS_SHOWN])
     )
     more = "; ..." if len(timeline.gaps) > _GAPS_SHOWN else ""
     return f"{len(timeline.gaps)}, {total} in all: {first}{more}"
+
+
+def _reason(timeline: Timeline, gap: int) -> str:
+    reason = timeline.gap_reasons[gap] if timeline.gap_reasons else ""
+    return f" ({reason})" if reason else ""

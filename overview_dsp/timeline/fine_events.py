@@ -1,36 +1,127 @@
-"""Which of the small things a window shows: as many as a hand can distinguish in it."""
+"""Which of the small things a window shows: the weightiest, up to what a hand can tell apart.
+
+A window is filled up, at every width: with what rules find in it (`Rules`), then with details, each
+the weightiest first. Of one weight those that lie apart from everything shown already come first,
+then the others while there is room; so the number of events never falls from a window to one
+within it unless all that is there is shown.
+
+Details of one weight take turns by how evenly they divide the timeline (the middle, the quarters,
+the eighths ...), so that a window shows some from all of it, and one that is shown in a window is
+shown in those within it.
+"""
 
 from __future__ import annotations
 
 from bisect import bisect_left, insort
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from overview_dsp.timeline.event import Event
+from overview_dsp.timeline.ticks import KINDS
 
 APART = 0.0018
 """Part of the surface between two events that can be felt apart, a third of a degree: it takes a
 slow look, of ten degrees a second, 30 ms."""
 
-MOST = 500
-"""A window that holds more details than this shows none: they would be nothing but a roughness."""
+MOST_DETAILS = 200
+"""A window is filled up with details to so many events, about one a degree: in a sweep of twelve
+degrees a second nine of ten are felt one by one (`measure.events_felt_apart`)."""
+
+MOST_BY_RULE = 90
+"""A window is filled up to so many events with those found by rule, one in two degrees: peaks and
+crossings are wider than a touch, and a whole series has 20 to 90."""
 
 
-def shown_details(
-    details: tuple[Event, ...], events: tuple[Event, ...], duration_s: float
+class Rules(Protocol):
+    """What finds the events of a series, in any part of it."""
+
+    def cut(self, start_s: float, end_s: float) -> Rules:
+        """Return the same for a part, on an axis that begins with it."""
+
+    def found(self, duration_s: float) -> Sequence[Event]:
+        """Return what is found, what matters most first; each of another sample."""
+
+
+def ranks(details: Sequence[Event]) -> NDArray[np.int64]:
+    """Return in which order details (sorted by time) are taken into a window, from 0."""
+    count = len(details)
+    bits = max(1, (count - 1).bit_length())
+    index = np.arange(count)
+    turn = np.zeros(count, dtype=np.int64)
+    for bit in range(bits):  # the index, read backwards
+        turn |= ((index >> bit) & 1) << (bits - 1 - bit)
+    order = np.lexsort((turn, np.array([-detail.weight for detail in details])))
+    rank = np.empty(count, dtype=np.int64)
+    rank[order] = index
+    return rank
+
+
+def window_events(
+    given: Sequence[Event],
+    marks: Iterable[Event],
+    ruled: Sequence[Event],
+    details: Sequence[Event],
+    duration_s: float,
 ) -> tuple[Event, ...]:
-    """Return those of the details that can be distinguished from the events and from each other.
+    """Return the events of a window, by time.
 
-    The heaviest are taken first, the earlier ones of equal weight before the later ones. None if
-    there are more than `MOST`.
+    Parameters
+    ----------
+    given
+        The whole's events in it: all are kept.
+    marks
+        Its ticks: all that aren't among them.
+    ruled, details
+        What it may be filled up with, what matters most first.
+    duration_s
+        Its length.
     """
-    if not 0 < len(details) <= MOST:
-        return ()
+    taken = [*given, *_clear(_other(marks, given), given, duration_s)]
+    sampled = {event.time_s for event in given if event.kind not in KINDS}
+    found = [event for event in ruled if event.time_s not in sampled]
+    _fill(taken, found, MOST_BY_RULE, duration_s)
+    for _, alike in groupby(_other(details, taken), key=lambda event: event.weight):
+        _fill(taken, [*alike], MOST_DETAILS, duration_s)
+    return tuple(sorted(taken, key=lambda event: event.time_s))
+
+
+def _clear(marks: Sequence[Event], given: Sequence[Event], duration_s: float) -> list[Event]:
+    """The ticks that don't blunt an event: none close to one, unless all are."""
+    times = np.array([event.time_s for event in given])
+    if not len(times):
+        return list(marks)
+    far = [mark for mark in marks if np.abs(times - mark.time_s).min() >= APART * duration_s]
+    return far or list(marks)
+
+
+def _other(events: Iterable[Event], there: Iterable[Event]) -> list[Event]:
+    """Those of a moment and a kind that aren't there; two of a kind at one moment feel as one."""
+    known = {(event.time_s, event.kind) for event in there}
+    other = []
+    for event in events:
+        key = event.time_s, event.kind
+        if key not in known:
+            known.add(key)
+            other.append(event)
+    return other
+
+
+def _fill(taken: list[Event], ranked: Sequence[Event], most: int, duration_s: float) -> None:
+    """Add the first of those that are apart, then the first of the others, up to `most` in all."""
     apart = APART * duration_s
-    taken = [event.time_s for event in events]
-    shown: list[Event] = []
-    for detail in sorted(details, key=lambda event: -event.weight):
-        at = bisect_left(taken, detail.time_s)
-        near = taken[max(0, at - 1) : at + 1]
-        if all(abs(other - detail.time_s) >= apart for other in near):
-            insort(taken, detail.time_s)
-            shown.append(detail)
-    return tuple(shown)
+    times = sorted(event.time_s for event in taken)
+    near: list[Event] = []
+    for event in ranked:
+        if len(taken) >= most:
+            return
+        at = bisect_left(times, event.time_s)
+        if any(abs(other - event.time_s) < apart for other in times[max(0, at - 1) : at + 1]):
+            near.append(event)
+        else:
+            insort(times, event.time_s)
+            taken.append(event)
+    taken += near[: max(0, most - len(taken))]

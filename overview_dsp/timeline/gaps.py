@@ -46,6 +46,33 @@ def sorted_gaps(gaps: object, duration_s: float) -> Gaps:
     return tuple(pairs)
 
 
+def sorted_reasons(reasons: object, gaps: object) -> tuple[str, ...]:
+    """Return why each gap has no data, in the order of the sorted gaps; none where none is known.
+
+    Parameters
+    ----------
+    reasons
+        A text for each of the `gaps`, or nothing.
+    gaps
+        As they were given, checked already.
+
+    Raises
+    ------
+    InputError
+        Not texts, not as many as gaps.
+    """
+    hint = 'give one text a gap, "" where it isn\'t known'
+    if not isinstance(reasons, tuple | list):
+        raise InputError(f"gap_reasons is {checks.shown(reasons)}, not a list; {hint}")
+    texts = [checks.text(reason, f"gap_reasons[{i}]") for i, reason in enumerate(reasons)]
+    if not any(texts):
+        return ()
+    starts = [gap[0] for gap in gaps] if isinstance(gaps, tuple | list) else []
+    if len(texts) != len(starts):
+        raise InputError(f"there are {len(texts)} gap_reasons for {len(starts)} gaps; {hint}")
+    return tuple(text for _, text in sorted(zip(starts, texts, strict=True), key=lambda p: p[0]))
+
+
 def in_gap(gaps: Gaps, at: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return which of the times `at`, shape (n,), lie inside a gap, its two ends excluded."""
     if not gaps:
@@ -56,12 +83,16 @@ def in_gap(gaps: Gaps, at: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.asarray((index >= 0) & (at < ends[index]), dtype=np.bool_)
 
 
-def cut_gaps(gaps: Gaps, start: float, end: float) -> Gaps:
-    """Return what of the gaps lies between `start` and `end`, on a time axis that begins there."""
-    parts = (
-        (max(low, start) - start, min(high, end) - start)
-        for low, high in gaps
-        if low < end and high > start
-    )
-    # rounding may leave nothing of one
-    return tuple((low, high) for low, high in parts if low < high)
+def cut_gaps(
+    gaps: Gaps, reasons: tuple[str, ...], start: float, end: float
+) -> tuple[Gaps, tuple[str, ...]]:
+    """Return what of gaps and reasons lies from `start` to `end`, on a time axis from there."""
+    kept: list[tuple[float, float]] = []
+    why: list[str] = []
+    for i, (low, high) in enumerate(gaps):
+        part = (max(low, start) - start, min(high, end) - start)
+        # also where rounding leaves nothing of one
+        if low < end and high > start and part[0] < part[1]:
+            kept.append(part)
+            why.append(reasons[i] if reasons else "")
+    return tuple(kept), tuple(why) if any(why) else ()

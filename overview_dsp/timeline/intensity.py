@@ -237,6 +237,48 @@ class Intensity:
         felt = with_peaks(mean, top)
         return np.where((times >= self.first_s) & (times <= self.last_s), felt, 0.0)
 
+    def band(
+        self, times: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Look up what a picture shows at evenly spaced times: the span of the points, their mean.
+
+        Each time stands for the points nearest to it; where there are none, all three are `at`.
+
+        Parameters
+        ----------
+        times : float64 (n,)
+            Seconds, ascending.
+
+        Returns
+        -------
+        tuple of float64 (n,)
+            The smallest, the mean and the largest, in the curve's unit; NaN before the first point
+            and after the last.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.arange(6.0), np.array([0.0, 5.0, 1.0, 2.0, 9.0, 4.0]))
+        >>> low, mean, high = curve.band(np.array([1.0, 4.0]))
+        >>> low, mean, high
+        (array([0., 2.]), array([2., 5.]), array([5., 9.]))
+        """
+        if self.is_constant:
+            return (self.at(times),) * 3
+        first, last = self._between
+        half = (times[1] - times[0]) / 2.0
+        borders = np.concatenate((times - half, [times[-1] + half])) + self._shift
+        edges = np.clip(self.points.first_from(borders), first, last)
+        mean, high = self.points.runs(edges)
+        low = self.points.lows(edges)
+        empty = np.flatnonzero(edges[1:] == edges[:-1])
+        low[empty] = mean[empty] = high[empty] = self.at(times[empty])
+        outside = (times < self.first_s) | (times > self.last_s)
+        for row in (low, mean, high):
+            row[outside] = np.nan
+        return low, mean, high
+
     def cut(self, start: float, end: float) -> Intensity | None:
         """Cut out a part; its ends are interpolated, so it has the same value at the same moment.
 

@@ -5,21 +5,32 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from bisect import bisect_left
+from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.public.drawn import drawn
 from overview_dsp.public.reprs import counted, short
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.dataframe import dataframe, moments
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
-from overview_dsp.timeline.fine_events import shown_details
-from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps
+from overview_dsp.timeline.fine_events import Rules, ranks, window_events
+from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
+from overview_dsp.timeline.match_minutes import Half, halves_of
+from overview_dsp.timeline.page import timeline_page
+from overview_dsp.timeline.ticks import part_ticks
 from overview_dsp.units import clock_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 __all__ = ["Event", "Intensity", "Timeline"]
 
@@ -50,8 +61,16 @@ class Timeline:
         The calendar moment of time 0, with or without a time zone; None where there is none (a
         match clock).
     details : tuple of Event
-        Smaller things (a match's passes); kept sorted. They are felt only in a `window` so short
-        that a hand can distinguish them.
+        Smaller things (a match's passes); kept sorted. They are felt in a `window`, the weightiest
+        first, as many as a hand can tell apart.
+    gap_reasons : tuple of str
+        Why there are no data, a text for each of the gaps, `""` where it isn't known; empty where
+        none is.
+    rules : object or None
+        What finds the events of a part of a series (set by the readers of series).
+    signal : Intensity or None
+        The recording that the curve was found in (an ECG, where the curve is a heart's rate): drawn
+        below it, not felt, and not in files.
 
     Raises
     ------
@@ -81,6 +100,9 @@ class Timeline:
     notes: tuple[str, ...] = ()
     start: datetime | None = None
     details: tuple[Event, ...] = ()
+    gap_reasons: tuple[str, ...] = ()
+    rules: Rules | None = field(default=None, compare=False, repr=False)
+    signal: Intensity | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         checks.text(self.title, "title")
@@ -95,7 +117,9 @@ class Timeline:
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         with checks.located("details: "):
             object.__setattr__(self, "details", sorted_events(self.details, duration_s))
-        object.__setattr__(self, "gaps", sorted_gaps(self.gaps, duration_s))
+        gaps = sorted_gaps(self.gaps, duration_s)
+        object.__setattr__(self, "gap_reasons", sorted_reasons(self.gap_reasons, self.gaps))
+        object.__setattr__(self, "gaps", gaps)
         if self.intensity is not None and self.intensity.last_s > duration_s:
             last = self.intensity.count - 1
             raise InputError(
@@ -160,7 +184,7 @@ class Timeline:
         """
         at = np.asarray(times, dtype=np.float64)
         flat = at.reshape(-1)
-        low, span = self._scale
+        low, span = self.scale
         if span == 0.0:
             return np.zeros(at.shape, dtype=np.float64)
         scaled = np.clip((self._curve_at(flat) - low) / span, 0.0, 1.0)
@@ -191,7 +215,7 @@ class Timeline:
         (101,)
         """
         at = np.arange(steps + 1, dtype=np.float64) * (self.duration_s / steps)
-        low, span = self._scale
+        low, span = self.scale
         curve = self.intensity
         if curve is None or span == 0.0:
             return np.zeros(steps + 1)
@@ -263,9 +287,12 @@ class Timeline:
     def window(self, start_s: float, end_s: float) -> Timeline:
         """Cut out a part as a timeline of its own, which starts at 0.
 
-        Events at the two ends belong to it, and details become events where they are few enough to
-        be distinguished: the shorter the part, the more of them. The curve is cut with interpolated
-        end points, so it has the same value at the same moment; gaps are cut likewise. A part in
+        Events at the two ends belong to it. It carries ticks of the calendar or the clock, and is
+        filled up with what rules find in it (a series' turning points, moves and crossings) and
+        with details, the weightiest first, up to what a hand can tell apart: as one zooms about an
+        event, the number of events doesn't fall until the data has no more. The curve is cut with
+        interpolated end points, so it has the same value at the same moment; gaps are cut likewise.
+        A part in
         which nothing is known (no event, no curve) becomes a flat curve of 0 with a note, since its
         emptiness is what a hand should feel. The title stays; a note names the part.
 
@@ -293,28 +320,45 @@ class Timeline:
         50.0
         """
         start, end = self.require_window(start_s, end_s)
-        events = cut_events(self.events, start, end)
+        given = cut_events(self._given, start, end)
         details = cut_events(self.details, start, end)
-        shown = shown_details(details, events, end - start)
-        if shown:
-            events = tuple(sorted((*events, *shown), key=lambda event: event.time_s))
+        first = bisect_left(self.details, start, key=lambda event: event.time_s)
+        rank = self._ranks[first : first + len(details)]
+        rules = self.rules.cut(start, end) if self.rules is not None else None
+        moment = self.start + timedelta(seconds=start) if self.start is not None else None
+        from_s = self._from_s + start
+        events = window_events(
+            given,
+            part_ticks(moment, from_s, end - start, self._halves),
+            rules.found(end - start) if rules is not None else (),
+            [details[i] for i in np.argsort(rank)],
+            end - start,
+        )
         intensity = self.intensity.cut(start, end) if self.intensity is not None else None
         notes = (*self.notes, f"the part from {self.moment_text(start)} to {self.moment_text(end)}")
-        if not events and intensity is None:
+        if not given and not details and intensity is None:
             unit = self.intensity.unit if self.intensity is not None else ""
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
             notes = (*notes, "nothing happens in this part: no event, no curve")
+        gaps, gap_reasons = cut_gaps(self.gaps, self.gap_reasons, start, end)
         part = object.__new__(Timeline)  # a part of what was checked
         part.__dict__.update(
             title=self.title,
             duration_s=end - start,
             events=events,
             intensity=intensity,
-            gaps=cut_gaps(self.gaps, start, end),
+            gaps=gaps,
+            gap_reasons=gap_reasons,
             provenance=self.provenance,
             notes=notes,
-            start=self.start + timedelta(seconds=start) if self.start is not None else None,
+            start=moment,
             details=details,
+            rules=rules,
+            signal=self.signal.cut(start, end) if self.signal is not None else None,
+            _given=given,
+            _ranks=rank,
+            _from_s=from_s,
+            _halves=self._halves,
         )
         return part
 
@@ -391,8 +435,8 @@ class Timeline:
         return np.asarray(covered, dtype=np.bool_)
 
     @cached_property
-    def _scale(self) -> tuple[float, float]:
-        """Return the value that becomes 0 and the span that becomes 1."""
+    def scale(self) -> tuple[float, float]:
+        """The value of the curve that is felt as 0, and how much above it as 1."""
         if self.intensity is None:
             return 0.0, 0.0
         curve = self.intensity
@@ -404,6 +448,92 @@ class Timeline:
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
+
+    def to_dataframe(self, part: Literal["events", "curve"] = "events") -> DataFrame:
+        """Give the events, or the curve, as a pandas DataFrame, a row each.
+
+        Parameters
+        ----------
+        part : {"events", "curve"}
+            Which of the two.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns `time_s`, `kind`, `label` and `weight`; or `time_s` and `value`. Where the
+            timeline has a calendar, `moment` too.
+
+        Raises
+        ------
+        InputError
+            Another part, or pandas isn't installed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> list(match.to_dataframe())
+        ['time_s', 'kind', 'label', 'weight']
+        >>> len(match.to_dataframe("curve")) == match.intensity.count
+        True
+        """
+        if part not in ("events", "curve"):
+            raise InputError(f"part is {checks.shown(part)}; give 'events' or 'curve'")
+        columns: dict[str, Any]
+        if part == "events":
+            names = ("time_s", "kind", "label", "weight")
+            columns = {name: [getattr(e, name) for e in self.events] for name in names}
+        else:
+            curve = self.intensity
+            columns = {
+                "time_s": np.asarray(curve.time_s) if curve is not None else np.empty(0),
+                "value": np.asarray(curve.value) if curve is not None else np.empty(0),
+            }
+        frame = dataframe(columns)
+        if self.start is not None:
+            frame.insert(1, "moment", moments(self.start, columns["time_s"]))
+        return frame
+
+    def plot(self) -> Figure:
+        """Draw the curve with its events and gaps.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            As in the paper's figure 4; a notebook shows it.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.load_timeline("world-cup-final-2018").plot().savefig("match.png")
+        """
+        return drawn("timeline", "plot_timeline", self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a few words, and the curve."""
+        return timeline_page(self)
+
+    # --- what a part carries, in place of these, from the whole it was cut from
+
+    @cached_property
+    def _given(self) -> tuple[Event, ...]:
+        """The events of the whole, without those that a window found."""
+        return self.events
+
+    @cached_property
+    def _ranks(self) -> NDArray[np.int64]:
+        """In which order the details are taken into a window."""
+        return ranks(self.details)
+
+    @cached_property
+    def _from_s(self) -> float:
+        """Where on the whole this begins, s."""
+        return 0.0
+
+    @cached_property
+    def _halves(self) -> tuple[Half, ...]:
+        """Those of the whole, where it is a match."""
+        return halves_of(self.events)
 
     def __repr__(self) -> str:
         parts = [clock_text(self.duration_s), counted(len(self.events), "event")]

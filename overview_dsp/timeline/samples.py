@@ -116,21 +116,32 @@ class Points:
         Edges, shape (n + 1,), ascend. The ends of long runs are rounded to bins of at most half a
         run's average length; an empty run has its next neighbour's value.
         """
+        (mean, high), starts = self._bins(edges, ("mean", "high"))
+        counts = np.diff(np.append(starts, len(mean)))
+        total = np.add.reduceat(mean, starts).astype(np.float64)
+        return total / np.maximum(counts, 1), np.maximum.reduceat(high, starts).astype(np.float64)
+
+    def lows(self, edges: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the smallest of the values of each run; edges as `runs`."""
+        (low,), starts = self._bins(edges, ("low",))
+        return np.minimum.reduceat(low, starts).astype(np.float64)
+
+    def _bins(
+        self, edges: NDArray[np.int64], names: tuple[str, ...]
+    ) -> tuple[list[Values], NDArray[np.int64]]:
+        """Rows of a level, or the values themselves, and where in them each run begins."""
         first, stop = int(edges[0]), int(edges[-1])
         wanted = (stop - first) / (len(edges) - 1) / 2.0
         level = next((one for one in reversed(self.levels) if one.width <= wanted), None)
         if level is None:
-            mean = high = np.asarray(self.value[first:stop])
+            rows = [np.asarray(self.value[first:stop])] * len(names)
             at = edges - first
         else:
             at = np.round(edges / level.width).astype(np.int64)
             begin, end = int(at[0]), max(int(at[-1]), int(at[0]) + 1)
-            mean, high = np.asarray(level.mean[begin:end]), np.asarray(level.high[begin:end])
+            rows = [np.asarray(getattr(level, name)[begin:end]) for name in names]
             at -= begin
-        starts = np.minimum(at[:-1], len(mean) - 1)
-        counts = np.diff(np.append(starts, len(mean)))
-        total = np.add.reduceat(mean, starts).astype(np.float64)
-        return total / np.maximum(counts, 1), np.maximum.reduceat(high, starts).astype(np.float64)
+        return rows, np.minimum(at[:-1], len(rows[0]) - 1)
 
 
 def _every(first: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -26,7 +26,14 @@ _CLOCK = (
     r"(?P<h>\d{1,2}):(?P<min>\d{2})(?::(?P<s>\d{2})(?:[.,](?P<f>\d{1,9})\d*)?)?"
     r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
 )
-_ZONE = r"(?:\s*(?P<zone>Z|z|UTC|GMT|[+\-−]\d{2}(?::?\d{2})?))?"
+_NAMED_ZONES_MIN = {
+    "WET": 0, "WEST": 60, "CET": 60, "CEST": 120, "EET": 120, "EEST": 180,
+    "EST": -300, "EDT": -240, "CST": -360, "CDT": -300, "MST": -420, "MDT": -360,
+    "PST": -480, "PDT": -420,
+}  # fmt: skip
+"""Offsets of zones whose letters tell summer from winter."""
+
+_ZONE = rf"(?:\s*(?P<zone>Z|z|UTC|GMT|{'|'.join(_NAMED_ZONES_MIN)}|[+\-−]\d{{2}}(?::?\d{{2}})?))?"
 _THEN_CLOCK = rf"(?:(?:,?\s+|[Tt]){_CLOCK}{_ZONE})?"
 _WEEKDAY = r"(?:(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun)[a-z]*,?\s+)?"
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
@@ -62,6 +69,8 @@ _YEAR_MONTH = re.compile(r"(?P<y>\d{4})(?P<m>\d{2})", re.ASCII)
 CLOCK = re.compile(
     r"(?:(?P<h>\d{1,4}):)?(?P<min>\d{1,2}):(?P<s>\d{1,2})(?:[.,](?P<f>\d{1,9})\d*)?", re.ASCII
 )
+_DAY_CLOCK = re.compile(rf"(?P<y>){_CLOCK}", re.ASCII)
+_YEAR_2000 = (date(2000, 1, 1).toordinal() - _EPOCH_DAY) * DAY_NS
 
 
 @dataclass(frozen=True)
@@ -128,6 +137,15 @@ def year_month(text: str) -> Moment | None:
     return None if found is None else _moment(found, found["m"], "1")
 
 
+def day_clock_seconds(text: str) -> float | None:
+    """Seconds since midnight of `8:00`, `18:30:15`, `8:00 PM`."""
+    found = _DAY_CLOCK.fullmatch(text)
+    if found is None:
+        return None
+    moment = _moment(found, "1", "1")
+    return None if moment is None else (moment.ns - _YEAR_2000) / NS
+
+
 WAYS: dict[str, Callable[[str], Moment | None]] = {
     "iso": iso,
     "dmy": day_first,
@@ -140,7 +158,7 @@ WAYS: dict[str, Callable[[str], Moment | None]] = {
 
 
 def _moment(found: re.Match[str], month: str, day: str) -> Moment | None:
-    year = int(found["y"])
+    year = int(found["y"] or 2000)
     if len(found["y"]) == 2:
         year += 1900 if year >= _PIVOT else 2000
     try:
@@ -163,7 +181,7 @@ def _moment(found: re.Match[str], month: str, day: str) -> Moment | None:
     zone = parts.get("zone")
     if not zone:
         return Moment(ns)
-    offset = 0
+    offset = _NAMED_ZONES_MIN.get(zone, 0)
     if zone[0] in "+-−":
         figures = zone[1:].replace(":", "").ljust(4, "0")
         if int(figures[:2]) >= 24 or int(figures[2:]) >= 60:

@@ -29,8 +29,10 @@ from overview_dsp.export.browser_memory import event_numbers
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.plots.style import KIND_STYLE
 from overview_dsp.presets.model import Preset
+from overview_dsp.readers.tables.events import KINDS as SERIES_KINDS
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
+from overview_dsp.timeline.ticks import KINDS as TICKS
 from overview_dsp.web.site_windows import Part
 
 COLUMNS = 1025
@@ -47,19 +49,27 @@ _LOOKS = {
     "shot": ("wedge", "green"),
     "touch": ("plus", "grey"),
 }
+_TICK = ("bar", "grey")
 _OTHER_SHAPES = ("pentagon", "star", "triangle", "square", "diamond", "circle", "wedge", "hexagon")
 _OTHER_COLOURS = ("vermilion", "blue", "yellow", "sky", "green", "orange", "purple")
 
 
 def kind_looks(timeline: Timeline) -> dict[str, dict[str, Any]]:
-    """Shape, colour, words and count of each kind of event, details too; known ones as pictured."""
+    """Shape, colour, words and count of each kind of event; known ones as pictured.
+
+    Those that only windows have are there too: details, ticks, what is found in a series' parts.
+    """
     counts = timeline.kinds()
-    for detail in timeline.details:
-        counts.setdefault(detail.kind, 0)
-    others = sorted(set(counts) - set(_LOOKS))
+    found = SERIES_KINDS if timeline.rules is not None else TICKS
+    for kind in (*(detail.kind for detail in timeline.details), *found):
+        counts.setdefault(kind, 0)
+    others = sorted(set(counts) - set(_LOOKS) - set(TICKS))
     looks = {}
-    for kind in (*(name for name in _LOOKS if name in counts), *others):
-        if kind in _LOOKS:
+    for kind in (*(name for name in (*_LOOKS, *TICKS) if name in counts), *others):
+        if kind in TICKS:
+            shape, colour = _TICK
+            words = kind.replace("_", " ")
+        elif kind in _LOOKS:
             shape, colour = _LOOKS[kind]
             words = KIND_STYLE[kind][2]
         else:

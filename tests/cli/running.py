@@ -73,10 +73,14 @@ def overview_process(*arguments: object, **options: object) -> Outcome:
 
 
 def refused(outcome: Outcome, *words: str, code: int = 2) -> str:
-    """The one line of an error that names these words; no traceback, nothing on stdout."""
+    """The line of an error that names these words; no traceback, nothing on stdout.
+
+    A second one says what a file comes nearest to.
+    """
     assert outcome.code == code, outcome
-    assert len(outcome.errors) == 1, outcome.err
-    (line,) = outcome.errors
+    line, *fix = outcome.errors
+    assert len(fix) <= 1, outcome.err
+    assert all("; overview timeline formats lists" in second for second in fix), outcome.err
     assert line.startswith("error: ")
     assert "Traceback" not in outcome.err
     assert "fault of this program" not in line

@@ -35,7 +35,7 @@ def drawn(match, results, tmp_path_factory):
 def small_match() -> ov.Timeline:
     """One event of every kind the plots know, and two they don't."""
     kinds = [*KIND_STYLE, "comet", "meteor"]
-    events = tuple(ov.Event(10.0 + 8.0 * i, kind, f"{kind} x") for i, kind in enumerate(kinds))
+    events = tuple(ov.Event(10.0 + 2.0 * i, kind, f"{kind} x") for i, kind in enumerate(kinds))
     return ov.Timeline("every kind", 100.0, events, None)
 
 
@@ -106,6 +106,72 @@ def test_every_kind_of_the_timeline_is_drawn_with_a_shape_of_its_own():
     assert {text.get_text() for text in legend.get_texts()} == set(shapes)
 
 
+def test_a_kind_has_one_symbol_in_all_pictures():
+    kinds = ("goal", "comet", "meteor", "peak", "beat")
+    together = styles_of(ov.Timeline("x", 9.0, tuple(ov.Event(1.0, kind) for kind in kinds)))
+    assert len({style[0] for style in together.values()}) == len(kinds)
+    for kind in kinds:
+        assert styles_of(ov.Timeline("x", 9.0, (ov.Event(1.0, kind),)))[kind] == together[kind]
+
+
+def test_data_are_in_their_unit_beside_what_is_felt():
+    values = np.linspace(-40.0, 60.0, 101)
+    curve = ov.Intensity(np.arange(101.0), values, "°C", (10.0, 90.0))
+    timeline = ov.Timeline("x", 100.0, (ov.Event(50.0, "peak"),), curve)
+    (axes,) = plot_timeline(timeline).axes
+    assert axes.get_ylabel() == "°C"
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), values)
+    assert axes.collections[0].get_offsets()[0].tolist() == [50.0, 10.0]
+    (felt,) = axes.child_axes
+    assert felt.get_ylabel() == "intensity"
+    axes.figure.savefig(io.BytesIO())  # sets the right axis
+    low, high = axes.get_ylim()
+    np.testing.assert_allclose(felt.get_ylim(), [(low + 30.0) / 80.0, (high + 30.0) / 80.0])
+
+
+def test_dense_data_are_their_mean_in_the_band_of_their_extremes():
+    values = np.random.default_rng(3).standard_normal(100_000)
+    values[31_234] = 50.0
+    values[77_777] = -60.0
+    values[80_000:81_000] = -40.0
+    curve = ov.Intensity(np.arange(100_000.0), values, "V")
+    (axes,) = plot_timeline(ov.Timeline("x", 99_999.0, (), curve, ((5e4, 6e4),))).axes
+    areas = [path.vertices[:, 1] for path in axes.collections[0].get_paths()]
+    heights = np.concatenate(areas)
+    assert (heights.min(), heights.max()) == (-60.0, 50.0)
+    x, mean = axes.lines[0].get_data()
+    assert np.nanmax(mean) < 1.0
+    inside = (x > 5e4 / 3600.0) & (x < 6e4 / 3600.0)
+    assert np.isnan(mean[inside]).all()
+    assert np.nanmin(mean) == pytest.approx(-40.0)
+
+
+def test_a_wide_gap_is_named_in_the_picture():
+    curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 1.0]))
+    (axes,) = plot_timeline(ov.Timeline("x", 10.0, (), curve, ((2.0, 4.0), (6.0, 6.1)))).axes
+    assert [text.get_text() for text in axes.texts] == ["no data"]
+    assert "no data (2)" in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_events_without_a_curve_have_a_row_a_kind():
+    events = (ov.Event(1.0, "talk"), ov.Event(4.0, "laugh"), ov.Event(6.0, "laugh"))
+    (axes,) = plot_timeline(ov.Timeline("x", 9.0, events)).axes
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["laugh", "talk"]
+    assert sorted({float(c.get_offsets()[0][1]) for c in axes.collections}) == [0.0, 1.0]
+
+
+def test_a_recording_is_drawn_under_its_rate():
+    signal = ov.Intensity(np.arange(1000.0) / 100.0, np.sin(np.arange(1000.0)), "MLII")
+    rate = ov.Intensity(np.array([0.0, 9.0]), np.array([60.0, 80.0]), "bpm")
+    timeline = ov.Timeline("x", 10.0, (), rate, signal=signal)
+    above, below = plot_timeline(timeline).axes
+    assert (above.get_ylabel(), below.get_ylabel()) == ("bpm", "MLII")
+    np.testing.assert_array_equal(below.lines[0].get_ydata(), signal.value)
+    part = timeline.window(2.0, 4.0)
+    assert part.signal.last_s == 2.0
+    assert len(plot_timeline(part).axes) == 2
+
+
 def test_the_timelines_events_are_where_they_happen():
     figure = plot_timeline(small_match())
     (axes,) = figure.axes
@@ -119,7 +185,9 @@ def test_the_timelines_events_are_where_they_happen():
 
 
 def test_strikes_are_marked_by_kind_at_their_times():
-    timeline = small_match()
+    some = ("goal", "own_goal", "yellow_card", "peak", "comet", "meteor")
+    events = tuple(event for event in small_match().events if event.kind in some)
+    timeline = replace(small_match(), events=events)
     preset = preset_with(height=20.0)
     kinds = {**preset.kinds, **dict.fromkeys(timeline.kinds(), preset.kinds["default"])}
     result = ov.render(timeline, replace(preset, kinds=kinds), ov.sweep(0.4), 8000)

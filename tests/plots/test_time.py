@@ -34,6 +34,34 @@ def test_a_match_has_its_time_of_play():
     assert axis_of(5400.0, None, "goal").get_xlabel() == "time of play, min"
 
 
+def match(halves, kinds=("goal",), start=None):
+    edges = np.concatenate(([0.0], np.cumsum(halves))) * 60.0
+    events = [ov.Event(float(edge), "period") for edge in edges]
+    events += [ov.Event(60.0 * i, kind) for i, kind in enumerate(kinds, 1)]
+    return ov.Timeline("x", float(edges[-1]), tuple(events), start=start)
+
+
+def words_at(timeline):
+    axes = plot_timeline(timeline).axes[0]
+    ticks = axes.get_xticks()
+    words = [text.get_text() for text in axes.get_xticklabels()]
+    return dict(zip(words, np.round(ticks, 9).tolist(), strict=True))
+
+
+def test_a_match_has_the_minutes_of_the_board_with_added_time():
+    ticks = words_at(match((48.0, 50.0)))
+    assert ticks == {"0": 0.0, "15": 15.0, "30": 30.0, "45+3": 48.0, "60": 63.0, "75": 78.0,
+                     "90+5": 98.0}  # fmt: skip
+    longer = words_at(match((45.0, 46.0, 16.0, 15.0)))
+    assert list(longer)[-3:] == ["90+1", "105+1", "120"]
+    assert longer["105+1"] == 107.0
+
+
+def test_what_is_no_whole_match_has_plain_minutes():
+    for timeline in (match((20.0, 50.0)), match((48.0,)), match((48.0, 50.0)).window(60.0, 3000.0)):
+        assert plot_timeline(timeline).axes[0].get_xlabel() == "time of play, min"
+
+
 @pytest.mark.parametrize("zone", [None, UTC, timezone(timedelta(hours=-5))])
 def test_a_calendar_is_on_the_axis_in_the_timelines_own_zone(zone):
     start = datetime(2012, 1, 1, tzinfo=zone)

@@ -153,7 +153,10 @@ def test_the_character_follows_from_the_disks_equation(football):
         ({"cheer": 1}, "crowd"),
         ({"highest": 1, "year": 10}, "series"),
         ({}, "series"),
-        ({"sneeze": 2}, "football"),
+        ({"sneeze": 2}, "plain"),
+        ({"goal": 1, "sneeze": 2}, "plain"),
+        ({"sneeze": 2, "day": 9, "hour": 20}, "plain"),
+        ({"goal": 2, "substitution": 2, "minute": 20}, "football"),
     ],
 )
 def test_the_preset_that_names_most_of_the_kinds_fits(kinds, name):

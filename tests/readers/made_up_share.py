@@ -5,12 +5,14 @@ Run it (`python -m tests.readers.made_up_share`, or by its path) to write the bu
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import date, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 
 from overview_dsp.readers.native import save_timeline
+from overview_dsp.readers.tables.part_rules import rules_of
 from overview_dsp.timeline.model import Event, Intensity, Timeline
 
 BUNDLED_FILE = (
@@ -27,7 +29,7 @@ TREND = ((0, 92.0), (60, 100.0), (130, 84.0), (200, 66.0), (270, 48.0), (322, 39
 
 
 def share() -> Timeline:
-    """Trading days and their prices, the extremes, months; weeks where it is zoomed."""
+    """Trading days and their prices, the extremes, months."""
     days = np.array(
         [
             day
@@ -57,8 +59,7 @@ def share() -> Timeline:
     ]
     first_of = [date(2024, month, 1) for month in range(2, 13)]
     events += [Event((day - FIRST).days * DAY_S, "month", f"{day:%B %Y}") for day in first_of]
-    mondays = [day for day in range(days[-1] + 1) if (FIRST + timedelta(days=day)).weekday() == 0]
-    return Timeline(
+    timeline = Timeline(
         title="A made-up share, 2024",
         duration_s=float(days[-1]) * DAY_S,
         events=tuple(events),
@@ -67,11 +68,10 @@ def share() -> Timeline:
         provenance="made up: no share had these prices",
         notes=("everything in it is made up, the halt of trade in June and July too",),
         start=datetime(FIRST.year, FIRST.month, FIRST.day),
-        details=tuple(
-            Event(day * DAY_S, "week", f"week of {FIRST + timedelta(days=day):%d %B}")
-            for day in mondays
-        ),
     )
+    assert timeline.intensity is not None
+    # a share's steps are per cent; windows find their own turning points, moves and crossings
+    return replace(timeline, rules=rules_of(timeline.intensity, True, timeline))
 
 
 if __name__ == "__main__":

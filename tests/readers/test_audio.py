@@ -244,6 +244,21 @@ def test_an_ogg_stream_without_its_end_says_so(tmp_path: Path) -> None:
     assert any("end mark" in note for note in load_timeline(path).notes)
 
 
+def test_mpeg_frames_without_a_header_are_counted_and_a_cut_one_is_said(tmp_path: Path) -> None:
+    whole, path = tmp_path / "whole.mp3", tmp_path / "x.mp3"
+    soundfile.write(whole, murmur(20.0, 44_100), 44_100, subtype="MPEG_LAYER_III")
+    data = whole.read_bytes()
+    # the first frame is what says how many follow
+    frames = data[data.index(data[:2], 10) :]
+    path.write_bytes(frames)
+    notes = load_timeline(path).notes
+    assert any("its frames last 20.0 s, of which" in note for note in notes)
+    assert not any("isn't whole" in note for note in notes)
+    path.write_bytes(frames[: len(frames) // 2 + 100])
+    assert any("last frame isn't whole" in note for note in load_timeline(path).notes)
+    assert not any("frame" in note for note in load_timeline(whole).notes)
+
+
 def test_a_recording_too_long_is_refused_before_it_is_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

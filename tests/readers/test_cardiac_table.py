@@ -14,9 +14,8 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers import load_timeline
 from overview_dsp.timeline import Timeline
 from tests.readers.make_cardiac import agreement, beat_times, ecg
+from tests.readers.make_noise import electrode_noise
 from tests.readers.outcome import timeline_or_one_line
-
-pytest.importorskip("sleepecg", reason="needs the extra [ecg]")
 
 SECONDS = 20.0
 RATE = 250.0
@@ -158,15 +157,26 @@ def test_a_series_of_heart_rates_is_no_signal(tmp_path: Path) -> None:
     assert timeline is None or "beat" not in timeline.kinds()
 
 
-def test_a_missing_detector_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from overview_dsp.readers.cardiac import extra
+def test_a_noisy_stretch_is_a_gap_that_says_why(tmp_path: Path) -> None:
+    noisy = ecg(beat_times(90.0), 90.0, RATE)
+    second = round(RATE)
+    middle = slice(30 * second, 50 * second)
+    noisy[middle] += electrode_noise(20.0, RATE, 1)
+    noisy[-4 * second :] = 0.0
+    timeline = load_timeline(write(tmp_path, [f"{v:.4f}" for v in noisy]), rate=RATE)
+    assert timeline.gap_reasons == ("too noisy to find beats", "no signal")
+    (start, end), silent = timeline.gaps
+    assert 24.0 < start < 34.0
+    assert 46.0 < end < 56.0
+    assert silent == (86.0, 90.0)
+    assert not any(start < event.time_s < end for event in timeline.events)
+    assert any("too noisy to find beats: gaps" in note for note in timeline.notes)
 
-    def fail(name: str) -> None:
-        raise ImportError(f"No module named '{name}'")
 
-    path = write(tmp_path, [f"{v:.4f}" for v in LEAD])
-    monkeypatch.setattr(extra.importlib, "import_module", fail)
-    refused(path, r"finding beats in an ECG needs the package sleepecg .*\[ecg\]", rate=RATE)
+def test_noise_alone_is_one_line_that_says_so(tmp_path: Path) -> None:
+    samples = electrode_noise(60.0, RATE, 5)
+    path = write(tmp_path, [f"{v:.4f}" for v in samples])
+    refused(path, r"no heartbeat was found \(\d+ s of it are too noisy to find beats\)", rate=RATE)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])

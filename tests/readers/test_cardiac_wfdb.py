@@ -25,7 +25,6 @@ from tests.readers.make_cardiac import (
 from tests.readers.outcome import timeline_or_one_line
 
 pytest.importorskip("wfdb", reason="needs the extra [ecg]")
-pytest.importorskip("sleepecg", reason="needs the extra [ecg]")
 
 HYPOTHESIS = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 SECONDS = 30.0
@@ -48,7 +47,7 @@ def refused(path: Path, words: str, **options: Any) -> str:
     with pytest.raises(InputError, match=words) as caught:
         load_timeline(path, **options)
     text = str(caught.value)
-    assert "\n" not in text
+    assert text.count("\n") <= 1  # the second line: what it comes nearest to
     return text
 
 
@@ -335,7 +334,7 @@ def test_a_record_of_noise_or_nothing_has_no_heartbeat(tmp_path: Path) -> None:
 
 
 def test_a_missing_package_is_one_line(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from overview_dsp.readers.cardiac import extra
+    from overview_dsp.readers import extra
 
     def fail(name: str) -> None:
         raise ImportError(f"No module named '{name}'")

@@ -105,7 +105,7 @@ def test_a_list_with_football_kinds_gets_a_crowd_curve(tmp_path: Path) -> None:
         ("time_s,kind,weight\n1,a,big\n", "line 2, column 'weight': 'big' isn't a number"),
         ("time_s,kind,colour\n1,a,red\n", "line 1, column 3: unknown column 'colour'"),
         ("time_s,kind,kind\n1,a,b\n", "line 1, column 3: 'kind' is there twice"),
-        ("time,kind\n1,a\n", "line 1, column 1: unknown column 'time'; columns are time_s, kind"),
+        ("moment_s,kind\n1,a\n", "line 1, column 1: unknown column 'moment_s'; columns are time_s"),
         ("# x\nkind\na\n", "line 2: no column 'time_s'"),
         ("time_s,kind,label\n1,a,b\n1,a,b\n", "line 3 repeats line 2"),
         ("time_s,kind\n1,a,b,c\n", "line 2: 4 fields for 2 columns"),

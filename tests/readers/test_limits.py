@@ -50,7 +50,7 @@ def refused(path: Path, words: str, **options: Any) -> str:
         tracemalloc.stop()
     assert time.monotonic() - started < 20.0
     assert most < 500 * 2**20
-    assert "\n" not in str(caught.value)
+    assert str(caught.value).count("\n") <= 1  # the second line: what it comes nearest to
     return str(caught.value)
 
 

@@ -67,6 +67,13 @@ def test_a_saved_file_can_be_read_by_a_person() -> None:
     ]
 
 
+def test_why_a_gap_is_one_is_kept(tmp_path: Path) -> None:
+    timeline = decode({**SMALL, "gap_reasons": ["the lead is off"]})
+    assert timeline.gap_reasons == ("the lead is off",)
+    save_timeline(timeline, tmp_path / "t.json")
+    assert load_timeline(tmp_path / "t.json") == timeline
+
+
 def test_saving_where_one_cannot_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="can't be written"):
         save_timeline(decode(SMALL), tmp_path / "nowhere" / "t.json")
@@ -137,6 +144,9 @@ def test_only_the_version_a_duration_and_one_of_events_and_intensity_are_require
             r"intensity.time_s\[2\] is 1\.0, not after",
         ),
         (changed(intensity={"time_s": [0], "value": [0], "unit": 3}), "intensity.unit is 3"),
+        (changed(gap_reasons=["why", "no gap"]), "2 gap_reasons for 1 gaps"),
+        (changed(gap_reasons=[1]), r"gap_reasons\[0\] is 1"),
+        (changed(gap_reasons="why"), r"gap_reasons is 'why', not a list"),
         (changed(gaps=[[1, 2, 3]]), r"gaps\[0\] has 3 numbers"),
         (changed(gaps=[5]), r"gaps\[0\] is 5, not a list"),
         (changed(gaps=[[1, None]]), r"gaps\[0\]\[1\] is None"),

@@ -8,8 +8,16 @@ import numpy as np
 from hypothesis import strategies as st
 
 from overview_dsp.timeline import Event, Intensity, Timeline
+from overview_dsp.timeline.ticks import KINDS as TICKS
 
 TEXT = st.text(st.characters(exclude_categories=("Cs",)), max_size=12)
+
+
+def without_ticks(part: Timeline) -> list[Event]:
+    """The events of a window that don't just say where one is."""
+    return [event for event in part.events if event.kind not in TICKS]
+
+
 KINDS = st.from_regex(r"[a-z0-9_]{1,12}", fullmatch=True)
 
 
@@ -49,6 +57,7 @@ def timelines(draw: st.DrawFn) -> Timeline:
         events=tuple(events),
         intensity=intensity,
         gaps=tuple(zip(edges[::2], edges[1::2], strict=False)),
+        gap_reasons=draw(st.just(()) | st.tuples(*[TEXT] * (len(edges) // 2))),
         provenance=draw(TEXT),
         notes=tuple(draw(st.lists(TEXT, max_size=3))),
         details=tuple(details),

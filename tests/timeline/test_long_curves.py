@@ -283,14 +283,14 @@ def test_the_scale_leaves_out_what_lies_in_gaps() -> None:
     top = value.copy()
     top[inside] = -9.0
     assert with_gap.normalised_intensity_at(top.argmax() * STEP) == pytest.approx(1.0)
-    assert with_gap._scale == (outside.min(), outside.max() - outside.min())
-    assert long_timeline(value)._scale[1] == 99.0 - value.min()
+    assert with_gap.scale == (outside.min(), outside.max() - outside.min())
+    assert long_timeline(value).scale[1] == 99.0 - value.min()
 
 
 def test_percentiles_of_a_long_curve_are_near_those_of_all_its_values() -> None:
     value = noisy(peaks={5: 1e6})
     curve = Intensity(EvenTimes(N, STEP), value, "x", (2.0, 98.0))
-    low, span = Timeline("p", N * STEP, (), curve)._scale
+    low, span = Timeline("p", N * STEP, (), curve).scale
     expected = np.percentile(value, (2.0, 98.0))
     assert (low, low + span) == pytest.approx(expected, abs=0.03)
 

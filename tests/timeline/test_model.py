@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.timeline import Event, Intensity, Timeline
-from tests.timeline.strategies import timelines
+from overview_dsp.timeline.ticks import KINDS as TICKS
+from tests.timeline.strategies import timelines, without_ticks
 
 
 def curve(*points: tuple[float, float], unit: str = "") -> Intensity:
@@ -270,7 +271,7 @@ def test_a_window_starts_at_zero_and_has_what_lies_in_it() -> None:
     timeline = make(gaps=((5.0, 15.0), (60.0, 95.0)))
     part = timeline.window(10.0, 70.0)
     assert part.duration_s == 60.0
-    assert [(event.time_s, event.kind) for event in part.events] == [(0.0, "goal")]
+    assert [(event.time_s, event.kind) for event in without_ticks(part)] == [(0.0, "goal")]
     assert part.gaps == ((0.0, 5.0), (50.0, 60.0))
     assert part.intensity is not None
     assert part.intensity.time_s.tolist() == [0.0, 40.0, 60.0]
@@ -286,17 +287,18 @@ def test_a_window_begins_at_its_own_calendar_moment() -> None:
 
 
 def test_events_at_both_ends_of_a_window_belong_to_it() -> None:
-    assert [event.time_s for event in make().window(10.0, 90.0).events] == [0.0, 80.0]
+    assert [event.time_s for event in without_ticks(make().window(10.0, 90.0))] == [0.0, 80.0]
 
 
-def test_a_window_over_everything_is_the_timeline() -> None:
+def test_a_window_over_everything_is_the_timeline_and_its_ticks() -> None:
     timeline = make()
-    assert replace(timeline.window(0.0, 100.0), notes=()) == timeline
+    part = timeline.window(0.0, 100.0)
+    assert replace(part, notes=(), events=tuple(without_ticks(part))) == timeline
 
 
 def test_a_window_without_anything_is_flat_and_says_so() -> None:
     part = make(intensity=None).window(20.0, 30.0)
-    assert part.events == ()
+    assert without_ticks(part) == []
     assert part.intensity_at([0.0, 5.0, 10.0]).tolist() == [0.0, 0.0, 0.0]
     assert "nothing happens in this part" in part.notes[-1]
     beside = make(events=(), intensity=curve((0.0, 5.0), (20.0, 6.0), unit="dB"))
@@ -305,6 +307,19 @@ def test_a_window_without_anything_is_flat_and_says_so() -> None:
     assert part.intensity_at([0.0, 10.0]).tolist() == [0.0, 0.0]
     assert part.intensity is not None
     assert part.intensity.unit == "dB"
+
+
+def test_reasons_stay_with_their_gaps() -> None:
+    timeline = make(gaps=((60.0, 95.0), (5.0, 15.0)), gap_reasons=("noise", "lead off"))
+    assert timeline.gap_reasons == ("lead off", "noise")
+    assert timeline.window(20.0, 70.0).gap_reasons == ("noise",)
+    assert timeline.window(20.0, 30.0).gap_reasons == ()
+    assert make(gaps=((5.0, 15.0),), gap_reasons=("",)).gap_reasons == ()
+
+
+def test_reasons_are_as_many_as_gaps() -> None:
+    with pytest.raises(InputError, match="2 gap_reasons for 1 gaps"):
+        make(gaps=((5.0, 15.0),), gap_reasons=("a", "b"))
 
 
 def test_a_window_within_a_gap_is_all_gap() -> None:
@@ -332,7 +347,10 @@ def test_a_window_has_the_timelines_values_at_the_same_moments(
     part = timeline.window(start, end)
     inside = [event for event in timeline.events if start <= event.time_s <= end]
     smaller = [event for event in timeline.details if start <= event.time_s <= end]
-    assert len(inside) <= len(part.events) <= len(inside) + len(smaller)
+    own = {(event.kind, event.label) for event in without_ticks(part)}
+    given = {(event.kind, event.label) for event in (*inside, *smaller) if event.kind not in TICKS}
+    assert {(e.kind, e.label) for e in inside if e.kind not in TICKS} <= own <= given
+    assert len(part.events) >= len(inside)
     assert len(part.details) == len(smaller)
     # moments clear of jumps (gap and curve ends), where rounding of a time changes little
     moments = start + (end - start) * np.linspace(0.0, 1.0, 41)

@@ -15,9 +15,16 @@ if TYPE_CHECKING:
 
 # name of the option: (name in load_timeline, type, what stands for the value, help)
 _OPTIONS: dict[str, tuple[str, type, str, str]] = {
-    "--value": ("value", str, "COLUMN", "The column of values."),
-    "--time": ("time", str, "COLUMN", "The column of times."),
-    "--map": ("map", str, "WHAT", "What is felt: level, change, activity, volatility, a column."),
+    "--value": (
+        "value",
+        str,
+        "COLUMN",
+        "The column of values; COLUMN:share, :price or :plain says what.",
+    ),
+    "--time": ("time", str, "COLUMN", "The column of times; COLUMN:dmy, :hhmm, :s ... says how."),
+    "--kind": ("kind", str, "COLUMN", "The column of kinds, in an event list."),
+    "--label": ("label", str, "COLUMN", "The column of labels, in an event list."),
+    "--map": ("map", str, "WHAT", "Felt: level, change, activity, volatility, count, a column."),
     "--rate": ("rate", float, "HZ", "Samples a second, for a file without times."),
     "--match": ("match", str, "WORDS", "Which match of a file: its number, or 'France Croatia'."),
     "--duration": ("duration_s", float, "S", "Length, for an event list that doesn't give it."),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import mmap
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.readers.audio.channels import layout_of, weights_of, weights_of_mask
 from overview_dsp.readers.audio.k_weighting import MIN_RATE
-from overview_dsp.readers.audio.mpeg_frames import begins_with_frames
+from overview_dsp.readers.audio.mpeg_frames import begins_with_frames, frames_of
 from overview_dsp.readers.source import Source
 
 MAX_DECODED_MB = 16_384
@@ -239,6 +240,25 @@ def _length_notes(source: Source, file: Any, log: str) -> Iterator[str]:
         )
     if file.format == "OGG" and not _ogg_ends(source):
         yield "the Ogg stream has no end mark: it may have been cut off"
+    if file.format == "MP3":
+        yield from _mpeg_notes(source, file)
+
+
+def _mpeg_notes(source: Source, file: Any) -> Iterator[str]:
+    """Yield what the row of frames says that the decoder doesn't."""
+    with (
+        open(source.path, "rb") as stream,
+        mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data,
+    ):
+        seconds, whole = frames_of(data)
+    if not whole:
+        yield "its last frame isn't whole: it may have been cut off"
+    read_s = file.frames / file.samplerate
+    if seconds > 1.0 + 1.01 * read_s:
+        yield (
+            f"its frames last {seconds:.1f} s, of which {read_s:.1f} s are read, as no header says "
+            f"so; {_repair(source.where)}"
+        )
 
 
 def _ogg_ends(source: Source) -> bool:

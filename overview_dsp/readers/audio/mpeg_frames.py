@@ -5,6 +5,8 @@ ISO/IEC 11172-3 and 13818-3: a frame's header gives its length.
 
 from __future__ import annotations
 
+import mmap
+
 _V1, _V2, _V25 = 3, 2, 0
 _L1, _L2, _L3 = 3, 2, 1
 _RATES = {
@@ -48,3 +50,34 @@ def begins_with_frames(head: bytes) -> bool:
         following[1],
         following[2] & 0x0C,
     )
+
+
+def frames_of(data: mmap.mmap) -> tuple[float, bool]:
+    """Return how long a file's frames last, s, and whether the last one is whole.
+
+    (0, True) where its frames don't follow each other.
+    """
+    at, seconds = _behind_tag(data), 0.0
+    while at + 4 <= len(data):
+        header = data[at : at + 4]
+        length = frame_bytes(header)
+        if length is None:
+            # a tag behind the last frame; anything else isn't a plain row of frames
+            return (seconds, True) if header[:3] in (b"TAG", b"APE", b"ID3") else (0.0, True)
+        if at + length > len(data):
+            return seconds, False
+        version, layer, rate = header[1] >> 3 & 3, header[1] >> 1 & 3, header[2] >> 2 & 3
+        samples = 384 if layer == _L1 else 576 if layer == _L3 and version != _V1 else 1152
+        seconds += samples / _RATES[version][rate]
+        at += length
+    return seconds, at == len(data)
+
+
+def _behind_tag(data: mmap.mmap) -> int:
+    """Where an ID3v2 tag at the beginning ends (ISO 646 bytes of seven bits)."""
+    if data[:3] != b"ID3":
+        return 0
+    size = 0
+    for byte in data[6:10]:
+        size = size << 7 | byte & 0x7F
+    return 10 + size

@@ -10,8 +10,8 @@ import numpy as np
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.cardiac.beat_kinds import BEATS, OTHERS
-from overview_dsp.readers.cardiac.extra import needed
 from overview_dsp.readers.cardiac.rhythm import Beats
+from overview_dsp.readers.extra import needed
 from overview_dsp.readers.source import shown_path
 from overview_dsp.timeline.event import Event
 
@@ -57,7 +57,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
             f"{where}: {size / 2**20:.0f} MB, more than the {MAX_BYTES >> 20} MB an annotation "
             "file may have; is it one?"
         )
-    wfdb: Any = needed("wfdb", "reading annotations")
+    wfdb: Any = needed("wfdb", "reading annotations", "ecg")
     try:
         found = wfdb.rdann(str(path.with_suffix("")), path.suffix[1:])
         samples = np.asarray(found.sample, dtype=np.int64)

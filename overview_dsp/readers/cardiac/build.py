@@ -1,4 +1,4 @@
-"""The Timeline of a heart recording, from its beats and its silent stretches."""
+"""The Timeline of a heart recording, from its beats and the stretches without any."""
 
 from __future__ import annotations
 
@@ -20,6 +20,11 @@ from overview_dsp.timeline.model import Timeline
 
 MAPS = ("rate", "variability")
 """What the option `map` may be: the heart rate, or how much it varies from beat to beat (RMSSD)."""
+
+
+NO_SIGNAL = "no signal"
+TOO_NOISY = "too noisy to find beats"
+"""Why a stretch is a gap."""
 
 
 @dataclass(frozen=True)
@@ -47,19 +52,43 @@ def detected(detection: Detection, rate: float) -> Beats:
     return Beats(detection.beats / rate, (NORMAL,) * count, ("",) * count, annotated=False)
 
 
-def in_seconds(silent: Spans, rate: float, duration_s: float) -> Gaps:
-    """Return stretches of samples as gaps."""
-    return tuple((first / rate, min(end / rate, duration_s)) for first, end in silent)
+def gaps_of(
+    silent: Spans, noisy: Spans, rate: float, duration_s: float
+) -> tuple[Gaps, tuple[str, ...]]:
+    """Return stretches of samples as gaps, in order, and why each is one."""
+    known: list[tuple[float, float, str]] = []
+    for (first, end), why in (
+        *((span, NO_SIGNAL) for span in silent),
+        *((span, TOO_NOISY) for span in _outside(noisy, silent)),
+    ):
+        known.append((first / rate, min(end / rate, duration_s), why))
+    known.sort()
+    return tuple((start, end) for start, end, _ in known), tuple(why for *_, why in known)
+
+
+def _outside(spans: Spans, others: Spans) -> Spans:
+    """Return what of some stretches lies in none of the others."""
+    left: Spans = []
+    for first, end in spans:
+        at = first
+        for low, high in others:
+            if low < end and high > at:
+                if low > at:
+                    left.append((at, low))
+                at = max(at, high)
+        if at < end:
+            left.append((at, end))
+    return left
 
 
 def heart_timeline(
     about: About,
     beats: Beats,
-    gaps: Gaps,
+    gaps: tuple[Gaps, tuple[str, ...]],
     others: Sequence[Event],
     options: LoadOptions,
 ) -> Timeline:
-    """Make the Timeline.
+    """Make the Timeline; `gaps` as `gaps_of` gives them.
 
     Raises
     ------
@@ -67,22 +96,33 @@ def heart_timeline(
         No beat at all.
     """
     count = len(beats.time_s)
+    spans, reasons = gaps
+    noisy_s = _length(spans, reasons, TOO_NOISY)
     if count == 0:
+        noise = f" ({noisy_s:.0f} s of it are {TOO_NOISY})" if noisy_s else ""
         raise InputError(
-            "no heartbeat was found; is it an ECG or a pulse wave, and is the rate right? choose "
-            "another signal with value"
+            f"no heartbeat was found{noise}; is it an ECG or a pulse wave, and is the rate right? "
+            "choose another signal with value"
         )
     curve = rhythm.variability if options.map == "variability" else rhythm.heart_rate
-    events, left_out = rhythm.beat_events(beats, gaps)
-    mean = rhythm.mean_rate(beats.time_s, gaps)
+    events, left_out = rhythm.beat_events(beats, spans)
+    mean = rhythm.mean_rate(beats.time_s, spans)
+    left_out += (f"{noisy_s:.0f} s are {TOO_NOISY}: gaps",) if noisy_s else ()
     rate = f", mean heart rate {mean:.2f} bpm" if mean is not None else ""
     return Timeline(
         title=about.title,
         duration_s=about.duration_s,
         events=(*events, *others),
-        intensity=curve(beats.time_s, gaps),
-        gaps=gaps,
+        intensity=curve(beats.time_s, spans),
+        gaps=spans,
+        gap_reasons=reasons,
         provenance=about.provenance,
         notes=(f"{count} beats{rate}", *left_out, *about.notes),
         start=about.start,
+    )
+
+
+def _length(gaps: Gaps, reasons: Sequence[str], reason: str) -> float:
+    return sum(
+        end - start for (start, end), why in zip(gaps, reasons, strict=True) if why == reason
     )

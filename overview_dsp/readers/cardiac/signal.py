@@ -7,6 +7,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.timeline.curve_builder import CurveBuilder
+from overview_dsp.timeline.intensity import Intensity
+
 Spans = list[tuple[int, int]]
 """Runs of samples, (first, end), ascending, not overlapping."""
 
@@ -16,6 +19,9 @@ MIN_GAP_S = 0.1
 FLAT_S = 3.0
 """A signal that keeps one exact value this long is a lead that is off, not a heart that rests: a
 pause has noise on it."""
+
+
+_BLOCK = 1 << 20
 
 
 class Signal(Protocol):
@@ -35,6 +41,16 @@ class Signal(Protocol):
 
     def read(self, first: int, end: int) -> NDArray[np.float64]:
         """Return the samples from `first` up to `end`, shape (end - first,)."""
+
+
+def recorded(signal: Signal) -> Intensity | None:
+    """Return a signal as a curve for a picture, None if there is no sample."""
+    builder = CurveBuilder(np.float32)
+    for first in range(0, signal.length, _BLOCK):
+        builder.append(signal.read(first, min(first + _BLOCK, signal.length)))
+    if builder.count < 2:
+        return None
+    return builder.finish(step_s=1.0 / signal.rate, unit=signal.name)
 
 
 def runs(marked: NDArray[np.bool_]) -> Spans:

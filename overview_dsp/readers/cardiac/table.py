@@ -16,7 +16,7 @@ import io
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import islice
 
@@ -29,10 +29,11 @@ from overview_dsp.readers.cardiac.build import (
     About,
     check_map,
     detected,
+    gaps_of,
     heart_timeline,
-    in_seconds,
 )
 from overview_dsp.readers.cardiac.detection import MIN_RATE, find_beats
+from overview_dsp.readers.cardiac.signal import recorded
 from overview_dsp.readers.cardiac.wfdb_signal import best_signal
 from overview_dsp.readers.source import MAX_TEXT_BYTES, LoadOptions, Source, text_encoding
 from overview_dsp.timeline import checks
@@ -97,7 +98,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     ------
     InputError
         Names line and column: a word for a number, times that run backwards; the columns to choose
-        from; no rate; no heartbeat; SleepECG isn't installed.
+        from; no rate; no heartbeat.
     """
     with checks.located(f"{source.where}: "):
         check_map(options)
@@ -141,8 +142,9 @@ def read(source: Source, options: LoadOptions) -> Timeline:
             notes,
             start,
         )
-        gaps = in_seconds(detection.silent, rate, duration_s)
-        return heart_timeline(about, detected(detection, rate), gaps, (), options)
+        gaps = gaps_of(detection.silent, detection.noisy, rate, duration_s)
+        timeline = heart_timeline(about, detected(detection, rate), gaps, (), options)
+        return replace(timeline, signal=recorded(signal))
 
 
 def _layout_of(source: Source) -> Layout | None:

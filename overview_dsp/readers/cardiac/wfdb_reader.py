@@ -3,11 +3,12 @@
 Any of the three may be given. Where the record has annotations (`.atr`, or the file given), their
 beats and kinds are taken; where not, beats are found in the signal. `value` names the signal,
 `map` chooses heart rate or its variability as the curve. Stretches without signal (missing samples,
-a lead that is off) are gaps.
+a lead that is off) or with so much noise that no beat is told from it are gaps.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from overview_dsp.errors import InputError
@@ -16,10 +17,11 @@ from overview_dsp.readers.cardiac.build import (
     About,
     check_map,
     detected,
+    gaps_of,
     heart_timeline,
-    in_seconds,
 )
 from overview_dsp.readers.cardiac.detection import find_beats, silent_parts
+from overview_dsp.readers.cardiac.signal import Spans, recorded
 from overview_dsp.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
 from overview_dsp.readers.source import LoadOptions, Source
@@ -45,7 +47,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     ------
     InputError
         A broken header (which line), a signal file that is missing, too short or elsewhere, an
-        unknown signal or map, no heartbeat; wfdb or SleepECG isn't installed.
+        unknown signal or map, no heartbeat; wfdb isn't installed.
     """
     with checks.located(f"{source.where}: "):
         check_map(options)
@@ -81,7 +83,7 @@ def _timeline(
     options: LoadOptions,
 ) -> Timeline:
     annotated = said is not None and len(said.beats.time_s) > 0
-    gaps: Gaps = ()
+    gaps: tuple[Gaps, tuple[str, ...]] = ((), ())
     beats = said.beats if said is not None else None
     source = f"{noted}: its beats and kinds"
     if signal is None:
@@ -91,13 +93,14 @@ def _timeline(
     else:
         assert duration_s is not None  # of the signal
         if annotated:
+            noisy: Spans = []  # whoever annotated it saw the beats
             silent, lost = silent_parts(signal, options.report_progress)
         else:
             detection = find_beats(signal, None, options.report_progress)
-            silent, lost = detection.silent, detection.lost
+            silent, noisy, lost = detection.silent, detection.noisy, detection.lost
             beats = detected(detection, signal.rate)
             source = f"beats found in {signal.name} ({detection.what})"
-        gaps = in_seconds(silent, signal.rate, duration_s)
+        gaps = gaps_of(silent, noisy, signal.rate, duration_s)
         if lost:
             notes = (*notes, f"{lost} single samples of {signal.name} are missing")
     assert beats is not None
@@ -105,7 +108,8 @@ def _timeline(
     about = About(
         header.name, duration_s, f"WFDB record {header.name}{length}; {source}", notes, header.start
     )
-    return heart_timeline(about, beats, gaps, said.others if said else (), options)
+    timeline = heart_timeline(about, beats, gaps, said.others if said else (), options)
+    return timeline if signal is None else replace(timeline, signal=recorded(signal))
 
 
 def _header_beside(path: Path) -> Path | None:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.cardiac.detection import MIN_RATE
-from overview_dsp.readers.cardiac.extra import needed
 from overview_dsp.readers.cardiac.wfdb_header import (
     NO_FILE,
     Header,
@@ -20,6 +19,7 @@ from overview_dsp.readers.cardiac.wfdb_header import (
     frames_in_files,
     read_header,
 )
+from overview_dsp.readers.extra import needed
 from overview_dsp.timeline import checks
 
 MAX_SAMPLES = 1 << 31
@@ -92,7 +92,7 @@ class RecordSignal:
         return self._asked()
 
     def _asked(self, **span: int) -> NDArray[np.float64]:
-        wfdb: Any = needed("wfdb", "reading a WFDB record")
+        wfdb: Any = needed("wfdb", "reading a WFDB record", "ecg")
         try:
             record = wfdb.rdrecord(
                 str(self.header.path.with_suffix("")),

@@ -111,6 +111,10 @@ STOPPAGE_NOTE = (
 
 _MIDDLE_S = 30.0
 _SNIFFED = 50
+_ANYONES = ("", "period", "half_end", "match_end")  # other things start and end too
+_FOOTBALL = re.compile(
+    r"substitut|^sub$|corner|offside|throw in|free kick|goal kick|penalty|\bvar\b|tackle|assist"
+)
 _YES = frozenset({"true", "t", "1", "1.0", "yes", "y", "x", "og", "pen", "p"})
 _NO = frozenset({"", "false", "f", "0", "0.0", "no", "n", "na", "nan", "none", "null", "-"})
 _NONE = frozenset({"", "na", "n/a", "nan", "none", "null", "-"})
@@ -166,12 +170,9 @@ def sniff(source: Source) -> bool:
     timed = columns.get("minute") or columns.get("clock")
     if timed is None:
         return False
-    if "minute" in columns:
-        if any("scorer" in name for name in columns.get("player", [])):
-            return True
-        if "kind" in columns and ("team" in columns or "player" in columns):
-            return True
-    # other tables have minutes and types too: football's own words must stand beside them
+    if "minute" in columns and any("scorer" in name for name in columns.get("player", [])):
+        return True
+    # other tables have minutes, types and teams too: football's own words must stand beside them
     return "kind" in columns and _speaks_football(source.head_text, columns, timed[0])
 
 
@@ -456,17 +457,25 @@ def _ended(minute: Minute, kind: str) -> int:
 
 
 def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bool:
-    """Return whether an early row has a minute and, in words, a football kind."""
+    """Return whether early rows have minutes and, in words, football kinds.
+
+    Beside a team or a player one such row will do; without them half of the rows have to.
+    """
     whole = head[: head.rfind("\n") + 1] or head
+    sides = "team" in columns or "player" in columns
+    known = other = 0
     try:
         for _, fields in itertools.islice(rows(whole), _SNIFFED):
             kind = words_of(fields[columns["kind"][0]])
             details = " ".join(words_of(fields[name]) for name in columns.get("details", []))
-            if meaning(kind, details, own=False, penalty=False)[0] and _is_minute(fields[timed]):
+            told = meaning(kind, details, own=False, penalty=False)[0] not in _ANYONES
+            if told and sides and _is_minute(fields[timed]):
                 return True
+            known += (told or bool(_FOOTBALL.search(kind))) and _is_minute(fields[timed])
+            other += not told
     except InputError:  # the reader that claims the file says where it is broken
         return False
-    return False
+    return known > 0 and 2 * known >= known + other
 
 
 def _is_minute(text: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +12,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.tables import share_splits
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, Table, as_list, column_named, listed
-from overview_dsp.readers.tables.time_column import Format, detected_format, split_wish
+from overview_dsp.readers.tables.time_column import CLOCKS, Format, detected_format, split_wish
 from overview_dsp.timeline import checks, written_times
 
 _DATE_NAMES = (
@@ -24,6 +25,8 @@ _DATE_NAMES = (
 )  # fmt: skip
 _DATE_WORDS = ("date", "time", "datum", "zeit", "fecha", "epoch", "unix", "seconds", "elapsed")
 _COUNTER_NAMES = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
+_OFFSET_NAMES = ("utcoffset", "offset", "gmtoffset", "tz", "timezone", "zone", "tzoffset")
+_OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
 _CLOCK_NAMES = ("time", "zeit", "hora", "heure", "uhrzeit", "clock", "timeofday")
 
 
@@ -79,6 +82,9 @@ def choose_time(
                 f"no column {checks.shown(named)} for the times; columns are {listed(columns)}"
             )
         form = Format(written) if written else detected_format(columns[index], head[index])
+        if form is None and looks_numeric(head[index]):  # asked for: numbers are seconds then
+            header = checks.shown(columns[index].header)
+            form = Format("s", f"the numbers of column {header} are read as seconds")
         if form is None:
             first = next((c for c in head[index] if not is_missing(c)), None)
             raise InputError(
@@ -96,16 +102,18 @@ def choose_time(
         if parts is not None:
             return parts
         raise InputError(
-            f"no column looks like times; columns are {listed(columns)}: name one "
-            "with time (--time), or give the samples a second of evenly spaced rows with rate "
-            "(--rate)"
+            f"no column looks like times; columns are {listed(columns)}: name one with time "
+            "(--time COLUMN:FORMAT; numbers that only count rows are no times), or give the "
+            "samples a second of evenly spaced rows with rate (--rate)"
         )
     index, form = found
     if written:
         form = Format(written)
     clock = _clock_beside(columns, head, index, form)
-    if clock is not None:
-        return TimeChoice((index, clock), form, " ", _form_notes(form))
+    offset = _offset_beside(columns, head, index, form)
+    beside = tuple(i for i in (clock, offset) if i is not None)
+    if beside:
+        return TimeChoice((index, *beside), form, " ", _form_notes(form))
     if form.name == "year":
         parts = _year_month_day(columns, head)
         if parts is not None:
@@ -125,7 +133,10 @@ def _best(columns: Sequence[Column], head: Sequence[list[Any]]) -> tuple[int, Fo
     ranked: list[tuple[int, int, Format]] = []
     for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
         form = detected_format(column, cells)
-        if form is None or (form.name != "year" and _is_constant(cells)):
+        if form is None:
+            continue
+        fixed = form.name != "year" and _is_constant(cells)  # a station's number, a table's date
+        if fixed and _clock_beside(columns, head, i, form) is None:
             continue
         name = column.plain
         named = name in _DATE_NAMES or any(word in name for word in _DATE_WORDS)
@@ -134,7 +145,8 @@ def _best(columns: Sequence[Column], head: Sequence[list[Any]]) -> tuple[int, Fo
             dated = i == 0  # large numbers elsewhere are volumes and the like
         if dated and form.name == "iso" and not named and looks_numeric(cells):
             dated = i == 0
-        if form.name == "clock" and not named:
+        named = named or form.name == "hhmm"  # a heading that names a time of day
+        if form.name in CLOCKS and not named:
             continue
         if dated:
             rank = 0 if named and name != "" else 1
@@ -178,6 +190,20 @@ def _clock_beside(
         if i == date or not texts or not any(name in column.plain for name in _CLOCK_NAMES):
             continue
         if all(written_times.iso(f"2000-01-01 {text.strip()}") is not None for text in texts):
+            return i
+    return None
+
+
+def _offset_beside(
+    columns: Sequence[Column], head: Sequence[list[Any]], date: int, form: Format
+) -> int | None:
+    """A column of offsets from UTC, which tells the hours apart that clock changes repeat."""
+    if form.name not in ("iso", "dmy", "mdy", "dmy or mdy", "month names"):
+        return None
+    for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
+        texts = [cell.strip() for cell in cells if isinstance(cell, str) and not is_missing(cell)]
+        named = column.plain in _OFFSET_NAMES
+        if i != date and named and texts and all(map(_OFFSET.fullmatch, texts)):
             return i
     return None
 

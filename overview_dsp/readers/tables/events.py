@@ -15,8 +15,8 @@
     Round levels crossed, with hysteresis (`crossings`).
 `split`
     A share split the prices aren't adjusted for (`splits`); steps are taken without it.
-`century` to `minute`
-    Ticks of the calendar (`event_rules`).
+`century` to `second`
+    Ticks of the calendar (`timeline.ticks`).
 
 Prominence and steps of prices are relative (logarithms and per cent), of other series in their
 unit. A step over a gap is no move.
@@ -30,15 +30,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.readers.tables import event_rules
 from overview_dsp.readers.tables.cells import Calendar, value_text
 from overview_dsp.readers.tables.event_rules import crossings, peaks
 from overview_dsp.readers.tables.share_splits import Split
+from overview_dsp.timeline import ticks
 from overview_dsp.timeline.event import Event
 
 KINDS = (
     "highest", "lowest", "record_high", "record_low", "peak", "trough", "largest_rise",
-    "largest_fall", "crossing_up", "crossing_down", "split", *event_rules.KINDS,
+    "largest_fall", "crossing_up", "crossing_down", "split", *ticks.KINDS,
 )  # fmt: skip
 """Every kind a series may have."""
 
@@ -49,6 +49,9 @@ APART = 0.01
 RECORDS_AFTER = 0.1
 _LARGE_STEP = 95.0
 _HEAVIEST, _LIGHTEST = 1.5, 0.5
+_LESSER = 200  # of a part: more than a window shows, so that it can choose those apart
+_TINY = 1e-300
+_FAINT = 0.1  # the lightest of a part's other changes, which are lighter than its largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,37 +97,53 @@ class Series:
 
 def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[str]]:
     """Return all events of a series and the notes on how they were chosen."""
-    extremes, extreme_events = _extremes(series)
-    turn_events, least = _turns(series, extremes, duration_s)
-    move_events = _moves(series)
+    turns = _Turns.of(series)
+    extremes, events = _extremes(series)
+    turn_events = _prominent(series, turns, extremes, duration_s)
     crossing_events, crossing_note = _crossings(series)
-    split_events = [
+    events += [*turn_events, *_moves(series), *crossing_events]
+    events += [
         series.event("split", split.index, f"{split.ratio} split to {series.shown(split.index)}")
         for split in series.splits
     ]
-    ticks = event_rules.ticks(series.calendar.start, duration_s)
     notes = []
     if turn_events:
+        least = turns.least_words(series)
         notes.append(f"peaks and troughs: the {TURNS} most prominent of each, of at least {least}")
     if crossing_note:
         notes.append(crossing_note)
-    return [
-        *extreme_events,
-        *turn_events,
-        *move_events,
-        *crossing_events,
-        *split_events,
-        *ticks,
-    ], notes
+    return [*events, *ticks.ticks(series.calendar.start, duration_s)], notes
 
 
-def _extremes(series: Series) -> tuple[set[int], list[Event]]:
+def find_part_events(series: Series, duration_s: float) -> list[Event]:
+    """Return what is found in a part of a series, what matters most first, each of another sample.
+
+    First what the rules find in a whole one (without ticks and splits; extremes and records are
+    those of the part, and say so), then its other turning points by their prominence, then its
+    other changes by their size.
+    """
+    turns = _Turns.of(series)
+    extremes, ranked = _extremes(series, " here")
+    ranked += _prominent(series, turns, extremes, duration_s, " here")
+    ranked += [*_moves(series), *_crossings(series)[0]]
+    taken = {event.time_s for event in ranked}
+    ranked += _lesser(series, turns, taken)
+    by_time: dict[float, Event] = {}
+    for event in ranked:
+        by_time.setdefault(event.time_s, event)
+    return list(by_time.values())
+
+
+def _extremes(series: Series, here: str = "") -> tuple[set[int], list[Event]]:
+    if not len(series.value):
+        return set(), []
     high, low = int(np.argmax(series.value)), int(np.argmin(series.value))
     if series.value[high] == series.value[low]:
         return set(), []  # a constant series has no highest place
+    weight = _LIGHTEST if here else 1.0  # those of a part are no extremes of the whole
     events = [
-        series.event("highest", high, f"highest {series.shown(high)}{_often(series, high)}"),
-        series.event("lowest", low, f"lowest {series.shown(low)}{_often(series, low)}"),
+        series.event(kind, at, f"{kind}{here} {series.shown(at)}{_often(series, at)}", weight)
+        for kind, at in (("highest", high), ("lowest", low))
     ]
     return {high, low}, events
 
@@ -134,42 +153,103 @@ def _often(series: Series, index: int) -> str:
     return f" (first of {count})" if count > 1 else ""
 
 
-def _turns(series: Series, extremes: set[int], duration_s: float) -> tuple[list[Event], str]:
+@dataclass(frozen=True, eq=False)
+class _Turns:
+    """The turning points of a series, those of prices by ratios.
+
+    `found` has the indices and prominences of peaks (sign 1) and troughs (sign -1); `least` is the
+    prominence from which they count in a whole series, 0 if none does.
+    """
+
+    level: NDArray[np.float64]
+    ratios: bool
+    least: float
+    found: dict[float, tuple[NDArray[np.int64], NDArray[np.float64]]]
+
+    @classmethod
+    def of(cls, series: Series) -> _Turns:
+        level = series.value
+        if len(level) < 3:
+            return cls(level, False, 0.0, {})
+        ratios = series.relative and float(level.min()) > 0.0
+        if ratios:
+            level = np.log(level)
+        low, high = (float(edge) for edge in np.percentile(level, (1.0, 99.0)))
+        least = LEAST_PROMINENCE * (high - low)
+        if not math.isfinite(least):
+            return cls(level, ratios, 0.0, {})
+        found = {sign: peaks(sign * level) for sign in (1.0, -1.0)}
+        return cls(level, ratios, max(least, 0.0), found)
+
+    def least_words(self, series: Series) -> str:
+        if self.ratios:
+            return f"{100.0 * math.expm1(self.least):.3g} % prominence"
+        return f"{value_text(self.least, series.unit)} prominence"
+
+
+def _prominent(
+    series: Series, turns: _Turns, extremes: set[int], duration_s: float, here: str = ""
+) -> list[Event]:
     """Peaks and troughs, those of them that are records under that name."""
-    level = series.value
-    ratios = series.relative and float(level.min()) > 0.0
-    if ratios:
-        level = np.log(level)
-    low, high = (float(edge) for edge in np.percentile(level, (1.0, 99.0)))
-    least = LEAST_PROMINENCE * (high - low)
     events: list[Event] = []
-    if not least > 0.0 or not math.isfinite(least):
-        return events, ""
     for sign, kind, record in ((1.0, "peak", "record_high"), (-1.0, "trough", "record_low")):
-        found, prominence = peaks(sign * level)
+        if not turns.least:
+            return []
+        found, prominence = turns.found[sign]
+        level = sign * turns.level
         order = np.argsort(-prominence, kind="stable")
         taken = [float(series.time_s[index]) for index in extremes]
         chosen: list[int] = []
         for k in order.tolist():
             at = float(series.time_s[found[k]])
-            if len(chosen) == TURNS or prominence[k] < least:
+            if len(chosen) == TURNS or prominence[k] < turns.least:
                 break
             if all(abs(at - other) >= APART * duration_s for other in taken):
                 taken.append(at)
                 chosen.append(int(found[k]))
         for index in sorted(chosen):
-            best_before = float(np.max(sign * level[:index], initial=-np.inf))
+            best_before = float(np.max(level[:index], initial=-np.inf))
             late = series.time_s[index] >= RECORDS_AFTER * duration_s
-            is_record = late and sign * level[index] > best_before
+            is_record = late and level[index] > best_before
             name = record if is_record else kind
-            events.append(
-                series.event(name, index, f"{name.replace('_', ' ')} {series.shown(index)}")
+            words = name.replace("_", " ") + (here if is_record else "")
+            events.append(series.event(name, index, f"{words} {series.shown(index)}"))
+    return events
+
+
+def _lesser(series: Series, turns: _Turns, taken: set[float]) -> list[Event]:
+    """The other turning points (weight: as the root of their size), then the other changes."""
+    size = np.zeros(len(series.value))
+    for found, prominence in turns.found.values():
+        size[found] = prominence
+    change = np.nan_to_num(np.abs(series.step))
+    turning = size > 0.0
+    largest = [max(float(np.max(of, initial=0.0)), _TINY) for of in (size, change)]
+    tops = set(turns.found[1.0][0].tolist()) if turns.found else set()
+    events: list[Event] = []
+    for k in np.lexsort((-change, -size)).tolist():
+        if len(events) == _LESSER or not (turning[k] or change[k] > 0.0):
+            break
+        if float(series.time_s[k]) in taken:
+            continue
+        if turning[k]:
+            kind = "peak" if k in tops else "trough"
+            words = f"{kind} {series.shown(k)}"
+            weight = max(_LIGHTEST, math.sqrt(float(size[k]) / largest[0]))
+        else:
+            kind = "largest_rise" if series.step[k] > 0.0 else "largest_fall"
+            words, weight = (
+                _moved(series, k),
+                max(_FAINT, _LIGHTEST * float(change[k]) / largest[1]),
             )
-    if ratios:
-        words = f"{100.0 * math.expm1(least):.3g} % prominence"
-    else:
-        words = f"{value_text(least, series.unit)} prominence"
-    return events, words
+        events.append(series.event(kind, k, words, weight))
+    return events
+
+
+def _moved(series: Series, i: int) -> str:
+    step = float(series.step[i])
+    by = f"{step:+.2f} %" if series.relative else _signed(step, series.unit)
+    return f"{by} to {series.shown(i)}"
 
 
 def _moves(series: Series) -> list[Event]:
@@ -181,13 +261,19 @@ def _moves(series: Series) -> list[Event]:
     events: list[Event] = []
     for sign, kind in ((1.0, "largest_rise"), (-1.0, "largest_fall")):
         size = np.where(np.isnan(step), 0.0, sign * step)
-        order = np.argsort(-size, kind="stable")[:MOVES]
+        order = _largest(size, MOVES)
         chosen = [i for i in order.tolist() if size[i] > 0.0 and size[i] >= least]
         for i in chosen:
-            by = f"{step[i]:+.2f} %" if series.relative else _signed(float(step[i]), series.unit)
             weight = max(_LIGHTEST, _HEAVIEST * math.sqrt(float(size[i] / size[chosen[0]])))
-            events.append(series.event(kind, i, f"{by} to {series.shown(i)}", weight))
+            events.append(series.event(kind, i, _moved(series, i), weight))
     return events
+
+
+def _largest(size: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    """Indices of the largest, the first of equal ones first; without sorting all."""
+    least = np.partition(size, -count)[-count] if len(size) > count else -np.inf
+    some = np.flatnonzero(size >= least)
+    return some[np.argsort(-size[some], kind="stable")[:count]]
 
 
 def _signed(value: float, unit: str) -> str:
@@ -196,6 +282,8 @@ def _signed(value: float, unit: str) -> str:
 
 
 def _crossings(series: Series) -> tuple[list[Event], str]:
+    if not len(series.value):
+        return [], ""
     low, high = (float(edge) for edge in np.percentile(series.value, (10.0, 90.0)))
     if not math.isfinite(high - low):
         return [], ""

@@ -68,7 +68,8 @@ def find_holes(time_s: NDArray[np.float64], start: datetime | None) -> Holes:
     midnight_s = start.hour * 3600.0 + start.minute * 60.0 + start.second + start.microsecond / 1e6
     # a hair: times computed from fractions may fall just short of midnight
     day = np.floor((time_s + midnight_s + 1e-6) / DAY_S).astype(np.int64)
-    weekday = (day + start.weekday()) % 7
+    days = day[np.diff(day, prepend=day[0] - 1) > 0]
+    weekday = (days + start.weekday()) % 7
     working = bool((weekday < 5).all()) and len(np.unique(weekday)) >= 3
     if 0.9 * DAY_S <= usual <= 1.2 * DAY_S:
         if working:

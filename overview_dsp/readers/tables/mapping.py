@@ -3,13 +3,15 @@
 `--map level`
     The value itself.
 `--map change`
-    Each value less the one before: per cent for prices and what grows like them, else in the
-    value's unit (`change:percent`, `change:difference` choose).
+    Each value less the one before: per cent for prices (`worth`), else in the value's unit
+    (`change:percent`, `change:difference` choose).
 `--map activity`
     The size of the change, without its sign.
 `--map volatility`, `volatility:20`, `volatility:30d`
     Standard deviation of the changes of the last 20 samples, or of the last 30 days (s, min, h, d,
     w, y).
+`--map count`, `count:6h`
+    How many rows there are in a window (`counting`).
 `--map COLUMN`
     The level of another column.
 
@@ -27,7 +29,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables import share_splits
 from overview_dsp.timeline import checks
 
 MAPS = ("level", "change", "activity", "volatility")
@@ -39,11 +40,19 @@ PERCENTILES = (1.0, 99.0)
 WINDOW_SAMPLES = 20
 """Samples of volatility: a month of trading days."""
 
-GROWS = "it grows like a price: steps are per cent, prominence is relative"
-"""Says what `grows_like_a_price` found."""
+NOT_ABOVE_0 = "some values are 0 or below: steps are in the unit of the values, not per cent"
+"""Says why a price's steps aren't per cent."""
 
 _SPANS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0, "w": 604_800.0, "y": 31_557_600.0}
 _WINDOW = re.compile(r"(\d+(?:\.\d+)?)\s*(s|min|h|d|w|y)?", re.ASCII)
+
+
+def span_s(words: str) -> float | None:
+    """Return a time such as `6h` or `30d` in s; None for what is none."""
+    found = _WINDOW.fullmatch(words.strip().lower())
+    if found is None or found[2] is None:
+        return None
+    return float(found[1]) * _SPANS[found[2]] or None
 
 
 @dataclass(frozen=True)
@@ -72,7 +81,7 @@ class Map:
             found.check()
             return found
         raise InputError(
-            f"map {checks.shown(wish)}: neither {', '.join(MAPS)} nor a column of the table"
+            f"map {checks.shown(wish)}: neither {', '.join(MAPS)}, count nor a column of the table"
         )
 
     def check(self) -> None:
@@ -226,17 +235,3 @@ def filled(value: NDArray[np.float64], wanted: NDArray[np.bool_]) -> NDArray[np.
     after = np.searchsorted(known, np.arange(len(value)), side="left")
     nearest = known[np.minimum(after, len(known) - 1)]
     return np.where(wanted & np.isnan(value), value[nearest], value)
-
-
-def grows_like_a_price(value: NDArray[np.float64], unit: str) -> bool:
-    """Return whether per cent fit a series that isn't called a price.
-
-    All values above 0 and nine of ten steps smaller than 6 %; and money, or the largest at least 5
-    times the smallest: it got there by growing, not by jumping about.
-    """
-    known = value[~np.isnan(value)]
-    if len(known) < 20 or float(known.min()) <= 0.0:
-        return False
-    if unit not in share_splits.CURRENCIES and float(known.max()) < 5.0 * float(known.min()):
-        return False
-    return float(np.percentile(np.abs(np.diff(np.log(known))), 90.0)) <= 0.06

@@ -12,19 +12,29 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import mapping, share_splits, streamed
+from overview_dsp.readers.tables import counting, mapping, share_splits, streamed
 from overview_dsp.readers.tables.cells import Calendar, value_text
 from overview_dsp.readers.tables.events import Series, find_events
-from overview_dsp.readers.tables.formats import csv, json, json_lines, parquet
+from overview_dsp.readers.tables.formats import (
+    arrays,
+    csv,
+    json,
+    json_lines,
+    logs,
+    parquet,
+    tracks,
+)
 from overview_dsp.readers.tables.gaps import find_holes, gaps_of
 from overview_dsp.readers.tables.grouping import chosen_group, refuse_groups
 from overview_dsp.readers.tables.mapping import PERCENTILES
+from overview_dsp.readers.tables.part_rules import PartRules, only_dates
 from overview_dsp.readers.tables.plan import (
     Found,
     Plan,
@@ -52,6 +62,10 @@ sniff_csv = csv.sniff
 sniff_json = json.sniff
 sniff_json_lines = json_lines.sniff
 sniff_parquet = parquet.sniff
+sniff_npy = arrays.sniff_npy
+sniff_npz = arrays.sniff_npz
+sniff_track = tracks.sniff
+sniff_log = logs.sniff
 
 
 def read_csv(source: Source, options: LoadOptions) -> Timeline:
@@ -72,6 +86,31 @@ def read_json_lines(source: Source, options: LoadOptions) -> Timeline:
 def read_parquet(source: Source, options: LoadOptions) -> Timeline:
     """Read Parquet; InputError names file, row and column, or says how to install pyarrow."""
     return _read(source, options, parquet.open_table)
+
+
+def read_npy(source: Source, options: LoadOptions) -> Timeline:
+    """Read a NumPy array; InputError names file, row and column."""
+    return _read(source, options, arrays.open_npy)
+
+
+def read_npz(source: Source, options: LoadOptions) -> Timeline:
+    """Read NumPy arrays; InputError names file, array, row and column."""
+    return _read(source, options, arrays.open_npz)
+
+
+def read_log(source: Source, options: LoadOptions) -> Timeline:
+    """Count the lines of a log; InputError names file and line."""
+    return _read(source, options, logs.LogTable)
+
+
+def read_track(source: Source, options: LoadOptions) -> Timeline:
+    """Read a GPX or TCX track, its speed unless asked otherwise; InputError names the file."""
+    with checks.located(f"{source.where}: "):
+        table = tracks.open_table(source)
+        first = table.columns[1].header  # speed, or what there is
+        if options.value is None and not counting.asked_of(table, options):
+            options = replace(options, value=first)
+        return series_of(table, options, source.stem)
 
 
 def _read(source: Source, options: LoadOptions, open_table: Callable[[Source], Table]) -> Timeline:
@@ -104,7 +143,9 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
     """
     if options.match is not None:
         table = chosen_group(table, options.match)
-    plan = plan_of(table, options)
+    if counting.asked_of(table, options):
+        return counting.counted(table, options, title)
+    plan = plan_of(table, options, title)
     reader = RowReader(
         table, plan.time, plan.columns, plan.style, options.rate, options.report_progress
     )
@@ -146,7 +187,7 @@ def _timeline(plan: Plan, found: Found, title: str) -> Timeline:
     names = " and ".join(checks.shown(plan.table.columns[i].header) for i in plan.time.columns)
     times = f"over {names} ({plan.time.format.words})" if names else "evenly spaced"
     return Timeline(
-        title=f"{title}: {column.name}" if column.name else title,
+        title=": ".join(filter(None, (title, column.name))),
         duration_s=found.duration_s,
         events=tuple(events),
         intensity=found.intensity,
@@ -157,7 +198,15 @@ def _timeline(plan: Plan, found: Found, title: str) -> Timeline:
         ),
         notes=tuple(notes),
         start=found.series.calendar.start,
+        rules=_rules(plan, found),
     )
+
+
+def _rules(plan: Plan, found: Found) -> PartRules:
+    """What finds events in windows: in all samples, also where the series has but some of them."""
+    is_level = plan.map.name == "level" and not found.series.every
+    curve = found.intensity if is_level else None
+    return PartRules(found.series, 0.0, found.duration_s, curve, found.gaps)
 
 
 def _scale_note(found: Found) -> str:
@@ -207,13 +256,12 @@ def look_at(plan: Plan, samples: Samples) -> Found:
     gaps = gaps_of(time_s, np.where(np.isnan(level), np.nan, value), holes.after)
     require_few_gaps(len(gaps))
 
-    price = share_splits.is_price(plan.value_column)
-    relative = price or mapping.grows_like_a_price(value, unit)
-    splits = _splits(plan, by_column) if relative else []
-    calendar = Calendar(samples.start, _dates_only(samples))
+    relative = plan.worth.relative and not bool((value <= 0.0).any())
+    splits = _splits(plan, by_column) if relative and plan.worth.kind == "share" else []
+    calendar = Calendar(samples.start, only_dates(samples.start, samples.time_s))
     notes = [*samples.notes, *_split_notes(plan, value, time_s, splits, calendar)]
-    if relative and not price:
-        notes.append(mapping.GROWS)
+    if plan.worth.relative and not relative:
+        notes.append(mapping.NOT_ABOVE_0)
 
     factors = {split.index: split.factor for split in splits}
     step = mapping.steps(value, holes.after, relative, factors)
@@ -251,14 +299,6 @@ def look_at(plan: Plan, samples: Samples) -> Found:
     )
 
 
-def _dates_only(samples: Samples) -> bool:
-    """Return whether all samples are at midnight."""
-    start = samples.start
-    if start is None or (start.hour, start.minute, start.second) != (0, 0, 0):
-        return False
-    return not np.any(np.mod(np.round(samples.time_s, 6), 86_400.0))
-
-
 def _splits(plan: Plan, by_column: dict[int, NDArray[np.float64]]) -> list[Split]:
     columns = plan.table.columns
     if share_splits.is_adjusted(plan.value_column):
@@ -267,9 +307,11 @@ def _splits(plan: Plan, by_column: dict[int, NDArray[np.float64]]) -> list[Split
     def beside(found: int | None) -> NDArray[np.float64] | None:
         return None if found is None or found == plan.value else by_column.get(found)
 
+    adjusted = beside(share_splits.adjusted(columns))
+    close = beside(share_splits.close(columns)) if adjusted is not None else None
     return find_splits(
-        by_column[plan.value],
-        beside(share_splits.adjusted(columns)),
+        by_column[plan.value] if close is None else close,
+        adjusted,
         beside(share_splits.opening(columns)),
         beside(share_splits.volume(columns)),
     )

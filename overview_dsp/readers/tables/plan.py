@@ -14,10 +14,13 @@ from overview_dsp.readers.tables.events import Series
 from overview_dsp.readers.tables.mapping import Map
 from overview_dsp.readers.tables.rows import settled
 from overview_dsp.readers.tables.table import Column, Table, column_named, first_rows
+from overview_dsp.readers.tables.worth import Worth, split_wish, worth_of
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.model import Intensity
 
 HEAD_ROWS = 500
+
+_BESIDE = (share_splits.adjusted, share_splits.close, share_splits.opening, share_splits.volume)
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,8 @@ class Plan:
         How numbers are written.
     notes
         What was decided.
+    worth
+        Whether the values are prices.
     """
 
     table: Table
@@ -51,6 +56,7 @@ class Plan:
     columns: tuple[int, ...]
     style: Style
     notes: tuple[str, ...]
+    worth: Worth
 
     @property
     def value_column(self) -> Column:
@@ -63,8 +69,8 @@ class Plan:
         return self.table.columns[self.mapped]
 
 
-def plan_of(table: Table, options: LoadOptions) -> Plan:
-    """Decide what is read.
+def plan_of(table: Table, options: LoadOptions, name: str = "") -> Plan:
+    """Decide what is read; `name` is the file's.
 
     Raises
     ------
@@ -76,7 +82,9 @@ def plan_of(table: Table, options: LoadOptions) -> Plan:
     if options.rate is not None and time.columns:
         raise InputError("rate and time are both given; leave one out")
     time = settled(table, time)
-    value = choose_value(table, head, options.value, time.columns)
+    wish, kind = split_wish(options.value, table.columns)
+    value = choose_value(table, head, wish, time.columns)
+    worth = worth_of(table.columns, head, value.column, name, kind)
     headers = frozenset(
         word for c in table.columns for word in (c.header.lower(), c.name.lower()) if word
     )
@@ -89,14 +97,14 @@ def plan_of(table: Table, options: LoadOptions) -> Plan:
     columns = [value.column]
     if mapped != value.column:
         columns.append(mapped)
-    if share_splits.is_price(table.columns[value.column]):
-        for find in (share_splits.adjusted, share_splits.opening, share_splits.volume):
+    if worth.kind == "share":
+        for find in _BESIDE:
             beside = find(table.columns)
             if beside is not None and beside not in (*columns, *time.columns):
                 columns.append(beside)
-    notes = tuple(note for note in (*table.notes, *time.notes, value.note) if note)
+    notes = tuple(note for note in (*table.notes, *time.notes, value.note, worth.note) if note)
     style = _style(table, head, columns)
-    return Plan(table, time, value.column, mapped, wanted, tuple(columns), style, notes)
+    return Plan(table, time, value.column, mapped, wanted, tuple(columns), style, notes, worth)
 
 
 def _style(table: Table, head: Sequence[list[object]], columns: Sequence[int]) -> Style:

@@ -72,8 +72,8 @@ class RowReader:
     rows: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        zoned = any(self.table.columns[i].zoned for i in self.choice.columns)
-        self.time = TimeColumn(self.choice.format, offset_min=0 if zoned else None)
+        zones = [c.offset_min for i in self.choice.columns if (c := self.table.columns[i]).zoned]
+        self.time = TimeColumn(self.choice.format, offset_min=zones[0] if zones else None)
         self.numbers = [
             NumberColumn(self.table.columns[i].header, self.style) for i in self.columns
         ]

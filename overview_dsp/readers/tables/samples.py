@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.readers.tables.cells import sentinel
 from overview_dsp.readers.tables.rows import RowReader, Rows
+from overview_dsp.readers.tables.time_column import CLOCKS
 from overview_dsp.timeline import checks
 
 
@@ -57,6 +58,7 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
     if reader.skipped:
         notes.append(f"{reader.skipped} rows without time and value were left out")
     step = np.diff(seconds)
+    order = None
     if step.size and bool((step <= 0.0).all()) and bool((step < 0.0).any()):
         order = np.arange(len(seconds))[::-1]
         if (step == 0.0).any():  # equal times stay in the file's order
@@ -64,7 +66,7 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
         notes.append("rows were in descending order; they were turned round")
     elif (step < 0.0).any():
         back = int(np.flatnonzero(step < 0.0)[0]) + 1
-        if reader.choice.format.name == "clock":
+        if reader.choice.format.name in CLOCKS:
             raise InputError(
                 f"{word} {int(rows[back])}: the clock goes back; give dates too, or cut the file "
                 "there"
@@ -74,11 +76,11 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
             f"{int((step < 0.0).sum())} rows were earlier than the row before them (first "
             f"{word} {int(rows[back])}); rows were sorted by time"
         )
-    else:
-        order = np.arange(len(seconds))
-    ordered = Rows(seconds[order], [value[order] for value in values], rows[order])
+    ordered = read
+    if order is not None:
+        ordered = Rows(seconds[order], [value[order] for value in values], rows[order])
     single = last_of_each_time(ordered)
-    seconds, values, rows = single.seconds, single.values, single.number
+    seconds, values, rows = single.seconds, list(single.values), single.number
     if len(single) < len(ordered):
         notes.append(
             f"{len(ordered) - len(single)} rows repeat a time; of rows of one time the last with a "

@@ -156,6 +156,8 @@ _CLOSE = (
     "close", "closelast", "closeprice", "last", "lastprice", "closing", "settle", "price",
     "schlusskurs", "schluss", "zuletzt", "cierre", "dernier", "c",
 )  # fmt: skip
+_NO_CLOSE = ("price", "lastprice", "settle")
+_ALONE = (*_NO_CLOSE, "close", "closelast", "closeprice", "closing", "schlusskurs")
 _OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
 _HIGH_LOW = (
     "high", "low", "highprice", "lowprice", "dayhigh", "daylow", "hoch", "tief", "h", "l",
@@ -174,15 +176,23 @@ def is_adjusted(column: Column) -> bool:
     return name in ("adj", "adjusted") or ("adj" in name and ("clos" in name or "pric" in name))
 
 
-def is_price(column: Column) -> bool:
-    """Return, by its name, whether a column is a price."""
+def is_price(column: Column, columns: Sequence[Column]) -> bool:
+    """Return, by its name, whether a column is a price; a high or a low is one beside a close."""
     name = _key(column)
+    if is_table(columns) and name in (*_CLOSE, *_OPEN, *_HIGH_LOW):
+        return True
     return (
         is_adjusted(column)
-        or name in (*_CLOSE[:-1], *_OPEN[:-1], *_HIGH_LOW[:-2])
+        or name in _ALONE
         or name.endswith(("price", "close", "quote"))
         or name.startswith("price")
     )
+
+
+def is_close(column: Column) -> bool:
+    """Return, by its name, whether a column is a closing price of an exchange."""
+    name = _key(column)
+    return is_adjusted(column) or (name in _CLOSE and name not in _NO_CLOSE)
 
 
 def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
@@ -208,9 +218,14 @@ def preferred(columns: Sequence[Column]) -> int | None:
         return found if found is not None else _first(columns, _CLOSE)
     # a close and its volume alone
     rest = [column for column in columns if _key(column) not in _VOLUME]
-    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0]):
+    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
         return columns.index(rest[0])
     return None
+
+
+def close(columns: Sequence[Column]) -> int | None:
+    """Return the close as it was, which the adjusted one is compared with."""
+    return _first(columns, _CLOSE)
 
 
 def opening(columns: Sequence[Column]) -> int | None:

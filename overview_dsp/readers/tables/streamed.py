@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables import mapping, share_splits
+from overview_dsp.readers.tables import mapping
 from overview_dsp.readers.tables.cells import Calendar, sentinel
 from overview_dsp.readers.tables.event_rules import Thinner
 from overview_dsp.readers.tables.events import Series
@@ -101,11 +101,10 @@ class _Stream:
         self.start = self.reader.time.start(self._first_s)
         self._absent = [sentinel(value) for value in block.values]
         value = self._known(block, 0)
-        unit = self.plan.value_column.unit or self.reader.numbers[0].unit or ""
-        price = share_splits.is_price(self.plan.value_column)
-        self.relative = price or mapping.grows_like_a_price(value, unit)
-        if self.relative and not price:
-            self.notes.append(mapping.GROWS)
+        price = self.plan.worth.relative
+        self.relative = price and not bool((value <= 0.0).any())
+        if price and not self.relative:
+            self.notes.append(mapping.NOT_ABOVE_0)
         if self.start is None and self._first_s != 0.0:
             self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
         for index, absent in zip(self.plan.columns, self._absent, strict=True):

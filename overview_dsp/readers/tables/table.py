@@ -16,6 +16,11 @@ from overview_dsp.timeline import checks
 CHUNK_ROWS = 65_536
 """Rows read at a time: some 10 MB as text cells, whatever the file's size."""
 
+CHUNK_CELLS = 2_000_000
+"""Cells read at a time, of a wide table."""
+
+_HEAD_CELLS = 150_000
+
 MAX_COLUMNS = 10_000
 """Most columns a table may have: each is looked at before one is chosen."""
 
@@ -38,12 +43,15 @@ class Column:
         `temp_max` and `°C` of `temp_max (°C)`; the unit is empty where the header has none.
     zoned
         Its datetimes are UTC. (Text says so itself.)
+    offset_min
+        The offset from UTC, min, of the clock they were written by.
     """
 
     header: str
     name: str
     unit: str = ""
     zoned: bool = False
+    offset_min: int = 0
 
     @classmethod
     def of(cls, header: str, unit: str = "") -> Column:
@@ -153,11 +161,17 @@ def listed(columns: Sequence[Column], limit: int = 12) -> str:
 
 
 def first_rows(table: Table, rows: int) -> list[list[Any]]:
-    """Return the first `rows` rows as one list a column."""
+    """Return the first `rows` rows (of a wide table fewer, some 30) as one list a column."""
     wanted = range(len(table.columns))
+    most = min(rows, max(_HEAD_CELLS // len(wanted), 30))
+    found: list[list[Any]] = [[] for _ in wanted]
     for chunk in table.chunks(wanted):
-        return [as_list(cells[:rows]) for cells in chunk.cells]
-    return [[] for _ in wanted]
+        missing = most - len(found[0])
+        for column, cells in zip(found, chunk.cells, strict=True):
+            column += as_list(cells[:missing])
+        if len(found[0]) >= most:
+            break
+    return found
 
 
 def as_list(cells: Cells) -> list[Any]:
@@ -170,6 +184,8 @@ def as_list(cells: Cells) -> list[Any]:
 def check_single(table: Table, chunk: Chunk, columns: Sequence[int]) -> None:
     """Refuse a cell that holds a list or an object; InputError names row and column."""
     for index, cells in zip(columns, chunk.cells, strict=True):
+        if isinstance(cells, np.ndarray):
+            continue
         for i, cell in enumerate(cells):
             if isinstance(cell, list | dict):
                 header = checks.shown(table.columns[index].header)

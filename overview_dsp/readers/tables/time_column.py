@@ -28,8 +28,11 @@ EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
 PLAIN = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0}
 """Units of plain time, s."""
 
-FORMATS = ("iso", "dmy", "mdy", *EPOCHS, *PLAIN, "clock", "year", "excel")
-"""What may be given as the way times are written."""
+FORMATS = ("iso", "dmy", "mdy", *EPOCHS, *PLAIN, "clock", "hhmm", "year", "excel")
+"""What may be given as the way times are written; `clock` is m:ss or h:mm:ss, `hhmm` h:mm."""
+
+CLOCKS = ("clock", "hhmm")
+"""Formats of clocks: the first of a recording, the second of the day."""
 
 _EXCEL_ZERO = -25_569
 """Day 0 of a spreadsheet (1899-12-30), days from 1970-01-01."""
@@ -71,7 +74,7 @@ class Format:
     @property
     def calendar(self) -> bool:
         """True if times are moments of the calendar, False if they are plain seconds."""
-        return self.name not in PLAIN and self.name != "clock"
+        return self.name not in PLAIN and self.name not in CLOCKS
 
     @property
     def words(self) -> str:
@@ -82,7 +85,8 @@ class Format:
             "quarters or months": "quarters or months",
             "epoch": "seconds since 1970", "epoch_ms": "milliseconds since 1970",
             "epoch_us": "microseconds since 1970", "epoch_ns": "nanoseconds since 1970",
-            "clock": "h:mm:ss", "year": "years", "excel": "spreadsheet days",
+            "clock": "m:ss or h:mm:ss", "hhmm": "h:mm, the time of day", "year": "years",
+            "excel": "spreadsheet days",
         }  # fmt: skip
         return names.get(self.name, f"plain time in {self.name}")
 
@@ -139,9 +143,34 @@ def detected_format(column: Column, cells: list[Any]) -> Format | None:
             return Format(best)
         # points between the parts: day first wherever they are used
         return Format("dmy" if all("." in text.split()[0] for text in texts) else "dmy or mdy")
-    if most(sum(written_times.clock_seconds(text) is not None for text in texts)):
-        return Format("clock")
-    return None
+    return _clock_format(column, texts, most)
+
+
+def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool]) -> Format | None:
+    """Distinguish clocks of the day from those of a recording, and say so where both would do."""
+    of_day = most(sum(written_times.day_clock_seconds(text) is not None for text in texts))
+    halves = most(sum(text[-1:] in "mM." for text in texts))
+    running = most(sum(written_times.clock_seconds(text) is not None for text in texts))
+    if of_day and (halves or _names_time_of_day(column)):
+        form, other, reads = "hhmm", "clock", "minutes:seconds"
+    elif running:
+        form, other, reads = "clock", "hhmm", "hours:minutes"
+    else:
+        return None
+    if not (of_day and running) or any(text.count(":") > 1 for text in texts):
+        return Format(form)
+    example = checks.shown(texts[0])
+    as_read = "hours:minutes" if form == "hhmm" else "minutes:seconds"
+    return Format(
+        form,
+        f"times such as {example} are read as {as_read}; "
+        f"time='{column.header}:{other}' (--time) reads them as {reads}",
+    )
+
+
+def _names_time_of_day(column: Column) -> bool:
+    unit = re.sub(r"[^a-z0-9]", "", column.unit.lower())
+    return column.plain.startswith(_DAY_NAMES) or unit in ("hhmm", "hmm", "24h", "12h", "localtime")
 
 
 def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
@@ -271,8 +300,11 @@ class TimeColumn:
                 raise InputError(self._wrong(cell, place(i)))
             self._check_zone(moment.offset_min, cell, place(i))
             return self._since(moment.ns)
-        if name == "clock":
-            seconds = written_times.clock_seconds(cell.strip()) if isinstance(cell, str) else None
+        if name in CLOCKS:
+            way = written_times.clock_seconds
+            if name == "hhmm":
+                way = written_times.day_clock_seconds
+            seconds = way(cell.strip()) if isinstance(cell, str) else None
             if seconds is None:
                 raise InputError(self._wrong(cell, place(i)))
             return seconds
@@ -355,33 +387,24 @@ class TimeColumn:
         try:
             if set(map(len, cells)) != {len(shape)}:
                 return None
-            letters = np.array(cells, dtype=f"U{len(shape)}").view(np.uint32)
-        except (TypeError, ValueError):
+            letters = np.frombuffer("".join(cells).encode("ascii"), np.uint8)
+        except (TypeError, ValueError):  # a cell that's no text, a letter of another script
             return None
-        letters = letters.reshape(len(cells), len(shape))
-        for at, mark in enumerate(shape):
-            column = letters[:, at]
-            if mark == "d":
-                if not bool(((column >= 48) & (column <= 57)).all()):
-                    return None
-            elif not bool((column == ord(mark)).all()):
-                return None
+        # one row a place of the text
+        letters = np.ascontiguousarray(letters.reshape(len(cells), len(shape)).T)
+        digits = [at for at, mark in enumerate(shape) if mark == "d"]
+        marks = [at for at, mark in enumerate(shape) if mark != "d"]
+        if any((letters[at] != ord(shape[at])).any() for at in marks):
+            return None
+        letters = letters - np.uint8(48)  # what was below "0" is far above 9 now
+        if letters[digits].max() > 9:
+            return None
         zoned = shape.endswith("Z")
         if self._zoned is None:
             self._zoned, self.offset_min = zoned, 0 if zoned else None
         elif self._zoned != zoned:
             return None  # the slow way names the cell
-        texts = np.ascontiguousarray(letters).view(f"U{len(shape)}").reshape(-1)
-        if zoned:
-            texts = texts.astype(f"U{len(shape) - 1}")
-        fine = "ns" if len(shape.rstrip("Z").partition(".")[2]) > 6 else "us"
-        years = letters[:, 0] * 10 + letters[:, 1] - 528  # centuries
-        if fine == "ns" and not bool(((years >= 17) & (years <= 22)).all()):
-            return None
-        try:
-            return texts.astype(f"datetime64[{fine}]")
-        except ValueError:  # the 30th of February
-            return None
+        return _moments_of(letters, len(shape.rstrip("Z")))
 
     def _fast_whole(self, cells: list[Any], unit_ns: int) -> NDArray[np.float64] | None:
         """Seconds of cells that are all whole numbers."""
@@ -417,6 +440,38 @@ class TimeColumn:
         return None if np.isinf(found).any() else found
 
 
+def _moments_of(digits: NDArray[np.uint8], length: int) -> NDArray[Any] | None:
+    """Moments of the digits of ISO texts, shape (places, n); None where a field is out of range."""
+
+    def number(at: int, end: int) -> NDArray[np.int64]:
+        value: NDArray[np.int64] = digits[at].astype(np.int64)
+        for place in range(at + 1, end):
+            value *= 10
+            value += digits[place]
+        return value
+
+    month, day = number(5, 7), number(8, 10)
+    months = (number(0, 4) - 1970) * 12 + month - 1
+    first = months.astype("datetime64[M]").astype("datetime64[D]").astype(np.int64)
+    after = (months + 1).astype("datetime64[M]").astype("datetime64[D]").astype(np.int64)
+    wrong = (month < 1) | (month > 12) | (day < 1) | (day > after - first)
+    seconds = (first + day - 1) * 86_400
+    for at, most, unit in ((11, 23, 3600), (14, 59, 60), (17, 59, 1)):
+        if at < length:
+            value = number(at, at + 2)
+            wrong |= value > most
+            seconds += value * unit
+    places = max(length - 20, 0)
+    fine, per_second = ("ns", 9) if places > 6 else ("us", 6)
+    if fine == "ns" and np.abs(seconds).max() > 2**63 // NS - 1:
+        wrong[:] = True
+    if wrong.any():
+        return None
+    part = number(20, length) * 10 ** (per_second - places) if places else 0
+    moments: NDArray[Any] = (seconds * 10**per_second + part).astype(f"datetime64[{fine}]")
+    return moments
+
+
 def _written(cell: Any) -> str:
     """A cell as text: 20120919 may be a number, with a fraction of 0 too."""
     if isinstance(cell, float) and cell.is_integer():
@@ -442,6 +497,21 @@ def _number(cell: Any) -> int | float | None:
 
 
 _CALENDAR_NAMES = ("date", "year", "yr", "jahr", "period", "datum", "month", "yyyymm", "decimal")
+_DAY_NAMES = (
+    "timeofday", "tod", "hour", "hora", "heure", "uhrzeit", "localtime", "clocktime", "daytime",
+    "hhmm", "walltime", "wallclock", "departure", "arrival", "timeutc", "timelocal", "opening",
+)  # fmt: skip
+"""Beginnings of headings that name a time of day."""
+
+_TIME_NAMES = (
+    "t", "ts", "tc", "start", "begin", "onset", "end", "stop", "from", "to", "in", "out", "at",
+    "when", "position", "offset", "zeit", "temps", "tiempo", "tempo", "beginn", "clock", "x",
+)  # fmt: skip
+"""Names of columns whose plain numbers are seconds, besides those with `time` in them."""
+
+_EXCEL_DAYS = (20_000.0, 60_000.0)
+"""Days of a spreadsheet from 1954 to 2064."""
+
 _EPOCH_NAMES = ("epoch", "unix", "timestamp", "posix")
 
 
@@ -457,6 +527,8 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
         return Format("yyyymm")
     if dated and _YEARS[0] <= low and size <= _YEARS[1]:
         return Format("year")
+    if ("date" in name or "datum" in name) and _EXCEL_DAYS[0] <= low and size <= _EXCEL_DAYS[1]:
+        return Format("excel", "numbers under a date are read as a spreadsheet's days")
     unit = _UNIT_WORDS.get(column.unit.lower(), column.unit.lower())
     tail = re.search(r"_(ns|us|ms|s|sec|seconds|min|h)$", column.name.lower())
     if unit not in PLAIN and tail:
@@ -469,7 +541,17 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     if any(word in name for word in _EPOCH_NAMES) and low >= 0 and size < 2**62:
         per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
         return Format(per, f"times {_of(per)} were detected from the column's name and their size")
-    return Format(unit if unit in PLAIN else _UNIT_WORDS.get(name, "s"))
+    if unit not in PLAIN:
+        unit = _UNIT_WORDS.get(name, "")
+    if unit in PLAIN:
+        return Format(unit)
+    if whole and _YEARS[0] <= low and size <= _YEARS[1] and len(set(numbers)) == len(numbers):
+        note = f"whole numbers from {low:g} to {size:g} are read as years"
+        return Format("year", f"{note}; time='{column.header}:s' (--time) reads them as seconds")
+    bare = re.fullmatch(r"column\d+", name)
+    if bare or name in _TIME_NAMES or any(word in name for word in ("time", "elapsed", "date")):
+        return Format("s")
+    return None
 
 
 def _of(epoch: str) -> str:

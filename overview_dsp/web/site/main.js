@@ -327,8 +327,10 @@ class Page {
   tellAbout() {
     by("about").textContent = [this.info.provenance, ...this.info.notes].filter(Boolean).join(". ");
     const colours = coloursOf(document.documentElement);
+    // ticks of time explain themselves
+    const kinds = Object.values(this.info.kinds).filter((k) => k.count > 0 || k.shape !== "bar");
     by("kinds").replaceChildren(
-      ...Object.values(this.info.kinds).map(({ words, shape, colour, count }) => {
+      ...kinds.map(({ words, shape, colour, count }) => {
         const item = document.createElement("li");
         const canvas = document.createElement("canvas");
         canvas.width = canvas.height = 52;

@@ -37,7 +37,7 @@ def refusal(read: Callable[[], Timeline]) -> str:
     with pytest.raises(InputError) as caught:
         read()
     words = str(caught.value)
-    assert "\n" not in words
+    assert words.count("\n") <= 1  # the second line: what it comes nearest to
     return words
 
 

@@ -16,14 +16,13 @@ from scipy import signal
 from overview_dsp.presets.library import load_preset
 from overview_dsp.readers.tables.event_rules import (
     MOST_CROSSINGS,
-    MOST_TICKS,
     crossings,
     peaks,
     round_levels,
-    ticks,
 )
 from overview_dsp.readers.tables.events import KINDS
 from overview_dsp.timeline import Timeline
+from overview_dsp.timeline.ticks import MOST_TICKS, ticks
 from tests.readers.tables.made import load, noted
 
 DAY = 86_400.0

@@ -58,8 +58,8 @@ def test_a_split_is_no_change(tmp_path: Path) -> None:
     level[60] = level[59]
     split = level.copy()
     split[60:] /= 2.0
-    timeline = load(tmp_path, daily(split, "price"), map="activity")
-    whole = load(tmp_path, daily(level, "price"), map="activity")
+    timeline = load(tmp_path, daily(split, "price"), value="price:share", map="activity")
+    whole = load(tmp_path, daily(level, "price"), value="price:price", map="activity")
     assert "split" in timeline.kinds()
     assert values(timeline) == pytest.approx(values(whole))
 
@@ -86,7 +86,7 @@ def test_a_change_is_not_taken_over_a_gap(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("wish", "words"),
     [
-        ("loudness", "map 'loudness': neither level, change, activity, volatility nor a column"),
+        ("loudness", "map 'loudness': neither level, change, activity, volatility, count nor"),
         ("change:often", "give change:percent or change:difference"),
         ("volatility:1", "give a window as samples"),
         ("volatility:soon", "give a window as samples"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
@@ -17,8 +17,14 @@ from typing import Any
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import is_missing, is_number, looks_numeric
-from overview_dsp.readers.tables.formats import delimited
-from overview_dsp.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Chunk, Column
+from overview_dsp.readers.tables.formats import delimited, plain_lines
+from overview_dsp.readers.tables.table import (
+    CHUNK_CELLS,
+    CHUNK_ROWS,
+    MAX_COLUMNS,
+    Chunk,
+    Column,
+)
 from overview_dsp.timeline.written_times import WAYS
 
 
@@ -38,12 +44,45 @@ class CsvTable:
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read these columns; InputError names a row that is too long, or a broken quote."""
+        rest = yield from self._plain(columns)
+        if rest is not None:
+            yield from self._rows(columns, rest)
+
+    def _plain(self, columns: Sequence[int]) -> Generator[Chunk, None, int | None]:
+        """Read plain blocks of lines; return the line where the first begins that isn't."""
+        layout, width = self._layout, len(self._layout.header)
+        separator = layout.separator
+        if separator is None:
+            return layout.first
+        lines = delimited.Lines(self._source, layout.encoding, layout.comments)
+        first = layout.first
+        above = first - 1
+        for block in lines.blocks():
+            while above and block:
+                block = block.partition("\n")[2]
+                above -= 1
+            if not block:
+                continue
+            whole = block if block.endswith("\n") else block + "\n"
+            marks = plain_lines.marks_of(whole, separator, width, layout.comments)
+            if marks is None:
+                return first
+            cells = plain_lines.cells_of(whole, marks, separator, width, columns)
+            for begin in range(0, len(cells[0]), CHUNK_ROWS):
+                some = tuple(column[begin : begin + CHUNK_ROWS] for column in cells)
+                yield Chunk(some, first, None, lines.part)
+                first += len(some[0])
+        return None
+
+    def _rows(self, columns: Sequence[int], begin: int) -> Iterator[Chunk]:
+        """Read whatever lines there are from line `begin` on."""
         layout = self._layout
         lines = delimited.Lines(self._source, layout.encoding, layout.comments)
         width = len(layout.header)
-        for first, numbers, rows in delimited.Rows(lines, layout.separator, CHUNK_ROWS):
-            if first < layout.first:
-                skip = self._skipped(first, numbers, rows)
+        block = min(CHUNK_ROWS, max(CHUNK_CELLS // width, 1))
+        for first, numbers, rows in delimited.Rows(lines, layout.separator, block):
+            if first < begin:
+                skip = self._skipped(begin, first, numbers, rows)
                 rows = rows[skip:]
                 first, numbers = first + skip, numbers[skip:] if numbers else None
             lengths = set(map(len, rows))
@@ -54,11 +93,13 @@ class CsvTable:
             cells: tuple[Any, ...] = tuple(list(map(itemgetter(i), rows)) for i in columns)
             yield Chunk(cells, first, numbers, lines.part)
 
-    def _skipped(self, first: int, numbers: list[int] | None, rows: list[list[str]]) -> int:
-        """How many rows lie before the table's first line."""
+    def _skipped(
+        self, begin: int, first: int, numbers: list[int] | None, rows: list[list[str]]
+    ) -> int:
+        """How many rows lie before line `begin`."""
         if numbers is None:
-            return min(len(rows), self._layout.first - first)
-        return sum(number < self._layout.first for number in numbers)
+            return min(len(rows), begin - first)
+        return sum(number < begin for number in numbers)
 
     def _tidied(
         self, first: int, numbers: list[int] | None, rows: list[list[str]]
@@ -147,8 +188,12 @@ class Layout:
     notes: tuple[str, ...] = ()
 
 
-def layout_of(source: Source) -> Layout | None:
-    """Detect how a file holds a table; None if it is no table of numbers, or an event list."""
+Accepts = Callable[[tuple[str, ...], list[list[str]]], bool]
+"""Whether a table with this header and these first rows is the one that is looked for."""
+
+
+def layout_of(source: Source, accepts: Accepts | None = None) -> Layout | None:
+    """Detect how a file holds a table; None if it is no table of numbers (or that `accepts`)."""
     if source.looks_like_json:
         return None
     encoding = delimited.encoding_of(source)
@@ -158,8 +203,9 @@ def layout_of(source: Source) -> Layout | None:
     lines = [(i, line) for i, line in enumerate(head, 1) if line.strip()]
     if lines and _SEPARATOR_LINE.fullmatch(lines[0][1]):
         del lines[0]
-    # where most lines begin with # (rank, hash tags), they are rows
-    comments = 2 * sum(line.startswith("#") for _, line in lines) <= len(lines)
+    # where most lines begin with # (rank, hash tags), they are rows, and so is a header "#,name"
+    ranked = bool(lines) and re.match(r'"?#"?[,;\t|]', lines[0][1]) is not None
+    comments = not ranked and 2 * sum(line.startswith("#") for _, line in lines) <= len(lines)
     kept = [entry for entry in lines if not (comments and entry[1].startswith("#"))]
     separation = _separation(kept)
     if separation is None:
@@ -177,7 +223,10 @@ def layout_of(source: Source) -> Layout | None:
         notes.append("the file isn't UTF-8; read as Windows-1252")
     header, units, first, note = _header(rows[begin:], commented)
     below = [row for i, row in rows[begin:] if i >= first]
-    if not _is_series(header, below) or (note and not _is_bare(below)):
+    if accepts is None and note and not _is_bare(below):
+        return None
+    claims = accepts or (_has_times if source.options.counts else _is_series)
+    if not claims(header, below):
         return None
     return Layout(
         encoding, separator, header, units, first, comments, tuple(filter(None, (*notes, note)))
@@ -299,6 +348,12 @@ def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
         return True
     named = any(word in name for name in names for word in _TIME_HEADERS)
     return named and any(not column for column in columns)
+
+
+def _has_times(header: tuple[str, ...], below: list[list[str]]) -> bool:
+    """Return whether rows may be counted by their times: a column of dates or numbers."""
+    columns = [_fields(below, i) for i in range(len(header))]
+    return any(looks_numeric(column) or any(map(_is_date, column)) for column in columns)
 
 
 def _is_bare(rows: list[list[str]]) -> bool:

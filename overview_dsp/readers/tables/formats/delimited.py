@@ -7,7 +7,7 @@ import contextlib
 import csv
 import io
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,9 +75,15 @@ class Lines:
     part: float = 0.0
 
     def __iter__(self) -> Iterator[str]:
-        return itertools.chain.from_iterable(self._blocks())
+        for block in self.blocks():
+            if self.comments and (block.startswith("#") or "\n#" in block):
+                lines = io.StringIO(block)
+                yield from ("\n" if line.startswith("#") else line for line in lines)
+            else:
+                yield from io.StringIO(block)
 
-    def _blocks(self) -> Iterator[Iterable[str]]:
+    def blocks(self) -> Iterator[str]:
+        """Read whole lines together, comment lines too; InputError for one that is too long."""
         errors = "surrogateescape" if self.encoding.startswith(_UTF8) else "replace"
         decoder = codecs.getincrementaldecoder(self.encoding)(errors)
         newlines = io.IncrementalNewlineDecoder(decoder, True)
@@ -94,10 +100,7 @@ class Lines:
                     "row a line: save it as CSV"
                 )
             self.part = min(1.0, seen / max(1, self.source.size))
-            lines: Iterable[str] = io.StringIO(block)
-            if self.comments and (block.startswith("#") or "\n#" in block):
-                lines = ["\n" if line.startswith("#") else line for line in lines]
-            yield lines
+            yield block
 
     def _data(self) -> Iterator[bytes]:
         """The file's bytes, an empty block at the end."""

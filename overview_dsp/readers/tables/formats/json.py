@@ -7,6 +7,7 @@ The shapes that are read:
 - rows with their names: `{"columns": [...], "index": [...], "data": [[...], ...]}`
 - pairs: `[[1347926400000, 702.1], ...]`
 - by time: `{"2012-09-19": 702.1, ...}` or `{"2012-09-19": {"close": 702.1}, ...}`
+- share charts of several kinds (`price_charts`)
 - columns by row: `{"date": {"0": ...}, "close": {"0": ...}}`
 
 wherever in the document such a table lies. Units from a neighbour `NAME_units` (`{"hourly": {...},
@@ -22,6 +23,7 @@ from typing import Any
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import looks_numeric
+from overview_dsp.readers.tables.formats import price_charts
 from overview_dsp.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Chunk, Column, check_single
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.written_times import WAYS
@@ -107,7 +109,12 @@ class Shape:
 
 def series_in(document: Any) -> list[Shape]:
     """Return all tables of a document that have a column of times and one of numbers."""
-    return [shape for shape in _shapes(document, "", 0, {}) if _is_series(shape)]
+    return [shape for shape in shapes_in(document) if _is_series(shape)]
+
+
+def shapes_in(document: Any) -> Iterator[Shape]:
+    """Yield all tables of a document."""
+    return _shapes(document, "", 0, {})
 
 
 def is_single(value: Any) -> bool:
@@ -122,7 +129,8 @@ def _shapes(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterat
     elif isinstance(value, dict):
         found = next(filter(None, (shape(value) for shape in _OBJECT_SHAPES)), None)
     if found is not None:
-        yield Shape(found.names, found.rows, found.cut, place, units)
+        names = price_charts.spelled_out(found.names)
+        yield Shape(names, found.rows, found.cut, place, found.units or units)
     if depth >= MAX_DEPTH:
         return
     if isinstance(value, dict):
@@ -163,7 +171,8 @@ def _row_list(entries: list[Any]) -> Shape | None:
     named = all(isinstance(cell, str) for cell in head)
     if named and len(entries) > 1 and not all(isinstance(cell, str) for cell in entries[1]):
         return _of_rows(entries[1:], tuple(head))
-    return _of_rows(entries, ("time", *(f"column {i}" for i in range(2, len(head) + 1))))
+    candles = price_charts.candle_names(sample)
+    return _of_rows(entries, candles or ("time", *(f"column {i}" for i in range(2, len(head) + 1))))
 
 
 def _named_rows(value: dict[str, Any]) -> Shape | None:
@@ -181,6 +190,16 @@ def _named_rows(value: dict[str, Any]) -> Shape | None:
         return index[begin:end] if i == 0 else shape.cut(i - 1, begin, end)
 
     return Shape(("index", *shape.names), shape.rows, cut)
+
+
+def _price_chart(value: dict[str, Any]) -> Shape | None:
+    """Times, and quotes further down (Yahoo)."""
+    found = price_charts.yahoo(value)
+    if found is None:
+        return None
+    columns, units = found
+    shape = _of_lists(tuple(columns), list(columns.values()))
+    return Shape(shape.names, shape.rows, shape.cut, "", units)
 
 
 def _columns(value: dict[str, Any]) -> Shape | None:
@@ -230,7 +249,7 @@ def _columns_by_row(value: dict[str, Any]) -> Shape | None:
     return _of_lists(tuple(value), cells)
 
 
-_OBJECT_SHAPES = (_named_rows, _columns, _by_time, _columns_by_row)
+_OBJECT_SHAPES = (_named_rows, _price_chart, _columns, _by_time, _columns_by_row)
 
 
 def _all_rows(rows: Sequence[Any], width: int) -> bool:

@@ -1,0 +1,1 @@
+"""Event lists as people keep them: tables of any names, annotation tools' files, calendars."""

@@ -1,0 +1,275 @@
+"""Tables of events: `time|date|minute|start` with `event|what|kind|type|name|label`.
+
+::
+
+    start,what                    date;event;note               0:00 Introduction
+    08:30,breakfast               2024-06-03;launch;first try   1:15 Chorus
+    12:00,walk
+
+CSV, TSV and their relatives, JSON and JSON lines; a header may name the columns by many words
+(`columns`), a table without one is two columns of times and words. Times are read as in a series'
+table (`tables.time_column`): clocks, dates (with a clock in a column of its own), numbers with a
+unit in the header. What happened becomes the kind (`Own goal` is `own_goal`), a longer text the
+label. A list of dates begins with its first event, one of clocks or numbers at 0.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from overview_dsp.errors import InputError
+from overview_dsp.readers.everyday.columns import Roles, is_wordy, looks_listed, roles_of
+from overview_dsp.readers.everyday.listing import PLAIN_KIND, About, Listed, are_kinds, timeline_of
+from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.readers.tables.cells import Style, is_missing, parse
+from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
+from overview_dsp.readers.tables.formats import csv, json_lines
+from overview_dsp.readers.tables.formats.json import JsonTable, is_single, shapes_in
+from overview_dsp.readers.tables.rows import settled
+from overview_dsp.readers.tables.table import Column, Table, first_rows
+from overview_dsp.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
+from overview_dsp.timeline import checks
+from overview_dsp.timeline.event import MAX_EVENTS
+from overview_dsp.timeline.model import Timeline
+
+_HEAD = 200
+_CHAPTER = re.compile(
+    r"\s*[\[(]?(\d{1,3}(?::\d{2}){1,2}(?:[.,]\d{1,3})?)(?![\d:])[\])]?[\s,;\-–—:|]+(\S.*)"
+)
+_SERIES_OPTIONS = ("value", "map", "rate")
+
+
+def sniff(source: Source) -> bool:
+    """Return whether the file is a table of events, or lines of clock and words."""
+    if source.head_text is None or any(getattr(source.options, o) for o in _SERIES_OPTIONS):
+        return False
+    return _has_table(source) or bool(_chapters(source.head_text))
+
+
+def sniff_lines(source: Source) -> bool:
+    """Return whether the file is one JSON object a line, each an event."""
+    if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json_lines.sniff(source):
+        return False
+    table = json_lines.JsonLinesTable(source)
+    return looks_listed(table.columns, first_rows(table, 50), source.options)
+
+
+def read_lines(source: Source, options: LoadOptions) -> Timeline:
+    """Read one JSON object a line, as `read`."""
+    with checks.located(f"{source.where}: "):
+        return _read(json_lines.JsonLinesTable(source), source.stem, options)
+
+
+def read(source: Source, options: LoadOptions) -> Timeline:
+    """Read a list of events; InputError names row and column.
+
+    Takes `duration_s`, and which columns to read: `time`, `kind`, `label`.
+    """
+    if not _has_table(source):
+        return _read_chapters(source, options)
+    with checks.located(f"{source.where}: "):
+        return _read(_table(source), source.stem, options)
+
+
+def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
+    head = first_rows(table, _HEAD)
+    roles = roles_of(table.columns, head, options)
+    choice = TimeChoice(
+        (roles.time,) if roles.clock is None else (roles.time, roles.clock), roles.format, " "
+    )
+    choice = settled(table, choice)
+    return _Reader(table, roles, choice).timeline(title, options.duration_s)
+
+
+def _has_table(source: Source) -> bool:
+    if source.looks_like_json:
+        return _shape(source) is not None
+    return csv.layout_of(source, _accepting(source)) is not None
+
+
+def _accepting(source: Source) -> csv.Accepts:
+    """What tells lists of events from other tables."""
+
+    def accepts(header: tuple[str, ...], below: list[list[str]]) -> bool:
+        columns = [Column.of(name) for name in header]
+        head = [[row[i] for row in below if i < len(row)] for i in range(len(header))]
+        if looks_listed(columns, head, source.options):
+            return True
+        # no header: times and words
+        bare = [column.plain for column in columns] == ["column1", "column2"]
+        form = detected_format(Column.of("time"), head[0]) if bare and head[0] else None
+        return form is not None and is_wordy(head[1])
+
+    return accepts
+
+
+def _shape(source: Source) -> Any:
+    """The largest table of events of a JSON document, None if there is none."""
+    found = None
+    for shape in shapes_in(source.json):
+        columns = [Column.of(name) for name in shape.names]
+        cells = [shape.cut(i, 0, min(shape.rows, 50)) for i in range(len(columns))]
+        if all(is_single(cell) for column in cells for cell in column) and looks_listed(
+            columns, cells, source.options
+        ):
+            found = shape if found is None or shape.rows > found.rows else found
+    return found
+
+
+def _table(source: Source) -> Table:
+    if source.looks_like_json:
+        return JsonTable(_shape(source))
+    layout = csv.layout_of(source, _accepting(source))
+    assert layout is not None  # sniffed
+    if layout.header == ("column 1", "column 2"):
+        return _Named(csv.CsvTable(source, layout))
+    return csv.CsvTable(source, layout)
+
+
+class _Named:
+    """A table without a header whose columns are times and words."""
+
+    def __init__(self, table: csv.CsvTable) -> None:
+        self.kind, self.row_word, self.notes = table.kind, table.row_word, table.notes
+        self.columns = (Column.of("time"), Column.of("event"))
+        self.chunks = table.chunks
+
+
+class _Reader:
+    """The rows of a table on their way to a Timeline."""
+
+    def __init__(self, table: Table, roles: Roles, choice: TimeChoice) -> None:
+        self.table, self.roles, self.choice = table, roles, choice
+        zoned = any(table.columns[i].zoned for i in choice.columns)
+        self.times = TimeColumn(choice.format, offset_min=0 if zoned else None)
+        self.ends = TimeColumn(choice.format)
+        self.timeless = 0
+
+    def timeline(self, title: str, duration_s: float | None) -> Timeline:
+        listed = list(self._listed())
+        if self.roles.kind is None and not are_kinds([one.words for one in listed]):
+            listed = [
+                Listed(o.time_s, PLAIN_KIND, o.words, o.place, o.end_s, o.weight, o.id)
+                for o in listed
+            ]
+        notes = [*self.table.notes, *self.choice.notes, *self.roles.notes]
+        if self.timeless:
+            notes.append(f"{self.timeless} rows without a time were left out")
+        form = self.choice.format
+        dated = form.calendar or form.name == "hhmm"
+        start = self.times.start(min((one.time_s for one in listed), default=0.0))
+        about = About(
+            title,
+            f"events: a {self.table.kind} list, times from column "
+            f"{checks.shown(self.table.columns[self.roles.time].header)} ({form.words})",
+            tuple(dict.fromkeys(notes)),
+            duration_s,
+            start,
+            from_first=dated,
+        )
+        return timeline_of(listed, about)
+
+    def _listed(self) -> Iterator[Listed]:
+        roles, count = self.roles, len(self.choice.columns)
+        others = [i for i in (roles.kind, roles.label, roles.weight, roles.end, roles.length,
+                              roles.id) if i is not None]  # fmt: skip
+        rows = 0
+        for chunk in self.table.chunks((*self.choice.columns, *others)):
+            cells = chunk.cells[0]
+            if count > 1:
+                cells = joined_cells(chunk.cells[:count], " ")
+            place = self._place(chunk, roles.time)
+            seconds = self.times.seconds(cells, place)
+            rows += len(chunk)
+            if rows > MAX_EVENTS:
+                raise InputError(
+                    f"more than the {MAX_EVENTS} events that are read; cut the file into parts, or "
+                    "make a curve of them (--map count)"
+                )
+            ends = self._ends(chunk, others, count, seconds)
+            for i, second in enumerate(seconds.tolist()):
+                got = {o: chunk.cells[count + others.index(o)][i] for o in others}
+                yield from self._one(got, second, ends[i], f"{self.table.row_word} "
+                                     f"{chunk.number(i)}")  # fmt: skip
+
+    def _one(
+        self, got: dict[int, Any], second: float, end: float | None, place: str
+    ) -> Iterator[Listed]:
+        roles = self.roles
+
+        def words(column: int | None) -> str:
+            cell = got.get(column) if column is not None else None
+            return "" if is_missing(cell) else " ".join(str(cell).split())
+
+        if np.isnan(second):
+            self.timeless += 1
+            return
+        weight = 1.0
+        if words(roles.weight):
+            number = parse(words(roles.weight), Style())
+            if number is None:
+                raise InputError(
+                    f"{place}: the weight {checks.shown(words(roles.weight))} isn't a number; "
+                    "weights are above 0, 1 = ordinary"
+                )
+            weight = checks.positive(number[0], f"{place}, weight", "weights are above 0")
+        kind = words(roles.kind) or words(roles.label)
+        yield Listed(second, kind, words(roles.label), place, end, weight, words(roles.id))
+
+    def _ends(
+        self, chunk: Any, others: Sequence[int], count: int, seconds: Any
+    ) -> list[float | None]:
+        """When each ends, as far as the table says and it can be read."""
+        nothing: list[float | None] = [None] * len(seconds)
+        column = self.roles.end if self.roles.end is not None else self.roles.length
+        if column is None or self.choice.format.calendar:
+            return nothing
+        cells = list(chunk.cells[count + others.index(column)])
+        form = detected_format(Column.of("time"), cells)
+        if form is None:
+            return nothing
+        same = self.choice.format.name if form.name not in CLOCKS else form.name
+        try:
+            found = TimeColumn(Format(same)).seconds(cells, str)
+        except InputError:
+            return nothing
+        if self.roles.end is None:
+            found = found + seconds
+        return [None if np.isnan(end) else float(end) for end in found]
+
+    def _place(self, chunk: Any, column: int) -> Any:
+        header = checks.shown(self.table.columns[column].header)
+        return lambda i: f"{self.table.row_word} {chunk.number(i)}, column {header}"
+
+
+def _chapters(text: str) -> list[tuple[int, str, str]]:
+    """Line, clock and words of each line, if most lines that aren't blank have them."""
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip()]
+    found = [
+        (n, match[1], match[2].strip())
+        for n, line in lines
+        if (match := _CHAPTER.fullmatch(line)) and re.search(r"[^\W\d_]", match[2])
+    ]
+    if found and lines[0][0] != found[0][0] and any(mark in lines[0][1] for mark in ",;\t"):
+        return []  # a header: a table of something else
+    return found if len(found) > 1 and 3 * len(found) >= 2 * len(lines) else []
+
+
+def _read_chapters(source: Source, options: LoadOptions) -> Timeline:
+    found = _chapters(source.text)
+    with checks.located(f"{source.where}: "):
+        times = TimeColumn(Format("clock"))
+        seconds = times.seconds([clock for _, clock, _ in found], lambda i: f"line {found[i][0]}")
+        words = [text for _, _, text in found]
+        few = are_kinds(words)
+        listed = [
+            Listed(second, text if few else PLAIN_KIND, "" if few else text, f"line {line}")
+            for second, (line, _, text) in zip(seconds.tolist(), found, strict=True)
+        ]
+        return timeline_of(
+            listed, About(source.stem, "events: lines of clock and words", (), options.duration_s)
+        )

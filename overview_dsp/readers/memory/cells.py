@@ -1,0 +1,127 @@
+"""A column in memory as cells: numbers, datetimes or single values, whatever they came as."""
+
+from __future__ import annotations
+
+import datetime as dt
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.readers.tables.table import Cells, Column
+
+_SECOND = np.timedelta64(1, "s")
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A column as it was given.
+
+    Parameters
+    ----------
+    cells
+        As a table's chunks have them.
+    offset_min
+        For datetimes with a zone, which are UTC in `cells`: its offset at the first of them, min.
+    unit
+        What the type says of the unit: `s` of time spans.
+    """
+
+    cells: Cells
+    offset_min: int | None = None
+    unit: str = ""
+
+    def column(self, header: object) -> Column:
+        """Return the column's description under this header."""
+        found = Column.of(str(header), self.unit)
+        if self.offset_min is None:
+            return found
+        return Column(found.header, found.name, found.unit, True, self.offset_min)
+
+
+def of_array(values: NDArray[Any]) -> Given:
+    """Take a column of one dimension."""
+    if isinstance(values, np.ma.MaskedArray):
+        return of_list(values.tolist())
+    kind = values.dtype.kind
+    if kind == "f":
+        return Given(values.astype(np.float64))
+    if kind == "i" or (kind == "u" and (not values.size or int(values.max()) < 2**63)):
+        return Given(values.astype(np.int64))
+    if kind == "M" and np.datetime_data(values.dtype)[0] != "generic":
+        return Given(values)
+    if kind == "m":
+        return Given(np.asarray(values / _SECOND, dtype=np.float64), unit="s")
+    if kind == "S":
+        return of_list([cell.decode("utf-8", "replace") for cell in values.tolist()])
+    return of_list(values.tolist())
+
+
+def of_list(values: list[Any]) -> Given:
+    """Take a column of Python's values; None = missing."""
+    kinds = set(map(type, values)) - {type(None)}
+    if not kinds or kinds <= {str, bool}:
+        return Given(values)
+    if all(issubclass(kind, np.generic) for kind in kinds):
+        if None in values:
+            return of_list([None if value is None else value.item() for value in values])
+        return of_array(np.array(values))
+    if kinds <= {int, float}:
+        return _numbers(values, kinds)
+    if all(issubclass(kind, dt.datetime) for kind in kinds):
+        return _moments(values)
+    if kinds == {dt.date}:
+        return Given(np.array(values, dtype="datetime64[D]"))
+    if all(issubclass(kind, dt.timedelta) for kind in kinds):
+        seconds = [np.nan if v is None else v.total_seconds() for v in values]
+        return Given(np.array(seconds), unit="s")
+    return Given([_single(value) for value in values])
+
+
+def _numbers(values: list[Any], kinds: set[type]) -> Given:
+    try:
+        if kinds == {int}:
+            # a whole number beside a missing one stays whole
+            return Given(values if None in values else np.array(values, dtype=np.int64))
+        return Given(np.array(values, dtype=np.float64))
+    except OverflowError:
+        return Given(values)
+
+
+def _moments(values: list[Any]) -> Given:
+    """Datetimes, with a zone or without; a mixture stays text, for the reader to refuse."""
+    offsets = [None if v is None or v != v else v.utcoffset() for v in values]
+    known = [v is not None and v == v for v in values]  # NaT isn't itself
+    zoned = [offset is not None for offset in offsets]
+    if any(zoned) and zoned != known:
+        both = zip(values, known, strict=True)
+        return Given([value.isoformat(" ") if there else None for value, there in both])
+    moments = []
+    for value, there in zip(values, known, strict=True):
+        if not there:
+            moments.append(np.datetime64("NaT"))
+            continue
+        if value.tzinfo is not None:
+            value = value.astimezone(dt.UTC).replace(tzinfo=None)
+        # a Timestamp holds nanoseconds
+        fine = getattr(value, "to_datetime64", None)
+        moments.append(np.datetime64(value) if fine is None else fine())
+    first = next((offset for offset in offsets if offset is not None), None)
+    minutes = None if first is None else round(first.total_seconds() / 60.0)
+    return Given(np.array(moments), minutes)
+
+
+def _single(value: Any) -> Any:
+    """A cell as a table's: text for what a file would hold as text."""
+    if value is None or isinstance(value, str | bool | int | float | list | dict):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Decimal):
+        return float(value)
+    if isinstance(value, dt.datetime):
+        return None if value != value else value.isoformat(" ")
+    # a date, a clock, a period; what a library has for "missing" is found by its name (<NA>, NaT)
+    return str(value)

@@ -1,0 +1,176 @@
+"""Every zoom on every shared match and series: at each step as many events a degree, or all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from overview_dsp.readers import load_timeline
+from overview_dsp.readers.registry import list_matches
+from overview_dsp.timeline import Event, Timeline
+from overview_dsp.timeline.moments import ZOOM_LEAD
+from overview_dsp.timeline.ticks import KINDS as TICKS
+from overview_dsp.timeline.zooming import NARROWEST_S
+
+BUNDLED = ("world-cup-final-2018", "made-up-share")
+
+MATCHES = (
+    "football/statsbomb/22936.json",
+    "football/statsbomb/69321.json",
+    "football/statsbomb/15986.json",
+    "football/metrica/Sample_Game_1_RawEventsData.csv",
+    "football/wyscout/wyscout_v2_match_2499773.json",
+)
+
+SERIES = (
+    *(("stocks/bokeh_AAPL.csv", column) for column in ("Open", "Close", "Volume", "Adj Close")),
+    *(("stocks/bokeh_IBM.csv", column) for column in ("High", "Low", "Close", "Adj Close")),
+    *(("stocks/sp500-2000.csv", column) for column in ("open", "close", "volume", "adjclose")),
+    *(
+        ("weather/seattle-weather.csv", column)
+        for column in ("precipitation", "temp_max", "temp_min", "wind")
+    ),
+    *(
+        ("weather/seattle-weather-hourly-normals.csv", column)
+        for column in ("pressure", "temperature", "wind")
+    ),
+)
+
+RECORDINGS = (
+    ("ecg/100.hea", None),
+    ("ecg/118e24.csv", 360.0),
+    ("ecg/e0103.csv", 250.0),
+    ("ecg/heartpy_data_ppg_100hz.csv", 100.0),
+    ("crowd/mdn_concert-crowd.ogg", None),
+    ("crowd/gpf_crowd01.wav", None),
+    ("crowd/gpf_whistle2.wav", None),
+)
+
+
+def zoom_steps(timeline: Timeline, about_s: float) -> Iterator[tuple[float, Timeline]]:
+    """Where the parts of 1/1, 1/2, 1/4, ... about a moment begin, and the parts."""
+    width = timeline.duration_s
+    while width >= NARROWEST_S:
+        start = min(max(about_s - ZOOM_LEAD * width, 0.0), timeline.duration_s - width)
+        yield start, timeline.window(start, min(start + width, timeline.duration_s))
+        width /= 2.0
+
+
+def shows_all(timeline: Timeline, start: float, part: Timeline) -> bool:
+    """Whether no detail, and no sample at which the series moves, is left to show."""
+    shown = {(event.time_s, event.kind) for event in part.events}
+    if any((event.time_s, event.kind) not in shown for event in part.details):
+        return False
+    if timeline.rules is None:
+        return True
+    assert timeline.intensity is not None
+    time_s = np.asarray(timeline.intensity.time_s)
+    moved = np.flatnonzero(np.diff(timeline.intensity.value)) + 1
+    over_a_gap = np.isin(time_s[moved], [end for _, end in timeline.gaps])
+    samples = time_s[moved[~over_a_gap]] - start
+    inside = samples[(samples > 0.0) & (samples <= part.duration_s)][1:]
+    times = np.array([event.time_s for event in part.events])
+    return all(np.abs(times - sample).min() < 1e-3 for sample in inside.tolist())
+
+
+def check(timeline: Timeline, about: list[Event]) -> int:
+    """Zoom about each event; the number of steps that were looked at."""
+    assert about
+    steps = 0
+    for event in about:
+        before = len(timeline.events)
+        for start, part in zoom_steps(timeline, event.time_s):
+            there = [e.time_s + start for e in part.events if e.kind == event.kind]
+            assert np.abs(np.array(there) - event.time_s).min() < 1e-3
+            assert len(part.events) >= before or shows_all(timeline, start, part)
+            assert any(e.kind in TICKS for e in part.events)
+            before = len(part.events)
+            steps += 1
+    return steps
+
+
+def some(events: tuple[Event, ...], kinds: tuple[str, ...] = ()) -> list[Event]:
+    """The events of these kinds; of any kind, all but the ticks and, of many, every fourth."""
+    if kinds:
+        return [event for event in events if event.kind in kinds]
+    own = [event for event in events if event.kind not in TICKS]
+    return own[:: 1 + len(own) // 100]
+
+
+@pytest.mark.parametrize("name", BUNDLED)
+def test_a_bundled_timeline_shows_more_about_every_event(name: str) -> None:
+    timeline = load_timeline(name)
+    assert check(timeline, some(timeline.events)) > 50
+
+
+@pytest.mark.parametrize("file", MATCHES)
+def test_a_match_shows_no_fewer_events_at_every_step_about_every_event(
+    data_folder: Path, file: str
+) -> None:
+    timeline = load_timeline(data_folder / file)
+    assert check(timeline, some(timeline.events)) > 300
+    for goal in some(timeline.events, ("goal", "own_goal")):
+        for _, (start, part) in zip(range(4), zoom_steps(timeline, goal.time_s), strict=False):
+            # to an eighth a match has far more than its goals, cards and fouls
+            assert len(part.events) >= 2 * len(timeline.events), (goal, start)
+
+
+def test_every_match_of_the_world_cup_shows_no_fewer_about_every_goal(data_folder: Path) -> None:
+    path = data_folder / "football" / "openfootball" / "worldcup_2018.json"
+    numbers = range(1, len(list_matches(path)) + 1)
+    goals = 0
+    for number in numbers:
+        timeline = load_timeline(path, match=str(number))
+        about = some(timeline.events, ("goal", "own_goal"))
+        goals += len(about)
+        if about:
+            check(timeline, about)
+            for goal in about:
+                assert all(
+                    len(part.events) >= min(len(timeline.events), 9)
+                    for _, part in zoom_steps(timeline, goal.time_s)
+                )
+    assert goals == 169
+
+
+def test_a_list_of_goals_shows_no_fewer_about_every_goal(data_folder: Path) -> None:
+    timeline = load_timeline(
+        data_folder / "football" / "goalscorers_2010s.csv", match="2014-07-08 Brazil Germany"
+    )
+    about = some(timeline.events, ("goal", "own_goal"))
+    assert len(about) == 8
+    check(timeline, about)
+
+
+@pytest.mark.parametrize(("file", "column"), SERIES)
+def test_a_series_shows_no_fewer_events_at_every_step_about_every_event(
+    data_folder: Path, file: str, column: str
+) -> None:
+    timeline = load_timeline(data_folder / file, value=column)
+    assert check(timeline, some(timeline.events, ("highest", "lowest"))) > 40
+    check(timeline, some(timeline.events)[::6])
+
+
+@pytest.mark.parametrize("map_name", ["change", "activity", "volatility"])
+def test_another_map_of_a_series_finds_the_same_events_in_its_windows(
+    data_folder: Path, map_name: str
+) -> None:
+    path = data_folder / "stocks" / "sp500-2000.csv"
+    level, other = (load_timeline(path, map=wish) for wish in ("level", map_name))
+    for start in (0.0, 1e8, 3e8):
+        shown = [one.window(start, start + 2e7).events for one in (level, other)]
+        assert shown[0] == shown[1]
+
+
+@pytest.mark.parametrize(("file", "rate"), RECORDINGS)
+def test_a_recording_says_where_one_is_in_every_window(
+    data_folder: Path, file: str, rate: float | None
+) -> None:
+    timeline = load_timeline(data_folder / file, rate=rate)
+    middle = [Event(timeline.duration_s / 2.0, "second")]
+    for event in some(timeline.events)[::10] or middle:
+        for _, part in zoom_steps(timeline, event.time_s):
+            assert any(e.kind in TICKS for e in part.events)

@@ -1,0 +1,151 @@
+"""Compare detectors of heartbeats on real records with noise added; prints the table of the docs.
+
+OVERVIEW_TEST_DATA=FOLDER python tools/measure_beats.py
+
+Rows: ours, and of NeuroKit2, wfdb and SleepECG what is installed (`pip install neurokit2 wfdb
+sleepecg`; wfdb reads record 100). A beat is found if it is named within 150 ms (ANSI/AAMI EC57).
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+
+from overview_dsp.readers.cardiac.detection import find_beats
+from overview_dsp.readers.cardiac.table import Samples
+from tests.readers.make_cardiac import agreement
+from tests.readers.make_noise import with_noise
+
+RATE = 360.0
+SNRS = (None, 12.0, 6.0, 0.0)
+SEEDS = (101, 202, 303)
+NEUROKIT = (
+    "rodrigues2021",
+    "neurokit",
+    "pantompkins1985",
+    "hamilton2002",
+    "elgendi2010",
+    "khamis2016",
+)
+
+Signal = NDArray[np.float64]
+Detector = Callable[[Signal], Signal]
+
+
+def records(folder: Path) -> Iterator[tuple[str, Signal, NDArray[np.int64]]]:
+    """Name, samples and annotated beats: five minutes of 100 (either lead), two of 118e24."""
+    told = np.loadtxt(folder / "118e24_ann.csv").astype(np.int64)
+    yield "118e24", np.loadtxt(folder / "118e24.csv"), told
+    wfdb = importlib.import_module("wfdb")
+    record = wfdb.rdrecord(str(folder / "100"))
+    said = wfdb.rdann(str(folder / "100"), "atr")
+    beats = said.sample[np.isin(said.symbol, ["N", "A", "V"])]
+    end = round(300 * RATE)
+    for lead, name in enumerate(record.sig_name):
+        yield f"100 {name}", record.p_signal[:end, lead], beats[beats < end]
+
+
+def ours(samples: Signal) -> Signal:
+    return find_beats(Samples("x", RATE, samples.astype(np.float32)), "ECG", gaps=False).beats
+
+
+def kept(samples: Signal) -> tuple[Signal, Signal]:
+    """Our beats outside of the gaps, and which samples lie outside."""
+    found = find_beats(Samples("x", RATE, samples.astype(np.float32)), "ECG")
+    clear = np.ones(len(samples), np.bool_)
+    for first, end in found.noisy:
+        clear[first:end] = False
+    return found.beats, clear
+
+
+def detectors() -> Iterator[tuple[str, Detector]]:
+    yield "overView DSP", ours
+    if (nk := installed("neurokit2")) is not None:
+        for method in NEUROKIT:
+            yield f"NeuroKit2 {method}", of_neurokit(nk, method)
+    if (processing := installed("wfdb.processing")) is not None:
+
+        def xqrs(samples: Signal) -> Signal:
+            search = processing.XQRS(sig=samples, fs=RATE)
+            search.detect(verbose=False)
+            return np.asarray(search.qrs_inds)
+
+        yield "wfdb xqrs", xqrs
+    if (sleepecg := installed("sleepecg")) is not None:
+        yield "SleepECG", lambda samples: sleepecg.detect_heartbeats(samples, RATE)
+
+
+def of_neurokit(nk: Any, method: str) -> Detector:
+    def detect(samples: Signal) -> Signal:
+        try:
+            cleaned = nk.ecg_clean(samples, sampling_rate=RATE, method=method)
+        except ValueError:  # a detector without a filter of its own
+            cleaned = nk.ecg_clean(samples, sampling_rate=RATE)
+        return np.asarray(nk.ecg_findpeaks(cleaned, RATE, method=method)["ECG_R_Peaks"], float)
+
+    return detect
+
+
+def installed(name: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        print(f"({name} isn't installed)", file=sys.stderr)
+        return None
+
+
+def noisy_records(folder: Path, snr_db: float | None) -> Iterator[tuple[Signal, Signal]]:
+    for number, (_, samples, beats) in enumerate(records(folder)):
+        for seed in SEEDS if snr_db is not None else SEEDS[:1]:
+            noisy = samples
+            if snr_db is not None:
+                noisy = with_noise(samples, RATE, beats, snr_db, seed + number)
+            yield noisy, beats
+
+
+def main() -> None:
+    warnings.simplefilter("ignore")
+    folder = Path(os.environ["OVERVIEW_TEST_DATA"]) / "ecg"
+    data = {snr: list(noisy_records(folder, snr)) for snr in SNRS}
+    print("| detector | clean | 12 dB | 6 dB | 0 dB | CPU ms a minute |\n|---|---|---|---|---|---|")
+    for name, detect in detectors():
+        begun, minutes, cells = time.process_time(), 0.0, []
+        for snr in SNRS:
+            scores = []
+            for samples, beats in data[snr]:
+                found = np.sort(detect(samples))
+                sensitivity, precision = (0.0, 1.0)
+                if len(found):
+                    sensitivity, precision = agreement(found / RATE, beats / RATE, 0.15)
+                scores.append((sensitivity, precision))
+                minutes += len(samples) / RATE / 60.0
+            cells.append("{:.3f} / {:.3f}".format(*np.mean(scores, axis=0)))
+        spent = 1000.0 * (time.process_time() - begun) / minutes
+        print(f"| {name} | {' | '.join(cells)} | {spent:.0f} |", flush=True)
+    cells = []
+    for snr in SNRS:
+        scores = []
+        for samples, beats in data[snr]:
+            found, clear = kept(samples)
+            told = beats[clear[beats]]
+            both = (
+                agreement(found / RATE, told / RATE, 0.15) if len(told) and len(found) else (1, 1)
+            )
+            scores.append((*both, 100.0 * clear.mean()))
+        cells.append("{:.3f} / {:.3f} ({:.0f} %)".format(*np.mean(scores, axis=0)))
+    print(f"| outside of our gaps (how much that is) | {' | '.join(cells)} | |")
+
+
+if __name__ == "__main__":
+    main()
