@@ -18,7 +18,7 @@ The bytes, little-endian, in columns of 8:
         INTEGRAL: nothing, it is that of the friction table before it
 
 The runs of a `WHOLE` cover the memory, those of a `CHANGE` a surface slot or nothing. Slopes are
-differences of neighbours and the integral is a running sum of their means: IEEE arithmetic gives the
+differences of neighbours, the integral is a running sum of their means: IEEE arithmetic gives the
 page the same bits.
 """
 

@@ -311,7 +311,7 @@ def render(
     strikes = join_strikes([block.strikes for block in rendered])
     kept: Trace | None = Trace(table) if trace else None
     protected = stage.protected if stage is not None else None
-    missed = unreached(engine.surface, gesture, strikes.event)
+    missed = unreached(engine.surface, hand, strikes.event)
     return Result(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
 
 
@@ -466,5 +466,5 @@ def render_to_file(
         frames, note = sound.frames, sound.note
     protected = stage.protected if stage is not None else None
     seconds = frames / engine.sample_rate
-    missed = unreached(engine.surface, gesture, struck)
+    missed = unreached(engine.surface, hand, struck)
     return Rendered(seconds, tuple(peaks.tolist()), strikes, note, engine, protected, missed)

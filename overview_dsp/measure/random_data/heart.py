@@ -77,7 +77,7 @@ def random_heart(seed: int) -> Timeline:
     others = _others(rng, length)
     beats = Beats(time_s, tuple(kinds[: len(time_s)]), ("",) * len(time_s), annotated=True)
     about = About(f"random heart {seed}", length, "", ())
-    return heart_timeline(about, beats, (), others, LoadOptions())
+    return heart_timeline(about, beats, ((), ()), others, LoadOptions())
 
 
 def _intervals(rng: np.random.Generator, length: float) -> NDArray[np.float64]:
