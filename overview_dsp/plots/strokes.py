@@ -34,8 +34,8 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
 
     Where data is missing, the surface under disk 1 is hatched.
     """
-    figure = new_figure(5.2 * len(results) + 0.6, 7.6)
-    grid: Any = figure.subplots(4, len(results), sharex="col", sharey="row", squeeze=False)
+    figure = new_figure(5.2 * len(results) + 0.6, 9.0)
+    grid: Any = figure.subplots(5, len(results), sharex="col", sharey="row", squeeze=False)
     for column, (name, result) in enumerate(results):
         trace = result.trace
         # the last part of the recoil is all alike
@@ -43,7 +43,8 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
         time, held = trace.time[shown], trace.touching[shown] > 0.5
         axes: list[Axes] = list(grid[:, column])
         rows = (
-            (trace.torque[shown] * 1e3, "(a) torque\nmN·m", BLUE),
+            (trace.torque[shown] * 1e3, "(a) torque\nmN·m, logarithmic", BLUE),
+            (trace.torque[shown] * 1e3, "torque\nmN·m, linear", BLUE),
             (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", VERMILION),
             (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", BLACK),
             (np.where(held, trace.theta2[shown], 0.0), "(d) disk 2, the hand\nrad", GREEN),
@@ -58,7 +59,7 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
                 ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
         for start, end in timeline.gaps:
-            axes[2].axhspan(
+            axes[3].axhspan(
                 start / timeline.duration_s * HALF_TURN,
                 end / timeline.duration_s * HALF_TURN,
                 facecolor="none",
@@ -67,7 +68,8 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
                 linewidth=0.0,
             )
         axes[0].set_title(name, fontsize=10, pad=14)
-        # linear within 1 mN·m, logarithmic beyond: the surface and its goals in one view
+        # logarithmic beyond 1 mN·m: the surface and its goals in one view; how far apart they are
+        # the linear panel shows
         axes[0].set_yscale("symlog", linthresh=1.0)
         # plain numbers: powers of ten would go through the slow setting of formulas
         axes[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
