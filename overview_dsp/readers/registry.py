@@ -26,6 +26,7 @@ from overview_dsp.readers.football import (
     metrica,
     minute_list,
     openfootball,
+    openfootball_text,
     providers,
     statsbomb,
     wyscout,
@@ -117,6 +118,13 @@ FORMATS: tuple[Format, ...] = (
         openfootball.read,
         frozenset({"match"}),
         openfootball.matches,
+    ),
+    Format(
+        "openfootball matches (Football.TXT: teams, score, goals in minutes)",
+        openfootball_text.sniff,
+        openfootball_text.read,
+        frozenset({"match"}),
+        openfootball_text.matches,
     ),
     Format(
         "list of minutes (CSV with minute and type or scorer)",
