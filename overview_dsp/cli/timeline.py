@@ -108,7 +108,7 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def formats(as_json: bool) -> None:
     """What can be read, in the order in which a file is tried, and which options each takes."""
-    from overview_dsp.readers.registry import formats as known_formats
+    from overview_dsp.readers.formats import formats as known_formats
 
     if as_json:
         listed = [{"name": f.name, "options": sorted(f.options)} for f in known_formats()]

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from overview_dsp.readers.formats import FORMATS, Format
 from overview_dsp.readers.native import save_timeline
 from overview_dsp.readers.registry import (
     BUNDLED,
-    FORMATS,
-    Format,
     bundled_timeline,
     list_matches,
     load_timeline,

@@ -33,7 +33,7 @@ _OPTIONS = frozenset({"duration_s", "value", "time", "map", "rate", "match"})
 
 @dataclass(frozen=True)
 class PackageReader:
-    """A reader of another package, with the face of a `registry.Format`.
+    """A reader of another package, with the face of a `formats.Format`.
 
     Parameters
     ----------

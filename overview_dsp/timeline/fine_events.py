@@ -42,8 +42,8 @@ class Rules(Protocol):
     def cut(self, start_s: float, end_s: float) -> Rules:
         """Return the same for a part, on an axis that begins with it."""
 
-    def found(self, duration_s: float) -> Sequence[Event]:
-        """Return what is found, what matters most first; each of another sample."""
+    def found(self, duration_s: float) -> Iterable[Event]:
+        """Give what is found, what matters most first; each of another sample."""
 
 
 def ranks(details: Sequence[Event]) -> NDArray[np.int64]:
@@ -63,7 +63,7 @@ def ranks(details: Sequence[Event]) -> NDArray[np.int64]:
 def window_events(
     given: Sequence[Event],
     marks: Iterable[Event],
-    ruled: Sequence[Event],
+    ruled: Iterable[Event],
     details: Sequence[Event],
     duration_s: float,
 ) -> tuple[Event, ...]:
@@ -76,13 +76,13 @@ def window_events(
     marks
         Its ticks: all that aren't among them.
     ruled, details
-        What it may be filled up with, what matters most first.
+        What it may be filled up with, what matters most first; no more of it is asked for.
     duration_s
         Its length.
     """
     taken = [*given, *_clear(_other(marks, given), given, duration_s)]
     sampled = {event.time_s for event in given if event.kind not in KINDS}
-    found = [event for event in ruled if event.time_s not in sampled]
+    found = (event for event in ruled if event.time_s not in sampled)
     _fill(taken, found, MOST_BY_RULE, duration_s)
     for _, alike in groupby(_other(details, taken), key=lambda event: event.weight):
         _fill(taken, [*alike], MOST_DETAILS, duration_s)
@@ -110,18 +110,20 @@ def _other(events: Iterable[Event], there: Iterable[Event]) -> list[Event]:
     return other
 
 
-def _fill(taken: list[Event], ranked: Sequence[Event], most: int, duration_s: float) -> None:
+def _fill(taken: list[Event], ranked: Iterable[Event], most: int, duration_s: float) -> None:
     """Add the first of those that are apart, then the first of the others, up to `most` in all."""
+    if len(taken) >= most:
+        return
     apart = APART * duration_s
     times = sorted(event.time_s for event in taken)
     near: list[Event] = []
     for event in ranked:
-        if len(taken) >= most:
-            return
         at = bisect_left(times, event.time_s)
         if any(abs(other - event.time_s) < apart for other in times[max(0, at - 1) : at + 1]):
             near.append(event)
         else:
             insort(times, event.time_s)
             taken.append(event)
-    taken += near[: max(0, most - len(taken))]
+            if len(taken) == most:
+                return
+    taken += near[: most - len(taken)]

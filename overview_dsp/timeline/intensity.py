@@ -316,7 +316,9 @@ class Intensity:
         shifted = times - start
         # two times one unit in the last place apart may round to the same
         apart = np.diff(shifted, prepend=-1.0) > 0.0
-        return Intensity(shifted[apart], self.at(times)[apart], self.unit, self.percentiles)
+        values = np.asarray(self.points.value[first:stop], np.float64)
+        values = np.concatenate((self.at(times[:1]), values, self.at(times[-1:])))
+        return Intensity(shifted[apart], values[apart], self.unit, self.percentiles)
 
     def scale(self, known: NDArray[np.bool_]) -> tuple[float, float]:
         """Find the values that become 0 and 1: the percentiles of the known points.

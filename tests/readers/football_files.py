@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from typing import Any
 
@@ -45,12 +46,15 @@ METRICA = metrica(*METRICA_ROWS)
 HOME_ID, AWAY_ID = 1631, 1612
 
 
+_IDS = itertools.count(190078343)
+
+
 def wyscout_event(
     period: str, sec: float, team: int, event: int, *tags: int, sub: int = 0, **more: Any
 ) -> dict[str, Any]:
     """An event in the shape of the interface: numbers under eventName."""
     return {
-        "id": 1,
+        "id": next(_IDS),
         "playerId": more.pop("player", 7),
         "teamId": team,
         "matchId": more.pop("match", 2499773),

@@ -53,6 +53,14 @@ def test_a_goal_without_a_shot_is_an_own_goal_of_the_team_that_kicks_off_next() 
     assert (3498.8, "2-0 Player5") in found(crossed, "goal")
 
 
+def test_a_row_given_twice_is_left_out_and_said() -> None:
+    lines = METRICA.splitlines()
+    goal = next(i for i, line in enumerate(lines) if ",91.56," in line and "GOAL" in line)
+    again = decode("\n".join([*lines[: goal + 1], lines[goal], *lines[goal + 1 :]]))
+    assert again.events == decode(METRICA).events
+    assert again.notes == (f"line {goal + 2} repeats line {goal + 1}: left out",)
+
+
 def test_a_penalty_long_after_it_was_set_is_none() -> None:
     late = METRICA.replace("PENALTY,2,1,4000,", "PENALTY,2,1,3960,")
     assert (4000.0, "1-2 Player8") in found(late, "goal")

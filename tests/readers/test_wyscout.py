@@ -180,6 +180,15 @@ def test_a_goal_tagged_twice_counts_once() -> None:
     assert any("event 23 repeats the goal of event 3" in note for note in timeline.notes)
 
 
+def test_an_id_of_several_events_is_said() -> None:
+    events = wyscout_match()
+    words = "the same event id is there more than once"
+    assert not any(words in note for note in decode(events).notes)
+    for event, name in zip(events, (7, 8, 7, 8, 9), strict=False):
+        event["id"] = name
+    assert f"{words}: '7', '8'; all of them are kept" in decode(events).notes
+
+
 @given(st.data())
 def test_any_change_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
     document = mutated(data, {"events": copy.deepcopy(wyscout_match()), "teams": {}, "players": {}})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from datetime import datetime
 
 import numpy as np
@@ -14,7 +15,13 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.native import decode, encode
 from overview_dsp.readers.source import parse_json
 from overview_dsp.timeline import Event, Timeline
-from overview_dsp.timeline.fine_events import APART, MOST_DETAILS, ranks, window_events
+from overview_dsp.timeline.fine_events import (
+    APART,
+    MOST_BY_RULE,
+    MOST_DETAILS,
+    ranks,
+    window_events,
+)
 from overview_dsp.timeline.ticks import KINDS as TICKS
 from overview_dsp.timeline.ticks import MOST_TICKS, part_ticks
 from tests.timeline.strategies import without_ticks
@@ -183,3 +190,20 @@ def test_no_part_is_without_a_tick(from_s: float, width_s: float, start: datetim
     if start is None:
         assert len(marks) >= 8
     assert all(a.time_s < b.time_s for a, b in itertools.pairwise(marks))
+
+
+def test_no_more_is_asked_of_the_rules_than_a_window_takes() -> None:
+    asked = []
+
+    def found() -> Iterator[Event]:
+        for second in range(10_000):
+            asked.append(second)
+            yield Event(float(second), "peak")
+
+    shown = window_events((), (), found(), (), 10_000.0)
+    assert len(shown) == MOST_BY_RULE
+    assert len(asked) < 2000
+    asked.clear()
+    given = tuple(Event(float(second), "goal") for second in range(MOST_BY_RULE))
+    assert window_events(given, (), found(), (), 10_000.0) == given
+    assert asked == []

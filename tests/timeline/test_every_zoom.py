@@ -154,6 +154,15 @@ def test_a_series_shows_no_fewer_events_at_every_step_about_every_event(
     check(timeline, some(timeline.events)[::6])
 
 
+def test_counted_points_show_no_fewer_events_at_every_step(tmp_path: Path) -> None:
+    random = np.random.default_rng(5)
+    quakes = np.sort(random.uniform(0.0, 4e7, 3000)) % 3e7  # in any order, denser at first
+    path = tmp_path / "quakes.csv"
+    path.write_text("epoch,magnitude\n" + "".join(f"{1.5e9 + at:.0f},2\n" for at in quakes))
+    timeline = load_timeline(path, map="count:6h")
+    assert check(timeline, some(timeline.events)[::3]) > 40
+
+
 @pytest.mark.parametrize("map_name", ["change", "activity", "volatility"])
 def test_another_map_of_a_series_finds_the_same_events_in_its_windows(
     data_folder: Path, map_name: str

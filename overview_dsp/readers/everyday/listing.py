@@ -104,7 +104,7 @@ def timeline_of(listed: Sequence[Listed], about: About) -> Timeline:
         raise InputError(
             f"{early.place}: {early.time_s:g} s is before the start; times are seconds from 0 up"
         )
-    notes = [*about.notes, *_repeated_ids(listed)]
+    notes = [*about.notes, *repeated_ids(one.id for one in listed)]
     events: dict[tuple[float, str, str], Event] = {}
     for one in listed:
         kind = kind_of(one.words) or PLAIN_KIND
@@ -140,14 +140,9 @@ def timeline_of(listed: Sequence[Listed], about: About) -> Timeline:
     )
 
 
-def _repeated_ids(listed: Iterable[Listed]) -> list[str]:
-    """A note on ids that stand for several events."""
-    counts = Counter(one.id for one in listed if one.id)
-    return repeated_ids_note([name for name, count in counts.items() if count > 1])
-
-
-def repeated_ids_note(twice: Sequence[str]) -> list[str]:
-    """Return a note on ids that are there more than once, if there are any."""
+def repeated_ids(ids: Iterable[str]) -> list[str]:
+    """Return a note on ids, but for empty ones, that are there more than once; none if none is."""
+    twice = [name for name, count in Counter(ids).items() if name and count > 1]
     if not twice:
         return []
     shown = ", ".join(checks.shown(name) for name in twice[:_SHOWN])

@@ -92,15 +92,24 @@ def decode(text: str, default_title: str = "") -> Timeline:
         A period or time that is none; a team that is a third one.
     """
     listed = []
+    lines: dict[tuple[str, ...], int] = {}  # rows have no id: they are the same or they aren't
+    repeats: list[str] = []
     for line, fields in rows(text):
         if not set(_NEEDED) <= fields.keys():
             missing = next(name for name in _NEEDED if name not in fields)
             raise InputError(f"no column '{missing}' in the header; is it Metrica's raw events?")
-        listed.append(_row(fields, f"line {line}"))
+        first = lines.setdefault(tuple(fields.values()), line)
+        if first == line:
+            listed.append(_row(fields, f"line {line}"))
+        else:
+            repeats.append(f"line {line} repeats line {first}")
     played = [row for row in listed if row.period != SHOOT_OUT]
     if not played:
         raise InputError("no actions of play below the header; is the file complete?")
     notes: list[str] = []
+    if repeats:
+        more = f" and {len(repeats) - 1} more like it" if len(repeats) > 1 else ""
+        notes.append(f"{repeats[0]}{more}: left out")
     shift = _shifts(played, notes)
     if len(listed) > len(played):
         notes.append("the shoot-out (period 5) is left out")

@@ -110,7 +110,12 @@ def matches(source: Source) -> list[str]:
     """Return a line on each match of the file."""
     document = source.json
     with checks.located(f"{source.where}: "):
-        return [match.line for match in _matches(document)]
+        return lines(document)
+
+
+def lines(document: object) -> list[str]:
+    """Return a line on each match of a parsed file."""
+    return [match.line for match in _matches(document)]
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:

@@ -26,11 +26,10 @@ when zoomed, are what the players do with the ball (`statsbomb_touches.py`).
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.everyday.listing import repeated_ids_note
+from overview_dsp.readers.everyday.listing import repeated_ids
 from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.readers.football.names import short_name
 from overview_dsp.readers.football.statsbomb_record import SHOOT_OUT, Record
@@ -134,8 +133,7 @@ class _Match:
                     seen[key] = record
                     events.append(event)
         self._note_shoot_out()
-        ids = Counter(record.id for record in self.records if record.id)
-        self.notes += repeated_ids_note([name for name, count in ids.items() if count > 1])
+        self.notes += repeated_ids(record.id for record in self.records)
         duration_s = self.end_us / 1e6
         intensity, derived, notes = derive_intensity(events, duration_s)
         return Timeline(

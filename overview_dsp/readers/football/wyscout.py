@@ -27,6 +27,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from overview_dsp.errors import InputError
+from overview_dsp.readers.everyday.listing import repeated_ids
 from overview_dsp.readers.football.choosing import choose
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.readers.football.names import short_name
@@ -81,6 +82,7 @@ class _Event:
     """An event, its fields checked."""
 
     place: str
+    id: str
     match: str
     period: int
     sec: float
@@ -106,6 +108,7 @@ class _Event:
                 raise InputError(f"eventSec is {sec!r}; {hint}")
             return cls(
                 place,
+                _id(raw.get("id")),
                 _id(raw.get("matchId")),
                 _PERIODS[period],
                 sec,
@@ -185,7 +188,7 @@ def _timeline(
     events = [_Event.parse(raw, f"event {i}") for i, raw in raws]
     played = [event for event in events if event.period != SHOOT_OUT]
     played.sort(key=lambda event: (event.period, event.sec))
-    notes = list(said)
+    notes = [*said, *repeated_ids([event.id for event in events])]
     begins: dict[int, float] = {}
     end_s = 0.0
     for period in sorted({event.period for event in played}):

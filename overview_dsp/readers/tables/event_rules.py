@@ -77,20 +77,29 @@ def crossings(
     for chosen in (levels, [middle]):
         for share in _HYSTERESIS:
             margin = share * (high - low)
-            found = [c for level in chosen for c in _of_level(value, level, margin)]
-            if len(found) <= MOST_CROSSINGS:
+            ways = [(level, _ways_across(value, level, margin)) for level in chosen]
+            if sum(len(begins) for _, (begins, _) in ways) <= MOST_CROSSINGS:
+                found = [c for level, both in ways for c in _of_level(value, level, *both)]
                 return sorted(found, key=lambda c: (c.index, c.level)), chosen, margin
     return [], [], 0.0
 
 
-def _of_level(value: NDArray[np.float64], level: float, margin: float) -> list[Crossing]:
-    state = np.where(value > level + margin, 1, np.where(value < level - margin, -1, 0))
-    decided = np.flatnonzero(state)
-    turned = np.flatnonzero(np.diff(state[decided])) + 1
+def _ways_across(
+    value: NDArray[np.float64], level: float, margin: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the last sample clearly on one side, and the first clearly on the other, of each."""
+    above = value > level + margin
+    decided = np.flatnonzero(above | (value < level - margin))
+    turned = np.flatnonzero(np.diff(above[decided])) + 1
+    return decided[turned - 1], decided[turned]
+
+
+def _of_level(
+    value: NDArray[np.float64], level: float, begins: NDArray[np.int64], ends: NDArray[np.int64]
+) -> list[Crossing]:
     found = []
-    for k in turned.tolist():
-        before, here = int(decided[k - 1]), int(decided[k])
-        up = bool(state[here] > 0)
+    for before, here in zip(begins.tolist(), ends.tolist(), strict=True):
+        up = bool(value[here] > level)
         way = value[before : here + 1]
         behind = np.flatnonzero(way < level if up else way > level)
         found.append(Crossing(before + int(behind[-1]) + 1, level, up))
@@ -118,13 +127,19 @@ def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.flo
     turns = _turns(value)
     if len(turns) > MAX_EXTREMA:
         turns = _thinned(value, turns)
+    if len(turns) < 3:
+        return turns[:0], np.empty(0)
     levels = value[turns]
-    left = _bases(levels.tolist())
-    right = _bases(levels[::-1].tolist())[::-1]
-    inner = np.arange(1, len(turns) - 1)
-    tops = inner[(levels[inner] > levels[inner - 1]) & (levels[inner] > levels[inner + 1])]
-    prominence = np.array([levels[i] - max(left[i], right[i]) for i in tops.tolist()])
-    return turns[tops], prominence
+    # highs and lows take turns; an end may be either
+    highs = np.arange(0 if levels[0] > levels[1] else 1, len(turns), 2)
+    height = levels[highs]
+    before = np.where(highs > 0, levels[highs - 1], height)
+    after = np.where(highs < len(turns) - 1, levels[np.minimum(highs + 1, len(turns) - 1)], height)
+    left = _bases(height, before)
+    right = _bases(height[::-1], after[::-1])[::-1]
+    prominence = height - np.maximum(left, right)
+    inner = (highs > 0) & (highs < len(turns) - 1)
+    return turns[highs[inner]], prominence[inner]
 
 
 def _turns(value: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -145,17 +160,28 @@ def _thinned(value: NDArray[np.float64], turns: NDArray[np.int64]) -> NDArray[np
     return inside[_turns(value[inside])]
 
 
-def _bases(levels: list[float]) -> list[float]:
-    """For each turn the lowest level between it and higher ground on its left."""
-    bases: list[float] = []
-    stack: list[tuple[float, float]] = []  # height, lowest since higher ground
-    for level in levels:
-        low = level
-        while stack and stack[-1][0] <= level:
-            low = min(low, stack.pop()[1])
-        stack.append((level, low))
-        bases.append(low)
+def _bases(heights: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+    """For each high the lowest level between it and higher ground on its left.
+
+    `before` is the low just before each. From each high the way to the left goes over runs of 2**k
+    highs, the longest first, as long as none in them is higher.
+    """
+    tallest, lowest = [heights], [before]
+    while (span := 1 << (len(tallest) - 1)) < len(heights):
+        tallest.append(np.maximum(tallest[-1], _moved(tallest[-1], span)))
+        lowest.append(np.minimum(lowest[-1], _moved(lowest[-1], span)))
+    at = np.arange(len(heights)) - 1
+    bases = before
+    for k in reversed(range(len(tallest))):
+        over = (at >= (1 << k) - 1) & (tallest[k][at] <= heights)
+        bases = np.where(over, np.minimum(bases, lowest[k][at]), bases)
+        at = np.where(over, at - (1 << k), at)
     return bases
+
+
+def _moved(row: NDArray[np.float64], span: int) -> NDArray[np.float64]:
+    """A row moved to the right, its beginning as it was."""
+    return np.concatenate((row[:span], row[:-span]))
 
 
 MOST_SAMPLES = 400_000

@@ -25,6 +25,7 @@ unit. A step over a gap is no move.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -115,23 +116,23 @@ def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[st
     return [*events, *ticks.ticks(series.calendar.start, duration_s)], notes
 
 
-def find_part_events(series: Series, duration_s: float) -> list[Event]:
-    """Return what is found in a part of a series, what matters most first, each of another sample.
+def find_part_events(series: Series, duration_s: float) -> Iterator[Event]:
+    """Give what is found in a part of a series, what matters most first, each of another sample.
 
     First what the rules find in a whole one (without ticks and splits; extremes and records are
     those of the part, and say so), then its other turning points by their prominence, then its
-    other changes by their size.
+    other changes by their size; these are made (and named, which takes longest) as they are asked
+    for.
     """
     turns = _Turns.of(series)
     extremes, ranked = _extremes(series, " here")
     ranked += _prominent(series, turns, extremes, duration_s, " here")
     ranked += [*_moves(series), *_crossings(series)[0]]
-    taken = {event.time_s for event in ranked}
-    ranked += _lesser(series, turns, taken)
     by_time: dict[float, Event] = {}
     for event in ranked:
         by_time.setdefault(event.time_s, event)
-    return list(by_time.values())
+    yield from by_time.values()
+    yield from _lesser(series, turns, by_time.keys())
 
 
 def _extremes(series: Series, here: str = "") -> tuple[set[int], list[Event]]:
@@ -217,7 +218,7 @@ def _prominent(
     return events
 
 
-def _lesser(series: Series, turns: _Turns, taken: set[float]) -> list[Event]:
+def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator[Event]:
     """The other turning points (weight: as the root of their size), then the other changes."""
     size = np.zeros(len(series.value))
     for found, prominence in turns.found.values():
@@ -226,9 +227,9 @@ def _lesser(series: Series, turns: _Turns, taken: set[float]) -> list[Event]:
     turning = size > 0.0
     largest = [max(float(np.max(of, initial=0.0)), _TINY) for of in (size, change)]
     tops = set(turns.found[1.0][0].tolist()) if turns.found else set()
-    events: list[Event] = []
+    count = 0
     for k in np.lexsort((-change, -size)).tolist():
-        if len(events) == _LESSER or not (turning[k] or change[k] > 0.0):
+        if count == _LESSER or not (turning[k] or change[k] > 0.0):
             break
         if float(series.time_s[k]) in taken:
             continue
@@ -242,8 +243,8 @@ def _lesser(series: Series, turns: _Turns, taken: set[float]) -> list[Event]:
                 _moved(series, k),
                 max(_FAINT, _LIGHTEST * float(change[k]) / largest[1]),
             )
-        events.append(series.event(kind, k, words, weight))
-    return events
+        count += 1
+        yield series.event(kind, k, words, weight)
 
 
 def _moved(series: Series, i: int) -> str:

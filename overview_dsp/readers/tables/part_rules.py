@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
@@ -49,10 +50,10 @@ class PartRules:
         """Return the same for a part of this one."""
         return replace(self, start_s=self.start_s + start_s, end_s=self.start_s + end_s)
 
-    def found(self, duration_s: float) -> list[Event]:
-        """Return what is found, what matters most first; each of another sample."""
+    def found(self, duration_s: float) -> Iterator[Event]:
+        """Give what is found, what matters most first; each of another sample."""
         series = self._all() or self.part()
-        return find_part_events(_thinned(series), duration_s)
+        yield from find_part_events(_thinned(series), duration_s)
 
     def part(self) -> Series:
         """Return the samples of the part that `series` has, on an axis that begins with it."""
@@ -135,8 +136,9 @@ def _thinned(part: Series) -> Series:
         return part
     run = -(-2 * len(part.value) // MOST_SAMPLES)
     size = np.nan_to_num(np.abs(part.step))
-    largest = np.argpartition(size, len(size) - 32)[-32:]
-    kept = np.union1d(lows_and_highs(part.value, run), largest)
+    kept = np.zeros(len(size), np.bool_)
+    kept[lows_and_highs(part.value, run)] = True
+    kept[np.argpartition(size, len(size) - 32)[-32:]] = True
     return replace(
         part, time_s=part.time_s[kept], value=part.value[kept], step=part.step[kept], every=False
     )
