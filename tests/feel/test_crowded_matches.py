@@ -6,6 +6,7 @@ every match is asserted as a share, and said in the preset's header.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
@@ -174,7 +175,7 @@ def test_goals_within_two_minutes_are_both_felt(felt, gesture):
     for which in SETS:
         for out, _ in felt(which, gesture):
             goals = np.flatnonzero(np.isin(out.kind, GOALS))
-            for one, other in zip(goals[:-1], goals[1:], strict=True):
+            for one, other in itertools.pairwise(goals):
                 if out.time_s[other] - out.time_s[one] < CLOSE_S:
                     near = [
                         (out.knocks_s >= out.first_s[i] - 0.015)
