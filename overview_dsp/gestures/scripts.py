@@ -16,6 +16,9 @@ CONTROL_RATE = 200.0
 ARRIVAL_S = 1.5
 """How long a sweep rests at its end at most: the disk lags the finger and must arrive."""
 
+TAP_S = 3.0
+"""How long a tap that has no time of its own holds at most: presets unfold within 2.5 s."""
+
 LONGEST_S = 24 * 3600.0
 
 
@@ -75,15 +78,17 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
     return Gesture(time_s, theta2, touching, float(time_s[-1]), on_arrival=(steps + 1,))
 
 
-def tap(position: float, hold_seconds: float = 1.0) -> Gesture:
+def tap(position: float, hold_seconds: float | None = None) -> Gesture:
     """Touch down at a position (a step of theta2), hold, let go.
+
+    How fast the disk unfolds is the preset's.
 
     Parameters
     ----------
     position : float
         0 (start of the timeline) to 1 (its end).
-    hold_seconds : float
-        How long, s.
+    hold_seconds : float or None
+        How long, s; None is until the disk has arrived, 3 s at most.
 
     Returns
     -------
@@ -102,11 +107,10 @@ def tap(position: float, hold_seconds: float = 1.0) -> Gesture:
     array([ True, False])
     """
     _position(position, "a tap's position")
-    _seconds(hold_seconds, "a tap's hold")
+    hold = _seconds(TAP_S if hold_seconds is None else hold_seconds, "a tap's hold")
     theta2 = np.full(2, position * HALF_TURN)
-    return Gesture(
-        np.array([0.0, hold_seconds]), theta2, np.array([True, False]), float(hold_seconds)
-    )
+    arrives = (1,) if hold_seconds is None else ()
+    return Gesture(np.array([0.0, hold]), theta2, np.array([True, False]), hold, on_arrival=arrives)
 
 
 def pause(seconds: float) -> Gesture:

@@ -24,6 +24,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.gestures import Gesture, load_gesture
 from overview_dsp.gestures.growing_take import free_name
+from overview_dsp.gestures.scripts import TAP_S
 from overview_dsp.kernels import layout
 from overview_dsp.live import commands
 from overview_dsp.live.frames_lost import FramesLost
@@ -42,7 +43,9 @@ from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.zooming import Zoom
 from overview_dsp.units import HALF_TURN
 
-TAP_HOLD_S = 1.0
+TAP_SETTLES_S = 0.1
+"""A tap holds at least so long: until it is heard, the disk may seem to have arrived."""
+
 LOST_AFTER_S = 1.0
 """An output that hasn't called for so long is lost."""
 
@@ -207,12 +210,12 @@ class Player:
             self.engine.control(self._finger * HALF_TURN, False)
 
     def tap(self, position: float) -> None:
-        """A step to `position`, held for a second, and let go (paper, figure 6)."""
+        """A step to `position`, held until the disk is there, and let go (paper, figure 6)."""
         self.stop_replay()
         if self._touching:
             self.release()
         self._hold(position)
-        self._release_at = time.monotonic() + TAP_HOLD_S
+        self._release_at = time.monotonic() + TAP_S
 
     @property
     def finger(self) -> float:
@@ -422,8 +425,11 @@ class Player:
 
     def poll(self) -> Status:
         """See to everything that is due; how the session stands."""
-        if self._release_at is not None and time.monotonic() >= self._release_at:
-            self.release()
+        if self._release_at is not None:
+            left = self._release_at - time.monotonic()
+            settled = left <= TAP_S - TAP_SETTLES_S and self.engine.arrived_at is not None
+            if left <= 0.0 or settled:
+                self.release()
         while self._asked:
             commands.do(self, *self._asked.popleft())
         for line in self._presets.look():

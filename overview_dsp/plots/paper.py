@@ -14,7 +14,7 @@ from overview_dsp.rendering.offline import Result, render
 from overview_dsp.timeline import Timeline
 
 FAST_S, SLOW_S = 1.0, 4.0
-TAP_AT, TAP_HOLD_S = 1.0, 1.5
+TAP_AT, TAP_HOLD_S = 1.0, 3.0
 
 
 def renders(timeline: Timeline, preset: Preset) -> dict[str, Result]:

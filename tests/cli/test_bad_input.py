@@ -87,11 +87,11 @@ PRESET = preset_path("football").read_text(encoding="utf-8")
 @pytest.mark.parametrize(
     ("before", "after", "words"),
     [
-        ("k1 = 0.00097", "k3 = 1.5e-3", ("disk.k3", "unknown key")),
-        ("k1 = 0.00097", "k1 = 5", ("disk.k1 = 5", "1e-05 to 1 N·m/rad")),
-        ("k1 = 0.00097", "k1 = nan", ("disk.k1 = nan", "1e-05 to 1 N·m/rad")),
-        ("k1 = 0.00097", 'k1 = "stiff"', ("disk.k1 = 'stiff'", "1e-05 to 1 N·m/rad")),
-        ("k1 = 0.00097", "k1", ("not TOML",)),
+        ("k1 = 0.00036", "k3 = 1.5e-3", ("disk.k3", "unknown key")),
+        ("k1 = 0.00036", "k1 = 5", ("disk.k1 = 5", "1e-05 to 1 N·m/rad")),
+        ("k1 = 0.00036", "k1 = nan", ("disk.k1 = nan", "1e-05 to 1 N·m/rad")),
+        ("k1 = 0.00036", 'k1 = "stiff"', ("disk.k1 = 'stiff'", "1e-05 to 1 N·m/rad")),
+        ("k1 = 0.00036", "k1", ("not TOML",)),
     ],
 )
 def test_a_bad_preset_is_one_line_that_names_file_line_key_and_range(folder, before, after, words):

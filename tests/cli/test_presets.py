@@ -45,8 +45,8 @@ def test_check_says_which_are_valid():
 def broken(folder, name="mine.toml"):
     text = preset_path("football").read_text(encoding="utf-8")
     path = folder / name
-    path.write_text(text.replace("k1 = 0.00097", "k1 = 1.5e3"), encoding="utf-8")
-    return 1 + text.splitlines().index("k1 = 0.00097")
+    path.write_text(text.replace("k1 = 0.00036", "k1 = 1.5e3"), encoding="utf-8")
+    return 1 + text.splitlines().index("k1 = 0.00036")
 
 
 def test_check_names_file_line_key_and_range_of_a_fault(folder):

@@ -71,7 +71,7 @@ def test_live_is_the_render_sample_for_sample_in_any_blocks(
     match, football, rendered, actuator, sizes
 ):
     live = played(ready(match, football, OutputSettings(actuator=actuator)), sizes)
-    assert np.abs(live[:, 1]).max() > 0.1
+    assert np.abs(live[:, 1]).max() > 0.05
     assert np.array_equal(live, rendered[actuator.name])
 
 
@@ -99,7 +99,7 @@ def test_no_gain_passes_the_peak_and_a_ceiling_takes_off_more(match, football):
         loud = SignalSettings(2, gain_db=24.0, ceiling_db=ceiling_db)
         given = OutputSettings(tactor=loud, actuator=quiet)
         live = played(ready(match, football, given), [480] * 50)
-        assert 0.5 * highest < np.abs(live[:, 1]).max() <= highest
+        assert 0.4 * highest < np.abs(live[:, 1]).max() <= highest
 
 
 def test_a_stream_that_compiles_first_keeps_its_actuator(match, football, rendered):

@@ -5,7 +5,10 @@
 // lies between them is made up as it moves, always in the direction of its movement.
 
 const MADE_UP = 0.5; // of a gap, for each movement as long as the gap
-export const TAP_HOLD_MS = 1000;
+const TAP_MOST_MS = 3000; // presets unfold within 2.5 s
+const TAP_LEAST_MS = 300; // before it is heard a disk may seem to have arrived
+const TAP_LOOK_MS = 30;
+const ARRIVED = 0.002; // of the timeline
 
 export class Hand {
   /** `strokes`: what takes its movement; `onchange` is called after each. */
@@ -16,6 +19,7 @@ export class Hand {
     this.gap = 0; // from where the holder is to where the hand is
     this.place = 0;
     this.letGo = 0; // timer of a tap
+    this.cursor = () => null; // where the disk is, if that is known
     this.onchange = () => {};
   }
 
@@ -60,13 +64,19 @@ export class Hand {
     this.onchange();
   }
 
-  /** A source lets go after a while: what was a tap. */
-  releaseLater(source) {
+  /** A source lets go when the disk has arrived, or after a while: what was a tap. */
+  releaseLater(source, since = performance.now()) {
     clearTimeout(this.letGo);
-    this.letGo = setTimeout(() => this.release(source), TAP_HOLD_MS);
+    this.letGo = setTimeout(() => {
+      const waited = performance.now() - since;
+      const cursor = this.cursor();
+      const there = cursor !== null && Math.abs(cursor - this.place) < ARRIVED;
+      if (waited > TAP_MOST_MS || (there && waited > TAP_LEAST_MS)) this.release(source);
+      else this.releaseLater(source, since);
+    }, TAP_LOOK_MS);
   }
 
-  /** A step to `place`, held for a second (unless another hand holds). */
+  /** A step to `place`, held until the disk is there (unless another hand holds). */
   tap(source, place) {
     if (this.holder === source) this.release(source);
     this.hold(source, place);

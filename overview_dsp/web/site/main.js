@@ -38,6 +38,7 @@ class Page {
     this.hand = new Hand(
       new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
     );
+    this.hand.cursor = () => (this.meters === null ? null : this.cursor);
     this.picture = new Picture(by("layer"), by("canvas"), this.info);
     this.slider = new Slider(by("slider"), by("clock"), by("event"));
     this.speech = new Speech();
