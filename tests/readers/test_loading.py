@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers import FORMATS, Format, load_timeline, source
+from overview_dsp.readers import FORMATS, Format, formats, load_timeline, source
 from overview_dsp.readers import registry as loading
 from tests.readers.statsbomb_match import full_match
 
@@ -183,7 +183,7 @@ def test_a_format_more_is_one_entry_more(tmp_path: Path, monkeypatch: pytest.Mon
         return loading.bundled_timeline()
 
     extra = Format("shout", lambda found: found.head.startswith(b"HEY"), read)
-    monkeypatch.setattr(loading, "FORMATS", (*FORMATS, extra))
+    monkeypatch.setattr(formats, "FORMATS", (*FORMATS, extra))
     (tmp_path / "x").write_bytes(b"HEY")
     assert load_timeline(tmp_path / "x").title.startswith("France 4-2 Croatia")
 

@@ -29,7 +29,7 @@ def read(path: Path, columns: list[int]) -> list[Any]:
             cells = zip(*chunk.cells, strict=True)
             rows += [(chunk.number(i), *row) for i, row in enumerate(cells)]
     except InputError as error:
-        rows.append(str(error))
+        return [str(error)]  # how many rows were given before depends on the blocks
     return rows
 
 
