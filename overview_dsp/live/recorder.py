@@ -50,6 +50,7 @@ class Recorder:
         self._now = 0
         self._events: list[Event] = [(0, source, theta2, True) for source, theta2 in hands]
         self._changes: list[tuple[int, Mapping[str, Any]]] = [(0, one) for one in changes or ()]
+        self._pending = list(changes or ())
         self._messages: deque[str] = deque()
         self._over = threading.Event()
         self._thread: threading.Thread | None = None
@@ -128,6 +129,8 @@ class Recorder:
         for sample, what in changes:
             if what is None:
                 self._say_once("a surface was set that a take can't hold: replayed, it is missing")
+            elif what in self._pending:
+                self._pending.remove(what)  # asked for before the take, and there from its start
             elif sample >= self._begin:
                 self._changes.append((sample - self._begin, what))
 

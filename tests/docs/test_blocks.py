@@ -20,7 +20,7 @@ SHOWN = {"text", "cpp", "js", "toml", "json"}
 DEVICES = {
     "a sound output", "a serial port", "a MIDI port", "a phone", "a cluster", "an editor",
     "a package registry", "a fresh environment", "a clone of the project", "five minutes",
-    "both cores for a minute",
+    "both cores for a minute", "both cores for some seconds",
     "a program that writes angles",
 }  # fmt: skip
 """What a block may need that a test can't give it; its commands are parsed all the same."""
