@@ -73,7 +73,7 @@ class Gesture:
     >>> times, angles = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 1.0])
     >>> mine = ov.Gesture(times, angles, np.array([True, True, False]), duration_s=1.0)
     >>> (mine + ov.tap(0.8)).duration_s
-    2.0
+    4.0
     """
 
     time_s: NDArray[np.float64]

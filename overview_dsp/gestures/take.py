@@ -52,7 +52,7 @@ def load_gesture(path: str | Path) -> Gesture:
     >>> import overview_dsp as ov
     >>> ov.save_gesture(ov.tap(0.8), "take.csv")
     >>> ov.load_gesture("take.csv").duration_s
-    1.0
+    3.0
     """
     path = Path(path)
     try:
