@@ -339,6 +339,15 @@ class Player:
         return self._takes.growing is not None
 
     @property
+    def ended_takes(self) -> list[str]:
+        """A line for the person on each of them."""
+        return self._takes.words
+
+    @property
+    def _whole(self) -> tuple[float, float]:
+        return 0.0, self.timeline.duration_s
+
+    @property
     def _about(self) -> dict[str, str]:
         return {"title": self.timeline.title, "preset": self._presets.preset.name}
 
@@ -356,14 +365,33 @@ class Player:
             else:
                 self.say(f"{path}: the take; P plays it again")
             return
-        self.stop_replay()
-        # what holds at its first sample, and isn't in the timeline and the preset as they are named
-        before: list[Mapping[str, Any]] = []
-        if self.window != (0.0, self.timeline.duration_s):
-            before.append({"window": list(self.window)})
-        if self.preset != self._presets.preset:
-            before.append({"preset": preset_to_dict(self.preset)})
-        self._takes.begin_later(self._about, before)
+        if self._replay is not None or (self.at_rest and self.engine.holder is None):
+            self._replay = None
+            self._begin_exact_take()
+        if not self.recording:
+            # what holds at its first sample, and isn't in the timeline and the preset as named
+            before: list[Mapping[str, Any]] = []
+            if self.window != self._whole:
+                before.append({"window": list(self.window)})
+            if self.preset != self._presets.preset:
+                before.append({"preset": preset_to_dict(self.preset)})
+            self._takes.begin_later(self._about, before)
+
+    def _begin_exact_take(self) -> None:
+        """Begin a take with an engine that begins anew, which nobody notices while it rests.
+
+        It begins on what is named, and what differs from that changes in its first sample.
+        """
+        window, preset = self.window, self.under_hand.take_wish()
+
+        def begin() -> None:
+            self._takes.begin_later(self._about, [])
+            if window != self._whole:
+                self.under_hand.put_at(window, 0)
+            if preset != self.preset:
+                self.engine.set_preset(preset, 0)
+
+        self._restart(self.timeline, self._whole, self._presets.preset, begin)
 
     def end_take(self) -> None:
         """Save what is recorded; may be called from any thread, and twice; errors as `close`."""
@@ -409,7 +437,8 @@ class Player:
         """Let go, and be as new."""
         if self._replay is not None:
             self._replay = None
-            self._restart(self.shown, self.window, lambda: None)
+            preset = self.under_hand.take_wish()
+            self._restart(self.shown, self.window, preset, lambda: None)
 
     def _go_on_replaying(self) -> None:
         replay = self._replay
@@ -425,22 +454,26 @@ class Player:
     def _begin_pass(self) -> None:
         replay = self._replay
         assert replay is not None
+        preset = self.under_hand.take_wish()
         if self._presets.waiting is not None:
-            self.under_hand.wish(self._presets.choose(self._presets.waiting))
+            preset = self._presets.choose(self._presets.waiting)
         timeline, window = replay.first(self.under_hand)
 
         def begin() -> None:
             replay.begin(self.engine, self.under_hand.put_at, self.timeline)
 
-        self._restart(timeline, window, begin)
+        self._restart(timeline, window, preset, begin)
 
     def _restart(
-        self, timeline: Timeline, window: tuple[float, float], begin: Callable[[], None]
+        self,
+        timeline: Timeline,
+        window: tuple[float, float],
+        preset: Preset,
+        begin: Callable[[], None],
     ) -> None:
-        """Begin with the engine's first sample, under the preset that is wanted."""
+        """Begin with the engine's first sample, ahead of which `begin` is called."""
         if not self._output.playing:
             return
-        preset = self.under_hand.take_wish()
         try:
             check_carrier(preset, self.engine.sample_rate)
             surface = build_surface(timeline, preset)  # while it still sounds

@@ -24,6 +24,8 @@ class Takes:
     ----------
     ended : list of str
         The files of those that were ended.
+    words : list of str
+        A line for the person on each of them.
     """
 
     def __init__(
@@ -35,6 +37,7 @@ class Takes:
         self._say = say
         self._recorder: Recorder | None = None
         self.ended: list[str] = []
+        self.words: list[str] = []
 
     @property
     def growing(self) -> Path | None:
@@ -82,6 +85,8 @@ class Takes:
             finally:
                 self._tell(recorder)
                 self.ended.append(str(recorder.path))
+                what = f"its hands; {recorder.differs}" if recorder.differs else "to the bit"
+                self.words.append(f"{recorder.path}: the take, {what}")
 
     def _tell(self, recorder: Recorder) -> None:
         for line in recorder.take_messages():

@@ -91,10 +91,6 @@ class UnderHand:
         self._wanted_preset = self.presets.take_changed() or self._wanted_preset
         self._make_changes()
 
-    def wish(self, preset: Preset) -> None:
-        """Have a preset with the next `take_wish`."""
-        self._wanted_preset = preset
-
     def take_wish(self) -> Preset:
         """The preset that is wanted, or the present one; nothing waits then."""
         preset, self._wanted_preset = self._wanted_preset or self._engine.preset, None
