@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.live.replay import LONGEST_TAIL_S
 from tests.live import jack_server
 
 pytestmark = [
@@ -334,6 +335,12 @@ np.save(path, heard[: state["at"]])
 """
 
 
+def onsets(heard):
+    """The samples that sound after a fifth of a second of silence."""
+    sounding = np.flatnonzero(heard.any(axis=1))
+    return sounding[np.diff(sounding, prepend=-48_000) > 9_600]
+
+
 @pytest.mark.parametrize("block", [64, 256, 1024])
 def test_a_replayed_take_sounds_as_rendered_each_time(match, football, tmp_path, block):
     hand = tmp_path / "take.csv"
@@ -351,12 +358,16 @@ def test_a_replayed_take_sounds_as_rendered_each_time(match, football, tmp_path,
         with jack_server.Server(period=1024) as server:
             server.run(REPLAY, path, block, hand)
         heard = np.load(path)
+        after = 0
         for number, expected in enumerate(renders):
-            one = aligned(heard, expected)
-            length = np.flatnonzero(expected.any(axis=1))[-1] + 1
-            exact[number] |= np.array_equal(one[:length], expected[:length])
-            first = int(np.flatnonzero(heard.any(axis=1))[0])
-            heard = heard[first - int(np.flatnonzero(expected.any(axis=1))[0]) + length :]
+            # a disk that isn't at rest by then doesn't keep the loop
+            part = expected[: round((gesture.duration_s + LONGEST_TAIL_S) * 48_000)]
+            sounding = np.flatnonzero(part.any(axis=1))
+            part = part[sounding[0] : sounding[-1] + 1]
+            for first in onsets(heard):
+                if first >= after and np.array_equal(heard[first : first + len(part)], part):
+                    exact[number], after = True, first + len(part)
+                    break
         if all(exact):
             break
     assert exact == [True, True, True]
