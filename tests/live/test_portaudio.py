@@ -229,7 +229,8 @@ import atexit, json, os, subprocess, sys, time
 import overview_dsp as ov
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.player import Player
-from overview_dsp.live.portaudio import OutputStream, rescan
+from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.portaudio_library import rescan
 from overview_dsp.live.preset_watch import PresetWatch
 
 servers = []
