@@ -327,7 +327,7 @@ with client:
             if not client.get_all_connections(port):  # a new activation may have lost it
                 client.connect(f"PortAudio:out_{channel}", port)
         player.choose_preset(number % 2 == 0)
-        while player._replay.passes < number:
+        while player._replaying.now.passes < number:
             player.poll()
             time.sleep(0.02)
     time.sleep(0.3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -73,7 +74,7 @@ def wait(player, condition, sound=None, seconds=60.0):
 
 
 def passes_begun(player, count):
-    return lambda: player.poll().replay is not None and player._replay.passes >= count
+    return lambda: player.poll().replay is not None and player._replaying.now.passes >= count
 
 
 def play_a_take(player, sound):
@@ -136,7 +137,7 @@ def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
         lambda: player.preset.number("tactor.gain_db") == after.number("tactor.gain_db"),
         sound,
     )
-    assert player._replay.passes == 1
+    assert player._replaying.now.passes == 1
     wait(player, passes_begun(player, 2), sound)
     # A is the file as it was, B as it is
     player.choose_preset(0)
@@ -158,7 +159,7 @@ def test_chosen_twice_it_changes_at_once(session, tmp_path):
     assert player.preset.name == "football"
     player.choose_preset(1)
     wait(player, lambda: player.preset.name == "plain", sound)
-    assert player._replay.passes == 1
+    assert player._replaying.now.passes == 1
 
 
 def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, match, football):
@@ -307,6 +308,26 @@ def test_a_switch_within_a_pass_adds_no_click(match, moment):
     engine.process(out)
     around = round(moment * RATE)
     assert above(out[around - 6000 : around + 6000, 1].astype(float), 2000.0) < -60.0
+
+
+@pytest.mark.parametrize("seconds", [0.3, 0.4003, 0.7])
+def test_a_pass_that_is_cut_off_while_it_sounds_adds_no_click(session, seconds):
+    """By the next one, or by its end."""
+    player, sound = session()
+    player.replay(ov.sweep(1.0), "sweep")
+    sound.play(seconds)
+    player.poll()
+    player.replay(ov.sweep(1.0), "again")
+    sound.play(seconds)
+    player.stop_replay()
+    sound.play(0.2)
+    player.close()
+    passes = [one[:, 1].astype(float) for one in sound.passes[1:]]
+    assert len(passes) == 3
+    for before, after in pairwise(passes):
+        around = np.concatenate([before[-6000:], after[:6000]])
+        assert np.abs(before[-2000:]).max() > 0.01
+        assert above(around, 2000.0) < -60.0
 
 
 def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_nothing(
