@@ -10,8 +10,7 @@ import pytest
 
 from overview_dsp.readers.cardiac import detection
 from overview_dsp.readers.cardiac.detection import Detection, find_beats
-from overview_dsp.readers.cardiac.signal import SilenceFinder
-from overview_dsp.readers.cardiac.table import Samples
+from overview_dsp.readers.cardiac.signal import Samples, SilenceFinder
 from tests.readers.make_cardiac import agreement, beat_times, ecg, pulse_wave
 from tests.readers.make_noise import electrode_noise, with_noise
 
