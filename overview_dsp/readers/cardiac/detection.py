@@ -38,8 +38,8 @@ _DOUBTFUL_ABOVE = 0.4
 a heart lies above it for so long at 6 dB and less."""
 
 _DOUBTFUL_S = 12.0
-"""A stretch between noisy ones, or a recording, of mostly doubtful beats counts from this length on:
-noise doesn't look like a heart for so long."""
+"""A stretch between noisy ones, or a recording, of mostly doubtful beats counts if it is as long as
+this: noise doesn't look like a heart for so long."""
 
 _LEAST_NOISY_S = 4.0
 """A shorter noisy stretch is left: its beats are judged by those around it."""
@@ -141,7 +141,7 @@ def _worth_a_gap(noisy: Spans, doubtful: Spans, length: int, rate: float) -> Spa
     joined: Spans = [(0, 0)]
     for begin, stop in [*noisy, (length, length)]:
         clear = begin - joined[-1][1]
-        short = clear < _LEAST_CLEAN_S * rate and 0 < joined[-1][1] and begin < length
+        short = clear < _LEAST_CLEAN_S * rate and joined[-1][1] > 0 and begin < length
         if not short and clear < _DOUBTFUL_S * rate:
             unsure = _shifted(doubtful, 0, joined[-1][1], begin)
             short = 2 * sum(last - at for at, last in unsure) > clear
