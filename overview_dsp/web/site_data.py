@@ -4,7 +4,8 @@
 
     {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null, "unit",
      "full_torque": N m, "bare_friction": N m s/rad, "rates": [44100, 48000],
-     "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6}, ...},
+     "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6,
+                        "pulse": [on ms, off ms, on ms]}, ...},
      "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...],
      "server": null in a folder, else what `data` says}
 
@@ -33,6 +34,7 @@ from overview_dsp.readers.tables.events import KINDS as SERIES_KINDS
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.ticks import KINDS as TICKS
+from overview_dsp.web.pulses import pulse_of
 from overview_dsp.web.site_windows import Part
 
 COLUMNS = 1025
@@ -54,8 +56,8 @@ _OTHER_SHAPES = ("pentagon", "star", "triangle", "square", "diamond", "circle", 
 _OTHER_COLOURS = ("vermilion", "blue", "yellow", "sky", "green", "orange", "purple")
 
 
-def kind_looks(timeline: Timeline) -> dict[str, dict[str, Any]]:
-    """Shape, colour, words and count of each kind of event; known ones as pictured.
+def kind_looks(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]:
+    """Shape, colour, words, count and pulse of each kind of event; known ones as pictured.
 
     Those that only windows have are there too: details, ticks, what is found in a series' parts.
     """
@@ -77,7 +79,13 @@ def kind_looks(timeline: Timeline) -> dict[str, dict[str, Any]]:
             shape = _OTHER_SHAPES[i % len(_OTHER_SHAPES)]
             colour = _OTHER_COLOURS[i % len(_OTHER_COLOURS)]
             words = kind.replace("_", " ")
-        looks[kind] = {"words": words, "shape": shape, "colour": colour, "count": counts[kind]}
+        looks[kind] = {
+            "words": words,
+            "shape": shape,
+            "colour": colour,
+            "count": counts[kind],
+            "pulse": list(pulse_of(kind, preset)),
+        }
     return looks
 
 
@@ -95,7 +103,7 @@ def timeline_json(
         "full_torque": preset.number("tactor.full_torque_mnm") * 1e-3,
         "bare_friction": preset.number("surface.friction"),
         "rates": list(rates),
-        "kinds": kind_looks(timeline),
+        "kinds": kind_looks(timeline, preset),
         "provenance": timeline.provenance,
         "notes": list(timeline.notes),
         "windows": [

@@ -175,9 +175,9 @@ export class Page {
 
   apply() {
     const { felt, clicks, vibration, volume, speech, contrast, still } = this.settings;
-    const gain = 10 ** (volume / 20);
+    this.gain = 10 ** (volume / 20);
     this.sound.route(felt);
-    this.sound.volume(clicks ? gain : 0, vibration ? gain : 0);
+    this.sound.volume(clicks ? this.gain : 0, vibration ? this.gain : 0);
     if (!vibration || felt !== "motor") this.motor.rest();
     this.speech.on = speech;
     if (!speech) this.speech.still();
@@ -205,21 +205,22 @@ export class Page {
     this.cursor = told.cursor;
     this.picture.trace.push(told.torque, told.struck);
     this.frames.rests(this.hand.holder === null && told.cursor < 1e-4 && told.envelope < 1e-4);
-    if (!this.atHost && this.settings.felt === "motor" && this.settings.vibration) {
-      this.motor.feel(told.envelope, performance.now());
+    const { events, struck } = this.view;
+    const passed = this.atHost
+      ? [eventPassed(this.view, before, this.cursor)]
+      : told.struck.map(({ event }) => events[struck[event] ?? -1]);
+    this.tell(passed.filter(Boolean), told.peakTactor);
+  }
+
+  /** What was struck or passed goes to the motor and, unless the keys hold, to speech. */
+  tell(passed, peak) {
+    const { felt, vibration } = this.settings;
+    if (!this.atHost && felt === "motor" && vibration) {
+      const codes = passed.map(({ kind }) => this.info.kinds[kind].pulse);
+      this.motor.feel(codes, peak / this.gain, performance.now());
     }
-    if (this.hand.holder === "keys") return;
-    if (this.atHost) this.sayEvent(eventPassed(this.view, before, this.cursor));
-    else this.sayStruck(told.struck);
-  }
-
-  sayStruck(struck) {
-    const named = struck.map(({ event }) => this.view.events[this.view.struck[event] ?? -1]);
-    this.sayEvent(named.filter(Boolean).at(-1));
-  }
-
-  sayEvent(event) {
-    if (event) this.speech.say(eventText(event, this.info));
+    const last = passed.at(-1);
+    if (last && this.hand.holder !== "keys") this.speech.say(eventText(last, this.info));
   }
 
   draw() {
