@@ -1,10 +1,25 @@
-// Keys on the slider: all that a finger can do.
+// Keys on the slider: all that a finger can do, and a table of them for a person.
 
 const STEP = 0.01;
 const PAGE = 0.1;
 
-/** `walk`: a Walk; `shown`: a Shown; `play()` opens the film; `onfirst()` comes before each. */
-export function listenToKeys(element, { walk, shown, play }, onfirst) {
+export const HELP = [
+  ["Arrows, Page keys", "move, move further"],
+  ["[ and ]", "previous and next event"],
+  ["Home, End", "first, last"],
+  ["X, N", "highest, lowest"],
+  ["Space", "tap: to here, and let go"],
+  ["Escape", "let go"],
+  ["+ and \u2212", "zoom"],
+  ["E", "list of events"],
+  ["V", "watch the film, where there is one"],
+  ["H", "this help"],
+];
+
+/**
+ * `walk`: a Walk; `shown`: a Shown; `open(name)`: events, help or film; `onfirst()` comes before each.
+ */
+export function listenToKeys(element, { walk, shown, open }, onfirst) {
   const keys = {
     ArrowRight: ({ shiftKey }) => walk.move(shiftKey ? PAGE : STEP),
     ArrowUp: ({ shiftKey }) => walk.move(shiftKey ? PAGE : STEP),
@@ -12,8 +27,10 @@ export function listenToKeys(element, { walk, shown, play }, onfirst) {
     ArrowDown: ({ shiftKey }) => walk.move(shiftKey ? -PAGE : -STEP),
     PageUp: () => walk.move(PAGE),
     PageDown: () => walk.move(-PAGE),
-    Home: () => walk.to(0),
-    End: () => walk.to(1),
+    Home: () => walk.first(),
+    End: () => walk.last(),
+    x: () => walk.highest(),
+    n: () => walk.lowest(),
     "[": () => walk.event(-1),
     "]": () => walk.event(1),
     " ": ({ repeat }) => repeat || walk.tap(),
@@ -21,12 +38,16 @@ export function listenToKeys(element, { walk, shown, play }, onfirst) {
     "+": () => shown.zoom(1),
     "=": () => shown.zoom(1),
     "-": () => shown.zoom(-1),
-    v: () => play(),
+    e: () => open("events"),
+    h: () => open("help"),
+    "?": () => open("help"),
+    v: () => open("film"),
   };
   element.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey || !Object.hasOwn(keys, event.key)) return;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (event.ctrlKey || event.altKey || event.metaKey || !Object.hasOwn(keys, key)) return;
     event.preventDefault();
     onfirst();
-    keys[event.key](event);
+    keys[key](event);
   });
 }

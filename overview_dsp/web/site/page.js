@@ -1,10 +1,11 @@
 // The page: data, sound, hand and picture put together, and what a person does with them.
 
 import { tellAbout } from "./about.js";
+import { EventList } from "./event_list.js";
 import { Frames } from "./frames.js";
 import { Hand } from "./hand.js";
 import { HostSound } from "./host_sound.js";
-import { listenToKeys } from "./keys.js";
+import { HELP, listenToKeys } from "./keys.js";
 import { Picture } from "./picture.js";
 import { Served } from "./served.js";
 import { bindSettings, keepSettings, loadSettings } from "./settings.js";
@@ -17,7 +18,7 @@ import { Twist } from "./twist.js";
 import { Motor } from "./vibration.js";
 import { Walk } from "./walk.js";
 import { partBetween } from "./windows.js";
-import { eventPassed, eventText } from "./words.js";
+import { eventAt, eventPassed, eventText } from "./words.js";
 
 const by = (id) => document.getElementById(id);
 
@@ -32,8 +33,9 @@ export class Page {
       new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
     );
     this.hand.cursor = () => (this.meters === null ? null : this.cursor);
-    this.picture = new Picture(by("layer"), by("canvas"), this.info);
-    this.slider = new Slider(by("slider"), by("clock"), by("event"));
+    this.picture = new Picture(by("canvas"), by("trace"), this.info);
+    const told = ["slider", "clock", "value", "event", "summary"];
+    this.slider = new Slider(Object.fromEntries(told.map((id) => [id, by(id)])));
     this.speech = new Speech();
     this.motor = new Motor();
     this.twist = new Twist(this.hand, this.settings.start);
@@ -46,6 +48,7 @@ export class Page {
     this.served = null;
     this.meters = null;
     this.cursor = 0;
+    this.last = null; // the event that was felt last under a hand
     this.begun = false;
   }
 
@@ -58,8 +61,8 @@ export class Page {
     const whole = [0, duration_s];
     const first = partBetween(windows, server?.window ?? whole);
     await this.shown.begin(first, this.atHost ? first : partBetween(windows, whole));
-    this.listen();
     if (server) this.served = new Served(this, server);
+    this.listen();
     this.wake();
   }
 
@@ -83,6 +86,29 @@ export class Page {
     return this.served?.bench ?? null;
   }
 
+  /** The event a person means: under the disk while it is held, else the one felt last. */
+  get felt() {
+    return this.hand.holder === null ? this.last : eventAt(this.view, this.meant);
+  }
+
+  /** Where a person is: the disk under a finger comes after it, keys say where they go. */
+  get meant() {
+    return this.hand.holder === "keys" ? this.place : this.cursor;
+  }
+
+  goTo(event) {
+    by("slider").focus();
+    this.last = event;
+    this.walk.to(event.place);
+  }
+
+  /** Open the list of events, the help or the film. */
+  open(name) {
+    if (name === "events") this.list.open(this.view);
+    else if (name === "help") by("help").showModal();
+    else this.served?.watch(this.felt);
+  }
+
   fault(message) {
     by("fault").textContent = message;
   }
@@ -95,22 +121,37 @@ export class Page {
     const onfirst = () => this.start();
     listenToTouch(element, this.hand, {
       placeOf: (x) => this.picture.placeOf(x),
+      ontap: (x, y) => this.tapped(x, y),
       onpinch: (factor, place) => shown.zoom(factor > 1 ? 1 : -1, place),
       onfirst,
     });
-    const play = () => this.served?.play();
-    listenToKeys(element, { walk, shown, play }, onfirst);
+    const watch = this.film === null ? null : (event) => this.served.watch(event);
+    this.list = new EventList(this.info, walk, (event) => this.goTo(event), watch);
+    listenToKeys(element, { walk, shown, open: (name) => this.open(name) }, onfirst);
+    element.addEventListener("focus", () => walk.summary());
     element.addEventListener("wheel", (event) => {
       event.preventDefault();
       shown.wheel(event);
     }, { passive: false });
-    this.hand.onchange = () => this.wake();
+    this.hand.onchange = () => {
+      if (this.hand.holder === "keys") this.last = eventAt(this.view, this.place) ?? this.last;
+      this.wake();
+    };
+    const click = (id, act) => by(id).addEventListener("click", () => {
+      this.start();
+      act();
+    });
+    click("previous", () => walk.event(-1));
+    click("next", () => walk.event(1));
+    click("tap", () => walk.tap());
+    click("list", () => this.open("events"));
     by("twist").addEventListener("click", () => this.toggleTwist());
     by("in").addEventListener("click", () => shown.zoom(1));
     by("out").addEventListener("click", () => shown.zoom(-1));
     by("earlier").addEventListener("click", () => shown.beside(-1));
     by("later").addEventListener("click", () => shown.beside(1));
     by("settings").addEventListener("click", () => by("dialog").showModal());
+    by("keys").replaceChildren(...HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]));
     by("calibrate").addEventListener("click", () => this.calibrate());
     bindSettings(by("dialog").querySelector("form"), this.settings, () => this.apply());
     document.addEventListener("visibilitychange", () => {
@@ -126,6 +167,15 @@ export class Page {
       this.tellAbout();
       this.wake();
     });
+  }
+
+  /** A short touch on an event's mark watches it, where there is a film; whether it did. */
+  tapped(x, y) {
+    const event = this.film === null ? null : this.picture.markAt(x, y);
+    if (event === null) return false;
+    this.last = event;
+    this.served.watch(event);
+    return true;
   }
 
   /** In a touch, a key or a click. */
@@ -202,9 +252,11 @@ export class Page {
   take(told) {
     const before = this.cursor;
     this.meters = told;
-    this.cursor = told.cursor;
+    // an end may be overrun by a hair: there is no time before the start
+    this.cursor = Math.min(Math.max(told.cursor, 0), 1);
     this.picture.trace.push(told.torque, told.struck);
     this.frames.rests(this.hand.holder === null && told.cursor < 1e-4 && told.envelope < 1e-4);
+    if (this.hand.holder !== null) this.last = eventAt(this.view, this.meant) ?? this.last;
     const { events, struck } = this.view;
     const passed = this.atHost
       ? [eventPassed(this.view, before, this.cursor)]
@@ -220,6 +272,7 @@ export class Page {
       this.motor.feel(codes, peak / this.gain, performance.now());
     }
     const last = passed.at(-1);
+    if (last && ![null, "keys"].includes(this.hand.holder)) this.last = last;
     if (last && this.hand.holder !== "keys") this.speech.say(eventText(last, this.info));
   }
 
@@ -228,4 +281,10 @@ export class Page {
     this.picture.draw({ cursor: this.cursor, hand: this.place, touching });
     this.slider.show(this.view, this.place, this.cursor, this.info);
   }
+}
+
+function term(name, text) {
+  const element = document.createElement(name);
+  element.textContent = text;
+  return element;
 }

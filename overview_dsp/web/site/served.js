@@ -2,7 +2,7 @@
 
 import { Bench } from "./bench.js";
 import { Film } from "./film.js";
-import { eventAt, eventText, momentText, secondsAt } from "./words.js";
+import { eventText, momentText, secondsAt } from "./words.js";
 
 const by = (id) => document.getElementById(id);
 
@@ -13,7 +13,7 @@ export class Served {
     this.film = server.media ? new Film(by("film"), server.media) : null;
     this.bench = new Bench((before, after, surface) => page.feel(before, after, surface));
     by("play").hidden = this.film === null;
-    by("play").addEventListener("click", () => this.play());
+    by("play").addEventListener("click", () => this.watch(page.felt));
     by("tune").hidden = false;
     by("tune").addEventListener("click", () => {
       by("dialog").close();
@@ -34,14 +34,14 @@ export class Served {
     sound.tell();
   }
 
-  /** Play the film from a little before where the disk is. */
-  play() {
+  /** Play the film from a little before an event, or where the disk is. */
+  watch(event) {
     const { film, page } = this;
     if (film === null) return;
     const { view, info, cursor } = page;
-    const moment = secondsAt(view, cursor);
-    const here = eventAt(view, cursor);
-    const title = here ? eventText(here, info) : momentText(moment, info);
-    film.play(here?.time_s ?? moment, title).catch((error) => page.fault(error.message));
+    const moment = event?.time_s ?? secondsAt(view, cursor);
+    const title = event ? eventText(event, info) : momentText(moment, info);
+    page.leave();
+    film.play(moment, title).catch((error) => page.fault(error.message));
   }
 }

@@ -98,6 +98,17 @@ export class Shown {
     this.view = view;
     this.picture.show(view);
     this.onshow();
+    this.fetchPoints(view);
+  }
+
+  /** The data's values come after the picture. */
+  async fetchPoints(view) {
+    try {
+      view.points = await this.data.points(view);
+      this.onshow();
+    } catch (error) {
+      this.onfault(error.message);
+    }
   }
 
   /** Draw the same part again as it is felt now, once that has rested. */

@@ -1,6 +1,7 @@
 // What a key or a button does with the hand: from place to place, from event to event.
 
-import { placeText } from "./words.js";
+import { extremeOf } from "./values.js";
+import { placeText, summaryText } from "./words.js";
 
 const NEAR = 1e-6; // of a window or s: the same place
 
@@ -33,6 +34,27 @@ export class Walk {
 
   letGo() {
     this.hand.release("keys");
+  }
+
+  first() {
+    this.to(0);
+  }
+
+  last() {
+    this.to(1);
+  }
+
+  highest() {
+    this.to(extremeOf(this.shown.view, 1));
+  }
+
+  lowest() {
+    this.to(extremeOf(this.shown.view, -1));
+  }
+
+  /** What lies here and what to look for, said. */
+  summary() {
+    this.speech.say(summaryText(this.shown.view, this.info));
   }
 
   /** To the next (1) or the last (-1) event, in this window or beyond its end. */
