@@ -256,6 +256,7 @@ def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(match, chromi
         tab.get_by_role("button", name="Watch 67:30, goal, 4-1 Mbappé").click()
         watched(tab)
         tab.focus("#slider")
+        tab.keyboard.press("Home")
         for _ in range(40):
             tab.keyboard.press("]")
             if tab.evaluate("overview.place") > GOAL - 1e-6:
