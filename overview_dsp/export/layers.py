@@ -14,9 +14,10 @@ from typing import Literal
 import numpy as np
 
 from overview_dsp.errors import InputError
-from overview_dsp.export.clip import DULL_HZ, SHARP_HZ, Transient
+from overview_dsp.export.clip import Transient
+from overview_dsp.export.players.core_haptics import TRANSIENTS_MS, with_transients
 from overview_dsp.export.reading import PlayedClip
-from overview_dsp.export.strikes import with_strikes
+from overview_dsp.export.strikes import DULL_HZ, SHARP_HZ
 from overview_dsp.kernels.layout import MAX_MODES
 from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.presets.parameters import MODE_PARAMETERS
@@ -30,7 +31,7 @@ _DULL_MS, _SHARP_MS = 60.0, 12.0
 def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
     """The clip's amplitude, strikes among it, at `count` positions, its highest 1."""
     struck = [(strike.time_s, strike.amplitude) for strike in clip.transients]
-    level = with_strikes(clip.level, struck)
+    level = with_transients(clip.level, struck, TRANSIENTS_MS[0])
     edges = np.linspace(0, len(level), count + 1).astype(np.int64)
     edges = np.minimum(edges[:-1], len(level) - 1)
     highest = np.maximum.reduceat(level, edges)

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.export.clip import clip_of
 from overview_dsp.export.felt_error import felt_error
 from overview_dsp.export.layers import course, modes, with_layer
 from overview_dsp.export.reading import read_clip
+from overview_dsp.export.rendered import clip_of
 from overview_dsp.export.writing import export
 from overview_dsp.presets.validation import parse_preset
 from overview_dsp.presets.writing import preset_toml
