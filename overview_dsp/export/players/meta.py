@@ -8,6 +8,7 @@ square with an emphasis' frequency is up to 3 dB more energy.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -24,18 +25,28 @@ def emphasis_ms(frequency: float) -> int:
     return int(DULL_MS + (SHARP_MS - DULL_MS) * frequency)
 
 
+def with_emphasis(
+    level: NDArray[np.float64], struck: Iterable[tuple[float, float, float]]
+) -> NDArray[np.float64]:
+    """A continuous level with emphases in it: (time s, amplitude, frequency), in order of time."""
+    emphasis = np.zeros(len(level))
+    for time_s, amplitude, frequency in struck:
+        start = round(time_s * LEVELS_PER_S)
+        emphasis[start:] = 0.0
+        emphasis[start : start + emphasis_ms(frequency)] = amplitude
+    ducked = np.where(emphasis > 0.0, DUCKING, 1.0) * level
+    return np.asarray(np.minimum(ducked + emphasis, 1.0))
+
+
 def played(haptic: dict[str, Any]) -> NDArray[np.float64]:
     """The amplitude that a `.haptic` document gives."""
     points = haptic["signals"]["continuous"]["envelopes"]["amplitude"]
     times = [point["time"] for point in points]
     grid = np.arange(round(times[-1] * LEVELS_PER_S) + 1) / LEVELS_PER_S
-    continuous = np.interp(grid, times, [point["amplitude"] for point in points])
-    emphasis = np.zeros(len(continuous))
-    for point in points:
-        if "emphasis" in point:
-            start = round(point["time"] * LEVELS_PER_S)
-            emphasis[start:] = 0.0
-            end = start + emphasis_ms(point["emphasis"]["frequency"])
-            emphasis[start:end] = point["emphasis"]["amplitude"]
-    ducked = np.where(emphasis > 0.0, DUCKING, 1.0) * continuous
-    return np.asarray(np.minimum(ducked + emphasis, 1.0))
+    level = np.interp(grid, times, [point["amplitude"] for point in points])
+    struck = [
+        (point["time"], point["emphasis"]["amplitude"], point["emphasis"]["frequency"])
+        for point in points
+        if "emphasis" in point
+    ]
+    return with_emphasis(level, struck)
