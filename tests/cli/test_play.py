@@ -96,9 +96,7 @@ def test_a_mistake_is_one_line_and_exit_code_2(arguments, words):
 
 def test_a_zoom_is_recorded_and_the_whole_stays_in_reach(tmp_path, match, springy_file):
     take = tmp_path / "take.csv"
-    played_here(
-        springy_file, "--input", "sweep:0.5", "--zoom-to", "goal:2:100", "--record", take
-    )
+    played_here(springy_file, "--input", "sweep:0.5", "--zoom-to", "goal:2:100", "--record", take)
     goal = match.event("goal", 2).time_s
     (change,) = json.loads(take.with_suffix(".json").read_text())["changes"]
     assert change["window"] == [goal - 75.0, goal + 25.0]
