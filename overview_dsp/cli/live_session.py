@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile
+from overview_dsp.cli.common import announce_compile, note, say
 from overview_dsp.cli.options.actuator import actuator_option
 from overview_dsp.cli.options.output import output_options, output_settings
 from overview_dsp.cli.stopping import signals_that_end
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from overview_dsp.live.player import Player
     from overview_dsp.timeline import Timeline
 
-STANDARD_ERROR = 2
 END_WITHIN_S = 2.0
 
 
@@ -195,21 +194,6 @@ def exit_if_stopped(received: list[int]) -> None:
     if received:
         say(f"stopped by {signal.Signals(received[0]).name}")
         sys.exit(128 + received[0])
-
-
-def note(message: str) -> None:
-    """A line for the person."""
-    say(f"note: {message}")
-
-
-def say(line: str) -> None:
-    """A line on standard error, if there is one still: it may be a terminal that was closed."""
-    try:
-        click.echo(line, err=True)
-    except OSError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, STANDARD_ERROR)  # else its end would fail again
-        os.close(nowhere)
 
 
 def print_lines(

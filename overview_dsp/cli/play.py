@@ -9,14 +9,12 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import part_of, read_gesture, window_options
+from overview_dsp.cli.common import note, part_of, read_gesture, say, window_options
 from overview_dsp.cli.live_session import (
     exit_if_stopped,
     live_options,
-    note,
     opened_player,
     print_lines,
-    say,
     seconds_given,
 )
 from overview_dsp.cli.options.server import (

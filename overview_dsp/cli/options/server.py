@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.live_session import note
+from overview_dsp.cli.common import note
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
