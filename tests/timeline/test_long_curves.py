@@ -17,7 +17,7 @@ from overview_dsp.errors import InputError, OutputError
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.readers.native import MAX_POINTS, decode, encode
 from overview_dsp.readers.source import parse_json
-from overview_dsp.timeline import Intensity, Timeline
+from overview_dsp.timeline import Intensity, Timeline, samples
 from overview_dsp.timeline import growable_array as store_module
 from overview_dsp.timeline.curve_builder import CurveBuilder
 from overview_dsp.timeline.even_times import EvenTimes
