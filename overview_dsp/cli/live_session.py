@@ -152,7 +152,7 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
     """The device's full name and the rate to play at."""
     if device == SILENT:
         return SILENT, sample_rate or 48_000.0
-    from overview_dsp.live.portaudio import find_device
+    from overview_dsp.live.output_devices import find_device
 
     found = find_device(device_named(device))
     return f"{found.name} ({found.host})", sample_rate or found.sample_rate
