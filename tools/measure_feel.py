@@ -244,8 +244,8 @@ def show(lines: Iterable[str]) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--preset", default="football", help="name or file")
-    parser.add_argument("--observers", type=int, default=3)
-    parser.add_argument("--random", type=int, default=80, help="matches")
+    parser.add_argument("--observers", type=int, default=2)
+    parser.add_argument("--random", type=int, default=60, help="matches")
     parser.add_argument("parts", nargs="*", metavar="PART", help="observer, matches, curves")
     options = parser.parse_args()
     parts = options.parts or ["observer", "matches", "curves"]
