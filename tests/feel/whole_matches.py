@@ -59,6 +59,19 @@ def random_matches(count: int) -> list[ov.Timeline]:
     return [*(ov.measure.random_match(700 + seed) for seed in range(count)), dull]
 
 
+def close_matches(count: int) -> list[ov.Timeline]:
+    """Random matches with goals less than two minutes apart."""
+    found: list[ov.Timeline] = []
+    seed = 700
+    while len(found) < count:
+        match = ov.measure.random_match(seed)
+        goals = sorted(event.time_s for event in match.events if event.kind in GOALS)
+        if any(late - early < CLOSE_S for early, late in itertools.pairwise(goals)):
+            found.append(match)
+        seed += 1
+    return found
+
+
 def felt_strokes(
     matches: Sequence[ov.Timeline], preset: ov.Preset, hand: ov.Gesture
 ) -> list[list[Stroke]]:
