@@ -21,6 +21,11 @@ from overview_dsp.cli.options.timeline import (
     preset_option,
     timeline_options,
 )
+from overview_dsp.cli.options.transcript import (
+    require_transcripts,
+    transcript_option,
+    write_transcripts,
+)
 from overview_dsp.gestures.spec import FORMS
 
 if TYPE_CHECKING:
@@ -35,7 +40,12 @@ DRIVEN = "wav4"
 SITE = "web"
 """The timeline itself, as a folder for a browser."""
 
-_GESTURES_OWN = {"gesture": "--gesture", "points": "--points", "tail": "--tail"}
+_GESTURES_OWN = {
+    "gesture": "--gesture",
+    "points": "--points",
+    "tail": "--tail",
+    "transcripts": "--transcript",
+}
 
 FIGURES = (
     "(median error of the felt level, and how much of the clip is within a step of 2.3 dB, strikes "
@@ -79,6 +89,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     type=click.IntRange(0, 3),
     help="Of a page: how often it can zoom in, by 3 each; 0.5 MB, 3, 13 and 41 MB.",
 )
+@transcript_option
 @actuator_option
 @window_options
 @timeline_options
@@ -95,6 +106,7 @@ def command(
     tail: str,
     seed: int,
     zooms: int,
+    transcripts: tuple[str, ...],
     actuator: str | None,
     window: tuple[str, str] | None,
     zoom_to: str | None,
@@ -113,6 +125,7 @@ def command(
     from overview_dsp.export.writing import export
     from overview_dsp.files.atomic import require_writable
     from overview_dsp.presets.library import load_preset
+    from overview_dsp.rendering.happened import happened
     from overview_dsp.rendering.offline import render
     from overview_dsp.rendering.schedule import tail_of
 
@@ -132,6 +145,7 @@ def command(
     places = {to: _place(out, to, len(set(formats)) > 1) for to in formats}
     for place in places.values():
         require_writable(place)
+    require_transcripts(transcripts)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as progress:
         result = render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
@@ -159,8 +173,9 @@ def command(
         else:
             report["actuator"] = protected_report(driven, result.protected)
         reports.append(report)
+    told = write_transcripts(transcripts, happened(result.strikes, data), as_json)
     if as_json:
-        print_json(reports)
+        print_json([*reports, told] if told else reports)
         return
     for report in reports:
         files = " and ".join(report["files"])

@@ -24,6 +24,7 @@ from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
     from overview_dsp.live.hand import Input
+    from overview_dsp.live.headless import Passed
     from overview_dsp.live.player import Player
     from overview_dsp.timeline import Timeline
 
@@ -197,11 +198,24 @@ def exit_if_stopped(received: list[int]) -> None:
 
 
 def print_lines(
-    player: Player, source: Input | None, received: list[int], seconds: float | None
+    player: Player,
+    source: Input | None,
+    received: list[int],
+    seconds: float | None,
+    logged: bool = False,
 ) -> None:
-    """Play with a line of JSON a second."""
+    """Play with a line of JSON a second; the last one says what happened, unless it is `logged`."""
     from overview_dsp.live.headless import run
 
-    for report in run(player, source, lambda: bool(received), note, seconds):
+    def describe(passed: list[Passed]) -> dict[str, Any]:
+        from overview_dsp.rendering.happened import as_records, of_events
+
+        times, events, levels = zip(*passed, strict=True) if passed else ((), (), ())
+        timeline = player.engine.timeline
+        return {"happened": as_records(of_events(times, levels, events, timeline))}
+
+    for report in run(
+        player, source, lambda: bool(received), note, seconds, None if logged else describe
+    ):
         print(json.dumps(report), flush=True)
     player.close()  # before anything else that may take its time

@@ -118,7 +118,7 @@ def command(
             routes = data_routes(data, name, audio="host", first=part)
             invitation = stack.enter_context(open_server(server, session, routes)).text
         if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
-            print_lines(player, source, received, seconds)
+            print_lines(player, source, received, seconds, logged=osc_out is not None)
         elif by_line:
             from overview_dsp.tui.lines import run as run_lines
 
