@@ -147,7 +147,8 @@ def encode_change(
     if surface is None:
         return head
     m = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
-    write_surface(m, 0, surface, sample_rate)
+    m[layout.S_SAMPLE_RATE] = sample_rate
+    write_surface(m, 0, surface)
     return head + _slot(m[layout.SURFACES :].view(np.uint64))
 
 
