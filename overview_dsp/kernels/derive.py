@@ -13,7 +13,7 @@ import math
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.clutch import OFF
-from overview_dsp.kernels.compiling import entry_point, inlined
+from overview_dsp.kernels.compiling import entry_point, inlined, outlined
 from overview_dsp.kernels.dc_block import CORNER_HZ
 from overview_dsp.kernels.decibels import db_to_gain
 from overview_dsp.kernels.elementary import ROUND, exp, sin_turns
@@ -29,6 +29,7 @@ GRAIN_S = 0.05  # time constant of the grain's level: many small contacts don't 
 PACE_S = 0.08  # time constant of the hand's pace, behind the input smoother
 PACE_LEAST = 0.02  # timelines a second: slower, a finger rests (3.6 degrees a second)
 PACE_MOST = 6.0  # faster, the input jumps
+FOREVER = 1 << 40  # samples
 LOG_1000 = 6.907755278982137  # of a fall by 60 dB
 MILLIWATT = 1e-3
 WHITE = 3.0  # 1 / the variance of white noise in -1 to 1
@@ -41,7 +42,7 @@ def one_pole(time_constant_s, sample_rate):
     return 1.0 - exp(-1.0 / (time_constant_s * sample_rate))
 
 
-@inlined
+@outlined
 def derive_into(f64, to):
     """Every gliding coefficient, into the `COEFFS` columns from `to` on (its own: `COEFF` = 0)."""
     sample_rate = f64[layout.S_SAMPLE_RATE]
@@ -109,7 +110,9 @@ def derive_mode(f64, mode, turns, decay, gain_db):
 
 @inlined
 def rounded_up(x):
-    """The least whole number that is not below x, 0 <= x < 2**52."""
+    """The least whole number that is not below x >= 0; `FOREVER` if that is more, or x is NaN."""
+    if not x < FOREVER:
+        return FOREVER
     whole = int(x)
     return whole + 1 if float(whole) < x else whole
 
@@ -133,7 +136,7 @@ def derive_clicks(f64, i64, slot):
             click = kind * layout.MAX_MODES + number
             given = slot + layout.CLICKS + click * layout.CLICK_SIZE
             turns = f64[given + layout.CLICK_FREQUENCY_HZ] / sample_rate
-            if turns > MODE_LIMIT:
+            if not 0.0 < turns <= MODE_LIMIT:
                 continue
             decay_ms = f64[given + layout.CLICK_DECAY_MS]
             decay = -LOG_1000 / (decay_ms * 1e-3 * sample_rate)
@@ -156,8 +159,8 @@ def derive(f64, i64):
         The memory block, seen two ways.
     """
     derive_into(f64, layout.COEFF)
-    derive_into(f64, layout.ASKED)
     for i in range(layout.COEFFS):
+        f64[layout.ASKED + i] = f64[layout.COEFF + i]
         i64[layout.GLIDE_LEFT + i] = 0
     i64[layout.S_GLIDE] = int(GLIDE_S * f64[layout.S_SAMPLE_RATE] + ROUND - ROUND)
     i64[layout.S_FADE] = int(FADE_S * f64[layout.S_SAMPLE_RATE] + ROUND - ROUND)

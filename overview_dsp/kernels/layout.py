@@ -98,6 +98,7 @@ SETTINGS = column(8)
 ) = range(SETTINGS, SETTINGS + 7)
 
 # --- parameters, as a person sets them: derive.py makes coefficients of them ---------------------
+PARAMETERS = 22
 PARAMS = column(24)
 (  # each is called after its parameter's id, and in its unit
     PARAM_DISK_INERTIA,
@@ -122,7 +123,7 @@ PARAMS = column(24)
     PARAM_TEXTURE_GAIN_DB,
     PARAM_TEXTURE_BRIGHTNESS_HZ,
     PARAM_OUTPUT_CEILING_DB,
-) = range(PARAMS, PARAMS + 22)
+) = range(PARAMS, PARAMS + PARAMETERS)
 ASKED = column(COEFFS)  # the coefficients of the parameters, as last asked for
 ASKED_RETURNS = column(1)  # i64: and S_RELEASE_RETURNS
 DERIVED = column(COEFFS)  # those that are compared with them

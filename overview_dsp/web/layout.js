@@ -60,6 +60,7 @@ export const L = Object.freeze({
   S_TACTOR_CHANNEL: 132,
   S_SEED: 133,
   S_SAMPLE_RATE: 134,
+  PARAMETERS: 22,
   PARAMS: 136,
   PARAM_DISK_INERTIA: 136,
   PARAM_DISK_K1: 137,
@@ -334,4 +335,4 @@ export const ENCODING = Object.freeze({
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([1484892106, -279263946]);
+export const DIGEST = Object.freeze([110927647, 2061483984]);

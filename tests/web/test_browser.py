@@ -177,7 +177,8 @@ def test_a_surface_is_copied_into_the_free_slot_in_pieces(browser, match, footba
         goal=encode_change(preset_of("door"), first, RATE, surface),
     )
     slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
-    write_surface(slot, 0, surface, RATE)
+    slot[layout.S_SAMPLE_RATE] = RATE
+    write_surface(slot, 0, surface)
     region = [layout.SURFACES + 2 * layout.SLOT_SIZE, layout.SURFACES + 3 * layout.SLOT_SIZE]
     given = {"image": "image", "region": region, "blocks": 200}
     # the first goes into slot 1, the second into 2, a third over what the image had in 0
@@ -199,7 +200,8 @@ def test_a_used_slot_keeps_nothing_of_its_old_surface(browser, match, football, 
         goal=encode_change(door, first, RATE, surface),
     )
     slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
-    write_surface(slot, 0, surface, RATE)
+    slot[layout.S_SAMPLE_RATE] = RATE
+    write_surface(slot, 0, surface)
     start = layout.SURFACES  # slot 0, where the door was
     given = {"image": "image", "region": [start, start + layout.SLOT_SIZE], "blocks": 300}
     told = browser.call("runKernel", {**given, "changes": ["goal", "goal", "goal"]})
