@@ -119,7 +119,7 @@ def opened_player(
     if settings.actuator is not None:
         warn_of_carrier(settings.actuator, watch.preset.number("tactor.frequency_hz"))
     native = callback == "native" and device != SILENT
-    announce_compile("_callback" if native else "finish_block")
+    announce_compile("callback" if native else "finish_block")
     player = Player(
         data,
         watch,
