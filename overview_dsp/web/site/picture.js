@@ -3,6 +3,7 @@
 import { geometryOf } from "./geometry.js";
 import { drawLayer, isDetail, levelAt } from "./layer.js";
 import { Moving } from "./moving.js";
+import { SvgContext } from "./svg.js";
 import { Trace } from "./trace.js";
 
 const COLOURS = ["paper", "ink", "soft", "line", "curve", "fill", "disk", "disk-mark", "hand",
@@ -19,7 +20,7 @@ export function coloursOf(element) {
 }
 
 export class Picture {
-  /** `layer` and `trace` are canvases. */
+  /** `layer` is an SVG, `trace` a canvas. */
   constructor(layer, trace, info) {
     this.layer = layer;
     this.info = info;
@@ -35,14 +36,11 @@ export class Picture {
     const { left, top, width, height } = layer.getBoundingClientRect();
     this.left = left; // asked for now, since at every move it would cost a layout
     this.top = top;
-    this.scale = Math.min(window.devicePixelRatio || 1, 3);
-    layer.width = Math.round(width * this.scale);
-    layer.height = Math.round(height * this.scale);
     const em = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
     const short = Math.min(window.innerWidth, window.innerHeight);
     this.geometry = geometryOf({ width, height, short, em, still: this.still });
     this.moving.place(this.geometry);
-    this.trace.place(this.geometry.trace, this.scale);
+    this.trace.place(this.geometry.trace, window.devicePixelRatio || 1);
     this.redraw();
   }
 
@@ -50,9 +48,9 @@ export class Picture {
   redraw() {
     this.colours = coloursOf(this.layer);
     if (!this.view || this.geometry.width === 0) return;
-    const c = this.layer.getContext("2d");
-    c.setTransform(this.scale, 0, 0, this.scale, 0, 0);
+    const c = new SvgContext(this.layer);
     drawLayer(c, this.geometry, this.view, this.info, this.colours);
+    c.show();
   }
 
   show(view) {
