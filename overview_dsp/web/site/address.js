@@ -14,7 +14,7 @@ export function addressOf(state) {
   return address.href;
 }
 
-/** The moment (s) that `at` names: an event ("goal:5", the fifth), seconds, or 67:30; null if none. */
+/** The moment (s) that `at` names: an event ("goal:5", the fifth), seconds, 67:30; null if none. */
 export function momentOf(at, events) {
   if (at === null) return null;
   const clock = at.match(/^(?:(\d+):)?(\d+):(\d+(?:\.\d+)?)$/);

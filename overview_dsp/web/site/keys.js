@@ -18,7 +18,8 @@ export const HELP = [
 ];
 
 /**
- * `walk`: a Walk; `shown`: a Shown; `open(name)`: events, run, help or film; `onfirst()` comes before each.
+ * `walk`: a Walk; `shown`: a Shown; `open(name)`: events, run, help or film; `onfirst()` comes before
+ * each.
  */
 export function listenToKeys(element, { walk, shown, open }, onfirst) {
   const keys = {

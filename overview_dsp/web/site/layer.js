@@ -166,7 +166,7 @@ function drawEvent(c, g, view, event, info, colours) {
   drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
 }
 
-/** The first word of a goal's label, its score, above it: the final one first, where there is room. */
+/** The first word of a goal's label, its score, above it: the last first, where there is room. */
 function drawLabels(c, g, view, colours) {
   c.font = fontOf(g, 600);
   c.fillStyle = colours.ink;

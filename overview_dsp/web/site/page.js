@@ -42,6 +42,10 @@ export class Page {
     this.speech = new Speech();
     this.motor = new Motor();
     this.twist = new Twist(this.hand, this.settings.start);
+    this.twist.onsilent = (line) => {
+      this.toggleTwist();
+      this.fault(line);
+    };
     this.shown = new Shown({
       data, sound, hand: this.hand, picture: this.picture,
       onshow: () => this.wake(), onfault: (line) => this.fault(line),
@@ -140,9 +144,9 @@ export class Page {
     const { shown, walk } = this;
     const onfirst = () => this.start();
     listenToTouch(element, this.hand, {
-      placeOf: (x) => this.picture.placeOf(x),
+      placeOf: (event, first) => this.picture.placeUnder(event, first),
       ontap: (x, y) => this.tapped(x, y),
-      onpinch: (factor, place) => shown.zoom(factor > 1 ? 1 : -1, place),
+      onpinch: (factor, x) => shown.zoom(factor > 1 ? 1 : -1, this.picture.placeOf(x)),
       onfirst,
     });
     const watch = this.film === null ? null : (event) => this.served.watch(event);
@@ -172,7 +176,8 @@ export class Page {
     by("earlier").addEventListener("click", () => shown.beside(-1));
     by("later").addEventListener("click", () => shown.beside(1));
     by("settings").addEventListener("click", () => by("dialog").showModal());
-    by("keys").replaceChildren(...HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]));
+    const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
+    by("keys").replaceChildren(...terms);
     by("calibrate").addEventListener("click", () => this.calibrate());
     bindSettings(by("dialog").querySelector("form"), this.settings, () => this.apply());
     document.addEventListener("visibilitychange", () => {
@@ -251,6 +256,7 @@ export class Page {
     this.sound.route(felt);
     this.sound.volume(clicks ? this.gain : 0, vibration ? this.gain : 0);
     if (!vibration || felt !== "motor") this.motor.rest();
+    if (this.atHost) this.sound.call(this.settings.name.slice(0, 40));
     this.playback.player.loop = this.settings.loop;
     this.speech.on = speech;
     if (!speech) this.speech.still();

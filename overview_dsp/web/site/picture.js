@@ -1,6 +1,6 @@
 // The picture: a layer that stands still, what moves over it, and the trace on a canvas of its own.
 
-import { geometryOf } from "./geometry.js";
+import { geometryOf, isOnDisk, placeTurned } from "./geometry.js";
 import { drawLayer, isDetail, levelAt } from "./layer.js";
 import { Moving } from "./moving.js";
 import { SvgContext } from "./svg.js";
@@ -27,6 +27,8 @@ export class Picture {
     this.moving = new Moving();
     this.trace = new Trace(trace, info.full_torque);
     this.still = false;
+    this.turning = false; // whether a finger turns the disk
+    this.turned = 0;
     this.view = null;
     this.resize();
   }
@@ -63,6 +65,17 @@ export class Picture {
     if (!this.view || this.geometry.width === 0) return;
     this.moving.show(this.geometry, this.view, state, this.info);
     this.trace.draw(this.colours);
+  }
+
+  /** The place that a pointer means: over the curve, or turning the disk if it came down there. */
+  placeUnder({ clientX, clientY }, first = false) {
+    const x = clientX - this.left;
+    const y = clientY - this.top;
+    if (first) this.turning = isOnDisk(this.geometry, x, y);
+    if (!this.turning) return this.geometry.place(x);
+    const last = first ? (x < this.geometry.disk.x ? 0 : 1) : this.turned;
+    this.turned = placeTurned(this.geometry.disk, x, y, last);
+    return this.turned;
   }
 
   placeOf(clientX) {

@@ -2,7 +2,7 @@
 
 const AGAIN_MS = 1500; // between two rounds
 
-/** A gesture from words, as the command line's: "sweep:SECONDS[:FROM:TO]" or "tap:PLACE"; or null. */
+/** A gesture from words as the command line's: "sweep:SECONDS[:FROM:TO]", "tap:PLACE"; or null. */
 export function gestureOf(words) {
   const [name, ...given] = (words ?? "").split(":");
   const numbers = given.map(Number);
@@ -13,8 +13,8 @@ export function gestureOf(words) {
     const known = seconds >= 0.2 && seconds <= 600 && inside(from) && inside(to);
     return known ? { name, seconds, from, to } : null;
   }
-  if (name === "tap" && numbers.length > 0 && inside(numbers[0])) return { name, place: numbers[0] };
-  return null;
+  const [place = NaN] = numbers;
+  return name === "tap" && inside(place) ? { name, place } : null;
 }
 
 export const wordsOf = ({ name, seconds, from, to, place }) => {

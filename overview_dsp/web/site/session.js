@@ -11,7 +11,9 @@ export async function enter() {
 
 /** An answer; an Error with the server's own line if it refuses. */
 export async function ask(path, options) {
-  const answer = await fetch(new URL(path, import.meta.url), options);
+  const answer = await fetch(new URL(path, import.meta.url), options).catch(() => {
+    throw new Error("nothing answers there: is the network on, and `overview` still running?");
+  });
   if (answer.ok) return answer;
   const told = answer.headers.get("content-type")?.startsWith("text/plain");
   const line = told ? (await answer.text()).trim() : "";

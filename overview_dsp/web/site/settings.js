@@ -12,6 +12,7 @@ const FIRST = {
   volume: 0, // dB
   sweep: 10, // s that Play takes
   loop: false,
+  name: navigator.userAgent.match(/iPhone|iPad|Android|Windows|Macintosh|Linux/)?.[0] ?? "",
   contrast: matchMedia("(prefers-contrast: more)").matches,
   still: matchMedia("(prefers-reduced-motion: reduce)").matches,
   start: 0, // roll at the timeline's start, rad

@@ -14,7 +14,7 @@ const ROUTES = {
 };
 
 export class Sound {
-  /** Silent until `load` has fetched the kernel and `start` was called; what comes before is kept. */
+  /** Silent until `load` has fetched the kernel and `start` was called; what comes first is kept. */
   constructor(data) {
     this.data = data;
     // iPhones: as music, so that the silent switch doesn't still it
