@@ -141,8 +141,8 @@ def opened_player(
             player.close()
             for message in player.take_messages():
                 note(message)
-            for ended in player.takes:
-                say(f"{ended}: the take, to the bit")
+            for line in player.ended_takes:
+                say(line)
             # what belongs to another device, chosen meanwhile, isn't this one's
             same = player.outputs is outputs
             if same and device != SILENT and chosen.differ(player.settings):

@@ -7,15 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from overview_dsp.engine.engine import Engine
 from overview_dsp.gestures import Gesture
 from overview_dsp.live.inputs import TakeInput
+from overview_dsp.live.under_hand import UnderHand
 from overview_dsp.timeline import Timeline
-
-if TYPE_CHECKING:
-    from overview_dsp.live.player import Player
 
 LONGEST_TAIL_S = 5.0
 """A disk that isn't at rest so long after the hand's end doesn't keep the loop."""
@@ -47,11 +44,11 @@ class Replay:
         """What is played, for a person."""
         return f"{self._name}, pass {self.passes}"
 
-    def first(self, player: Player) -> tuple[Timeline, tuple[float, float]]:
+    def first(self, under_hand: UnderHand) -> tuple[Timeline, tuple[float, float]]:
         """What each pass begins on: the whole, for a take that says itself what is shown."""
         if self._gesture.changes:
-            return player.timeline, (0.0, player.timeline.duration_s)
-        return player.shown, player.window
+            return under_hand.timeline, (0.0, under_hand.timeline.duration_s)
+        return under_hand.shown, under_hand.window
 
     def begin(
         self,

@@ -18,7 +18,8 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from overview_dsp.live.player import Player, Status
+from overview_dsp.live.player import Player
+from overview_dsp.live.status import Status
 from overview_dsp.units import clock_text
 
 BLOCKS = " ▁▂▃▄▅▆▇█"

@@ -166,6 +166,38 @@ def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, ma
     assert equals_render(sound.passes[1], match, football, gesture)
 
 
+def test_a_take_begun_while_the_disk_rests_is_what_was_heard_to_the_bit(session, match, football):
+    player, sound = session(other="plain")
+    player.show(600.0, 3000.0)
+    play_a_take(player)
+    player.choose_preset(1)
+    player.use_preset("heart")
+    wait(player, lambda: player.preset.name == "heart")
+    player.choose_preset(0)
+    wait(player, lambda: player.preset.name == "football" and player.at_rest)
+    player.toggle_take()
+    assert player.window == (600.0, 3000.0)
+    player.touch(0.6)  # in the crossfade to that window
+    play_a_take(player)
+    play_a_take(player)
+    player.close()
+    (take,) = player.takes
+    assert player.ended_takes == [f"{take}: the take, to the bit"]
+    assert equals_render(sound.passes[-1], match, football, ov.load_gesture(take))
+
+
+def test_a_take_begun_while_the_disk_moves_says_that_it_is_not(session):
+    player, _ = session()
+    player.touch(0.7)
+    wait(player, lambda: player.engine.meters.touching)
+    player.toggle_take()
+    wait(player, lambda: player.at_rest)
+    player.toggle_take()
+    (line,) = player.ended_takes
+    assert "to the bit" not in line
+    assert "the disk held or moving" in line
+
+
 def test_takes_and_replays_alternate_and_replace_none(session):
     player, _ = session()
     player.toggle_replay()
