@@ -23,6 +23,7 @@ from overview_dsp.gestures import Gesture, load_gesture
 from overview_dsp.kernels import layout
 from overview_dsp.live import commands
 from overview_dsp.live.finger import Finger
+from overview_dsp.live.growing import Growing, Growth
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.preset_pair import PresetPair
 from overview_dsp.live.preset_watch import PresetWatch
@@ -56,11 +57,12 @@ class Player:
         record: str | os.PathLike[str] | None = None,
         seed: int = 0,
         other: PresetWatch | None = None,
+        growth: Growth | None = None,
     ) -> None:
         """Open the output and begin to play; `open_stream` is called again if that is lost.
 
         `record` is where the takes go; with it, the first one begins at once. `other` is the second
-        preset to switch to.
+        preset to switch to. With `growth` the timeline, which is its snapshot, grows.
 
         Raises
         ------
@@ -76,6 +78,9 @@ class Player:
         self._presets = PresetPair(watch, other)
         self.under_hand = UnderHand(self.engine, timeline, self._presets, self.say)
         self._takes = Takes(self.engine, record, self.say)
+        self._growing: Growing | None = None
+        if growth is not None:
+            self._growing = Growing(self.engine, growth, self.under_hand, self.say)
         self._replay: Replay | None = None
         self._before_s = 0.0
         self._dropped_before = 0
@@ -127,6 +132,11 @@ class Player:
     def window(self) -> tuple[float, float]:
         """The part of it under the hand, start and end, s."""
         return self.under_hand.window
+
+    @property
+    def growing(self) -> Growing | None:
+        """What brings a timeline that grows; None for one that is finished."""
+        return self._growing
 
     @property
     def shown(self) -> Timeline:
@@ -240,6 +250,8 @@ class Player:
     def poll(self) -> Status:
         """See to everything that is due; how the session stands."""
         self._finger.poll()
+        if self._growing is not None and self._replay is None and self._output.playing:
+            self._growing.poll(self.holding)
         while self._asked:
             commands.do(self, *self._asked.popleft())
         self.under_hand.poll()
@@ -297,6 +309,7 @@ class Player:
             replay=None if self._replay is None else self._replay.words,
             envelope=meters.envelope,
             strikes=meters.strikes,
+            following=None if self._growing is None else self._growing.words,
             messages=self.take_messages(),
         )
 
@@ -348,11 +361,16 @@ class Player:
         return 0.0, self.timeline.duration_s
 
     @property
+    def _grown(self) -> Timeline | None:
+        """The timeline as it is now, if no file holds it."""
+        return None if self._growing is None else self.timeline
+
+    @property
     def _about(self) -> dict[str, str]:
         return {"title": self.timeline.title, "preset": self._presets.preset.name}
 
     def _begin_first_take(self) -> None:
-        self._takes.begin(self._about)
+        self._takes.begin(self._about, self._grown)
 
     def toggle_take(self) -> None:
         """Begin a take, or end the one that is recorded."""
@@ -375,7 +393,7 @@ class Player:
                 before.append({"window": list(self.window)})
             if self.preset != self._presets.preset:
                 before.append({"preset": preset_to_dict(self.preset)})
-            self._takes.begin_later(self._about, before)
+            self._takes.begin_later(self._about, before, self._grown)
 
     def _begin_exact_take(self) -> None:
         """Begin a take with an engine that begins anew, which nobody notices while it rests.
@@ -385,7 +403,7 @@ class Player:
         window, preset = self.window, self.under_hand.take_wish()
 
         def begin() -> None:
-            self._takes.begin_later(self._about, [])
+            self._takes.begin_later(self._about, [], self._grown)
             if window != self._whole:
                 self.under_hand.put_at(window, 0)
             if preset != self.preset:
@@ -485,6 +503,8 @@ class Player:
             self._count_before()
             self.engine.restart(preset, timeline, seed=self.engine.seed, surface=surface)
             self.under_hand.put(timeline, window)
+            if self._growing is not None:
+                self._growing.restarted()
             begin()
 
         self.end_take()
