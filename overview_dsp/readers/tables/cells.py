@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.readers.tables.table import Cells
 from overview_dsp.timeline import checks
-from overview_dsp.timeline.intensity import MAX_VALUE
+from overview_dsp.timeline.curve_checks import MAX_VALUE
 from overview_dsp.units import clock_text
 
 _CURRENCIES = "$€£¥₹₽₩"
