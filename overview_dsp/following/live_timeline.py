@@ -24,9 +24,10 @@ from overview_dsp.following.kept_samples import KeptSamples
 from overview_dsp.public.reprs import counted, short
 from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.curve_checks import MAX_VALUE
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.gaps import Gaps
-from overview_dsp.timeline.intensity import EXTREMES, MAX_VALUE, Intensity
+from overview_dsp.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.units import clock_text
 
