@@ -126,8 +126,12 @@ def command(
             from overview_dsp.web.session import HostSession
 
             source = session = HostSession(player, source)
-            routes = data_routes(data, name, audio="host", first=part)
-            invitation = stack.enter_context(open_server(server, session, routes)).text
+            routes = data_routes(
+                data, name, audio="host", first=part, live=None if growth is None else growth.live
+            )
+            invitation = stack.enter_context(
+                open_server(server, session, routes, growth is not None)
+            ).text
         if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
             print_lines(player, source, received, seconds)
         elif by_line:

@@ -88,19 +88,26 @@ def command(
         film = None
         if media is not None:
             film = open_media(media, media_offset)
-        routes = data_routes(data, name, audio=audio, first=part, media=film)
+        routes = data_routes(
+            data,
+            name,
+            audio=audio,
+            first=part,
+            media=film,
+            live=None if growth is None else growth.live,
+        )
         if audio == "host":
             from overview_dsp.web.session import HostSession
 
             with opened_player(data, part, name, live, growth=growth) as (player, received):
                 session = HostSession(player)
-                with open_server(server, session, routes) as opened:
+                with open_server(server, session, routes, growth is not None) as opened:
                     _report(opened, as_json)
                     print_lines(player, session, received, seconds)
         else:
             with (
                 ended_by_signals() as received,
-                open_server(server, None, routes) as opened,
+                open_server(server, None, routes, growth is not None) as opened,
             ):
                 _report(opened, as_json)
                 _wait(received, seconds)

@@ -2,6 +2,7 @@
 
 import { Bench } from "./bench.js";
 import { Film } from "./film.js";
+import { Live } from "./live.js";
 import { eventText, momentText, secondsAt } from "./words.js";
 
 const by = (id) => document.getElementById(id);
@@ -20,6 +21,7 @@ export class Served {
       this.bench.toggle(true);
     });
     if (page.atHost) this.listenToHost();
+    this.live = server.live ? new Live(page, server.live) : null;
   }
 
   listenToHost() {
