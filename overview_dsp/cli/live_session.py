@@ -23,6 +23,7 @@ from overview_dsp.files.atomic import remove_temporaries
 from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
+    from overview_dsp.live.growing import Growth
     from overview_dsp.live.hand import Input
     from overview_dsp.live.headless import Passed
     from overview_dsp.live.player import Player
@@ -80,11 +81,12 @@ def opened_player(
     preset: str,
     live: dict[str, Any],
     ab: str | None = None,
+    growth: Growth | None = None,
 ) -> Iterator[tuple[Player, list[int]]]:
     """A player on the device that the options name, and the signals that ask for its end.
 
     It is closed, saved and remembered afterwards. `part` (s) is what it shows first, `ab` a second
-    preset to switch to.
+    preset to switch to; with `growth` the data, which are its snapshot, grow.
 
     Raises
     ------
@@ -131,6 +133,7 @@ def opened_player(
         record=record,
         seed=seed,
         other=None if ab is None else PresetWatch(ab),
+        growth=growth,
     )
     with ended_by_signals(player.end_take) as received:
         try:

@@ -83,6 +83,7 @@ def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
         "underflows": status.underflows,
         "frames_lost": status.frames_lost,
         "dropped_events": status.dropped,
+        **({} if status.following is None else {"following": status.following}),
     }
 
 
