@@ -11,11 +11,6 @@ DAYS_FROM_S = 2 * 86_400.0
 """A span as long as this is told in days."""
 
 
-def db_to_gain(db: float) -> float:
-    """Amplitude ratio of a level in dB."""
-    return float(10.0 ** (db / 20.0))
-
-
 def gain_to_db(gain: float) -> float:
     """Level in dB of an amplitude ratio; minus infinity for 0."""
     return 20.0 * math.log10(gain) if gain > 0.0 else -math.inf
