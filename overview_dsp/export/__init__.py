@@ -1,4 +1,4 @@
-"""Bake a gesture to the haptic formats of phones and controllers, and an engine for a browser.
+"""Bake a gesture to the haptic formats of phones and controllers; an engine for a browser, or in C.
 
 `ov.export` writes what was rendered for other devices, and reads haptic clips. Each name is
 imported when it is first used.
@@ -20,6 +20,8 @@ from overview_dsp.public.lazy import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.export.browser_memory import encode_engine
+    from overview_dsp.export.c_folder import export_c
+    from overview_dsp.export.checking import check_clip
     from overview_dsp.export.clip import Transient
     from overview_dsp.export.felt_error import FeltError
     from overview_dsp.export.reading import PlayedClip, read_clip
@@ -30,8 +32,10 @@ __all__ = [
     "FeltError",
     "PlayedClip",
     "Transient",
+    "check_clip",
     "encode_engine",
     "export",
+    "export_c",
     "formats",
     "read_clip",
 ]
@@ -44,8 +48,10 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "FeltError": "felt_error",
             "PlayedClip": "reading",
             "Transient": "clip",
+            "check_clip": "checking",
             "encode_engine": "browser_memory",
             "export": "writing",
+            "export_c": "c_folder",
             "formats": "writing",
             "read_clip": "reading",
         },
