@@ -16,6 +16,7 @@ from overview_dsp.rendering.audition import pages
 
 
 def preset_of(**heights):
+    # on football's soft spring, what is .3 % wide holds the disk for up to 144 ms
     kinds = {
         name: ov.EventKind(height=height, width_percent=0.06, modes=(ov.ClickMode(1000.0, 20.0),))
         for name, height in heights.items()
