@@ -7,15 +7,17 @@ const json = async (path) => (await ask(path)).json();
 const bytes = async (path) => (await ask(path)).arrayBuffer();
 
 export class Data {
+  constructor(info) {
+    this.info = info;
+    /** What it is felt by, where that isn't the preset of the files. */
+    this.preset = null;
+    /** The values of all windows, once they are there. */
+    this.whole = null;
+  }
+
   static async open() {
     await enter();
-    const data = new Data();
-    data.info = await json("data/timeline.json");
-    /** What it is felt by, where that isn't the preset of the files. */
-    data.preset = null;
-    /** The values of all windows, once they are there. */
-    data.whole = null;
-    return data;
+    return new Data(await json("data/timeline.json"));
   }
 
   /** What is drawn of a part. */
