@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.live_session import note
+from overview_dsp.cli.common import note
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -96,8 +96,11 @@ def open_server(
     server: dict[str, Any],
     session: Session | None = None,
     more: Collection[BaseRoute] = (),
+    crowd: bool = False,
 ) -> Iterator[Opened]:
     """Serve the page (and a session's `/control`, and more routes) meanwhile; where it is.
+
+    `crowd`: to hundreds of pages.
 
     The address goes to standard error, with a QR code where a phone can reach it.
 
@@ -132,7 +135,7 @@ def open_server(
     socket = listen(host, port)
     scheme = "http" if secure is None else "https"
     where = address.page_address(scheme, reached, socket.getsockname()[1], access.token)
-    running = WebServer(app, [socket], secure, note)
+    running = WebServer(app, [socket], secure, note, crowd)
     try:
         opened = Opened(
             where,

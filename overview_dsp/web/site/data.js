@@ -11,6 +11,8 @@ export class Data {
     this.info = info;
     /** What it is felt by, where that isn't the preset of the files. */
     this.preset = null;
+    /** Whether the files are what is felt: not of a timeline that has grown. */
+    this.files = true;
     /** The values of all windows, once they are there. */
     this.whole = null;
   }
@@ -58,7 +60,7 @@ export class Data {
   }
 
   hasFile({ number }) {
-    return number >= 0 && this.preset === null;
+    return this.files && number >= 0 && this.preset === null;
   }
 
   by(key) {
