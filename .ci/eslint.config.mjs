@@ -2,7 +2,8 @@
 
 const browser = ["AudioContext", "AudioWorkletNode", "Blob", "DeviceOrientationEvent", "EventSource",
   "Intl", "MutationObserver", "Option", "ResizeObserver", "SpeechSynthesisUtterance", "URL",
-  "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "caches", "clearTimeout", "console", "document",
+  "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "caches", "clearTimeout", "console",
+  "document",
   "fetch", "getComputedStyle", "history", "importScripts", "localStorage", "location", "matchMedia",
   "navigator", "performance", "queueMicrotask", "registerProcessor", "requestAnimationFrame", "self",
   "setInterval", "setTimeout", "speechSynthesis", "structuredClone", "window", "Request",

@@ -116,6 +116,7 @@ export class Live {
       wasWhole && data.preset === null
         ? [{ points: null, ...view, ...whole }, () => sound.node?.change(this.bytes.slice(0))]
         : await Promise.all([data.view(part), sound.show(part)]);
+    data.whole = null; // the values of the version before
     if (page.hand.holder !== null) return; // a hand has come: it keeps what it touched
     Object.assign(page.info, info, { windows });
     shown.windows = windows;
