@@ -9,6 +9,8 @@ import re
 from functools import cache
 from importlib import resources
 
+from overview_dsp.web.first_script import with_first_script
+
 TYPES = {
     "html": "text/html; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
@@ -30,22 +32,25 @@ _COMMENTS = {
     "js": re.compile(rb"^[ \t]*(//[^\n]*|/\*\*.*?\*/)\n", re.MULTILINE | re.DOTALL),
     "css": re.compile(rb"[ \t]*/\*.*?\*/\n?", re.DOTALL),
 }
+_INDENTED = re.compile(rb"^ +", re.MULTILINE)
 
 
 @cache
 def page_files() -> dict[str, bytes]:
-    """The files by their path in a folder, without comments: a page on a phone is waited for."""
+    """The files by their path in a folder, without comments: a phone waits for each byte."""
     package = resources.files(__package__)
     files = {name: package / name for name in KERNEL_FILES}
     for one in sorted((package / "site").iterdir(), key=lambda file: file.name):
         if one.is_file():
             files[one.name] = one
-    return {name: _without_comments(name, file.read_bytes()) for name, file in files.items()}
+    page = {name: _without_comments(name, file.read_bytes()) for name, file in files.items()}
+    scripts = {name: content for name, content in page.items() if name.endswith(".js")}
+    return {**page, **with_first_script(scripts)}
 
 
 def _without_comments(name: str, content: bytes) -> bytes:
     comments = _COMMENTS.get(name.rpartition(".")[2])
-    return content if comments is None else comments.sub(b"", content)
+    return content if comments is None else _INDENTED.sub(b"", comments.sub(b"", content))
 
 
 def served_paths() -> tuple[str, ...]:

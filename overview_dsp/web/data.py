@@ -52,7 +52,7 @@ from overview_dsp.web.security.request_body import answering, json_object
 from overview_dsp.web.site_content import SiteContent
 
 BINARY, JSON = "application/octet-stream", "application/json"
-TIMELINE_FILE = "data/timeline.json"
+TIMELINE_FILE, POINTS_FILE = "data/timeline.json", "data/points-0.json"
 LEVELS = 4
 """How many times a served page zooms, each time to a third."""
 
@@ -117,7 +117,7 @@ def data_routes(
         nonlocal content
         name = request.url.path.removeprefix("/")
         with one_at_a_time:
-            if name == TIMELINE_FILE and (
+            if name in (TIMELINE_FILE, POINTS_FILE) and (
                 load_preset(preset) != content.preset or now() is not content.timeline
             ):
                 content = made()

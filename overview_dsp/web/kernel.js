@@ -136,7 +136,7 @@ export class Kernel {
     this.sampleRate = sampleRate;
     this.channels = channels;
     const instance = new WebAssembly.Instance(new WebAssembly.Module(wasm), {});
-    const { memory, render, __heap_base } = instance.exports;
+    const { memory, render, __heap_base } = /** @type {any} */ (instance.exports);
     this.run = render;
     this.block = Math.ceil(__heap_base.value / 8) * 8;
     this.out = this.block + 8 * L.TOTAL;

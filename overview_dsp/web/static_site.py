@@ -15,7 +15,8 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.files.atomic import whole_folder
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
-from overview_dsp.web.assets import page_files
+from overview_dsp.web.assets import START, page_files
+from overview_dsp.web.front_page import PICTURE, front_page, front_picture
 from overview_dsp.web.site_content import SiteContent
 
 MARK = "files.js"
@@ -49,6 +50,10 @@ def write_site(
         The folder can't be written or holds other files; a surface that can't be made.
     """
     content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator)
+
+    def front(file: bytes) -> bytes:
+        return front_page(file.decode(), timeline).encode()
+
     with whole_folder(path, MARK) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
         digest = hashlib.sha256()
@@ -64,7 +69,8 @@ def write_site(
             size += len(file)
 
         for name, file in page_files().items():
-            put(name, file, "page")
+            put(name, front(file) if name == START else file, "page")
+        put(PICTURE, front_picture(timeline), "more")
         for i, name in enumerate(content.names):
             put(name, content.make(name), "page" if content.is_needed_first(name) else "more")
             if progress is not None:

@@ -405,26 +405,113 @@ def test_it_works_without_a_network_once_loaded(chromium, site):
     context.close()
 
 
+SMALL = {"width": 320, "height": 480}
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
+@pytest.mark.parametrize("size", [SMALL, PHONE, DESKTOP], ids=["small", "phone", "desktop"])
 def test_axe_finds_nothing(chromium, site, axe, scheme, size):
     with opened_host(site) as host:
         context = chromium.new_context(viewport=size, color_scheme=scheme)
         page = context.new_page()
-        page.goto(host.url)
-        until(page, "p.view")
+        page.goto(f"{host.url}#play=sweep:5")
+        until(page, "p.view && !document.getElementById('start').hidden")
+        assert violations(page, axe) == []
+        page.click("#start")
+        until(page, "p.playback.player.playing && p.cursor > 0.05")
+        assert violations(page, axe) == []
+        page.click("#run")
         page.mouse.click(*at(page, GOAL))
         until(page, "document.getElementById('event').textContent !== ''")
         for contrast in (False, True):
             page.evaluate(
                 f"document.documentElement.classList.toggle('contrast', {str(contrast).lower()})"
             )
-            for dialog in (False, True):
-                if dialog:
-                    page.click("#settings")
+            assert violations(page, axe) == []
+            for dialog in ("settings", "list", "h"):
+                if dialog == "h":
+                    page.focus("#slider")
+                    page.keyboard.press("h")
+                else:
+                    page.click(f"#{dialog}")
                 assert violations(page, axe) == []
-            page.keyboard.press("Escape")
+                page.keyboard.press("Escape")
         context.close()
+
+
+@pytest.mark.parametrize("text", [1, 2])
+@pytest.mark.parametrize(
+    ("width", "height"),
+    [(320, 480), (375, 548), (390, 844), (768, 1024), (844, 390), (1440, 900), (2560, 1440)],
+)
+def test_the_disk_is_large_and_nothing_is_cut_off(chromium, site, width, height, text):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport={"width": width, "height": height})
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.view")
+        page.evaluate(f"document.documentElement.style.fontSize = '{100 * text}%'")
+        page.evaluate("overview.picture.resize()")
+        shown = page.evaluate("""() => {
+            const { disk, top, bottom, left, right, width, height } = overview.picture.geometry;
+            const wide = [...document.querySelectorAll("button, h1, #window, #clock, #value")]
+                .filter((one) => one.offsetParent !== null)
+                .filter((one) => one.getBoundingClientRect().right > innerWidth + 1 ||
+                    (one.matches("button") && one.scrollWidth > one.clientWidth + 1));
+            return {
+                disk: disk && 2 * disk.radius, plot: [bottom - top, right - left],
+                inside: disk && disk.x + disk.radius <= width && disk.y + disk.radius <= height + 1,
+                sideways: document.documentElement.scrollWidth - innerWidth,
+                cut: wide.map((one) => one.id),
+            };
+        }""")
+        assert shown["disk"] >= 0.4 * min(width, height) - 1
+        assert shown["inside"]
+        assert min(shown["plot"]) > 40
+        assert shown["sideways"] <= 0
+        assert shown["cut"] == []
+        context.close()
+
+
+@pytest.mark.parametrize("way", ["keys", "buttons"])
+def test_every_goal_is_walked_to_by_keys_alone_and_by_buttons_alone(opened, match, way):
+    page = opened
+    page.evaluate("""() => {
+        window.walked = [];
+        const to = overview.walk.to.bind(overview.walk);
+        overview.walk.to = (place) => { to(place); walked.push(overview.felt?.label); };
+    }""")
+    page.focus("#slider")
+    for _ in match.events:
+        if way == "keys":
+            page.keyboard.press("]")
+        else:
+            page.click("#next")
+    goals = [one.label for one in match.events if one.kind in ("goal", "own_goal")]
+    assert [label for label in page.evaluate("walked") if label in goals] == goals
+    page.click("#tap")  # and lets go, without a key
+    until(page, "p.hand.holder === null")
+
+
+def test_no_time_before_zero_is_ever_shown(opened):
+    page = opened
+    page.evaluate("""() => {
+        window.shown = new Set();
+        const clock = document.getElementById("clock");
+        new MutationObserver(() => shown.add(clock.textContent)).observe(clock, {
+            childList: true, characterData: true, subtree: true,
+        });
+    }""")
+    page.mouse.move(*at(page, 0.1))
+    page.mouse.down()
+    until(page, "p.cursor > 0.09")
+    page.mouse.up()
+    until(page, "p.cursor < 0.0005")
+    page.evaluate("""() => overview.take({ ...overview.meters, cursor: -0.02, struck: [] })""")
+    page.wait_for_timeout(300)
+    told = page.evaluate("[...shown]")
+    assert len(told) > 2
+    assert not [text for text in told if "-" in text]
 
 
 def test_a_patch_makes_the_other_rates_bytes(opened, match, football):

@@ -3,7 +3,8 @@
 /** What the fragment says: at, play, window, preset, each a text or null. */
 export function readAddress() {
   const given = new URLSearchParams(location.hash.slice(1));
-  return Object.fromEntries(["at", "play", "window", "preset"].map((key) => [key, given.get(key)]));
+  const [at, play, window, preset] = ["at", "play", "window", "preset"].map((key) => given.get(key));
+  return { at, play, window, preset };
 }
 
 /** An address with these, where they are given. */

@@ -2,9 +2,9 @@
 // kept as a file. What they mean is computed by the server, by the code that a native engine runs.
 
 import { rowOf } from "./bench_rows.js";
+import { by } from "./dom.js";
 import { ask, post } from "./session.js";
 
-const by = (id) => document.getElementById(id);
 const json = async (path) => (await ask(path)).json();
 const HANDS = "twist."; // how a sensor's twist lets go: nothing of the page's
 const TAKEN = "there already";
@@ -20,7 +20,7 @@ export class Bench {
     by("bench-close").addEventListener("click", () => this.toggle(false));
     by("bench-a").addEventListener("click", () => this.choose(0));
     by("bench-b").addEventListener("click", () => this.choose(1));
-    by("bench-preset").addEventListener("change", ({ target }) => this.load(target.value));
+    by("bench-preset").addEventListener("change", () => this.load(by("bench-preset").value));
     by("bench-name").addEventListener("input", () => this.offer(false));
     by("bench-download").addEventListener("click", () => this.guarded(() => this.download()));
     by("bench-save").addEventListener("click", () => this.guarded(() => this.save()));

@@ -64,16 +64,16 @@ function choice({ choices, id }, place, key, onchange) {
 function slider(known, place, key, onchange) {
   const told = document.createElement("output");
   const range = Object.assign(document.createElement("input"), {
-    type: "range", name: known.id, min: 0, max: STEPS, step: 1,
+    type: "range", name: known.id, min: "0", max: String(STEPS), step: "1",
   });
   const show = () => {
     told.textContent = valueText(place[key], known.unit);
     range.setAttribute("aria-valuetext", told.textContent);
   };
-  range.value = Math.round(STEPS * partOfValue(known, place[key]));
+  range.value = String(Math.round(STEPS * partOfValue(known, place[key])));
   show();
   range.addEventListener("input", () => {
-    const value = Number(valueAt(known, range.value / STEPS).toPrecision(3));
+    const value = Number(valueAt(known, Number(range.value) / STEPS).toPrecision(3));
     place[key] = Math.min(Math.max(value, known.low), known.high);
     show();
     onchange();

@@ -7,17 +7,19 @@ const json = async (path) => (await ask(path)).json();
 const bytes = async (path) => (await ask(path)).arrayBuffer();
 
 export class Data {
+  constructor(info) {
+    this.info = info;
+    /** What it is felt by, where that isn't the preset of the files. */
+    this.preset = null;
+    /** Whether the files are what is felt: not of a timeline that has grown. */
+    this.files = true;
+    /** The values of all windows, once they are there. */
+    this.whole = null;
+  }
+
   static async open() {
     await enter();
-    const data = new Data();
-    data.info = await json("data/timeline.json");
-    /** What it is felt by, where that isn't the preset of the files. */
-    data.preset = null;
-    /** Whether the files are what is felt: not of a timeline that has grown. */
-    data.files = true;
-    /** The values of all windows, once they are there. */
-    data.whole = null;
-    return data;
+    return new Data(await json("data/timeline.json"));
   }
 
   /** What is drawn of a part. */

@@ -1,9 +1,9 @@
 // The events of a window as a list of buttons: each is gone to, and watched where there is a film.
 
+import { by } from "./dom.js";
 import { isDetail } from "./layer.js";
 import { eventText, momentText, summaryText } from "./words.js";
 
-const by = (id) => document.getElementById(id);
 const MOST = 500;
 
 export class EventList {
@@ -12,7 +12,7 @@ export class EventList {
     this.info = info;
     this.go = go;
     this.watch = watch;
-    for (const button of by("events").querySelectorAll("[data-go]")) {
+    for (const button of [...by("events").querySelectorAll("[data-go]")]) {
       button.addEventListener("click", () => {
         by("events").close();
         by("slider").focus();

@@ -64,7 +64,7 @@ export function angleOf(place) {
 export function placeTurned(disk, x, y, last) {
   const dx = x - disk.x;
   const dy = y - disk.y;
-  if (dy > 0) return last < 0.5 ? 0 : 1;
+  if (dy >= 0) return last < 0.5 ? 0 : 1;
   return Math.min(Math.max(1 + Math.atan2(dy, dx) / Math.PI, 0), 1);
 }
 

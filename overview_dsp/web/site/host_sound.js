@@ -11,13 +11,11 @@ export class HostSound {
     this.clock = PAGE_CLOCK;
     this.status = null;
     this.shown = ""; // the window that the host has
+    const nobody = /** @type {(told: any) => void} */ (() => {});
     /** Called with a line on the connection, with one on latency, with [start, end] in s. */
-    this.onlink = () => {};
-    this.onlatency = () => {};
-    this.onshown = () => {};
-    this.onstatus = () => {};
+    this.onlink = this.onlatency = this.onshown = this.onstatus = nobody;
     /** Called with the other hands that touch: [{ name, place, holding }]. */
-    this.onothers = () => {};
+    this.onothers = nobody;
     this.others = "[]";
     this.linked = "connecting";
     this.link = new Link({

@@ -101,6 +101,7 @@ export class Live {
   async fetch() {
     const { page } = this;
     const { data, shown, sound } = page;
+    if (!page.atHost) await sound.load(); // the change is to what it begins with
     const rate = page.atHost ? 0 : sound.context.sampleRate;
     const answer = await ask(`live/update?since=${this.have}&rate=${rate}`);
     const told = parsed(await answer.arrayBuffer());
@@ -115,6 +116,7 @@ export class Live {
       wasWhole && data.preset === null
         ? [{ points: null, ...view, ...whole }, () => sound.node?.change(this.bytes.slice(0))]
         : await Promise.all([data.view(part), sound.show(part)]);
+    data.whole = null; // the values of the version before
     if (page.hand.holder !== null) return; // a hand has come: it keeps what it touched
     Object.assign(page.info, info, { windows });
     shown.windows = windows;

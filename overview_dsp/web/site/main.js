@@ -1,10 +1,9 @@
 // First the picture and its words, then everything that it is felt with.
 
 import { Data } from "./data.js";
+import { by } from "./dom.js";
 import { Picture } from "./picture.js";
 import { firstPart } from "./windows.js";
-
-const by = (id) => document.getElementById(id);
 
 try {
   const data = await Data.open();

@@ -1,10 +1,10 @@
 // What moves, as elements that the browser's compositor moves: the cursor that sticks, the finger
 // ahead of it, the disk's needle and its two shafts. Nothing is painted again when they do.
 
+import { by } from "./dom.js";
 import { angleOf } from "./geometry.js";
 import { levelAt, resistanceAt } from "./layer.js";
 
-const by = (id) => document.getElementById(id);
 const NAMES = ["cursor", "dot", "halo", "finger", "pull", "disk", "rub", "needle", "grip"];
 const degrees = (place) => `${((angleOf(place) * 180) / Math.PI).toFixed(2)}deg`;
 

@@ -2,6 +2,7 @@
 
 import { tellAbout } from "./about.js";
 import { readAddress } from "./address.js";
+import { by } from "./dom.js";
 import { EventList } from "./event_list.js";
 import { Frames } from "./frames.js";
 import { Hand } from "./hand.js";
@@ -22,8 +23,6 @@ import { Motor } from "./vibration.js";
 import { Walk } from "./walk.js";
 import { partBetween } from "./windows.js";
 import { eventAt, eventPassed, eventText } from "./words.js";
-
-const by = (id) => document.getElementById(id);
 
 export class Page {
   constructor(data, picture, sound) {
@@ -51,7 +50,7 @@ export class Page {
       onshow: () => this.wake(), onfault: (line) => this.fault(line),
     });
     this.walk = new Walk(this.hand, this.shown, this.speech, this.info);
-    this.frames = new Frames(sound, () => this.draw(), (told) => this.take(told));
+    this.frames = new Frames(sound, () => this.draw(), (meters) => this.take(meters));
     this.playback = new Playback(this);
     this.served = null;
     this.meters = null;
@@ -318,7 +317,7 @@ export async function begin(data, picture, view) {
   const sound = server?.audio === "host" ? new HostSound() : new Sound(data);
   const page = new Page(data, picture, sound);
   page.begin(view);
-  window.overview = page;
+  /** @type {any} */ (window).overview = page;
   await page.load();
   if (!server) keepOffline();
 }

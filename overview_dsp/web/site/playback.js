@@ -1,10 +1,10 @@
 // Play, Share, and what an address asks for.
 
 import { addressOf, momentOf, nameOf } from "./address.js";
+import { by } from "./dom.js";
 import { gestureOf, Player, wordsOf } from "./player.js";
 import { partAbout, partBetween } from "./windows.js";
 
-const by = (id) => document.getElementById(id);
 const SHARED_MS = 3000;
 
 export class Playback {

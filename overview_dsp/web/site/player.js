@@ -17,6 +17,7 @@ export function gestureOf(words) {
   return name === "tap" && inside(place) ? { name, place } : null;
 }
 
+/** The words of a gesture. @param {any} gesture */
 export const wordsOf = ({ name, seconds, from, to, place }) => {
   if (name === "tap") return `tap:${place}`;
   return from === 0 && to === 1 ? `sweep:${seconds}` : `sweep:${seconds}:${from}:${to}`;

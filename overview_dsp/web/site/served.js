@@ -1,12 +1,11 @@
 // What only a server gives: the film, the bench, and the disk of a host.
 
 import { Bench } from "./bench.js";
+import { by } from "./dom.js";
 import { Film } from "./film.js";
 import { Live } from "./live.js";
 import { PresetLink } from "./preset_link.js";
 import { eventText, momentText, secondsAt } from "./words.js";
-
-const by = (id) => document.getElementById(id);
 
 export class Served {
   /** `page`: what it is added to; `server`: of `info`. */

@@ -1,13 +1,12 @@
 // Which part of the timeline is under the hand, and how it comes there: zoom, beside, wheel.
 
+import { by } from "./dom.js";
 import { levels, partAbout, partBeside, partBetween } from "./windows.js";
 import { momentText, secondsAt } from "./words.js";
 
 const WHEEL_PX = 60; // a step
 const WHEEL_REST_MS = 250; // after which a turn begins anew
 const REST_MS = 250; // a slider that stands so long is drawn
-
-const by = (id) => document.getElementById(id);
 
 export const isSame = (a, b) => a?.start_s === b?.start_s && a?.end_s === b?.end_s;
 

@@ -18,7 +18,8 @@ export class Sound {
   constructor(data) {
     this.data = data;
     // iPhones: as music, so that the silent switch doesn't still it
-    if (navigator.audioSession) navigator.audioSession.type = "playback";
+    const { audioSession } = /** @type {any} */ (navigator);
+    if (audioSession) audioSession.type = "playback";
     const { rates } = data.info;
     this.context = new AudioContext({ latencyHint: "interactive" });
     if (!rates.includes(this.context.sampleRate)) {

@@ -11,6 +11,11 @@ export class SvgContext {
     this.svg = svg;
     this.made = document.createDocumentFragment();
     this.d = "";
+    this.fillStyle = this.strokeStyle = "none";
+    this.lineWidth = 1;
+    this.font = "400 13px sans-serif";
+    this.textAlign = "left";
+    this.textBaseline = "alphabetic";
   }
 
   /** Show what was drawn since it was made, in place of what was there. */

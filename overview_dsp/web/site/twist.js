@@ -29,7 +29,7 @@ export class Twist {
     this.on = false;
     this.told = false; // whether a sensor has said anything
     /** Called with a line where none does. */
-    this.onsilent = () => {};
+    this.onsilent = /** @type {(line: string) => void} */ (() => {});
     this.heard = (event) => this.turn(event);
     this.lock = null; // on the screen: a page behind a locked one gets no motion
     document.addEventListener("visibilitychange", () => this.keepAwake());
@@ -49,7 +49,7 @@ export class Twist {
   async begin() {
     if (!("DeviceOrientationEvent" in window)) throw new Error("this browser has no motion sensor");
     if (!window.isSecureContext) throw new Error("motion needs a page served over https");
-    const ask = window.DeviceOrientationEvent.requestPermission;
+    const ask = /** @type {any} */ (window.DeviceOrientationEvent).requestPermission;
     if (ask && (await ask.call(window.DeviceOrientationEvent)) !== "granted") {
       throw new Error("motion was not allowed; allow it in the browser's settings for this page");
     }

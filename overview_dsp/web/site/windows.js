@@ -21,8 +21,11 @@ export function partBetween(windows, [start, end]) {
   return { number, zoom, start_s: start, end_s: end };
 }
 
+/** @type {(window: any) => boolean} */
+const anyWindow = () => true;
+
 /** The part of `level` whose middle is nearest to a moment (s), of those that will do, or null. */
-export function partAbout(windows, level, moment, willDo = () => true) {
+export function partAbout(windows, level, moment, willDo = anyWindow) {
   let best = -1;
   let least = Infinity;
   windows.forEach((window, i) => {

@@ -1,0 +1,54 @@
+"""The first file of a folder: the page with its timeline's own title, a picture for those who share
+its address, and the data it begins with asked for along with its scripts.
+"""
+
+from __future__ import annotations
+
+import html
+import io
+
+from overview_dsp.timeline import Timeline
+
+PICTURE = "preview.png"
+WIDTH, HEIGHT = 1200, 630
+"""Pixels, as pages that show a link expect them."""
+
+_DPI = 100
+_FIRST = ("data/timeline.json", "data/window-0.json")
+_TITLE = "<title>overView</title>"
+_HEADING = '<h1 id="title">overView</h1>'
+
+
+def front_page(page: str, timeline: Timeline) -> str:
+    """The page's `index.html` for one timeline."""
+    title = html.escape(timeline.title)
+    head = [f"<title>{title}: overView</title>"]
+    head += [
+        f'<meta property="og:{name}" content="{content}">'
+        for name, content in (
+            ("title", title),
+            ("type", "website"),
+            ("description", "A timeline to feel: friction under your finger."),
+            ("image", PICTURE),
+            ("image:width", WIDTH),
+            ("image:height", HEIGHT),
+            ("image:alt", f"{title}, drawn over time with its events"),
+        )
+    ]
+    head.append('<meta name="twitter:card" content="summary_large_image">')
+    head += [f'<link rel="preload" as="fetch" crossorigin href="{name}">' for name in _FIRST]
+    return page.replace(_TITLE, "\n  ".join(head)).replace(_HEADING, f'<h1 id="title">{title}</h1>')
+
+
+def front_picture(timeline: Timeline) -> bytes:
+    """The timeline as a picture, PNG."""
+    from overview_dsp.plots.style import new_figure
+    from overview_dsp.plots.timeline import draw_timeline
+
+    figure = new_figure(WIDTH / _DPI, HEIGHT / _DPI)
+    axes = figure.subplots()
+    draw_timeline(axes, timeline)
+    axes.set_title(timeline.title, fontsize=16)
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=_DPI, metadata={"Software": None})
+    return file.getvalue()

@@ -1,0 +1,65 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import { geometryOf, placeTurned } from "../../../overview_dsp/web/site/geometry.js";
+import { linesOf, pointAt, valueText } from "../../../overview_dsp/web/site/values.js";
+import { partBetween, partBeside } from "../../../overview_dsp/web/site/windows.js";
+
+const SIZES = [
+  [320, 270], [375, 340], [390, 570], [844, 240], [768, 800], [1440, 650], [2560, 1150],
+];
+
+test("the disk keeps its size and lies in the picture, beside or below the curve", () => {
+  for (const [width, height] of SIZES) {
+    const short = Math.min(width, height + 200);
+    const g = geometryOf({ width, height, short, em: 1, still: false });
+    assert.ok(2 * g.disk.radius >= Math.min(0.4 * short, height - 41), `${width} ${height}`);
+    assert.ok(g.disk.y - g.disk.radius >= 0 && g.disk.y + g.disk.radius <= height + 1);
+    const below = g.disk.y - g.disk.radius >= g.bottom;
+    assert.ok(below || g.disk.x - g.disk.radius >= g.right, `${width} ${height}`);
+    assert.ok(g.bottom - g.top >= 40);
+    assert.equal(g.place(g.x(0.3)).toFixed(9), "0.300000000");
+  }
+});
+
+test("without what moves there is no disk", () => {
+  assert.equal(geometryOf({ width: 390, height: 500, short: 390, em: 1, still: true }).disk, null);
+});
+
+test("the disk is turned over the top, and stays at the end it was turned to", () => {
+  const disk = { x: 100, y: 100, radius: 50 };
+  assert.equal(placeTurned(disk, 60, 100, 0), 0);
+  assert.equal(placeTurned(disk, 100, 50, 0.4), 0.5);
+  assert.equal(placeTurned(disk, 140, 100, 0.9), 1);
+  assert.equal(placeTurned(disk, 60, 130, 0.9), 1);
+  assert.equal(placeTurned(disk, 140, 130, 0.1), 0);
+});
+
+test("the nearest point is the one before or after, whichever is nearer", () => {
+  const view = { points: { time_s: [0, 10, 30], value: [1, 2, 3] } };
+  for (const [moment, point] of [[-5, 0], [4, 0], [6, 1], [19, 1], [21, 2], [99, 2]]) {
+    assert.equal(pointAt(view, moment), point);
+  }
+  assert.equal(pointAt({ points: null }, 3), -1);
+});
+
+test("a value is told with its decimals and its unit", () => {
+  assert.equal(valueText(702.1, { series: { decimals: 2, unit: "dollars" } }), "702.10 dollars");
+  assert.equal(valueText(-3.04, { series: { decimals: 1, unit: "" } }), "\u22123.0");
+  assert.equal(valueText(undefined, { series: { decimals: 1, unit: "" } }), "");
+});
+
+test("lines of values are round, and few", () => {
+  const lines = linesOf([0.9, 83.5], 5);
+  assert.deepEqual(lines.map(({ text }) => text), ["20", "40", "60", "80"]);
+  assert.deepEqual(linesOf([1, 0], 5), []);
+});
+
+test("a window of its own has neighbours", () => {
+  const windows = [
+    { level: 0, start_s: 0, end_s: 90 }, { level: 1, start_s: 0, end_s: 30 },
+    { level: 1, start_s: 30, end_s: 60 }, { level: 1, start_s: 60, end_s: 90 },
+  ];
+  const part = partBetween(windows, [20, 50]);
+  assert.deepEqual([part.number, part.zoom], [-1, 1]);
+  assert.equal(partBeside(windows, part, 1).start_s, 30);
+});

@@ -1,0 +1,119 @@
+"""The page in one table: first picture, first sound, frame cost, bytes.
+
+    python tools/measure_page.py          needs playwright and a Chromium
+
+A phone of 390 x 844 at three pixels a pixel, without a graphics card. The network is 1.6 Mb/s with
+150 ms of latency; the processor is slowed six times for the frame. Each figure is the median of
+`ROUNDS`; on a machine that others use too they are larger.
+"""
+
+from __future__ import annotations
+
+import statistics
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import overview_dsp as ov
+from overview_dsp.web.assets import page_files
+from overview_dsp.web.static_site import write_site
+from tests.web.browser import launched, opened_driver
+from tests.web.driving import PHONE, at, until
+from tests.web.exported import opened_host
+
+ROUNDS = 5
+NETWORK = {
+    "offline": False,
+    "latency": 150,
+    "downloadThroughput": 1.6e6 / 8,
+    "uploadThroughput": 0.75e6 / 8,
+}
+SLOWED = 6
+DRAWN = """new MutationObserver(() => {
+    if (!window.drawn && document.querySelectorAll("#canvas path").length > 10) {
+        window.drawn = -1;
+        requestAnimationFrame(() => { window.drawn = performance.now(); });
+    }
+}).observe(document, { childList: true, subtree: true });"""
+FETCHED = """() => performance.getEntriesByType("resource")
+    .filter(({ responseEnd }) => responseEnd <= window.drawn)
+    .reduce((sum, { transferSize }) => sum + transferSize, 0)"""
+
+
+def main() -> None:
+    """Print the table."""
+    with tempfile.TemporaryDirectory() as folder, opened_driver() as driver:
+        site = Path(folder) / "site"
+        write_site(ov.load_timeline("world-cup-final-2018"), ov.load_preset("football"), site)
+        with launched(driver) as browser, opened_host(site) as host:
+            rounds = [measured(browser, host.url) for _ in range(ROUNDS)]
+    print("| figure | value |\n|---|---|")
+    for name, unit in (
+        ("first picture", "ms"),
+        ("bytes until then", "kB"),
+        ("sound ready", "ms"),
+        ("first sound after a touch", "ms"),
+        ("main thread a frame, slowed 6 times", "ms"),
+        ("of that, own scripts", "ms"),
+        ("frames a second, not slowed", ""),
+    ):
+        print(f"| {name} | {statistics.median(one[name] for one in rounds):.1f} {unit} |")
+    total = sum(map(len, page_files().values()))
+    print(f"| all of the page's files | {total / 1e3:.0f} kB |")
+
+
+def measured(browser: Any, url: str) -> dict[str, float]:
+    """One visit to the page."""
+    context = browser.new_context(viewport=PHONE, device_scale_factor=3, service_workers="block")
+    page = context.new_page()
+    client = context.new_cdp_session(page)
+    client.send("Network.enable")
+    client.send("Network.emulateNetworkConditions", NETWORK)
+    page.add_init_script(DRAWN)
+    page.goto(url)
+    until(page, "window.drawn > 0")
+    found = {
+        "first picture": page.evaluate("drawn"),
+        "bytes until then": page.evaluate(FETCHED) / 1e3,
+    }
+    until(page, "p.sound.node")
+    found["sound ready"] = page.evaluate("performance.now()")
+    page.evaluate("addEventListener('pointerdown', () => { window.down = performance.now(); })")
+    page.mouse.move(*at(page, 0.1))
+    page.mouse.down()
+    until(page, "p.meters?.clock > 0")
+    found["first sound after a touch"] = page.evaluate("performance.now() - down")
+    client.send("Performance.enable", {"timeDomain": "threadTicks"})
+    page.evaluate("""() => {
+        window.frames = 0;
+        const count = () => { frames += 1; requestAnimationFrame(count); };
+        count();
+    }""")
+    began, first = page.evaluate("[performance.now(), frames]")
+    drag(page)
+    ended, last = page.evaluate("[performance.now(), frames]")
+    found["frames a second, not slowed"] = (last - first) / (ended - began) * 1e3
+    client.send("Emulation.setCPUThrottlingRate", {"rate": SLOWED})
+    first, before = page.evaluate("frames"), spent(client)
+    drag(page)
+    count, after = page.evaluate("frames") - first, spent(client)
+    for i, name in enumerate(("main thread a frame, slowed 6 times", "of that, own scripts")):
+        found[name] = (after[i] - before[i]) / count * 1e3
+    context.close()
+    return found
+
+
+def drag(page: Any) -> None:
+    """A finger there and back."""
+    for place in (0.9, 0.2):
+        page.mouse.move(*at(page, place), steps=60)
+
+
+def spent(client: Any) -> tuple[float, float]:
+    """Seconds of the main thread: all, and of scripts."""
+    told = {one["name"]: one["value"] for one in client.send("Performance.getMetrics")["metrics"]}
+    return told["TaskDuration"], told["ScriptDuration"]
+
+
+if __name__ == "__main__":
+    main()
