@@ -21,6 +21,11 @@ from overview_dsp.cli.options.timeline import (
     preset_option,
     timeline_options,
 )
+from overview_dsp.cli.options.transcript import (
+    require_transcripts,
+    transcript_option,
+    write_transcripts,
+)
 from overview_dsp.gestures.spec import FORMS
 
 if TYPE_CHECKING:
@@ -35,7 +40,17 @@ DRIVEN = "wav4"
 SITE, SOURCE = "web", "c"
 """The timeline itself, as a folder: for a browser, or for a C compiler."""
 
-_GESTURES_OWN = {"gesture": "--gesture", "points": "--points", "tail": "--tail"}
+_GESTURES_OWN = {
+    "gesture": "--gesture",
+    "points": "--points",
+    "tail": "--tail",
+    "transcripts": "--transcript",
+}
+
+FIGURES = (
+    "(median error of the felt level, and how much of the clip is within a step of 2.3 dB, strikes "
+    "included)"
+)
 
 _SITES_OWN = {"zooms": "--zooms", "actuator": "--actuator"}
 
@@ -76,6 +91,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     type=click.IntRange(0, 3),
     help="Of a page: how often it can zoom in, by 3 each; 0.5 MB, 3, 13 and 41 MB.",
 )
+@transcript_option
 @actuator_option
 @window_options
 @timeline_options
@@ -92,6 +108,7 @@ def command(
     tail: str,
     seed: int,
     zooms: int,
+    transcripts: tuple[str, ...],
     actuator: str | None,
     window: tuple[str, str] | None,
     zoom_to: str | None,
@@ -112,6 +129,7 @@ def command(
     from overview_dsp.export.writing import export
     from overview_dsp.files.atomic import require_writable
     from overview_dsp.presets.library import load_preset
+    from overview_dsp.rendering.happened import happened
     from overview_dsp.rendering.offline import render
     from overview_dsp.rendering.schedule import tail_of
 
@@ -135,6 +153,7 @@ def command(
     places = {to: _place(out, to, len(set(formats)) > 1) for to in formats}
     for place in places.values():
         require_writable(place)
+    require_transcripts(transcripts)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as progress:
         result = render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
@@ -150,12 +169,21 @@ def command(
                 "median_error_db": round(done.error.median_db, 2),
                 "largest_error_db": round(done.error.largest_db, 2),
                 "within_step_percent": round(done.error.within_percent, 1),
+                "players": {
+                    name: {
+                        "median_error_db": round(error.median_db, 2),
+                        "largest_error_db": round(error.largest_db, 2),
+                        "within_step_percent": round(error.within_percent, 1),
+                    }
+                    for name, error in done.players.items()
+                },
             }
         else:
             report["actuator"] = protected_report(driven, result.protected)
         reports.append(report)
+    told = write_transcripts(transcripts, happened(result.strikes, data), as_json)
     if as_json:
-        print_json(reports)
+        print_json([*reports, told] if told else reports)
         return
     for report in reports:
         files = " and ".join(report["files"])
@@ -165,10 +193,14 @@ def command(
                 click.echo(drive_line(driven, result.protected))
             continue
         click.echo(
-            f"{files}: {report['points']} points, {report['transients']} strikes; against the "
-            f"rendered envelope {report['median_error_db']:.1f} dB (median), "
-            f"{report['within_step_percent']:.0f} % of the clip within a step of 2.3 dB"
+            f"{files}: {report['points']} points, {report['transients']} strikes; "
+            + "; ".join(
+                f"on {name}: {on['median_error_db']:.1f} dB, {on['within_step_percent']:.0f} %"
+                for name, on in report["players"].items()
+            )
         )
+    if any("players" in report for report in reports):
+        click.echo(FIGURES)
 
 
 def _require_alone(

@@ -401,6 +401,7 @@ class Engine:
         timeline: Timeline,
         sample_time: int | None = None,
         window: tuple[float, float] | None = None,
+        change: Mapping[str, Any] | None = None,
     ) -> None:
         """Change to other data under the same preset, crossfaded: a zoom, say.
 
@@ -412,6 +413,8 @@ class Engine:
             When, in samples since reset; None is as soon as possible.
         window : (float, float) or None
             Which part of the first timeline this is, s; for a recording.
+        change : mapping or None
+            What a recording holds in place of a window: how a timeline that grows has changed.
 
         Raises
         ------
@@ -429,7 +432,9 @@ class Engine:
         600.0
         """
         surface = build_surface(timeline, self._preset)
-        note = {"window": list(window)} if window is not None else None
+        note = dict(change) if change is not None else None
+        if note is None and window is not None:
+            note = {"window": list(window)}
         self._change(self._preset, surface, sample_time, note, timeline)
 
     def set_surface(self, surface: Surface, sample_time: int | None = None) -> None:
@@ -788,7 +793,8 @@ class Engine:
         -------
         list of (int, dict or None)
             The sample and the change: `{"set": {id: value}}`, `{"preset": ...}`,
-            `{"window": [start_s, end_s]}`, or None for one that a recording can't hold.
+            `{"window": [start_s, end_s]}`, what `set_timeline` was given, or None for one that a
+            recording can't hold.
 
         Raises
         ------
