@@ -1,9 +1,6 @@
-"""Write the numbers of kernels/layout.py for other languages: the pages' and the C peer's.
+"""Write the numbers of kernels/layout.py, and of export/browser_memory.py, for the page.
 
-python tools/write_layout.py [FOLDER]
-
-`layout.js` goes to overview_dsp/web/, with the numbers of export/browser_memory.py, and `layout.h`
-to tools/peers/; or both to FOLDER.
+python tools/write_layout.py [LAYOUT.js]
 """
 
 from __future__ import annotations
@@ -13,20 +10,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 JS = "// Made by tools/write_layout.py from kernels/layout.py and export/browser_memory.py.\n\n"
-C = """/* Made by tools/write_layout.py from kernels/layout.py. */
-#ifndef LAYOUT_H
-#define LAYOUT_H
-"""
+OUT = ROOT / "overview_dsp" / "web" / "layout.js"
 
 
-def main(folder: Path | None) -> None:
+def main(out: Path) -> None:
     sys.path.insert(0, str(ROOT))
-    for path, text in (
-        (ROOT / "overview_dsp" / "web" / "layout.js", javascript()),
-        (ROOT / "tools" / "peers" / "layout.h", c_header()),
-    ):
-        out = path if folder is None else folder / path.name
-        out.write_text(text, encoding="utf-8", newline="\n")
+    out.write_text(javascript(), encoding="utf-8", newline="\n")
 
 
 def javascript() -> str:
@@ -50,12 +39,5 @@ def table(name: str, numbers: dict[str, int]) -> str:
     return f"export const {name} = Object.freeze({{\n{lines}}});\n\n"
 
 
-def c_header() -> str:
-    from overview_dsp.export.browser_memory import layout_numbers
-
-    lines = "".join(f"    {key} = {value},\n" for key, value in layout_numbers().items())
-    return f"{C}enum {{\n{lines}}};\n#endif\n"
-
-
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else None)
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else OUT)

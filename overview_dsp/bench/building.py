@@ -13,12 +13,6 @@ from overview_dsp.errors import OverviewError
 PEERS = Path(__file__).resolve().parents[2] / "tools" / "peers"
 """The sources of the versions in other languages; a clone has them, an installed package hasn't."""
 
-SAME_BITS = ("-O3", "-march=native", "-ffp-contract=off")
-"""Flags that leave the arithmetic as it is written."""
-
-UNTRAPPED = (*SAME_BITS, "-fno-math-errno", "-fno-trapping-math")
-"""The same arithmetic, but the compiler may do several samples at once."""
-
 
 class MissingError(OverviewError):
     """A compiler, program or source that a contender needs isn't there."""

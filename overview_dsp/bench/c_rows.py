@@ -1,4 +1,4 @@
-"""The versions in C: the same algorithm, and the model as a textbook has it."""
+"""The model in C, as a textbook has it."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.bench.building import SAME_BITS, UNTRAPPED, built, source
+from overview_dsp.bench.building import built, source
 from overview_dsp.bench.plain_settings import Settings, plain_scene, plain_settings
-from overview_dsp.bench.same_voice import SameVoice, controls
 from overview_dsp.bench.timing import DISK, VOICE, Contender, timed
 from overview_dsp.bench.work import RATE, SECONDS, SWEEP_S, Disk, prepared, the_sweep
 from overview_dsp.kernels.layout import CELLS
@@ -22,9 +21,9 @@ PLAIN = ("-O3", "-march=native")
 
 def held_hand(frames: int) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
     """Angle (rad) and touching of the sweep at each sample: what its control events amount to."""
-    events = controls(the_sweep(), RATE)
-    latest = np.searchsorted(events["sample"], np.arange(frames), side="right") - 1
-    return events["theta2"][latest], events["touching"][latest].astype(np.uint8)
+    sweep = the_sweep()
+    latest = np.searchsorted(sweep.stamps(RATE), np.arange(frames), side="right") - 1
+    return sweep.theta2[latest], sweep.touching[latest].astype(np.uint8)
 
 
 class PlainC:
@@ -77,23 +76,12 @@ def contenders() -> list[Contender]:
     folder = Path(tempfile.mkdtemp(prefix="overview-bench-"))
     engine = prepared()
     disk = Disk.of(engine)
-    events = controls(the_sweep(), RATE)
     out = np.zeros((round(SECONDS * RATE), 2), dtype=np.float32)
-    rows = []
-    for flags in (SAME_BITS, UNTRAPPED):
-        voice = SameVoice(built(source("same_voice.c"), flags, folder), engine)
-
-        def same(voice: SameVoice = voice) -> float:
-            voice.reset()
-            return timed(SECONDS, lambda: voice.render(events, out))
-
-        rows.append(Contender(VOICE, f"the same algorithm in C, {named(flags)}", same))
     plain = PlainC(built(source("plain_voice.c"), PLAIN, folder), disk, plain_settings(engine))
     scene = plain_scene(engine)
     hand, touching = held_hand(len(out))
     assert len(disk.friction) == CELLS + 1
     return [
-        *rows,
         Contender(
             VOICE,
             f"a textbook version in C, {named(PLAIN)}",

@@ -22,18 +22,24 @@ SEEDS = 256
 SWEEP_S = 1.5
 
 
-def side_by_side(lanes: EngineBatch, engines: list[Engine | None]) -> float:
-    """The whole work once in every lane."""
+def feed_all(engines: list[Engine | None]) -> None:
+    """Give every lane's engine the whole work, which is Python's, not the kernel's."""
     for engine in engines:
         assert engine is not None
         fed(engine, the_sweep())
+
+
+def play(lanes: EngineBatch, engines: list[Engine | None]) -> None:
+    """Process the whole work once in every lane."""
     frames = round(SECONDS * RATE)
+    for start in range(0, frames, BLOCK):
+        lanes.process(engines, min(BLOCK, frames - start), False)
 
-    def work() -> None:
-        for start in range(0, frames, BLOCK):
-            lanes.process(engines, min(BLOCK, frames - start), False)
 
-    return timed(SIMD_WIDTH * SECONDS, work)
+def side_by_side(lanes: EngineBatch, engines: list[Engine | None]) -> float:
+    """The whole work once in every lane."""
+    feed_all(engines)
+    return timed(SIMD_WIDTH * SECONDS, lambda: play(lanes, engines))
 
 
 def rendered(threads: int) -> float:
@@ -47,9 +53,11 @@ def rendered(threads: int) -> float:
 
 def in_threads(full: list[Lanes]) -> float:
     """The whole work once in each of these lanes, a thread each: what the cores themselves give."""
+    for _, engines in full:
+        feed_all(engines)
     with ThreadPoolExecutor(len(full)) as pool:
         started = time.perf_counter()
-        list(pool.map(lambda lanes: side_by_side(*lanes), full))
+        list(pool.map(lambda lanes: play(*lanes), full))
         return len(full) * SIMD_WIDTH * SECONDS / (time.perf_counter() - started)
 
 

@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels af84b5cafc8b25b1
+   kernels 0ebe866060bd118d
    numba 0.68.1, llvmlite 0.50.0 */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
@@ -4425,8 +4425,8 @@ static void ov_function12(unsigned char * v0, unsigned char * v1, unsigned char 
     unsigned char *v3294, *v3295, *v3299, *v3301, *v3319, *v3320, *v3321, *v3325, *v3326, *v3330, *v3331, *v3332;
     unsigned char *v3337, *v3338, *v3361, *v3362, *v3363, *v3367, *v3372, *v3373, *v3374, *v3378, *v3379, *v3380;
     unsigned char *v3387, *v3388, *v3398, *v3399, *v3400, *v3407, *v3408, *v3417, *v3419, *v3421, *v3422, *v3424;
-    unsigned char *v3440, *v3441, *v3448, *v3449, *v3453, *v3454, *v3455, *v3474, *v3484, *v3496, *v3501, *v3502;
-    unsigned char *v3503, *v3548, *v3549, *v3573, *v3584, *v3585, *v3656, *v3657, *v3666, *v3667, *v3674, *v3677;
+    unsigned char *v3440, *v3441, *v3448, *v3449, *v3453, *v3454, *v3455, *v3474, *v3499, *v3509, *v3524, *v3525;
+    unsigned char *v3526, *v3571, *v3572, *v3583, *v3584, *v3594, *v3656, *v3657, *v3666, *v3667, *v3674, *v3677;
     unsigned char *v3683, *v3684, *v3687, *v3764, *v3765, *v3774, *v3775, *v3789, *v3790, *v3796, *v3797, *v3808;
     unsigned char *v3809, *v3815, *v3816, *v3821, *v3822, *v3827, *v3829, *v3831, *v3840, *v3841, *v3857, *v3861;
     unsigned char *v3863, *v3866, *v3869, *v3872, *v3875, *v3878, *v3881, *v3884, *v3887, *v3890, *v3893, *v3896;
@@ -4503,8 +4503,8 @@ static void ov_function12(unsigned char * v0, unsigned char * v1, unsigned char 
     uint64_t v3377, v3381, v3383, v3386, v3389, v3390, v3392, v3393, v3394, v3395, v3397, v3401;
     uint64_t v3402, v3403, v3404, v3410, v3411, v3412, v3413, v3414, v3415, v3416, v3434, v3435;
     uint64_t v3436, v3437, v3439, v3443, v3445, v3446, v3447, v3450, v3452, v3456, v3457, v3458;
-    uint64_t v3460, v3461, v3462, v3463, v3464, v3465, v3466, v3467, v3472, v3497, v3498, v3500;
-    uint64_t v3515, v3517, v3527, v3535, v3536, v3546, v3547, v3632, v3633, v3634, v3652, v3653;
+    uint64_t v3484, v3485, v3486, v3487, v3488, v3489, v3490, v3491, v3497, v3520, v3521, v3523;
+    uint64_t v3538, v3540, v3550, v3558, v3559, v3569, v3570, v3632, v3633, v3634, v3652, v3653;
     uint64_t v3654, v3655, v3658, v3659, v3660, v3662, v3664, v3665, v3671, v3672, v3680, v3681;
     uint64_t v3690, v3691, v3692, v3693, v3730, v3731, v3732, v3750, v3751, v3753, v3754, v3755;
     uint64_t v3760, v3761, v3762, v3763, v3766, v3767, v3768, v3770, v3772, v3773, v3779, v3780;
@@ -4546,8 +4546,8 @@ static void ov_function12(unsigned char * v0, unsigned char * v1, unsigned char 
     uint8_t v3174, v3177, v3178, v3182, v3190, v3206, v3210, v3213, v3217, v3220, v3221, v3226;
     uint8_t v3233, v3235, v3236, v3247, v3268, v3285, v3286, v3291, v3312, v3317, v3322, v3328;
     uint8_t v3335, v3340, v3359, v3364, v3370, v3376, v3382, v3385, v3391, v3396, v3405, v3433;
-    uint8_t v3438, v3442, v3444, v3451, v3459, v3479, v3482, v3491, v3494, v3499, v3504, v3554;
-    uint8_t v3556, v3558, v3566, v3569, v3579, v3582, v3590, v3592, v3594, v3597, v3603, v3605;
+    uint8_t v3438, v3442, v3444, v3451, v3459, v3467, v3470, v3480, v3483, v3504, v3507, v3516;
+    uint8_t v3519, v3522, v3527, v3577, v3579, v3581, v3589, v3591, v3592, v3597, v3603, v3605;
     uint8_t v3642, v3648, v3650, v3661, v3670, v3673, v3676, v3679, v3682, v3686, v3689, v3695;
     uint8_t v3701, v3703, v3740, v3746, v3748, v3756, v3757, v3758, v3759, v3769, v3778, v3781;
     uint8_t v3783, v3784, v3794, v3799, v3800, v3801, v3803, v3813, v3818, v3833, v3838, v3842;
@@ -4682,14 +4682,14 @@ static void ov_function12(unsigned char * v0, unsigned char * v1, unsigned char 
     double v3203, v3204, v3205, v3237, v3238, v3252, v3256, v3258, v3259, v3260, v3261, v3262;
     double v3263, v3264, v3265, v3266, v3267, v3296, v3300, v3302, v3303, v3304, v3305, v3306;
     double v3307, v3308, v3309, v3310, v3311, v3369, v3384, v3406, v3409, v3418, v3420, v3423;
-    double v3425, v3426, v3427, v3428, v3429, v3430, v3431, v3432, v3468, v3469, v3470, v3471;
-    double v3473, v3475, v3476, v3477, v3478, v3480, v3481, v3483, v3485, v3486, v3487, v3488;
-    double v3489, v3490, v3492, v3493, v3495, v3505, v3506, v3507, v3508, v3509, v3510, v3511;
-    double v3512, v3513, v3514, v3516, v3518, v3519, v3520, v3521, v3522, v3523, v3524, v3525;
-    double v3526, v3528, v3529, v3530, v3531, v3532, v3533, v3534, v3537, v3538, v3539, v3540;
-    double v3541, v3542, v3543, v3544, v3545, v3550, v3551, v3552, v3553, v3555, v3557, v3559;
-    double v3560, v3561, v3562, v3563, v3564, v3565, v3567, v3568, v3570, v3571, v3572, v3574;
-    double v3575, v3576, v3577, v3578, v3580, v3581, v3583, v3586, v3587, v3588, v3589, v3591;
+    double v3425, v3426, v3427, v3428, v3429, v3430, v3431, v3432, v3460, v3461, v3462, v3463;
+    double v3464, v3465, v3466, v3468, v3469, v3471, v3472, v3473, v3475, v3476, v3477, v3478;
+    double v3479, v3481, v3482, v3492, v3493, v3494, v3495, v3496, v3498, v3500, v3501, v3502;
+    double v3503, v3505, v3506, v3508, v3510, v3511, v3512, v3513, v3514, v3515, v3517, v3518;
+    double v3528, v3529, v3530, v3531, v3532, v3533, v3534, v3535, v3536, v3537, v3539, v3541;
+    double v3542, v3543, v3544, v3545, v3546, v3547, v3548, v3549, v3551, v3552, v3553, v3554;
+    double v3555, v3556, v3557, v3560, v3561, v3562, v3563, v3564, v3565, v3566, v3567, v3568;
+    double v3573, v3574, v3575, v3576, v3578, v3580, v3582, v3585, v3586, v3587, v3588, v3590;
     double v3593, v3595, v3596, v3598, v3599, v3600, v3601, v3602, v3604, v3606, v3607, v3608;
     double v3609, v3610, v3611, v3612, v3613, v3614, v3615, v3616, v3617, v3618, v3619, v3620;
     double v3621, v3622, v3623, v3624, v3625, v3626, v3627, v3628, v3629, v3630, v3631, v3635;
@@ -4714,7 +4714,7 @@ L0:;
     memset(v10, 0u, (size_t)UINT64_C(16));
     v13 = ov_load_l(v12);
     v14 = (int64_t)v6 > (int64_t)UINT64_C(0);
-    if (v14) goto L1; else goto L431;
+    if (v14) goto L1; else goto L442;
 L1:;
     v15 = v2 + (intptr_t)41464;
     v16 = v2 + (intptr_t)41456;
@@ -5147,7 +5147,7 @@ L55:;
     v319 = ov_load_l(v25);
     v320 = (double)(int64_t)v319;
     v321 = (0x1.0000000000000p+0) / v320;
-    { uint64_t t0 = UINT64_C(0); uint64_t t1 = UINT64_C(0); v3938 = t0; v3939 = t1; goto L439; }
+    { uint64_t t0 = UINT64_C(0); uint64_t t1 = UINT64_C(0); v3938 = t0; v3939 = t1; goto L450; }
 L56:;
     v322 = ov_load_l(v199);
     v323 = v322 + UINT64_C(1);
@@ -5258,7 +5258,7 @@ L73:;
     { v400 = v399; goto L74; }
 L74:;
     v401 = (int64_t)v118 < (int64_t)v400;
-    if (v401) { v402 = v118; goto L75; } else goto L440;
+    if (v401) { v402 = v118; goto L75; } else goto L451;
 L75:;
     v403 = v400 - v402;
     v404 = ov_smin(v403, UINT64_C(64));
@@ -7915,7 +7915,7 @@ L318:;
 L319:;
     v2673 = ov_load_l(v31);
     v2674 = (double)(int64_t)v2673;
-    if (v2669) goto L390; else goto L320;
+    if (v2669) goto L396; else goto L320;
 L320:;
     v2675 = ov_smax(v404, UINT64_C(1));
     { uint64_t t0 = v405; uint64_t t1 = UINT64_C(0); v2676 = t0; v2677 = t1; goto L321; }
@@ -8003,7 +8003,7 @@ L323:;
     v2747 = v2742 == v2670;
     if (v2747) { v2735 = v2746; goto L322; } else { double t0 = v2746; uint64_t t1 = v2742; v2740 = t0; v2741 = t1; goto L323; }
 L324:;
-    if (v2669) goto L390; else goto L325;
+    if (v2669) goto L396; else goto L325;
 L325:;
     v2748 = ov_smax(v404, UINT64_C(1));
     { v2749 = v2748; goto L326; }
@@ -8803,7 +8803,7 @@ L381:;
     if (v3442) { uint64_t t0 = v3436; uint64_t t1 = v3437; v3434 = t0; v3435 = t1; goto L381; } else goto L376;
 L382:;
     v3444 = (int64_t)v3443 < (int64_t)v404;
-    if (v3444) { v2889 = v3443; goto L329; } else goto L390;
+    if (v3444) { v2889 = v3443; goto L329; } else goto L396;
 L383:;
     v3447 = v3446 + UINT64_C(1);
     v3448 = v2 + (intptr_t)(int64_t)v3446 * 8;
@@ -8820,160 +8820,175 @@ L383:;
     v3459 = v3447 == v3212;
     if (v3459) { v3215 = v3458; goto L354; } else { uint64_t t0 = v3458; uint64_t t1 = v3447; v3445 = t0; v3446 = t1; goto L383; }
 L384:;
-    v3460 = v3536 >> UINT64_C(12);
-    v3461 = v3460 ^ v3536;
-    v3462 = v3461 << UINT64_C(25);
-    v3463 = v3462 ^ v3461;
-    v3464 = v3463 >> UINT64_C(27);
-    v3465 = v3464 ^ v3463;
-    v3466 = v3465 * UINT64_C(2685821657736338717);
-    v3467 = v3466 >> UINT64_C(11);
-    v3468 = (double)v3467;
-    v3469 = v3468 * (0x1.0000000000000p-52);
-    v3470 = v3469 + (-0x1.0000000000000p+0);
-    v3471 = v3470 * v3593;
-    { uint64_t t0 = v3465; double t1 = v3471; v3472 = t0; v3473 = t1; goto L385; }
+    { v3460 = (0x0.0p+0); goto L385; }
 L385:;
-    v3474 = v3548 + (intptr_t)1709648;
-    v3475 = ov_load_d(v3474);
-    v3476 = v3473 - v3537;
-    v3477 = v3476 * v3475;
-    v3478 = v3537 + v3477;
-    v3479 = v3473 == (0x0.0p+0);
-    v3480 = v3479 ? (0x1.4f8b588e368f1p-17) : (0x0.0p+0);
-    v3481 = fabs(v3478);
-    v3482 = v3481 < v3480;
-    v3483 = v3482 ? (0x0.0p+0) : v3478;
-    v3484 = v3548 + (intptr_t)1710160;
-    v3485 = ov_load_d(v3484);
-    v3486 = v3485 + v3483;
-    v3487 = v3531 * v3486;
-    v3488 = v3487 - v3540;
-    v3489 = v3533 * v3539;
-    v3490 = v3489 + v3488;
-    v3491 = v3487 == (0x0.0p+0);
-    v3492 = v3491 ? (0x1.12e0be826d695p-30) : (0x0.0p+0);
-    v3493 = fabs(v3490);
-    v3494 = v3493 < v3492;
-    v3495 = v3494 ? (0x0.0p+0) : v3490;
-    v3496 = v3548 + (intptr_t)1710672;
-    ov_store_d(v3496, v3495);
-    if (v38) goto L387; else goto L386;
+    v3461 = v3460 - v3567;
+    v3462 = v3552 * v3461;
+    v3463 = v3567 + v3462;
+    v3464 = v3463 - v3566;
+    v3465 = v3552 * v3464;
+    v3466 = v3566 + v3465;
+    v3467 = v3460 == (0x0.0p+0);
+    v3468 = v3467 ? (0x1.ad7f29abcaf48p-24) : (0x0.0p+0);
+    v3469 = v3463 + v3466;
+    v3470 = v3469 < v3468;
+    if (v3470) goto L386; else { double t0 = v3463; double t1 = v3466; v3471 = t0; v3472 = t1; goto L387; }
 L386:;
-    v3497 = v3546 + v402;
-    v3498 = v3497 * UINT64_C(9);
-    v3499 = (int64_t)v3498 < (int64_t)UINT64_C(18446744073709551608);
-    v3500 = v3499 ? UINT64_C(2573522) : UINT64_C(0);
-    v3501 = v8 + (intptr_t)(int64_t)v3498 * 8;
-    v3502 = v3501 + (intptr_t)64;
-    v3503 = v3502 + (intptr_t)(int64_t)v3500 * 8;
-    ov_store_d(v3503, v3572);
-    goto L387;
+    { double t0 = (0x0.0p+0); double t1 = (0x0.0p+0); v3471 = t0; v3472 = t1; goto L387; }
 L387:;
-    v3504 = v3547 == v3535;
-    if (v3504) { double t0 = v3572; double t1 = v3559; double t2 = v3570; double t3 = v3571; double t4 = v3575; double t5 = v3583; double t6 = v3487; double t7 = v3495; double t8 = v3593; double t9 = v3483; uint64_t t10 = v3472; v3505 = t0; v3506 = t1; v3507 = t2; v3508 = t3; v3509 = t4; v3510 = t5; v3511 = t6; v3512 = t7; v3513 = t8; v3514 = t9; v3515 = t10; goto L388; } else { uint64_t t0 = v3472; double t1 = v3483; double t2 = v3593; double t3 = v3495; double t4 = v3487; double t5 = v3583; double t6 = v3575; double t7 = v3571; double t8 = v3570; double t9 = v3559; uint64_t t10 = v3547; v3536 = t0; v3537 = t1; v3538 = t2; v3539 = t3; v3540 = t4; v3541 = t5; v3542 = t6; v3543 = t7; v3544 = t8; v3545 = t9; v3546 = t10; goto L393; }
+    v3473 = v3553 * v3472;
+    v3474 = v3571 + (intptr_t)1708624;
+    v3475 = ov_load_d(v3474);
+    v3476 = v3473 * v3475;
+    v3477 = v3476 - v3565;
+    v3478 = v3556 * v3564;
+    v3479 = v3478 + v3477;
+    v3480 = v3476 == (0x0.0p+0);
+    v3481 = v3480 ? (0x1.12e0be826d695p-30) : (0x0.0p+0);
+    v3482 = fabs(v3479);
+    v3483 = v3482 < v3481;
+    if (v3483) goto L400; else { v3582 = v3479; goto L401; }
 L388:;
-    ov_store_d(v71, v3506);
-    ov_store_d(v72, v3507);
-    ov_store_d(v73, v3508);
-    ov_store_d(v74, v3509);
-    ov_store_d(v75, v3510);
-    ov_store_d(v76, v3511);
-    ov_store_d(v77, v3512);
-    ov_store_d(v78, v3513);
-    ov_store_d(v79, v3514);
-    ov_store_l(v80, v3515);
-    ov_store_d(v87, v3505);
-    v3516 = ov_load_d(v88);
-    if (v2669) { double t0 = (0x0.0p+0); uint64_t t1 = UINT64_C(0); uint64_t t2 = UINT64_C(0); double t3 = (0x0.0p+0); v3749 = t0; v3750 = t1; v3751 = t2; v3752 = t3; goto L412; } else goto L389;
+    v3484 = v3559 >> UINT64_C(12);
+    v3485 = v3484 ^ v3559;
+    v3486 = v3485 << UINT64_C(25);
+    v3487 = v3486 ^ v3485;
+    v3488 = v3487 >> UINT64_C(27);
+    v3489 = v3488 ^ v3487;
+    v3490 = v3489 * UINT64_C(2685821657736338717);
+    v3491 = v3490 >> UINT64_C(11);
+    v3492 = (double)v3491;
+    v3493 = v3492 * (0x1.0000000000000p-52);
+    v3494 = v3493 + (-0x1.0000000000000p+0);
+    v3495 = v3494 * v3588;
+    { double t0 = v3588; uint64_t t1 = v3489; double t2 = v3495; v3496 = t0; v3497 = t1; v3498 = t2; goto L389; }
 L389:;
-    v3517 = ov_smax(v404, UINT64_C(1));
-    { uint64_t t0 = UINT64_C(0); uint64_t t1 = UINT64_C(0); v3653 = t0; v3654 = t1; goto L399; }
+    v3499 = v3571 + (intptr_t)1709648;
+    v3500 = ov_load_d(v3499);
+    v3501 = v3498 - v3560;
+    v3502 = v3501 * v3500;
+    v3503 = v3560 + v3502;
+    v3504 = v3498 == (0x0.0p+0);
+    v3505 = v3504 ? (0x1.4f8b588e368f1p-17) : (0x0.0p+0);
+    v3506 = fabs(v3503);
+    v3507 = v3506 < v3505;
+    if (v3507) goto L390; else { v3508 = v3503; goto L391; }
 L390:;
-    v3518 = ov_load_d(v71);
-    v3519 = ov_load_d(v72);
-    v3520 = ov_load_d(v73);
-    v3521 = ov_load_d(v74);
-    v3522 = ov_load_d(v75);
-    v3523 = ov_load_d(v76);
-    v3524 = ov_load_d(v77);
-    v3525 = ov_load_d(v78);
-    v3526 = ov_load_d(v79);
-    v3527 = ov_load_l(v80);
-    v3528 = ov_load_d(v81);
-    v3529 = ov_load_d(v82);
-    v3530 = ov_load_d(v83);
-    v3531 = ov_load_d(v84);
-    v3532 = ov_load_d(v85);
-    v3533 = ov_load_d(v86);
-    if (v2669) goto L391; else goto L392;
+    { v3508 = (0x0.0p+0); goto L391; }
 L391:;
-    v3534 = v3520 * v3530;
-    { double t0 = v3534; double t1 = v3518; double t2 = v3519; double t3 = v3520; double t4 = v3521; double t5 = v3522; double t6 = v3523; double t7 = v3524; double t8 = v3525; double t9 = v3526; uint64_t t10 = v3527; v3505 = t0; v3506 = t1; v3507 = t2; v3508 = t3; v3509 = t4; v3510 = t5; v3511 = t6; v3512 = t7; v3513 = t8; v3514 = t9; v3515 = t10; goto L388; }
+    v3509 = v3571 + (intptr_t)1710160;
+    v3510 = ov_load_d(v3509);
+    v3511 = v3508 + v3510;
+    v3512 = v3554 * v3511;
+    v3513 = v3512 - v3563;
+    v3514 = v3556 * v3562;
+    v3515 = v3514 + v3513;
+    v3516 = v3512 == (0x0.0p+0);
+    v3517 = v3516 ? (0x1.12e0be826d695p-30) : (0x0.0p+0);
+    v3518 = fabs(v3515);
+    v3519 = v3518 < v3517;
+    if (v3519) goto L403; else { v3593 = v3515; goto L404; }
 L392:;
-    v3535 = ov_smax(v404, UINT64_C(1));
-    { uint64_t t0 = v3527; double t1 = v3526; double t2 = v3525; double t3 = v3524; double t4 = v3523; double t5 = v3522; double t6 = v3521; double t7 = v3520; double t8 = v3519; double t9 = v3518; uint64_t t10 = UINT64_C(0); v3536 = t0; v3537 = t1; v3538 = t2; v3539 = t3; v3540 = t4; v3541 = t5; v3542 = t6; v3543 = t7; v3544 = t8; v3545 = t9; v3546 = t10; goto L393; }
+    v3520 = v3569 + v402;
+    v3521 = v3520 * UINT64_C(9);
+    v3522 = (int64_t)v3521 < (int64_t)UINT64_C(18446744073709551608);
+    v3523 = v3522 ? UINT64_C(2573522) : UINT64_C(0);
+    v3524 = v8 + (intptr_t)(int64_t)v3521 * 8;
+    v3525 = v3524 + (intptr_t)64;
+    v3526 = v3525 + (intptr_t)(int64_t)v3523 * 8;
+    ov_store_d(v3526, v3473);
+    goto L393;
 L393:;
-    v3547 = v3546 + UINT64_C(1);
-    v3548 = v1 + (intptr_t)(int64_t)v3546 * 8;
-    v3549 = v3548 + (intptr_t)1708112;
-    v3550 = ov_load_d(v3549);
-    v3551 = v3550 - v3545;
-    v3552 = v3528 * v3551;
-    v3553 = v3545 + v3552;
-    v3554 = v3550 > v3545;
-    v3555 = v3554 ? v3550 : v3553;
-    v3556 = v3550 == (0x0.0p+0);
-    v3557 = v3556 ? (0x1.ad7f29abcaf48p-24) : (0x0.0p+0);
-    v3558 = v3555 < v3557;
-    v3559 = v3558 ? (0x0.0p+0) : v3555;
-    v3560 = v3559 - v3544;
-    v3561 = v3529 * v3560;
-    v3562 = v3544 + v3561;
-    v3563 = v3562 - v3543;
-    v3564 = v3529 * v3563;
-    v3565 = v3543 + v3564;
-    v3566 = v3559 == (0x0.0p+0);
-    v3567 = v3566 ? (0x1.ad7f29abcaf48p-24) : (0x0.0p+0);
-    v3568 = v3562 + v3565;
-    v3569 = v3568 < v3567;
-    v3570 = v3569 ? (0x0.0p+0) : v3562;
-    v3571 = v3569 ? (0x0.0p+0) : v3565;
-    v3572 = v3530 * v3571;
-    v3573 = v3548 + (intptr_t)1708624;
-    v3574 = ov_load_d(v3573);
-    v3575 = v3574 * v3572;
-    v3576 = v3575 - v3542;
-    v3577 = v3533 * v3541;
-    v3578 = v3577 + v3576;
-    v3579 = v3575 == (0x0.0p+0);
-    v3580 = v3579 ? (0x1.12e0be826d695p-30) : (0x0.0p+0);
-    v3581 = fabs(v3578);
-    v3582 = v3581 < v3580;
-    v3583 = v3582 ? (0x0.0p+0) : v3578;
-    v3584 = v3548 + (intptr_t)1711184;
-    ov_store_d(v3584, v3583);
-    v3585 = v3548 + (intptr_t)1709136;
-    v3586 = ov_load_d(v3585);
-    v3587 = v3586 - v3538;
-    v3588 = v3532 * v3587;
-    v3589 = v3538 + v3588;
-    v3590 = v3586 < (0x1.4f8b588e368f1p-17);
-    v3591 = v3590 ? (0x1.4f8b588e368f1p-17) : (-0x1.0000000000000p+0);
-    v3592 = v3589 <= v3591;
-    v3593 = v3592 ? (0x0.0p+0) : v3589;
-    v3594 = v3593 > (0x0.0p+0);
-    if (v3594) goto L384; else { uint64_t t0 = v3536; double t1 = (0x0.0p+0); v3472 = t0; v3473 = t1; goto L385; }
+    v3527 = v3570 == v3558;
+    if (v3527) { double t0 = v3473; double t1 = v3460; double t2 = v3471; double t3 = v3472; double t4 = v3476; double t5 = v3582; double t6 = v3512; double t7 = v3593; double t8 = v3496; double t9 = v3508; uint64_t t10 = v3497; v3528 = t0; v3529 = t1; v3530 = t2; v3531 = t3; v3532 = t4; v3533 = t5; v3534 = t6; v3535 = t7; v3536 = t8; v3537 = t9; v3538 = t10; goto L394; } else { uint64_t t0 = v3497; double t1 = v3508; double t2 = v3496; double t3 = v3593; double t4 = v3512; double t5 = v3582; double t6 = v3476; double t7 = v3472; double t8 = v3471; double t9 = v3460; uint64_t t10 = v3570; v3559 = t0; v3560 = t1; v3561 = t2; v3562 = t3; v3563 = t4; v3564 = t5; v3565 = t6; v3566 = t7; v3567 = t8; v3568 = t9; v3569 = t10; goto L399; }
 L394:;
-    v3595 = ov_double(v3660);
-    v3596 = v3516 * (0x1.0000000000000p-1);
-    v3597 = v3596 < v3595;
-    if (v3597) goto L395; else { double t0 = v3595; uint64_t t1 = UINT64_C(0); v3651 = t0; v3652 = t1; goto L398; }
+    ov_store_d(v71, v3529);
+    ov_store_d(v72, v3530);
+    ov_store_d(v73, v3531);
+    ov_store_d(v74, v3532);
+    ov_store_d(v75, v3533);
+    ov_store_d(v76, v3534);
+    ov_store_d(v77, v3535);
+    ov_store_d(v78, v3536);
+    ov_store_d(v79, v3537);
+    ov_store_l(v80, v3538);
+    ov_store_d(v87, v3528);
+    v3539 = ov_load_d(v88);
+    if (v2669) { double t0 = (0x0.0p+0); uint64_t t1 = UINT64_C(0); uint64_t t2 = UINT64_C(0); double t3 = (0x0.0p+0); v3749 = t0; v3750 = t1; v3751 = t2; v3752 = t3; goto L423; } else goto L395;
 L395:;
-    v3598 = v3516 * (0x1.ffffde7210be9p-1);
-    v3599 = v3598 - v3596;
-    { uint64_t t0 = UINT64_C(0); double t1 = (0x0.0p+0); uint64_t t2 = UINT64_C(0); v3662 = t0; v3663 = t1; v3664 = t2; goto L400; }
+    v3540 = ov_smax(v404, UINT64_C(1));
+    { uint64_t t0 = UINT64_C(0); uint64_t t1 = UINT64_C(0); v3653 = t0; v3654 = t1; goto L410; }
 L396:;
+    v3541 = ov_load_d(v71);
+    v3542 = ov_load_d(v72);
+    v3543 = ov_load_d(v73);
+    v3544 = ov_load_d(v74);
+    v3545 = ov_load_d(v75);
+    v3546 = ov_load_d(v76);
+    v3547 = ov_load_d(v77);
+    v3548 = ov_load_d(v78);
+    v3549 = ov_load_d(v79);
+    v3550 = ov_load_l(v80);
+    v3551 = ov_load_d(v81);
+    v3552 = ov_load_d(v82);
+    v3553 = ov_load_d(v83);
+    v3554 = ov_load_d(v84);
+    v3555 = ov_load_d(v85);
+    v3556 = ov_load_d(v86);
+    if (v2669) goto L397; else goto L398;
+L397:;
+    v3557 = v3543 * v3553;
+    { double t0 = v3557; double t1 = v3541; double t2 = v3542; double t3 = v3543; double t4 = v3544; double t5 = v3545; double t6 = v3546; double t7 = v3547; double t8 = v3548; double t9 = v3549; uint64_t t10 = v3550; v3528 = t0; v3529 = t1; v3530 = t2; v3531 = t3; v3532 = t4; v3533 = t5; v3534 = t6; v3535 = t7; v3536 = t8; v3537 = t9; v3538 = t10; goto L394; }
+L398:;
+    v3558 = ov_smax(v404, UINT64_C(1));
+    { uint64_t t0 = v3550; double t1 = v3549; double t2 = v3548; double t3 = v3547; double t4 = v3546; double t5 = v3545; double t6 = v3544; double t7 = v3543; double t8 = v3542; double t9 = v3541; uint64_t t10 = UINT64_C(0); v3559 = t0; v3560 = t1; v3561 = t2; v3562 = t3; v3563 = t4; v3564 = t5; v3565 = t6; v3566 = t7; v3567 = t8; v3568 = t9; v3569 = t10; goto L399; }
+L399:;
+    v3570 = v3569 + UINT64_C(1);
+    v3571 = v1 + (intptr_t)(int64_t)v3569 * 8;
+    v3572 = v3571 + (intptr_t)1708112;
+    v3573 = ov_load_d(v3572);
+    v3574 = v3573 - v3568;
+    v3575 = v3551 * v3574;
+    v3576 = v3568 + v3575;
+    v3577 = v3573 > v3568;
+    v3578 = v3577 ? v3573 : v3576;
+    v3579 = v3573 == (0x0.0p+0);
+    v3580 = v3579 ? (0x1.ad7f29abcaf48p-24) : (0x0.0p+0);
+    v3581 = v3578 < v3580;
+    if (v3581) goto L384; else { v3460 = v3578; goto L385; }
+L400:;
+    { v3582 = (0x0.0p+0); goto L401; }
+L401:;
+    v3583 = v3571 + (intptr_t)1711184;
+    ov_store_d(v3583, v3582);
+    v3584 = v3571 + (intptr_t)1709136;
+    v3585 = ov_load_d(v3584);
+    v3586 = v3585 - v3561;
+    v3587 = v3555 * v3586;
+    v3588 = v3561 + v3587;
+    v3589 = v3585 < (0x1.4f8b588e368f1p-17);
+    v3590 = v3589 ? (0x1.4f8b588e368f1p-17) : (-0x1.0000000000000p+0);
+    v3591 = !(v3588 <= v3590);
+    if (v3591) goto L402; else { double t0 = (0x0.0p+0); uint64_t t1 = v3559; double t2 = (0x0.0p+0); v3496 = t0; v3497 = t1; v3498 = t2; goto L389; }
+L402:;
+    v3592 = v3588 > (0x0.0p+0);
+    if (v3592) goto L388; else { double t0 = v3588; uint64_t t1 = v3559; double t2 = (0x0.0p+0); v3496 = t0; v3497 = t1; v3498 = t2; goto L389; }
+L403:;
+    { v3593 = (0x0.0p+0); goto L404; }
+L404:;
+    v3594 = v3571 + (intptr_t)1710672;
+    ov_store_d(v3594, v3593);
+    if (v38) goto L393; else goto L392;
+L405:;
+    v3595 = ov_double(v3660);
+    v3596 = v3539 * (0x1.0000000000000p-1);
+    v3597 = v3596 < v3595;
+    if (v3597) goto L406; else { double t0 = v3595; uint64_t t1 = UINT64_C(0); v3651 = t0; v3652 = t1; goto L409; }
+L406:;
+    v3598 = v3539 * (0x1.ffffde7210be9p-1);
+    v3599 = v3598 - v3596;
+    { uint64_t t0 = UINT64_C(0); double t1 = (0x0.0p+0); uint64_t t2 = UINT64_C(0); v3662 = t0; v3663 = t1; v3664 = t2; goto L411; }
+L407:;
     v3600 = v3669 - v3596;
     v3601 = v3600 / v3599;
     v3602 = v3601 * (0x1.71547652b82fep+1);
@@ -9020,25 +9035,25 @@ L396:;
     v3643 = -v3641;
     v3644 = v3642 ? v3641 : v3643;
     v3645 = fabs(v3641);
-    { double t0 = v3645; double t1 = v3644; v3646 = t0; v3647 = t1; goto L397; }
-L397:;
+    { double t0 = v3645; double t1 = v3644; v3646 = t0; v3647 = t1; goto L408; }
+L408:;
     ov_store_d(v3667, v3647);
     v3648 = v3646 > v3663;
     v3649 = v3648 ? v3646 : v3663;
-    v3650 = v3665 == v3517;
-    if (v3650) { double t0 = v3649; uint64_t t1 = v3672; v3651 = t0; v3652 = t1; goto L398; } else { uint64_t t0 = v3672; double t1 = v3649; uint64_t t2 = v3665; v3662 = t0; v3663 = t1; v3664 = t2; goto L400; }
-L398:;
-    { uint64_t t0 = UINT64_C(0); uint64_t t1 = UINT64_C(0); v3761 = t0; v3762 = t1; goto L415; }
-L399:;
+    v3650 = v3665 == v3540;
+    if (v3650) { double t0 = v3649; uint64_t t1 = v3672; v3651 = t0; v3652 = t1; goto L409; } else { uint64_t t0 = v3672; double t1 = v3649; uint64_t t2 = v3665; v3662 = t0; v3663 = t1; v3664 = t2; goto L411; }
+L409:;
+    { uint64_t t0 = UINT64_C(0); uint64_t t1 = UINT64_C(0); v3761 = t0; v3762 = t1; goto L426; }
+L410:;
     v3655 = v3654 + UINT64_C(1);
     v3656 = v2 + (intptr_t)(int64_t)v3654 * 8;
     v3657 = v3656 + (intptr_t)1710672;
     v3658 = ov_load_l(v3657);
     v3659 = v3658 & UINT64_C(9223372036854775807);
     v3660 = ov_umax(v3659, v3653);
-    v3661 = v3655 == v3517;
-    if (v3661) goto L394; else { uint64_t t0 = v3660; uint64_t t1 = v3655; v3653 = t0; v3654 = t1; goto L399; }
-L400:;
+    v3661 = v3655 == v3540;
+    if (v3661) goto L405; else { uint64_t t0 = v3660; uint64_t t1 = v3655; v3653 = t0; v3654 = t1; goto L410; }
+L411:;
     v3665 = v3664 + UINT64_C(1);
     v3666 = v1 + (intptr_t)(int64_t)v3664 * 8;
     v3667 = v3666 + (intptr_t)1710672;
@@ -9048,48 +9063,48 @@ L400:;
     v3671 = (uint64_t)v3670;
     v3672 = v3662 + v3671;
     v3673 = !(v3669 <= v3596);
-    if (v3673) goto L396; else { double t0 = v3669; double t1 = v3668; v3646 = t0; v3647 = t1; goto L397; }
-L401:;
+    if (v3673) goto L407; else { double t0 = v3669; double t1 = v3668; v3646 = t0; v3647 = t1; goto L408; }
+L412:;
     v3674 = v2659 + (intptr_t)1710664;
     v3675 = ov_load_d(v3674);
     v3676 = v3675 == (0x0.0p+0);
-    if (v3676) goto L402; else { v3690 = v2655; goto L406; }
-L402:;
+    if (v3676) goto L413; else { v3690 = v2655; goto L417; }
+L413:;
     v3677 = v2659 + (intptr_t)1711176;
     v3678 = ov_load_d(v3677);
     v3679 = v3678 == (0x0.0p+0);
-    if (v3679) { v3680 = v2655; goto L403; } else { v3690 = v2655; goto L406; }
-L403:;
+    if (v3679) { v3680 = v2655; goto L414; } else { v3690 = v2655; goto L417; }
+L414:;
     v3681 = v3680 + UINT64_C(18446744073709551615);
     v3682 = (int64_t)v3680 > (int64_t)UINT64_C(0);
-    if (v3682) goto L404; else goto L407;
-L404:;
+    if (v3682) goto L415; else goto L418;
+L415:;
     v3683 = v1 + (intptr_t)(int64_t)v3680 * 8;
     v3684 = v3683 + (intptr_t)1710664;
     v3685 = ov_load_d(v3684);
     v3686 = v3685 == (0x0.0p+0);
-    if (v3686) goto L405; else { v3690 = v3681; goto L406; }
-L405:;
+    if (v3686) goto L416; else { v3690 = v3681; goto L417; }
+L416:;
     v3687 = v3683 + (intptr_t)1711176;
     v3688 = ov_load_d(v3687);
     v3689 = v3688 == (0x0.0p+0);
-    if (v3689) { v3680 = v3681; goto L403; } else { v3690 = v3681; goto L406; }
-L406:;
+    if (v3689) { v3680 = v3681; goto L414; } else { v3690 = v3681; goto L417; }
+L417:;
     v3691 = v2655 - v3690;
-    { v3852 = v3691; goto L430; }
-L407:;
+    { v3852 = v3691; goto L441; }
+L418:;
     v3692 = ov_load_l(v93);
     v3693 = v3692 + v404;
-    { v3852 = v3693; goto L430; }
-L408:;
+    { v3852 = v3693; goto L441; }
+L419:;
     v3694 = ov_double(v3768);
     v3695 = v3596 < v3694;
-    if (v3695) goto L409; else { double t0 = v3651; uint64_t t1 = v3652; uint64_t t2 = UINT64_C(0); double t3 = v3694; v3749 = t0; v3750 = t1; v3751 = t2; v3752 = t3; goto L412; }
-L409:;
-    v3696 = v3516 * (0x1.ffffde7210be9p-1);
+    if (v3695) goto L420; else { double t0 = v3651; uint64_t t1 = v3652; uint64_t t2 = UINT64_C(0); double t3 = v3694; v3749 = t0; v3750 = t1; v3751 = t2; v3752 = t3; goto L423; }
+L420:;
+    v3696 = v3539 * (0x1.ffffde7210be9p-1);
     v3697 = v3696 - v3596;
-    { uint64_t t0 = UINT64_C(0); double t1 = (0x0.0p+0); uint64_t t2 = UINT64_C(0); v3770 = t0; v3771 = t1; v3772 = t2; goto L416; }
-L410:;
+    { uint64_t t0 = UINT64_C(0); double t1 = (0x0.0p+0); uint64_t t2 = UINT64_C(0); v3770 = t0; v3771 = t1; v3772 = t2; goto L427; }
+L421:;
     v3698 = v3777 - v3596;
     v3699 = v3698 / v3697;
     v3700 = v3699 * (0x1.71547652b82fep+1);
@@ -9136,14 +9151,14 @@ L410:;
     v3741 = -v3739;
     v3742 = v3740 ? v3739 : v3741;
     v3743 = fabs(v3739);
-    { double t0 = v3743; double t1 = v3742; v3744 = t0; v3745 = t1; goto L411; }
-L411:;
+    { double t0 = v3743; double t1 = v3742; v3744 = t0; v3745 = t1; goto L422; }
+L422:;
     ov_store_d(v3775, v3745);
     v3746 = v3744 > v3771;
     v3747 = v3746 ? v3744 : v3771;
-    v3748 = v3773 == v3517;
-    if (v3748) { double t0 = v3651; uint64_t t1 = v3652; uint64_t t2 = v3780; double t3 = v3747; v3749 = t0; v3750 = t1; v3751 = t2; v3752 = t3; goto L412; } else { uint64_t t0 = v3780; double t1 = v3747; uint64_t t2 = v3773; v3770 = t0; v3771 = t1; v3772 = t2; goto L416; }
-L412:;
+    v3748 = v3773 == v3540;
+    if (v3748) { double t0 = v3651; uint64_t t1 = v3652; uint64_t t2 = v3780; double t3 = v3747; v3749 = t0; v3750 = t1; v3751 = t2; v3752 = t3; goto L423; } else { uint64_t t0 = v3780; double t1 = v3747; uint64_t t2 = v3773; v3770 = t0; v3771 = t1; v3772 = t2; goto L427; }
+L423:;
     v3753 = v402 * v7;
     v3754 = ov_load_l(v89);
     v3755 = ov_load_l(v90);
@@ -9151,22 +9166,22 @@ L412:;
     v3757 = v91 ? v3756 : 0;
     v3758 = v3755 == UINT64_C(1);
     v3759 = v3757 ? v3758 : 0;
-    if (v3759) goto L413; else goto L417;
-L413:;
-    if (v2669) goto L429; else goto L414;
-L414:;
+    if (v3759) goto L424; else goto L428;
+L424:;
+    if (v2669) goto L440; else goto L425;
+L425:;
     v3760 = ov_smax(v404, UINT64_C(1));
-    { v3819 = UINT64_C(0); goto L427; }
-L415:;
+    { v3819 = UINT64_C(0); goto L438; }
+L426:;
     v3763 = v3762 + UINT64_C(1);
     v3764 = v2 + (intptr_t)(int64_t)v3762 * 8;
     v3765 = v3764 + (intptr_t)1711184;
     v3766 = ov_load_l(v3765);
     v3767 = v3766 & UINT64_C(9223372036854775807);
     v3768 = ov_umax(v3767, v3761);
-    v3769 = v3763 == v3517;
-    if (v3769) goto L408; else { uint64_t t0 = v3768; uint64_t t1 = v3763; v3761 = t0; v3762 = t1; goto L415; }
-L416:;
+    v3769 = v3763 == v3540;
+    if (v3769) goto L419; else { uint64_t t0 = v3768; uint64_t t1 = v3763; v3761 = t0; v3762 = t1; goto L426; }
+L427:;
     v3773 = v3772 + UINT64_C(1);
     v3774 = v1 + (intptr_t)(int64_t)v3772 * 8;
     v3775 = v3774 + (intptr_t)1711184;
@@ -9176,21 +9191,21 @@ L416:;
     v3779 = (uint64_t)v3778;
     v3780 = v3770 + v3779;
     v3781 = !(v3777 <= v3596);
-    if (v3781) goto L410; else { double t0 = v3777; double t1 = v3776; v3744 = t0; v3745 = t1; goto L411; }
-L417:;
+    if (v3781) goto L421; else { double t0 = v3777; double t1 = v3776; v3744 = t0; v3745 = t1; goto L422; }
+L428:;
     v3782 = v404 * v7;
     v3783 = (int64_t)v3782 < (int64_t)UINT64_C(1);
-    if (v3783) goto L418; else { uint64_t t0 = v3782; uint64_t t1 = v3753; v3834 = t0; v3835 = t1; goto L428; }
-L418:;
+    if (v3783) goto L429; else { uint64_t t0 = v3782; uint64_t t1 = v3753; v3834 = t0; v3835 = t1; goto L439; }
+L429:;
     v3784 = (int64_t)v3754 > (int64_t)UINT64_C(18446744073709551615);
-    if (v3784) goto L419; else goto L422;
-L419:;
+    if (v3784) goto L430; else goto L433;
+L430:;
     v3785 = v3754 + v3753;
-    if (v2669) goto L429; else goto L420;
-L420:;
+    if (v2669) goto L440; else goto L431;
+L431:;
     v3786 = ov_smax(v404, UINT64_C(1));
-    { v3787 = UINT64_C(0); goto L421; }
-L421:;
+    { v3787 = UINT64_C(0); goto L432; }
+L432:;
     v3788 = v3787 + UINT64_C(1);
     v3789 = v1 + (intptr_t)(int64_t)v3787 * 8;
     v3790 = v3789 + (intptr_t)1710672;
@@ -9204,21 +9219,21 @@ L421:;
     v3798 = (float)v3791;
     ov_store_f(v3797, v3798);
     v3799 = v3788 == v3786;
-    if (v3799) goto L424; else { v3787 = v3788; goto L421; }
-L422:;
+    if (v3799) goto L435; else { v3787 = v3788; goto L432; }
+L433:;
     v3800 = (int64_t)v3755 < (int64_t)UINT64_C(0);
     v3801 = (v2669 | v3800) & 1;
-    if (v3801) goto L429; else goto L423;
-L423:;
+    if (v3801) goto L440; else goto L434;
+L434:;
     v3802 = ov_smax(v404, UINT64_C(1));
-    { v3804 = v3802; goto L425; }
-L424:;
+    { v3804 = v3802; goto L436; }
+L435:;
     v3803 = (int64_t)v3755 > (int64_t)UINT64_C(18446744073709551615);
-    if (v3803) { v3804 = v3786; goto L425; } else goto L429;
-L425:;
+    if (v3803) { v3804 = v3786; goto L436; } else goto L440;
+L436:;
     v3805 = v3755 + v3753;
-    { v3806 = UINT64_C(0); goto L426; }
-L426:;
+    { v3806 = UINT64_C(0); goto L437; }
+L437:;
     v3807 = v3806 + UINT64_C(1);
     v3808 = v1 + (intptr_t)(int64_t)v3806 * 8;
     v3809 = v3808 + (intptr_t)1711184;
@@ -9232,8 +9247,8 @@ L426:;
     v3817 = (float)v3810;
     ov_store_f(v3816, v3817);
     v3818 = v3807 == v3804;
-    if (v3818) goto L429; else { v3806 = v3807; goto L426; }
-L427:;
+    if (v3818) goto L440; else { v3806 = v3807; goto L437; }
+L438:;
     v3820 = v3819 + UINT64_C(1);
     v3821 = v1 + (intptr_t)(int64_t)v3819 * 8;
     v3822 = v3821 + (intptr_t)1710672;
@@ -9250,8 +9265,8 @@ L427:;
     v3832 = (float)v3830;
     ov_store_f(v3831, v3832);
     v3833 = v3820 == v3760;
-    if (v3833) goto L429; else { v3819 = v3820; goto L427; }
-L428:;
+    if (v3833) goto L440; else { v3819 = v3820; goto L438; }
+L439:;
     v3836 = v3834 + UINT64_C(18446744073709551615);
     v3837 = v3835 + UINT64_C(1);
     v3838 = (int64_t)v3835 < (int64_t)UINT64_C(0);
@@ -9260,8 +9275,8 @@ L428:;
     v3841 = v3840 + (intptr_t)(int64_t)v3839 * 4;
     ov_store_f(v3841, (0x0.0p+0));
     v3842 = v3834 > UINT64_C(1);
-    if (v3842) { uint64_t t0 = v3836; uint64_t t1 = v3837; v3834 = t0; v3835 = t1; goto L428; } else goto L418;
-L429:;
+    if (v3842) { uint64_t t0 = v3836; uint64_t t1 = v3837; v3834 = t0; v3835 = t1; goto L439; } else goto L429;
+L440:;
     v3843 = ov_load_d(v10);
     v3844 = v3749 > v3843;
     v3845 = v3844 ? v3749 : v3843;
@@ -9274,16 +9289,16 @@ L429:;
     v3850 = v3751 + v3750;
     v3851 = v3850 + v3849;
     ov_store_l(v92, v3851);
-    if (v430) goto L401; else goto L407;
-L430:;
+    if (v430) goto L412; else goto L418;
+L441:;
     ov_store_l(v93, v3852);
     v3853 = ov_load_l(v12);
     v3854 = v3853 + v404;
     ov_store_l(v12, v3854);
     v3855 = v404 + v402;
     v3856 = (int64_t)v3855 < (int64_t)v400;
-    if (v3856) { v402 = v3855; goto L75; } else goto L440;
-L431:;
+    if (v3856) { v402 = v3855; goto L75; } else goto L451;
+L442:;
     v3857 = v2 + (intptr_t)41232;
     v3858 = ov_load_l(v3857);
     v3859 = v3858 + UINT64_C(1);
@@ -9329,8 +9344,8 @@ L431:;
     v3898 = v3895 + v3897;
     v3899 = v3898 - v3898;
     v3900 = v3899 == (0x0.0p+0);
-    if (v3900) goto L441; else goto L432;
-L432:;
+    if (v3900) goto L452; else goto L443;
+L443:;
     v3901 = v13 + v6;
     v3902 = v2 + (intptr_t)41264;
     v3903 = ov_load_l(v3902);
@@ -9354,23 +9369,23 @@ L432:;
     v3912 = v3903 + UINT64_C(1);
     ov_store_l(v3902, v3912);
     v3913 = (int64_t)v3860 < (int64_t)UINT64_C(1);
-    if (v3913) goto L441; else goto L433;
-L433:;
+    if (v3913) goto L452; else goto L444;
+L444:;
     v3914 = v3860 << UINT64_C(2);
     memset(v4, 0u, (size_t)v3914);
-    goto L441;
-L434:;
+    goto L452;
+L445:;
     v3915 = v3943 + UINT64_C(18446744073709551615);
     ov_store_l(v3942, v3915);
     v3916 = v3915 == UINT64_C(0);
-    if (v3916) goto L435; else goto L436;
-L435:;
+    if (v3916) goto L446; else goto L447;
+L446:;
     v3917 = v1 + (intptr_t)(int64_t)v3939 * 8;
     v3918 = v3917 + (intptr_t)256;
     v3919 = ov_load_d(v3918);
     ov_store_d(v3917, v3919);
-    { v3936 = v3938; goto L438; }
-L436:;
+    { v3936 = v3938; goto L449; }
+L447:;
     v3920 = (double)v3915;
     v3921 = v321 * v3920;
     v3922 = v3921 * v3921;
@@ -9387,24 +9402,24 @@ L436:;
     v3933 = v3928 + v3932;
     ov_store_d(v3926, v3933);
     v3934 = v3938 + UINT64_C(1);
-    { v3936 = v3934; goto L438; }
-L437:;
+    { v3936 = v3934; goto L449; }
+L448:;
     v3935 = (int64_t)v3936 > (int64_t)UINT64_C(0);
     if (v3935) goto L57; else goto L58;
-L438:;
+L449:;
     v3937 = v3940 == UINT64_C(32);
-    if (v3937) goto L437; else { uint64_t t0 = v3936; uint64_t t1 = v3940; v3938 = t0; v3939 = t1; goto L439; }
-L439:;
+    if (v3937) goto L448; else { uint64_t t0 = v3936; uint64_t t1 = v3940; v3938 = t0; v3939 = t1; goto L450; }
+L450:;
     v3940 = v3939 + UINT64_C(1);
     v3941 = v2 + (intptr_t)(int64_t)v3939 * 8;
     v3942 = v3941 + (intptr_t)768;
     v3943 = ov_load_l(v3942);
     v3944 = (int64_t)v3943 > (int64_t)UINT64_C(0);
-    if (v3944) goto L434; else { v3936 = v3938; goto L438; }
-L440:;
+    if (v3944) goto L445; else { v3936 = v3938; goto L449; }
+L451:;
     v3945 = (int64_t)v400 < (int64_t)v6;
-    if (v3945) { v118 = v400; goto L2; } else goto L431;
-L441:;
+    if (v3945) { v118 = v400; goto L2; } else goto L442;
+L452:;
     ov_store_p(v0, (unsigned char *)0);
     return;
 }

@@ -31,6 +31,7 @@ from overview_dsp.kernels.intrinsics import (
 )
 
 SIMD_WIDTH = 8
+RARELY = (1, 2000)  # weights of a branch that is hardly ever taken
 
 _INDEX = ir.IntType(32)
 _WORD = ir.IntType(64)
@@ -175,6 +176,15 @@ def choose(condition, yes, no):
     return yes if condition else no
 
 
+def zero_if(condition, x):
+    """0 where the condition holds, else x; of numbers or lanes.
+
+    Of a number it is a branch that is rarely taken: what comes next need not wait for the
+    condition, as it would for a selection.
+    """
+    return 0.0 if condition else x
+
+
 def any_of(condition):
     """Whether a condition holds: of a number, or of any lane."""
     return condition
@@ -223,6 +233,33 @@ def _choose(condition, yes, no):
     if condition is MASK:
         return lambda condition, yes, no: _select(condition, yes, no)
     return lambda condition, yes, no: yes if condition else no
+
+
+@intrinsic
+def _rarely_zero(typing: Any, condition: Any, x: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        condition, x = args
+        before = builder.block
+        zero = builder.append_basic_block("zero")
+        after = builder.append_basic_block("after")
+        # said with the branch itself: what is only expected is forgotten before it is looked at
+        builder.cbranch(condition, zero, after).set_weights(RARELY)
+        builder.position_at_end(zero)
+        builder.branch(after)
+        builder.position_at_end(after)
+        result = builder.phi(x.type)
+        result.add_incoming(x, before)
+        result.add_incoming(ir.Constant(x.type, 0.0), zero)
+        return result
+
+    return types.float64(types.boolean, types.float64), emit
+
+
+@overload(zero_if)
+def _zero_if(condition, x):
+    if condition is MASK:
+        return lambda condition, x: _select(condition, 0.0, x)
+    return lambda condition, x: _rarely_zero(condition, x)
 
 
 @intrinsic
