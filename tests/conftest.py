@@ -17,20 +17,29 @@ def pytest_addoption(parser):
 
 
 class SkippedTests:
-    """Lists the tests that were skipped, without their parameters: those may be others then."""
+    """Lists the tests that were skipped, as `pytest @FILE` takes them.
+
+    One that ran with other parameters is named with its own. One that never ran is named without:
+    with what it needs, its parameters may be others.
+    """
 
     def __init__(self, path):
-        self.path, self.names = Path(path), {}
+        self.path, self.skipped, self.ran = Path(path), {}, set()
 
-    def note(self, report):
+    def pytest_runtest_logreport(self, report):
+        function = report.nodeid.partition("[")[0]
         if report.skipped and not hasattr(report, "wasxfail"):
-            self.names[report.nodeid.partition("[")[0]] = None
+            self.skipped[report.nodeid] = function
+        elif report.when == "call":
+            self.ran.add(function)
 
-    pytest_runtest_logreport = note
-    pytest_collectreport = note
+    def pytest_collectreport(self, report):
+        if report.skipped:
+            self.skipped[report.nodeid] = report.nodeid
 
     def pytest_sessionfinish(self):
-        self.path.write_text("".join(f"{name}\n" for name in self.names))
+        names = {name if of in self.ran else of: None for name, of in self.skipped.items()}
+        self.path.write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
 
 
 def pytest_configure(config):
@@ -52,6 +61,12 @@ def match():
 @pytest.fixture(scope="session")
 def football():
     return ov.load_preset("football")
+
+
+@pytest.fixture(scope="session")
+def rigid_football(football):
+    """Football whose disk is pulled at once, where a tap would unfold over two seconds."""
+    return football.with_value("disk.catch_up", 0.0)
 
 
 @pytest.fixture(scope="session")
