@@ -37,6 +37,11 @@ SITE = "web"
 
 _GESTURES_OWN = {"gesture": "--gesture", "points": "--points", "tail": "--tail"}
 
+FIGURES = (
+    "(median error of the felt level, and how much of the clip is within a step of 2.3 dB, strikes "
+    "included)"
+)
+
 _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 
 
@@ -142,6 +147,14 @@ def command(
                 "median_error_db": round(done.error.median_db, 2),
                 "largest_error_db": round(done.error.largest_db, 2),
                 "within_step_percent": round(done.error.within_percent, 1),
+                "players": {
+                    name: {
+                        "median_error_db": round(error.median_db, 2),
+                        "largest_error_db": round(error.largest_db, 2),
+                        "within_step_percent": round(error.within_percent, 1),
+                    }
+                    for name, error in done.players.items()
+                },
             }
         else:
             report["actuator"] = protected_report(driven, result.protected)
@@ -157,10 +170,14 @@ def command(
                 click.echo(drive_line(driven, result.protected))
             continue
         click.echo(
-            f"{files}: {report['points']} points, {report['transients']} strikes; against the "
-            f"rendered envelope {report['median_error_db']:.1f} dB (median), "
-            f"{report['within_step_percent']:.0f} % of the clip within a step of 2.3 dB"
+            f"{files}: {report['points']} points, {report['transients']} strikes; "
+            + "; ".join(
+                f"on {name}: {on['median_error_db']:.1f} dB, {on['within_step_percent']:.0f} %"
+                for name, on in report["players"].items()
+            )
         )
+    if any("players" in report for report in reports):
+        click.echo(FIGURES)
 
 
 def _require_site_alone(context: click.Context, formats: tuple[str, ...]) -> None:

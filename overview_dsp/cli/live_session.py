@@ -140,8 +140,8 @@ def opened_player(
             player.close()
             for message in player.take_messages():
                 note(message)
-            for ended in player.takes:
-                say(f"{ended}: the take, to the bit")
+            for line in player.ended_takes:
+                say(line)
             # what belongs to another device, chosen meanwhile, isn't this one's
             same = player.outputs is outputs
             if same and device != SILENT and chosen.differ(player.settings):
@@ -152,7 +152,7 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
     """The device's full name and the rate to play at."""
     if device == SILENT:
         return SILENT, sample_rate or 48_000.0
-    from overview_dsp.live.portaudio import find_device
+    from overview_dsp.live.output_devices import find_device
 
     found = find_device(device_named(device))
     return f"{found.name} ({found.host})", sample_rate or found.sample_rate

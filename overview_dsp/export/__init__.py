@@ -20,6 +20,7 @@ from overview_dsp.public.lazy import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.export.browser_memory import encode_engine
+    from overview_dsp.export.checking import check_clip
     from overview_dsp.export.clip import Transient
     from overview_dsp.export.felt_error import FeltError
     from overview_dsp.export.reading import PlayedClip, read_clip
@@ -30,6 +31,7 @@ __all__ = [
     "FeltError",
     "PlayedClip",
     "Transient",
+    "check_clip",
     "encode_engine",
     "export",
     "formats",
@@ -44,6 +46,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "FeltError": "felt_error",
             "PlayedClip": "reading",
             "Transient": "clip",
+            "check_clip": "checking",
             "encode_engine": "browser_memory",
             "export": "writing",
             "formats": "writing",

@@ -1,7 +1,8 @@
 """AHAP, Apple's haptic pattern (Core Haptics): JSON, two files that play together.
 
 One holds the vibration (continuous events of up to 30 s with an intensity curve), one the strikes
-(transient events): a pattern's curves also modulate its transients, so they are kept apart.
+(transient events): a pattern's curves also modulate its transients, so they are kept apart. The
+vibration is silent while a transient is taken to last (`players.core_haptics`).
 
 Laws: intensity = sqrt(amplitude), as Meta's exporter has it (perceived strength); sharpness =
 (frequency - 65 Hz)/235 Hz, as the MPEG encoder reads it. A control point's time counts from its
@@ -14,12 +15,9 @@ import itertools
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from overview_dsp.export.breakpoints import breakpoints
 from overview_dsp.export.clip import LEVELS_PER_S, Clip
-from overview_dsp.export.strikes import with_strikes
+from overview_dsp.export.players import core_haptics
 
 LONGEST_EVENT_S = 30.0
 DULLEST_HZ, SHARPEST_HZ = 65.0, 300.0
@@ -34,7 +32,8 @@ def sharpness_of(frequency_hz: float) -> float:
 def vibration_pattern(clip: Clip, budget: int) -> dict[str, Any]:
     """The continuous part: an event and a curve for each 30 s."""
     joints = list(range(0, len(clip.level) - 1, round(LONGEST_EVENT_S * LEVELS_PER_S)))
-    places = breakpoints(clip.felt, budget, joints)
+    level, corners = clip.under_strikes(lambda strike: core_haptics.TRANSIENTS_MS[0])
+    places = breakpoints(level, budget + len(corners), [*joints, *corners])
     pattern: list[dict[str, Any]] = []
     bounds = [*joints, len(clip.level) - 1]
     for first, end in itertools.pairwise(bounds):
@@ -54,7 +53,7 @@ def vibration_pattern(clip: Clip, budget: int) -> dict[str, Any]:
             "ParameterCurveControlPoints": [
                 {
                     "Time": round(int(place - first) / LEVELS_PER_S, 3),
-                    "ParameterValue": _intensity(float(clip.felt[place])),
+                    "ParameterValue": _intensity(float(level[place])),
                 }
                 for place in places
                 if first <= place <= end
@@ -80,29 +79,6 @@ def strikes_pattern(clip: Clip) -> dict[str, Any]:
         for strike in clip.transients
     ]
     return _document(clip, "strikes", events)
-
-
-def played(vibration: dict[str, Any], strikes: dict[str, Any]) -> NDArray[np.float64]:
-    """The amplitude the two patterns give at each millisecond."""
-    curves = [
-        entry["ParameterCurve"] for entry in vibration["Pattern"] if "ParameterCurve" in entry
-    ]
-    times = np.array(
-        [c["Time"] + p["Time"] for c in curves for p in c["ParameterCurveControlPoints"]]
-    )
-    values = np.array(
-        [p["ParameterValue"] for c in curves for p in c["ParameterCurveControlPoints"]]
-    )
-    count = round(times[-1] * LEVELS_PER_S) + 1
-    intensity = np.interp(np.arange(count) / LEVELS_PER_S, times, values)
-    struck = [
-        (
-            entry["Event"]["Time"],
-            entry["Event"]["EventParameters"][0]["ParameterValue"] ** 2,
-        )
-        for entry in strikes["Pattern"]
-    ]
-    return with_strikes(intensity**2, struck)
 
 
 def _value(name: str, value: float) -> dict[str, Any]:

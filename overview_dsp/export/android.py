@@ -4,26 +4,25 @@
   the motor off and click), equal steps joined, the last one cut at the clip's end.
 - Envelope effects (API 36, `WaveformEnvelopeBuilder`): every device takes 16 control points, 20 ms
   to 1 s apart, and starts from amplitude 0. A clip becomes a row of them to be played one after the
-  other, each from a moment of little vibration to the next.
+  other, each from a moment of little vibration to the next, with its points where they are felt.
 """
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.export.breakpoints import breakpoints
-from overview_dsp.export.clip import Clip
+from overview_dsp.export.clip import LEVELS_PER_S, Clip
+from overview_dsp.export.control_points import control_points
 
 STEP_MS = 10
 MAX_POINTS = 16
 POINT_MS = (20, 1000)
-PART_MS = 2000
-"""Length of an envelope effect, about: 16 points spread over it are 125 ms apart."""
+PART_MS = 1000
+"""Length of an envelope effect, about: 16 points spread over it are 60 ms apart."""
 
 
 def waveform(clip: Clip) -> tuple[list[int], list[int]]:
@@ -39,25 +38,18 @@ def waveform(clip: Clip) -> tuple[list[int], list[int]]:
 def envelopes(clip: Clip) -> list[dict[str, Any]]:
     """Return the envelope effects, in order, each within every device's limits."""
     effects = []
+    hz = round(clip.frequency_hz, 3)
+    struck = [round(strike.time_s * LEVELS_PER_S) for strike in clip.transients]
     for first, end in _parts(clip.level):
-        level = clip.felt[first : end + 1].copy()
-        level[0] = level[-1] = 0.0
-        places = breakpoints(level, MAX_POINTS + 1, (), *POINT_MS)
-        points = [
-            {
-                "amplitude": round(float(level[place]), 4),
-                "frequencyHz": round(clip.frequency_hz, 3),
-                "durationMs": int(place - before),
-            }
-            for before, place in itertools.pairwise(places)
-        ]
-        effects.append(
-            {
-                "startMs": first,
-                "initialFrequencyHz": round(clip.frequency_hz, 3),
-                "controlPoints": points,
-            }
+        level = np.pad(clip.felt[first : end + 1], (0, max(0, POINT_MS[0] - (end - first))))
+        places, amplitudes = control_points(
+            level, [at - first for at in struck if first <= at < end], MAX_POINTS, POINT_MS
         )
+        points = [
+            {"amplitude": round(float(amplitude), 4), "frequencyHz": hz, "durationMs": int(length)}
+            for amplitude, length in zip(amplitudes[1:], np.diff(places), strict=True)
+        ]
+        effects.append({"startMs": first, "initialFrequencyHz": hz, "controlPoints": points})
     return effects
 
 
@@ -98,10 +90,3 @@ def _parts(level: NDArray[np.float64]) -> list[tuple[int, int]]:
     if last - cuts[-1] < POINT_MS[0] and len(cuts) > 1:
         cuts.pop()
     return list(zip(cuts, [*cuts[1:], last], strict=True))
-
-
-def played(android: dict[str, Any]) -> NDArray[np.float64]:
-    """The amplitude the waveform gives at each millisecond."""
-    wave = android["waveform"]
-    level = np.repeat(np.array(wave["amplitudes"]) / 255.0, wave["timings"])
-    return np.append(level, 0.0)

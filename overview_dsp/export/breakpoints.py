@@ -29,8 +29,6 @@ def breakpoints(
     level: NDArray[np.float64],
     budget: int,
     kept: Iterable[int] = (),
-    least_apart: int = 1,
-    most_apart: int | None = None,
 ) -> NDArray[np.int64]:
     """The positions to join by straight lines, both ends among them.
 
@@ -41,8 +39,6 @@ def breakpoints(
         How many positions, 2 or more; those that must be are there even if they are more.
     kept
         Places that must be there.
-    least_apart, most_apart
-        Distances the format demands between neighbours.
 
     Returns
     -------
@@ -51,18 +47,11 @@ def breakpoints(
     last = len(level) - 1
     target = felt_db(level)
     positions = {0, last}
-    for position in sorted(kept):
-        if 0 < position < last and min(abs(position - other) for other in positions) >= least_apart:
-            positions.add(position)
-    if most_apart is not None:
-        ordered = sorted(positions)
-        for first, end in itertools.pairwise(ordered):
-            pieces = -(-(end - first) // most_apart)
-            positions.update(first + (end - first) * k // pieces for k in range(1, pieces))
+    positions.update(position for position in kept if 0 < position < last)
     queue: list[tuple[float, int, int, int]] = []
 
     def measure(first: int, end: int) -> None:
-        low, high = first + least_apart, end - least_apart
+        low, high = first + 1, end - 1
         if high < low:
             return
         inside = np.arange(low, high + 1)

@@ -1,35 +1,33 @@
 """Meta's `.haptic` 1.0: JSON with an amplitude and a frequency envelope and emphasis points.
 
 Amplitude is the signal's own; frequency 0..1 stands for 65..300 Hz, as in AHAP. Both envelopes
-begin at 0 (Meta's renderer refuses a clip that doesn't); an emphasis is as strong as the envelope
-there or stronger.
+begin at 0 (Meta's renderer refuses a clip that doesn't). The amplitude envelope is silent while
+Meta's renderer plays an emphasis; an emphasis is as strong as the envelope there or stronger.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from overview_dsp.export.ahap import sharpness_of
 from overview_dsp.export.breakpoints import breakpoints
 from overview_dsp.export.clip import LEVELS_PER_S, Clip
-from overview_dsp.export.strikes import with_strikes
+from overview_dsp.export.players.meta import emphasis_ms
 
 
 def document(clip: Clip, budget: int) -> dict[str, Any]:
     """The clip as a `.haptic` document."""
     struck = {round(strike.time_s * LEVELS_PER_S): strike for strike in clip.transients}
-    places = breakpoints(clip.felt, budget + len(struck), struck)
+    continuous, corners = clip.under_strikes(lambda strike: emphasis_ms(strike.sharpness))
+    places = breakpoints(continuous, budget + len(corners), corners)
     amplitude: list[dict[str, Any]] = []
     for place in places.tolist():
-        level = round(float(clip.felt[place]), 4)
+        level = round(float(continuous[place]), 4)
         point: dict[str, Any] = {"time": place / LEVELS_PER_S, "amplitude": level}
         strike = struck.get(place)
         if strike is not None:
             point["emphasis"] = {
-                "amplitude": max(level, round(strike.amplitude, 4)),
+                "amplitude": round(strike.amplitude, 4),
                 "frequency": round(strike.sharpness, 4),
             }
         amplitude.append(point)
@@ -56,17 +54,3 @@ def document(clip: Clip, budget: int) -> dict[str, Any]:
             }
         },
     }
-
-
-def played(haptic: dict[str, Any]) -> NDArray[np.float64]:
-    """The amplitude a document gives at each millisecond."""
-    points = haptic["signals"]["continuous"]["envelopes"]["amplitude"]
-    times = [point["time"] for point in points]
-    count = round(times[-1] * LEVELS_PER_S) + 1
-    level = np.interp(
-        np.arange(count) / LEVELS_PER_S, times, [point["amplitude"] for point in points]
-    )
-    struck = [
-        (point["time"], point["emphasis"]["amplitude"]) for point in points if "emphasis" in point
-    ]
-    return with_strikes(level, struck)

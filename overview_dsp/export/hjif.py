@@ -7,7 +7,7 @@
 
 The timescale is 1000 and every count a whole number: the reference reader drops others, and takes a
 millisecond a tick whatever the timescale says. A Transient band is 22 ms at 91 Hz there, whatever
-is asked of it; so strikes are waves.
+is asked of it; so strikes are waves, under which the vibration's is silent.
 """
 
 from __future__ import annotations
@@ -16,11 +16,13 @@ import datetime
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp.export.breakpoints import breakpoints
-from overview_dsp.export.clip import LEVELS_PER_S, STRIKE_S, Clip
+from overview_dsp.export.clip import LEVELS_PER_S, Clip
 from overview_dsp.kernels.layout import CELLS
+
+STRIKE_MS = 12
+"""Of a strike's wave: three cycles of a C-2."""
 
 TICKS_PER_TURN = 18_000
 """Of the friction curve: half a turn in hundredths of a degree."""
@@ -34,11 +36,12 @@ _LOW_HZ, _HIGH_HZ = 50, 500
 def document(clip: Clip, budget: int) -> dict[str, Any]:
     """The clip as an HJIF document."""
     hz = round(clip.frequency_hz)
-    places = breakpoints(clip.felt, max(budget, 3), ())
+    level, corners = clip.under_strikes(lambda strike: STRIKE_MS)
+    places = breakpoints(level, max(budget, 3) + len(corners), corners)
     vibration = [
         {
             "relative_position": place,
-            "amplitude_modulation": round(float(clip.felt[place]), 4),
+            "amplitude_modulation": round(float(level[place]), 4),
             "frequency_modulation": hz,
         }
         for place in places.tolist()
@@ -48,11 +51,11 @@ def document(clip: Clip, budget: int) -> dict[str, Any]:
             round(strike.time_s * LEVELS_PER_S),
             [
                 {
-                    "relative_position": round(part * STRIKE_S * LEVELS_PER_S),
-                    "amplitude_modulation": round(strike.amplitude * (1.0 - part), 4),
+                    "relative_position": at,
+                    "amplitude_modulation": round(strike.amplitude, 4),
                     "frequency_modulation": hz,
                 }
-                for part in (0.0, 0.5, 1.0)
+                for at in (0, STRIKE_MS // 2, STRIKE_MS - 1)
             ],
         )
         for strike in clip.transients
@@ -161,12 +164,3 @@ def _c2(hz: int) -> dict[str, Any]:
         "resonance_frequency": float(hz),
         "maximum_frequency": float(_HIGH_HZ),
     }
-
-
-def played(hjif: dict[str, Any]) -> NDArray[np.float64]:
-    """The amplitude of a document's vibration channel at each millisecond."""
-    effect = hjif["perceptions"][0]["channels"][0]["bands"][0]["effects"][0]
-    at = [frame["relative_position"] for frame in effect["keyframes"]]
-    amplitude = [frame["amplitude_modulation"] for frame in effect["keyframes"]]
-    level = np.interp(np.arange(at[-1] + 1), at, amplitude)
-    return np.asarray(level, dtype=np.float64)

@@ -14,9 +14,9 @@ from typing import Literal
 import numpy as np
 
 from overview_dsp.errors import InputError
-from overview_dsp.export.clip import DULL_HZ, SHARP_HZ, Transient
+from overview_dsp.export.clip import Transient
 from overview_dsp.export.reading import PlayedClip
-from overview_dsp.export.strikes import with_strikes
+from overview_dsp.export.strikes import DULL_HZ, SHARP_HZ
 from overview_dsp.kernels.layout import MAX_MODES
 from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.presets.parameters import MODE_PARAMETERS
@@ -29,8 +29,7 @@ _DULL_MS, _SHARP_MS = 60.0, 12.0
 
 def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
     """The clip's amplitude, strikes among it, at `count` positions, its highest 1."""
-    struck = [(strike.time_s, strike.amplitude) for strike in clip.transients]
-    level = with_strikes(clip.level, struck)
+    level = clip.played
     edges = np.linspace(0, len(level), count + 1).astype(np.int64)
     edges = np.minimum(edges[:-1], len(level) - 1)
     highest = np.maximum.reduceat(level, edges)
@@ -66,6 +65,7 @@ def with_layer(preset: Preset, kind: str, clip: PlayedClip, layer: Layer) -> Pre
     base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], also=())
     if layer in ("tactor", "both"):
         base = replace(base, points=course(clip))
-    if layer in ("click", "both"):
+    # of both, a clip without strikes leaves the click as it is
+    if layer == "click" or (layer == "both" and clip.transients):
         base = replace(base, modes=modes(clip))
     return replace(preset, kinds={**preset.kinds, kind: base})

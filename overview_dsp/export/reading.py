@@ -1,14 +1,16 @@
 """Haptic clips of others: AHAP and `.haptic` files, read to what they make a device do.
 
 What comes back is an amplitude for each millisecond and the strikes, by the same laws as exports
-are written (`ahap`, `haptic`): so a clip that was exported comes back as it was.
+are written (`ahap`, `haptic`): so a clip that was exported comes back as it was. Of an AHAP clip in
+two files, vibration and strikes, either one names both.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +19,19 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.export.clip import LEVELS_PER_S, MAX_CLIP_S, Transient
+from overview_dsp.export.players.core_haptics import TRANSIENTS_MS, with_transients
+from overview_dsp.export.players.meta import with_emphasis
 from overview_dsp.public.reprs import counted
 from overview_dsp.timeline.checks import number
 
 MAX_BYTES = 8_000_000
 MAX_ENTRIES = 100_000
 _CONTROL = "HapticIntensityControl"
+
+SUFFIXES = (".ahap", ".haptic")
+PLAIN = SUFFIXES[0]
+PAIRS = ((PLAIN, ".strikes.ahap"), ("_continuous.ahap", "_transients.ahap"))
+"""How the two files of an AHAP clip are called: ours, and Meta's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +44,9 @@ class PlayedClip:
         Amplitude at each millisecond, 0 to 1.
     transients : tuple of Transient
         Its strikes, in order.
+    played : float64 (m,)
+        Both together, as the format's player gives it: Core Haptics with transients of 12 ms, the
+        Quest.
 
     Examples
     --------
@@ -49,6 +61,7 @@ class PlayedClip:
 
     level: NDArray[np.float64]
     transients: tuple[Transient, ...]
+    played: NDArray[np.float64]
 
     def __repr__(self) -> str:
         return f"<PlayedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
@@ -60,7 +73,8 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
     Parameters
     ----------
     path : str or path
-        The file.
+        The file; of an AHAP clip in two files (`x.ahap` and `x.strikes.ahap`, `x_continuous.ahap`
+        and `x_transients.ahap`), either one.
 
     Returns
     -------
@@ -82,6 +96,74 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
     >>> len(clip.level) > 500
     True
     """
+    found = [_read(one) for one in paired(Path(path))]
+    level = np.zeros(max(len(clip.level) for clip in found))
+    for clip in found:
+        part = level[: len(clip.level)]
+        np.maximum(part, clip.level, out=part)
+    strikes = sorted((one for clip in found for one in clip.transients), key=lambda one: one.time_s)
+    return found[0] if len(found) == 1 else _apple(level, strikes)
+
+
+def paired(path: Path) -> tuple[Path, ...]:
+    """The files of the clip that a file is of: vibration and strikes, if they lie beside it."""
+    for vibration, strikes in PAIRS:
+        for own, other in ((vibration, strikes), (strikes, vibration)):
+            # a suffix that is part of the other one: match.strikes.ahap is no vibration
+            if not path.name.endswith(own) or (own == PLAIN and path.name.endswith(strikes)):
+                continue
+            beside = path.with_name(path.name.removesuffix(own) + other)
+            if beside.is_file():
+                return (path, beside) if own == vibration else (beside, path)
+    return (path,)
+
+
+def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
+    """The clips of a file or a folder, by the kind of event that each is for.
+
+    Parameters
+    ----------
+    path
+        A clip's file, or a folder with some.
+    kind
+        Given: of a file, or of a folder's only clip. None: a folder's clips are named after kinds.
+
+    Raises
+    ------
+    InputError
+        No kind for a file, no clip in a folder, several for one kind.
+    """
+    place = Path(path)
+    if not place.is_dir():
+        if kind is None:
+            raise InputError(f"{place}: for which kind of event? give --kind")
+        return {kind: place}
+    found: dict[str, Path] = {}
+    for one in sorted(place.iterdir()):
+        if one.suffix.lower() in SUFFIXES and paired(one)[0] == one:
+            name = next(
+                (
+                    one.name.removesuffix(end)
+                    for end, _ in reversed(PAIRS)
+                    if one.name.endswith(end)
+                ),
+                one.stem,
+            )
+            if name in found:
+                raise InputError(f"{place}: two clips are called {name}; keep one of them")
+            found[name] = one
+    if not found:
+        raise InputError(f"{place}: no clip is in this folder ({', '.join(SUFFIXES)})")
+    if kind is None:
+        return found
+    if len(found) > 1:
+        raise InputError(f"{place}: {len(found)} clips for one kind; leave --kind out, or give one")
+    (only,) = found.values()
+    return {kind: only}
+
+
+def load_document(path: str | os.PathLike[str]) -> Any:
+    """Load a clip's JSON; InputError, a line that names the file, where it can't be."""
     where = os.fspath(path)
     try:
         size = Path(path).stat().st_size
@@ -91,17 +173,25 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
     if data is None:
         raise InputError(f"{where}: larger than {MAX_BYTES:,} bytes; a clip is a short JSON file")
     try:
-        document = json.loads(data.decode("utf-8-sig"))
+        return json.loads(data.decode("utf-8-sig"), parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{where}: not JSON: {error}") from None
+
+
+def _no_constant(name: str) -> None:
+    raise ValueError(f"{name} is no number of JSON")
+
+
+def _read(path: Path) -> PlayedClip:
+    document = load_document(path)
     try:
         if isinstance(document, dict) and "Pattern" in document:
             return _ahap(document)
         if isinstance(document, dict) and "signals" in document:
             return _haptic(document)
     except InputError as error:
-        raise InputError(f"{where}: {error}") from None
-    raise InputError(f"{where}: neither AHAP (with a Pattern) nor .haptic (with signals)")
+        raise InputError(f"{path}: {error}") from None
+    raise InputError(f"{path}: neither AHAP (with a Pattern) nor .haptic (with signals)")
 
 
 # --- AHAP ---------------------------------------------------------------------------------------
@@ -133,9 +223,9 @@ def _ahap(document: dict[str, Any]) -> PlayedClip:
             steps += _curve(_table(entry["ParameterCurve"], place), place)
         elif "Parameter" in entry:
             steps += _step(_table(entry["Parameter"], place), place)
-    end = max([stop for _, stop, _ in spans] + [strike.time_s for strike in strikes], default=0.0)
-    if end <= 0.0:
+    if not spans and not strikes:
         raise InputError("Pattern: vibrates at no time")
+    end = max([stop for _, stop, _ in spans] + [strike.time_s for strike in strikes])
     times = np.arange(_count(end)) / LEVELS_PER_S
     base = np.zeros(len(times))
     for start, stop, intensity in spans:
@@ -145,8 +235,19 @@ def _ahap(document: dict[str, Any]) -> PlayedClip:
         steps.sort(key=lambda step: step[0])  # stable: equal times keep their order
         at, value = np.array(steps).T
         # before the first point, intensity is as the events have it
-        base *= np.where(times < at[0], 1.0, np.interp(times, at, np.clip(value, 0.0, 1.0)))
-    return PlayedClip(base**2, tuple(sorted(strikes, key=lambda strike: strike.time_s)))
+        control = np.where(times < at[0], 1.0, np.interp(times, at, value))
+        base *= control
+        # a pattern's curves modulate its transients too
+        strikes = [
+            replace(one, amplitude=one.amplitude * float(control[round(one.time_s * 1000)]) ** 2)
+            for one in strikes
+        ]
+    return _apple(base**2, sorted(strikes, key=lambda strike: strike.time_s))
+
+
+def _apple(level: NDArray[np.float64], strikes: Sequence[Transient]) -> PlayedClip:
+    struck = [(strike.time_s, strike.amplitude) for strike in strikes]
+    return PlayedClip(level, tuple(strikes), with_transients(level, struck, TRANSIENTS_MS[0]))
 
 
 def _curve(curve: dict[str, Any], place: str) -> list[tuple[float, float]]:
@@ -157,7 +258,7 @@ def _curve(curve: dict[str, Any], place: str) -> list[tuple[float, float]]:
     return [
         (
             start + _seconds(point.get("Time"), f"{place}.ControlPoints[{k}].Time"),
-            number(point.get("ParameterValue"), f"{place}.ControlPoints[{k}].ParameterValue"),
+            _part(point.get("ParameterValue"), f"{place}.ControlPoints[{k}].ParameterValue"),
         )
         for k, point in enumerate(points)
     ]
@@ -167,7 +268,7 @@ def _step(parameter: dict[str, Any], place: str) -> list[tuple[float, float]]:
     if parameter.get("ParameterID") != _CONTROL:
         return []
     time = _seconds(parameter.get("Time"), f"{place}.Time")
-    return [(time, number(parameter.get("ParameterValue"), f"{place}.ParameterValue"))]
+    return [(time, _part(parameter.get("ParameterValue"), f"{place}.ParameterValue"))]
 
 
 def _parameters(entries: Any, place: str) -> dict[str, float]:
@@ -175,7 +276,7 @@ def _parameters(entries: Any, place: str) -> dict[str, float]:
     for k, entry in enumerate(_entries(entries, place)):
         value = number(entry.get("ParameterValue"), f"{place}[{k}].ParameterValue")
         if entry.get("ParameterID") in ("HapticIntensity", "HapticSharpness"):
-            found[str(entry["ParameterID"])] = _unit(value, f"{place}[{k}].ParameterValue")
+            found[str(entry["ParameterID"])] = _part(value, f"{place}[{k}].ParameterValue")
     return found
 
 
@@ -186,28 +287,35 @@ def _haptic(document: dict[str, Any]) -> PlayedClip:
     place = "signals.continuous.envelopes"
     signals = _table(document["signals"], "signals")
     continuous = _table(signals.get("continuous"), "signals.continuous")
-    points = _entries(_table(continuous.get("envelopes"), place).get("amplitude"), place)
+    envelopes = _table(continuous.get("envelopes"), place)
+    for k, point in enumerate(_entries(envelopes.get("frequency", []), f"{place}.frequency")):
+        # pitch isn't taken, but a broken clip is refused
+        _seconds(point.get("time"), f"{place}.frequency[{k}].time")
+        _part(point.get("frequency"), f"{place}.frequency[{k}].frequency")
     place += ".amplitude"
+    points = _entries(envelopes.get("amplitude"), place)
     if len(points) < 2:
         raise InputError(f"{place}: {len(points)} points; an envelope has two or more")
     times, levels, strikes = [], [], []
     for k, point in enumerate(points):
         here = f"{place}[{k}]"
         times.append(_seconds(point.get("time"), f"{here}.time"))
-        levels.append(_unit(number(point.get("amplitude"), f"{here}.amplitude"), here))
+        levels.append(_part(point.get("amplitude"), f"{here}.amplitude"))
         if k and times[-1] < times[-2]:
             raise InputError(f"{here}.time = {times[-1]:g} is before the point above it")
         if "emphasis" in point:
             emphasis = _table(point["emphasis"], f"{here}.emphasis")
             strength, sharpness = (
-                _unit(number(emphasis.get(key), f"{here}.emphasis.{key}"), here)
+                _part(emphasis.get(key), f"{here}.emphasis.{key}")
                 for key in ("amplitude", "frequency")
             )
             strikes.append(Transient(times[-1], strength, sharpness, ""))
     if times[-1] <= 0.0:
         raise InputError(f"{place}: the clip has no length")
     grid = np.arange(_count(times[-1])) / LEVELS_PER_S
-    return PlayedClip(np.interp(grid, times, levels), tuple(strikes))
+    level = np.interp(grid, times, levels)
+    struck = [(strike.time_s, strike.amplitude, strike.sharpness) for strike in strikes]
+    return PlayedClip(level, tuple(strikes), with_emphasis(level, struck))
 
 
 # --- entries ------------------------------------------------------------------------------------
@@ -240,7 +348,8 @@ def _seconds(value: Any, place: str) -> float:
     return seconds
 
 
-def _unit(part: float, place: str) -> float:
+def _part(value: Any, place: str) -> float:
+    part = number(value, place)
     if not 0.0 <= part <= 1.0:
         raise InputError(f"{place} = {part:g}; it is 0 to 1")
     return part

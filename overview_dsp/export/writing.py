@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -15,8 +15,11 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.export import ahap, android, haptic, hjif
-from overview_dsp.export.clip import Clip, clip_of
+from overview_dsp.export.clip import Clip
 from overview_dsp.export.felt_error import FeltError, felt_error
+from overview_dsp.export.players import android as android_player
+from overview_dsp.export.players import core_haptics, meta, mpeg
+from overview_dsp.export.rendered import clip_of
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.public.reprs import counted, short
@@ -26,7 +29,8 @@ from overview_dsp.rendering.trace import Trace
 POINTS_PER_S = 50.0
 """Amplitude points a second by default (Meta's studio has 40; a sweep of a second needs more)."""
 
-Played = NDArray[np.float64]
+Played = dict[str, NDArray[np.float64]]
+"""What each player makes of a document: the amplitude at each millisecond."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +42,12 @@ class Exported:
     files : tuple of path
         In the order they were written.
     error : FeltError or None
-        Against the rendered envelope; None where the samples themselves were written.
+        Against the rendered envelope, strikes included, on the first of `players`; None where the
+        samples themselves were written.
     points, transients : int
         How many points of amplitude, and how many strikes.
+    players : mapping of str to FeltError
+        The same on each player that the format is for.
 
     Examples
     --------
@@ -55,6 +62,7 @@ class Exported:
     error: FeltError | None
     points: int
     transients: int
+    players: Mapping[str, FeltError] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         files = " and ".join(short(path.name) for path in self.files)
@@ -85,25 +93,33 @@ def _ahap(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     files = {".ahap": _text(vibration)}
     if clip.transients:
         files[".strikes.ahap"] = _text(strikes)
-    return files, ahap.played(vibration, strikes), points
+    played = {
+        f"Core Haptics, strikes of {length} ms": core_haptics.played(vibration, strikes, length)
+        for length in core_haptics.TRANSIENTS_MS
+    }
+    return files, played, points
 
 
 def _haptic(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     made = haptic.document(clip, budget)
     points = len(made["signals"]["continuous"]["envelopes"]["amplitude"])
-    return {".haptic": _text(made)}, haptic.played(made), points
+    return {".haptic": _text(made)}, {"Quest": meta.played(made)}, points
 
 
 def _hjif(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     made = hjif.document(clip, budget)
     points = len(made["perceptions"][0]["channels"][0]["bands"][0]["effects"][0]["keyframes"])
-    return {".hjif": _text(made)}, hjif.played(made), points
+    return {".hjif": _text(made)}, {"MPEG reference": mpeg.played(made)}, points
 
 
 def _android(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     made = android.document(clip)
     files = {".json": _text(made), ".xml": android.waveform_xml(clip)}
-    return files, android.played(made), len(made["waveform"]["timings"])
+    played = {
+        "Android waveform": android_player.waveform_played(made),
+        "Android envelope effects": android_player.envelopes_played(made),
+    }
+    return files, played, len(made["waveform"]["timings"])
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
@@ -204,5 +220,6 @@ def export(
         with whole_file(place) as temporary:
             temporary.write_bytes(data)
         written.append(place)
-    error = felt_error(played, clip.level)
-    return Exported(tuple(written), error, points, len(clip.transients))
+    players = {name: felt_error(level, clip.level) for name, level in played.items()}
+    error = next(iter(players.values()))
+    return Exported(tuple(written), error, points, len(clip.transients), players)

@@ -8,7 +8,8 @@ from typing import Any
 
 from overview_dsp.actuators.stage import protected_report
 from overview_dsp.live.hand import Input
-from overview_dsp.live.player import Player, Status
+from overview_dsp.live.player import Player
+from overview_dsp.live.status import Status
 from overview_dsp.units import gain_to_db
 
 LOOK_EVERY_S = 0.02

@@ -40,7 +40,8 @@ def located(place: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(f"{place}{error}") from error
+        what, _, fix = str(error).partition("\n")
+        raise InputError(f"{place}{what}", fix) from error
 
 
 def number(value: object, what: str, hint: str = "give a finite number") -> float:

@@ -13,7 +13,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.export.clip import clip_of
+from overview_dsp.export.rendered import clip_of
 from overview_dsp.export.writing import FORMATS, export
 from tests.export import schemas
 

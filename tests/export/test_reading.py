@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.export.clip import clip_of
 from overview_dsp.export.felt_error import felt_error
 from overview_dsp.export.layers import course, modes, with_layer
 from overview_dsp.export.reading import read_clip
+from overview_dsp.export.rendered import clip_of
 from overview_dsp.export.writing import export
 from overview_dsp.presets.validation import parse_preset
 from overview_dsp.presets.writing import preset_toml
@@ -212,3 +212,103 @@ HAPTIC = {
         }
     },
 }
+
+
+def test_a_single_transient_is_a_clip(tmp_path, football):
+    document = {
+        "Version": 1.0,
+        "Pattern": [
+            {
+                "Event": {
+                    "EventType": "HapticTransient",
+                    "Time": 0.0,
+                    "EventParameters": [
+                        {"ParameterID": "HapticIntensity", "ParameterValue": 0.8},
+                        {"ParameterID": "HapticSharpness", "ParameterValue": 0.4},
+                    ],
+                }
+            }
+        ],
+    }
+    clip = read_clip(write(tmp_path, document))
+    assert clip.played == pytest.approx(0.64)
+    assert len(clip.played) == 12
+    layered = with_layer(football, "goal", clip, "both").kinds["goal"]
+    assert set(layered.points) == {1.0}
+    assert len(layered.modes) == 1
+
+
+@pytest.mark.parametrize("gesture", [ov.sweep(3.0), ov.tap(0.8, 1.5)], ids=["sweep", "tap"])
+@pytest.mark.parametrize("to", ["ahap", "haptic"])
+def test_what_was_exported_comes_back_within_a_step(match, football, tmp_path, gesture, to):
+    result = ov.render(match, football, gesture)
+    clip = clip_of(result)
+    for path in export(result, to, tmp_path / f"clip.{to}").files:
+        back = read_clip(path)
+        error = felt_error(back.played, clip.level)
+        assert error.median_db <= 0.5
+        assert error.within_percent >= 90.0
+        assert len(back.transients) == len(clip.transients)
+        for one, other in zip(back.transients, clip.transients, strict=True):
+            assert abs(one.time_s - other.time_s) <= 0.005
+            assert one.amplitude == pytest.approx(other.amplitude, rel=0.01)
+
+
+def test_a_folder_is_read_by_the_names_of_its_clips(tmp_path, result):
+    from tests.cli.running import overview
+
+    folder = tmp_path / "clips"
+    folder.mkdir()
+    export(result, "ahap", folder / "goal.ahap")
+    export(result, "haptic", folder / "foul.haptic")
+    (folder / "notes.txt").write_text("none")
+    out = tmp_path / "made.toml"
+    done = overview("presets", "import", str(folder), "-o", str(out))
+    assert done.code == 0, done.err
+    made = ov.load_preset(out)
+    for kind in ("goal", "foul"):
+        assert len(made.kinds[kind].points) == 64
+    refused = overview("presets", "import", str(folder), "--kind", "goal", "-o", str(out))
+    assert refused.code == 2
+    assert "2 clips for one kind" in refused.errors[0]
+    (folder / "foul.haptic").unlink()
+    done = overview("presets", "import", str(folder), "--kind", "red_card", "-o", str(out))
+    assert done.code == 0, done.err
+    assert len(ov.load_preset(out).kinds["red_card"].points) == 64
+    for empty in (tmp_path / "empty", tmp_path / "nowhere.ahap"):
+        refused = overview("presets", "import", str(empty), "-o", str(out))
+        assert refused.code == 2
+        assert len(refused.errors) == 1
+
+
+def test_200_mutated_clips_are_refused_in_one_line(tmp_path, result):
+    """Each is damaged where it matters: a value that no device could play, or a missing one."""
+    files = [*export(result, "ahap", tmp_path / "c.ahap").files]
+    files += export(result, "haptic", tmp_path / "c.haptic").files
+    documents = [json.loads(path.read_text()) for path in files]
+    rng = np.random.default_rng(0)
+    keys = ("Time", "ParameterValue", "time", "amplitude", "EventDuration", "frequency")
+    bad = (-1.0, 1e9, "1", None, True, [], {}, float("nan"))
+    for _ in range(200):
+        document = json.loads(json.dumps(documents[rng.integers(len(documents))]))
+        spots = [
+            (node, key)
+            for node in walked(document)
+            if isinstance(node, dict)
+            for key in keys
+            if key in node and not isinstance(node[key], list)
+        ]
+        node, key = spots[rng.integers(len(spots))]
+        node[key] = bad[rng.integers(len(bad))]
+        path = write(tmp_path, document, "mutated.json")
+        with pytest.raises(InputError) as caught:
+            read_clip(path)
+        assert "\n" not in str(caught.value)
+
+
+def walked(node):
+    yield node
+    for inner in (
+        node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    ):
+        yield from walked(inner)

@@ -4,10 +4,11 @@ const TAP_MS = 250;
 const TAP_PX = 10;
 
 /**
- * `placeOf(clientX)` is the place (0 to 1) under a pointer; `onpinch(factor, place)` is called when
+ * `placeOf(clientX)` is the place (0 to 1) under a pointer; `ontap(x, y)` is called after a short touch
+ * and says whether it meant something else than a step to there; `onpinch(factor, place)` is called when
  * two fingers have spread or closed, `onfirst()` at every touch, in which sound may be started.
  */
-export function listenToTouch(element, hand, { placeOf, onpinch, onfirst }) {
+export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst }) {
   const fingers = new Map();
   let down = null;
   let spread = 0;
@@ -50,9 +51,9 @@ export function listenToTouch(element, hand, { placeOf, onpinch, onfirst }) {
   const up = (event) => {
     if (!fingers.delete(event.pointerId)) return;
     if (!down) return;
-    if (down.tap && event.type === "pointerup" && event.timeStamp - down.time < TAP_MS) {
-      hand.releaseLater("touch");
-    } else hand.release("touch", event.timeStamp);
+    const tapped = down.tap && event.type === "pointerup" && event.timeStamp - down.time < TAP_MS;
+    if (tapped && !ontap(event.clientX, event.clientY)) hand.releaseLater("touch");
+    else hand.release("touch", event.timeStamp);
     down = null;
   };
   element.addEventListener("pointerup", up);
