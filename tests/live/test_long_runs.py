@@ -210,6 +210,6 @@ def test_a_tap_is_answered_within_a_block_at_every_block_size():
         # the server's period is the block, as on a sound card set to it
         with jack_server.Server(period=block) as server:
             rows.append(LatencyResult(**json.loads(server.run(LATENCY, block, SECONDS / 60.0))))
-    report = Report(48_000, 256, SECONDS / 60.0, 1, [], 0.0, False, rows, 383)
+    report = Report(48_000, 256, SECONDS / 60.0, 1, [], 0.0, False, rows, 383, [])
     print("\n".join(latency_table(report)))
     assert all(row.beyond == 0 for row in rows)
