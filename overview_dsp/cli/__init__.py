@@ -22,6 +22,7 @@ COMMANDS = {
     "render": ("render", "Play a gesture over a timeline into a sound file."),
     "play": ("play", "Play a timeline live, with the mouse, the keys or a recorded hand."),
     "serve": ("serve", "The page: a phone or a browser as the hand."),
+    "feed": ("feed", "Tell a recorded match as a feed, at any speed, for --follow."),
     "timeline": ("timeline", "Show what was understood from a file, and convert it."),
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "batch": ("batch", "Render a study: a grid of many, here or on a cluster."),

@@ -23,7 +23,9 @@ from overview_dsp.files.atomic import remove_temporaries
 from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
+    from overview_dsp.live.growing import Growth
     from overview_dsp.live.hand import Input
+    from overview_dsp.live.headless import Passed
     from overview_dsp.live.player import Player
     from overview_dsp.timeline import Timeline
 
@@ -79,11 +81,12 @@ def opened_player(
     preset: str,
     live: dict[str, Any],
     ab: str | None = None,
+    growth: Growth | None = None,
 ) -> Iterator[tuple[Player, list[int]]]:
     """A player on the device that the options name, and the signals that ask for its end.
 
     It is closed, saved and remembered afterwards. `part` (s) is what it shows first, `ab` a second
-    preset to switch to.
+    preset to switch to; with `growth` the data, which are its snapshot, grow.
 
     Raises
     ------
@@ -118,7 +121,7 @@ def opened_player(
     if settings.actuator is not None:
         warn_of_carrier(settings.actuator, watch.preset.number("tactor.frequency_hz"))
     native = callback == "native" and device != SILENT
-    announce_compile("_callback" if native else "finish_block")
+    announce_compile("callback" if native else "finish_block")
     player = Player(
         data,
         watch,
@@ -130,6 +133,7 @@ def opened_player(
         record=record,
         seed=seed,
         other=None if ab is None else PresetWatch(ab),
+        growth=growth,
     )
     with ended_by_signals(player.end_take) as received:
         try:
@@ -197,11 +201,24 @@ def exit_if_stopped(received: list[int]) -> None:
 
 
 def print_lines(
-    player: Player, source: Input | None, received: list[int], seconds: float | None
+    player: Player,
+    source: Input | None,
+    received: list[int],
+    seconds: float | None,
+    logged: bool = False,
 ) -> None:
-    """Play with a line of JSON a second."""
+    """Play with a line of JSON a second; the last one says what happened, unless it is `logged`."""
     from overview_dsp.live.headless import run
 
-    for report in run(player, source, lambda: bool(received), note, seconds):
+    def describe(passed: list[Passed]) -> dict[str, Any]:
+        from overview_dsp.rendering.happened import as_records, of_events
+
+        times, events, levels = zip(*passed, strict=True) if passed else ((), (), ())
+        timeline = player.engine.timeline
+        return {"happened": as_records(of_events(times, levels, events, timeline))}
+
+    for report in run(
+        player, source, lambda: bool(received), note, seconds, None if logged else describe
+    ):
         print(json.dumps(report), flush=True)
     player.close()  # before anything else that may take its time

@@ -23,6 +23,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.live import commands
 from overview_dsp.live.finger import Finger
 from overview_dsp.live.fresh_start import FreshStart
+from overview_dsp.live.growing import Growing, Growth
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.preset_pair import PresetPair
 from overview_dsp.live.preset_watch import PresetWatch
@@ -55,11 +56,12 @@ class Player:
         record: str | os.PathLike[str] | None = None,
         seed: int = 0,
         other: PresetWatch | None = None,
+        growth: Growth | None = None,
     ) -> None:
         """Open the output and begin to play; `open_stream` is called again if that is lost.
 
         `record` is where the takes go; with it, the first one begins at once. `other` is the second
-        preset to switch to.
+        preset to switch to. With `growth` the timeline, which is its snapshot, grows.
 
         Raises
         ------
@@ -75,6 +77,9 @@ class Player:
         self._presets = PresetPair(watch, other)
         self.under_hand = UnderHand(self.engine, timeline, self._presets, self.say)
         self._takes = Takes(self.engine, record, self.say)
+        self._growing: Growing | None = None
+        if growth is not None:
+            self._growing = Growing(self.engine, growth, self.under_hand, self.say)
         self._output = SessionOutput(self.engine, open_stream, settings, self.say, self.release)
         self._finger = Finger(self.engine, lambda: self._output.playing)
         self._fresh = FreshStart(
@@ -127,6 +132,11 @@ class Player:
     def window(self) -> tuple[float, float]:
         """The part of it under the hand, start and end, s."""
         return self.under_hand.window
+
+    @property
+    def growing(self) -> Growing | None:
+        """What brings a timeline that grows; None for one that is finished."""
+        return self._growing
 
     @property
     def shown(self) -> Timeline:
@@ -240,6 +250,8 @@ class Player:
     def poll(self) -> Status:
         """See to everything that is due; how the session stands."""
         self._finger.poll()
+        if self._growing is not None and self._replaying.now is None and self._output.playing:
+            self._growing.poll(self.holding)
         while self._asked:
             commands.do(self, *self._asked.popleft())
         self.under_hand.poll()
@@ -298,6 +310,7 @@ class Player:
             replay=None if self._replaying.now is None else self._replaying.now.words,
             envelope=meters.envelope,
             strikes=meters.strikes,
+            following=None if self._growing is None else self._growing.words,
             messages=self.take_messages(),
         )
 
@@ -349,11 +362,16 @@ class Player:
         return 0.0, self.timeline.duration_s
 
     @property
+    def _grown(self) -> Timeline | None:
+        """The timeline as it is now, if no file holds it."""
+        return None if self._growing is None else self.timeline
+
+    @property
     def _about(self) -> dict[str, str]:
         return {"title": self.timeline.title, "preset": self._presets.preset.name}
 
     def _begin_first_take(self) -> None:
-        self._takes.begin(self._about)
+        self._takes.begin(self._about, self._grown)
 
     def toggle_take(self) -> None:
         """Begin a take, or end the one that is recorded."""
@@ -376,7 +394,7 @@ class Player:
                 before.append({"window": list(self.window)})
             if self.preset != self._presets.preset:
                 before.append({"preset": preset_to_dict(self.preset)})
-            self._takes.begin_later(self._about, before)
+            self._takes.begin_later(self._about, before, self._grown)
 
     def _begin_exact_take(self) -> None:
         """Begin a take with an engine that begins anew, which nobody notices while it rests.
@@ -386,7 +404,7 @@ class Player:
         window, preset = self.window, self.under_hand.take_wish()
 
         def begin() -> None:
-            self._takes.begin_later(self._about, [])
+            self._takes.begin_later(self._about, [], self._grown)
             if window != self._whole:
                 self.under_hand.put_at(window, 0)
             if preset != self.preset:
@@ -398,6 +416,8 @@ class Player:
         """Of what can't go on with an engine as new."""
         self.end_take()
         self._finger.forget()
+        if self._growing is not None:
+            self._growing.restarted()
 
     def end_take(self) -> None:
         """Save what is recorded; may be called from any thread, and twice; errors as `close`."""

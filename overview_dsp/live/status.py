@@ -17,8 +17,8 @@ class Status:
     output's `callbacks`, `late` ones, `underflows`, `frames` and `frames_lost` (gaps of a block and
     more); control events `dropped`; `load` (part of the time that callbacks take) and their times,
     s; what the actuator's protection did (`protected`); the take that grows (`recording`) and the
-    one that plays (`replay`); the tactor's `envelope` (linear) and the `strikes` so far; `messages`
-    for the person, new since the last poll.
+    one that plays (`replay`); the tactor's `envelope` (linear) and the `strikes` so far; how far a
+    timeline that grows has come (`following`); `messages` for the person, new since the last poll.
     """
 
     time_s: float
@@ -52,4 +52,5 @@ class Status:
     replay: str | None
     envelope: float
     strikes: int
+    following: str | None
     messages: tuple[str, ...]

@@ -13,6 +13,13 @@ from overview_dsp.errors import OverviewError
 from overview_dsp.gestures.growing_take import free_name
 from overview_dsp.live.kept_takes import other_places
 from overview_dsp.live.recorder import Recorder
+from overview_dsp.readers.native import save_timeline
+from overview_dsp.timeline import Timeline
+
+
+def timeline_beside(path: Path) -> Path:
+    """Where the timeline is that a take begins on, if it was growing."""
+    return path.with_suffix(".timeline.json")
 
 
 class Takes:
@@ -44,19 +51,31 @@ class Takes:
         """Where the one is that grows."""
         return None if self._recorder is None else self._recorder.path
 
-    def begin(self, about: Mapping[str, Any]) -> None:
-        """Begin one at its very place, from the engine's first sample on; errors as `Recorder`."""
+    def begin(self, about: Mapping[str, Any], timeline: Timeline | None = None) -> None:
+        """Begin one at its very place, from the engine's first sample on; errors as `Recorder`.
+
+        `timeline` is what it begins on where no file holds that: it is written beside the take.
+        """
         self._recorder = Recorder(self._engine, self._path, about)
         self._recorder.start()
+        if timeline is not None:
+            save_timeline(timeline, timeline_beside(self._path))
 
-    def begin_later(self, about: Mapping[str, Any], before: list[Mapping[str, Any]]) -> None:
+    def begin_later(
+        self,
+        about: Mapping[str, Any],
+        before: list[Mapping[str, Any]],
+        timeline: Timeline | None = None,
+    ) -> None:
         """Begin one that replaces none, where there is a place for it.
 
-        `before` are changes that hold at its first sample.
+        `before` are changes that hold at its first sample; `timeline` as `begin`.
         """
         for path in (self._path, *other_places(self._path)):
             try:
                 recorder = Recorder(self._engine, free_name(path), about, before)
+                if timeline is not None:
+                    save_timeline(timeline, timeline_beside(recorder.path))
             except OverviewError as error:
                 self._say(str(error))
                 continue
@@ -86,7 +105,9 @@ class Takes:
                 self._tell(recorder)
                 self.ended.append(str(recorder.path))
                 what = f"its hands; {recorder.differs}" if recorder.differs else "to the bit"
-                self.words.append(f"{recorder.path}: the take, {what}")
+                beside = timeline_beside(recorder.path)
+                on = f", on {beside}" if beside.exists() else ""
+                self.words.append(f"{recorder.path}: the take, {what}{on}")
 
     def _tell(self, recorder: Recorder) -> None:
         for line in recorder.take_messages():

@@ -51,7 +51,7 @@ class SiteContent:
     ) -> None:
         self.preset = preset
         self.parts = site_windows(timeline, levels)
-        self._timeline = timeline
+        self.timeline = timeline
         self._seed = seed
         self._actuator = actuator
         self._server = server
@@ -87,7 +87,7 @@ class SiteContent:
             self._files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
 
     def _timeline_file(self) -> bytes:
-        content = timeline_json(self._timeline, self.preset, self.parts, RATES)
+        content = timeline_json(self.timeline, self.preset, self.parts, RATES)
         return _json({**content, "server": self._server})
 
     def _window(self, i: int) -> bytes:
@@ -96,11 +96,11 @@ class SiteContent:
 
     def _points(self, i: int) -> bytes:
         part = self.parts[i]
-        return _json(points_json(self._timeline, part.start_s, part.end_s))
+        return _json(points_json(self.timeline, part.start_s, part.end_s))
 
     def _build(self, i: int) -> tuple[Timeline, Surface]:
         part = self.parts[i]
-        shown = self._timeline if i == 0 else self._timeline.window(part.start_s, part.end_s)
+        shown = self.timeline if i == 0 else self.timeline.window(part.start_s, part.end_s)
         return shown, build_surface(shown, self.preset)
 
     def _encode(self, i: int) -> bytes:
@@ -108,7 +108,7 @@ class SiteContent:
 
     def _at_rate(self, i: int, rate: int) -> bytes:
         if i < 0:
-            return whole_bytes(self._timeline, self.preset, rate, self._seed, self._actuator)
+            return whole_bytes(self.timeline, self.preset, rate, self._seed, self._actuator)
         return window_bytes(self._surface(i)[1], self.preset, rate)
 
     def _patch(self, i: int, rate: int) -> bytes:

@@ -20,6 +20,8 @@
 
 ``data/points-N.json``, of a series: ``{"time_s": [s of the timeline], "value": [...]}``.
 
+What hasn't happened yet is drawn as a gap.
+
 Columns lie evenly, both ends included; each has what is felt nearest to it, and the largest
 resistance. A window's sound is beside it (`site_sound`).
 """
@@ -131,7 +133,10 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
     return {
         "level": [round(one, 4) for one in shown.normalised_levels(COLUMNS - 1).tolist()],
         "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
-        "gaps": [[start / length, end / length] for start, end in shown.gaps],
+        "gaps": [
+            *([start / length, end / length] for start, end in shown.gaps),
+            *([[shown.until_s / length, 1.0]] if shown.until_s is not None else []),
+        ],
         "events": [
             {
                 "place": event.time_s / length,

@@ -25,10 +25,10 @@ ASSEMBLY = """
 import json, sys
 import numba, numpy as np
 from numba import types
-from build_wasm import cross_compiled
+from kernel_ir import machine_for, module_for, written_out
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.control import push_control
-from overview_dsp.kernels.device.callback import SIGNATURE, _callback
+from overview_dsp.kernels.device.callback import SIGNATURE, callback
 
 def push(memory, stamp, theta2):
     f64 = numba.carray(memory, (layout.TOTAL,), np.float64)
@@ -36,11 +36,9 @@ def push(memory, stamp, theta2):
     return push_control(f64, i64, 0, stamp, theta2, True)
 
 PUSH = types.boolean(types.voidptr, types.int64, types.float64)
-function, signature = {"callback": (_callback, SIGNATURE), "push": (push, PUSH)}[sys.argv[1]]
-module, machine = cross_compiled(
-    function, signature, sys.argv[1], "aarch64-unknown-linux-gnu", 1
-)
-print(json.dumps(machine.emit_assembly(module)))
+entry = {sys.argv[1]: {"callback": (callback, SIGNATURE), "push": (push, PUSH)}[sys.argv[1]]}
+machine = machine_for("aarch64-unknown-linux-gnu")
+print(json.dumps(machine.emit_assembly(module_for(written_out(entry), machine, speed_level=1))))
 """
 
 

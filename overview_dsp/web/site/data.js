@@ -13,6 +13,8 @@ export class Data {
     data.info = await json("data/timeline.json");
     /** What it is felt by, where that isn't the preset of the files. */
     data.preset = null;
+    /** Whether the files are what is felt: not of a timeline that has grown. */
+    data.files = true;
     /** The values of all windows, once they are there. */
     data.whole = null;
     return data;
@@ -56,7 +58,7 @@ export class Data {
   }
 
   hasFile({ number }) {
-    return number >= 0 && this.preset === null;
+    return this.files && number >= 0 && this.preset === null;
   }
 
   by(key) {
