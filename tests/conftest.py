@@ -64,14 +64,15 @@ def football():
 
 
 @pytest.fixture(scope="session")
-def rigid_football(football):
+def rigid_football():
     """Football whose disk is pulled at once, where a tap would unfold over two seconds."""
-    return football.with_value("disk.catch_up", 0.0)
+    return ov.load_preset("football").with_value("disk.catch_up", 0.0)
 
 
 @pytest.fixture(scope="session")
-def springy_file(football, tmp_path_factory):
+def springy_file(tmp_path_factory):
     """Football in a file, with a disk that is back in a second: a session lasts as long as it."""
+    football = ov.load_preset("football")
     path = tmp_path_factory.mktemp("springy") / "springy.toml"
     ov.presets.save(football.with_value("disk.k1", 5.0 * football.number("disk.k1")), path)
     return path
