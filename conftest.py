@@ -1,8 +1,20 @@
-"""For `pytest --doctest-modules`: each example runs in a folder of its own."""
+"""How many workers run the tests; for `pytest --doctest-modules` a folder for each example."""
 
 from __future__ import annotations
 
+import os
+
 import pytest
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """One more than there are cores: what plays waits for its sound more than it computes."""
+    if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ:
+        return None
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0)) + 1
+    return (os.cpu_count() or 1) + 1
 
 
 @pytest.fixture(autouse=True)

@@ -17,20 +17,29 @@ def pytest_addoption(parser):
 
 
 class SkippedTests:
-    """Lists the tests that were skipped, without their parameters: those may be others then."""
+    """Lists the tests that were skipped, as `pytest @FILE` takes them.
+
+    One that ran with other parameters is named with its own. One that never ran is named without:
+    with what it needs, its parameters may be others.
+    """
 
     def __init__(self, path):
-        self.path, self.names = Path(path), {}
+        self.path, self.skipped, self.ran = Path(path), {}, set()
 
-    def note(self, report):
+    def pytest_runtest_logreport(self, report):
+        function = report.nodeid.partition("[")[0]
         if report.skipped and not hasattr(report, "wasxfail"):
-            self.names[report.nodeid.partition("[")[0]] = None
+            self.skipped[report.nodeid] = function
+        elif report.when == "call":
+            self.ran.add(function)
 
-    pytest_runtest_logreport = note
-    pytest_collectreport = note
+    def pytest_collectreport(self, report):
+        if report.skipped:
+            self.skipped[report.nodeid] = report.nodeid
 
     def pytest_sessionfinish(self):
-        self.path.write_text("".join(f"{name}\n" for name in self.names))
+        names = {name if of in self.ran else of: None for name, of in self.skipped.items()}
+        self.path.write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
 
 
 def pytest_configure(config):
@@ -55,8 +64,15 @@ def football():
 
 
 @pytest.fixture(scope="session")
-def springy_file(football, tmp_path_factory):
+def rigid_football():
+    """Football whose disk is pulled at once, where a tap would unfold over two seconds."""
+    return ov.load_preset("football").with_value("disk.catch_up", 0.0)
+
+
+@pytest.fixture(scope="session")
+def springy_file(tmp_path_factory):
     """Football in a file, with a disk that is back in a second: a session lasts as long as it."""
+    football = ov.load_preset("football")
     path = tmp_path_factory.mktemp("springy") / "springy.toml"
     ov.presets.save(football.with_value("disk.k1", 5.0 * football.number("disk.k1")), path)
     return path

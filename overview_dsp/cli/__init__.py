@@ -11,7 +11,6 @@ from typing import Any, NoReturn
 import click
 
 from overview_dsp import __version__
-from overview_dsp.cli.common import note
 from overview_dsp.cli.stopping import stop_code, stopped_by_signals
 from overview_dsp.errors import OverviewError, OverviewWarning
 from overview_dsp.files.atomic import remove_temporaries
@@ -86,6 +85,8 @@ def _note(
     line: str | None = None,
 ) -> None:
     if issubclass(category, OverviewWarning):
+        from overview_dsp.cli.common import note  # not before there is something to say
+
         note(str(message))
 
 

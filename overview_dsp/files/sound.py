@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from functools import cache, lru_cache
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -265,3 +265,44 @@ def _cannot_hold(
         f"{path}: {form} {subtype} can't hold {channels} channels at {rate} Hz ({reason}); "
         "use wav or flac, or another rate"
     )
+
+
+class _Samples(Protocol):
+    @property
+    def samples(self) -> NDArray[np.float32]: ...
+    @property
+    def sample_rate(self) -> float: ...
+
+
+class Sounding:
+    """Has `samples`, float32 (frames, 2), at a `sample_rate` (Hz), and may be kept as a file."""
+
+    def save(self: _Samples, path: str | os.PathLike[str], subtype: str | None = None) -> None:
+        """Write the samples to a sound file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
+        subtype : str or None
+            Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
+
+        Raises
+        ------
+        InputError
+            An unknown format, a sample rate that isn't a whole number, a place that can't be
+            written.
+        OutputError
+            A full disk.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+        >>> result.save("sweep.wav", subtype="PCM_16")
+        >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.5, 0.1), ov.tap(0.9, 0.1)])
+        >>> for number, rendered in enumerate(ov.render_many(jobs, sample_rate=8000)):
+        ...     rendered.save(f"tap-{number}.wav")
+        """
+        save_sound(path, self.samples, self.sample_rate, subtype)

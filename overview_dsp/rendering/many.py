@@ -23,7 +23,7 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
 from overview_dsp.engine.simd_batch import EngineBatch
 from overview_dsp.errors import InputError
-from overview_dsp.files.sound import save_sound
+from overview_dsp.files.sound import Sounding
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
@@ -86,7 +86,7 @@ class RenderJob:
 
 
 @dataclass(frozen=True, eq=False)
-class RenderedJob(Generic[Traced]):
+class RenderedJob(Sounding, Generic[Traced]):
     """A rendered job.
 
     Attributes
@@ -124,34 +124,6 @@ class RenderedJob(Generic[Traced]):
     sample_rate: float
     trace: Traced
     strikes: Strikes
-
-    def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
-        """Write the samples to a sound file, whole or not at all.
-
-        Parameters
-        ----------
-        path : str or path
-            The file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
-        subtype : str or None
-            Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
-
-        Raises
-        ------
-        InputError
-            An unknown format, a sample rate that isn't a whole number, a place that can't be
-            written.
-        OutputError
-            A full disk.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.5, 0.1), ov.tap(0.9, 0.1)])
-        >>> for number, rendered in enumerate(ov.render_many(jobs, sample_rate=8000)):
-        ...     rendered.save(f"tap-{number}.wav")
-        """
-        save_sound(path, self.samples, self.sample_rate, subtype)
 
     def __repr__(self) -> str:
         seconds = len(self.samples) / self.sample_rate

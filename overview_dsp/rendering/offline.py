@@ -16,7 +16,7 @@ from overview_dsp.actuators.stage import ActuatorStage, Protected, warn_of_carri
 from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
 from overview_dsp.errors import InputError
-from overview_dsp.files.sound import save_sound
+from overview_dsp.files.sound import Sounding
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
 from overview_dsp.public.drawn import drawn
@@ -52,7 +52,7 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class Result(Generic[Traced]):
+class Result(Sounding, Generic[Traced]):
     """A rendered gesture. In a notebook it is a player and its curves.
 
     Attributes
@@ -95,33 +95,6 @@ class Result(Generic[Traced]):
     engine: Engine
     protected: Protected | None = None
     unreached: tuple[int, ...] = ()
-
-    def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
-        """Write the samples to a sound file, whole or not at all.
-
-        Parameters
-        ----------
-        path : str or path
-            The file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
-        subtype : str or None
-            Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
-
-        Raises
-        ------
-        InputError
-            An unknown format, a sample rate that isn't a whole number, a place that can't be
-            written.
-        OutputError
-            A full disk.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
-        >>> result.save("sweep.wav", subtype="PCM_16")
-        """
-        save_sound(path, self.samples, self.sample_rate, subtype)
 
     def plot(self) -> Figure:
         """Draw what the disk did: torque, friction, disk and hand over time.

@@ -63,7 +63,33 @@ def is_open(connection: Any) -> bool:
     return not connection.transport.is_closing()
 
 
-class HttpConnection(H11Protocol):
+class _ReadInTime(asyncio.Protocol):
+    """A protocol of uvicorn's, closed when the other end doesn't read for `READ_WITHIN_S`."""
+
+    loop: asyncio.AbstractEventLoop
+    transport: asyncio.Transport
+
+    def __init__(self, *arguments: Any, **named: Any) -> None:
+        super().__init__(*arguments, **named)
+        self._reading = _Deadline(self.loop)
+
+    def pause_writing(self) -> None:
+        """Wait for a slow reader only so long."""
+        super().pause_writing()
+        self._reading.set(self.transport, READ_WITHIN_S)
+
+    def resume_writing(self) -> None:
+        """It reads again."""
+        super().resume_writing()
+        self._reading.cancel()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget it."""
+        super().connection_lost(exc)
+        self._reading.cancel()
+
+
+class HttpConnection(_ReadInTime, H11Protocol):
     """uvicorn's HTTP/1.1, with limits."""
 
     def __init__(self, *arguments: Any, crowd: bool = False, **named: Any) -> None:
@@ -71,7 +97,6 @@ class HttpConnection(H11Protocol):
         self._most = CROWD if crowd else MAX_CONNECTIONS
         self._most_of_one = CROWD if crowd else MAX_OF_AN_ADDRESS
         self._request = _Deadline(self.loop)
-        self._reading = _Deadline(self.loop)
         self._idle_since: float | None = None  # None: a request is being answered
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -124,41 +149,11 @@ class HttpConnection(H11Protocol):
         self._request.cancel()
         super().handle_websocket_upgrade(event)
 
-    def pause_writing(self) -> None:
-        """Wait for a slow reader only so long."""
-        super().pause_writing()
-        self._reading.set(self.transport, READ_WITHIN_S)
-
-    def resume_writing(self) -> None:
-        """It reads again."""
-        super().resume_writing()
-        self._reading.cancel()
-
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget it."""
         self._request.cancel()
         super().connection_lost(exc)
-        self._reading.cancel()
 
 
-class WebSocketConnection(WebSocketsSansIOProtocol):
+class WebSocketConnection(_ReadInTime, WebSocketsSansIOProtocol):
     """uvicorn's WebSocket, with limits; who doesn't answer a ping is closed by uvicorn itself."""
-
-    def __init__(self, *arguments: Any, **named: Any) -> None:
-        super().__init__(*arguments, **named)
-        self._reading = _Deadline(self.loop)
-
-    def pause_writing(self) -> None:
-        """Wait for a slow reader only so long."""
-        super().pause_writing()
-        self._reading.set(self.transport, READ_WITHIN_S)
-
-    def resume_writing(self) -> None:
-        """It reads again."""
-        super().resume_writing()
-        self._reading.cancel()
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Forget it."""
-        self._reading.cancel()
-        super().connection_lost(exc)

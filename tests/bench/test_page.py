@@ -129,7 +129,7 @@ def test_a_live_report_is_written_as_the_command_prints_it(writer):
         for callback, loaded in (("native", True), ("python", True))
     ]
     latency = [LatencyResult(64, 30, 3.35, 5.36, 161.0, 257.0, 0, 5.33)]
-    report = LiveReport(48_000, 256, 60.0, 5, load, 1.0, False, latency, 383)
+    report = LiveReport(48_000, 256, 60.0, 5, load, 1.0, False, latency, 383, [])
     found = {"machine": "a machine", "date": "2001-02-03", **asdict(report)}
     page = writer.filled(PAGE, "live", writer.live(json.loads(json.dumps(found))))
     written = marked(page, "live")

@@ -14,13 +14,13 @@ from tests.docs.markdown_blocks import ROOT, Block, all_blocks, blocks_of
 from tests.docs.page_runner import Page, parsed, understood, without_modules
 
 BLOCKS = all_blocks()
-SHOWN = {"text", "cpp", "js", "toml", "json"}
+SHOWN = {"text", "c", "cpp", "js", "toml", "json"}
 """Languages that are read, not run."""
 
 DEVICES = {
-    "a sound output", "a serial port", "a MIDI port", "a phone", "a cluster", "an editor",
-    "a package registry", "a fresh environment", "a clone of the project", "five minutes",
-    "both cores for a minute", "both cores for some seconds",
+    "a C compiler", "a sound output", "a serial port", "a MIDI port", "a phone", "a cluster",
+    "an editor", "a package registry", "a fresh environment", "a clone of the project",
+    "five minutes", "both cores for a minute", "both cores for some seconds",
     "a program that writes angles",
 }  # fmt: skip
 """What a block may need that a test can't give it; its commands are parsed all the same."""

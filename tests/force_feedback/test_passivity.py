@@ -71,7 +71,7 @@ def test_without_the_controller_the_same_hand_is_given_energy(match, football):
     rigid = {"disk.catch_up": 0.0, "disk.k1": 0.00097, "disk.k2": 0.00278}
     preset = football.with_changes({**rigid, "surface.friction": 10 * FRICTION})
     course, motor, _ = simulate(preset, match, SENSOR, sim.jiggle(hertz=4.0), 3.5, 0.02, naive=True)
-    assert motor.given - motor.put_in > 3e-3
+    assert motor.given - motor.put_in > 5e-3
     assert course["hand_work"].min() < 0.0
 
 

@@ -31,6 +31,12 @@ C2 = ov.load_actuator("c2")
 LRA = ov.load_actuator("lra")
 
 
+@pytest.fixture(scope="module")
+def football(rigid_football):
+    """Here: the actuator is driven at once."""
+    return rigid_football
+
+
 def ready(match, football, given):
     """An engine that has a tap and a release before it, connected to an output."""
     engine = ov.Engine(football, match)
@@ -71,7 +77,7 @@ def test_live_is_the_render_sample_for_sample_in_any_blocks(
     match, football, rendered, actuator, sizes
 ):
     live = played(ready(match, football, OutputSettings(actuator=actuator)), sizes)
-    assert np.abs(live[:, 1]).max() > 0.05
+    assert np.abs(live[:, 1]).max() > 0.1
     assert np.array_equal(live, rendered[actuator.name])
 
 
@@ -99,7 +105,7 @@ def test_no_gain_passes_the_peak_and_a_ceiling_takes_off_more(match, football):
         loud = SignalSettings(2, gain_db=24.0, ceiling_db=ceiling_db)
         given = OutputSettings(tactor=loud, actuator=quiet)
         live = played(ready(match, football, given), [480] * 50)
-        assert 0.4 * highest < np.abs(live[:, 1]).max() <= highest
+        assert 0.5 * highest < np.abs(live[:, 1]).max() <= highest
 
 
 def test_a_stream_that_compiles_first_keeps_its_actuator(match, football, rendered):
@@ -127,7 +133,7 @@ def test_a_muted_tactor_is_braked_to_silence(match, football):
     run_block(engine, out[:4800])
     OutputSettings(tactor=SignalSettings(2, mute=True), actuator=C2).write(engine.memory, 48_000)
     run_block(engine, out[4800:])
-    assert np.abs(out[2400:4800, 1]).max() > 0.05
+    assert np.abs(out[2400:4800, 1]).max() > 0.1
     assert not out[4800 + 960 + 9600 :, 1].any()
 
 

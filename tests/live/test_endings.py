@@ -133,21 +133,25 @@ def end_one(server, folder, name, seconds):
     return [f"{name} after {seconds:.2f} s: {one}" for one in wrong]
 
 
+@pytest.fixture(scope="module")
+def server():
+    with jack_server.Server(period=512) as running:
+        yield running
+
+
 @pytest.mark.realtime
 @pytest.mark.parametrize("name", ENDINGS)
-def test_every_ending_is_soon_and_keeps_the_take(tmp_path, name):
-    with jack_server.Server(period=512) as server:
-        assert end_one(server, tmp_path, name, random.uniform(0.0, 1.0)) == []
+def test_every_ending_is_soon_and_keeps_the_take(server, tmp_path, name):
+    assert end_one(server, tmp_path, name, random.uniform(0.0, 1.0)) == []
 
 
 @pytest.mark.soak
-def test_a_hundred_endings_at_random_moments(tmp_path):
+def test_a_hundred_endings_at_random_moments(server, tmp_path):
     dice = random.Random(18)
     wrong = []
-    with jack_server.Server(period=512) as server:
-        for number in range(100):
-            folder = tmp_path / str(number)
-            folder.mkdir()
-            name = dice.choice(list(ENDINGS))
-            wrong += end_one(server, folder, name, dice.uniform(0.0, 1.5))
+    for number in range(100):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        name = dice.choice(list(ENDINGS))
+        wrong += end_one(server, folder, name, dice.uniform(0.0, 1.5))
     assert wrong == []

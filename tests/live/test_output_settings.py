@@ -17,6 +17,12 @@ from overview_dsp.live.output_settings import (
 from overview_dsp.live.python_path import connect, run_block
 
 
+@pytest.fixture
+def football(rigid_football):
+    """Here: it sounds within a tenth of a second."""
+    return rigid_football
+
+
 def played(match, football, settings, change=None, channels=2):
     """A tap and recoil through the device's stage, float32 (frames, channels)."""
     engine = ov.Engine(football, match)
@@ -86,7 +92,7 @@ def test_stopping_fades_to_zero_without_a_step(match, football, plain):
 
     heard = played(match, football, OutputSettings(), stop)
     assert len(heard) == 4800 + 960
-    assert np.abs(plain[4800:5760, 1]).max() > 0.01  # it was sounding
+    assert np.abs(plain[4800:5760, 1]).max() > 0.1  # it was sounding
     assert not heard[-1].any()
     assert np.abs(heard[-48:]).max() < 0.01
 

@@ -41,9 +41,15 @@ def slide(tab, section, name, part):
     until(tab, "!p.bench.busy")
 
 
-def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, chromium):
+def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, rigid_football, chromium, tmp_path):
     """More friction holds the disk back: where it comes to with a hand that moves on."""
-    with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
+    # stiff springs, so that it is back soon, and no shaft that slips where friction holds
+    quick = rigid_football.with_changes({"disk.k1": 0.0036, "disk.k2": 0.0149})
+    ov.presets.save(quick, tmp_path / "quick.toml")
+    with (
+        served(match, plays=False, preset=str(tmp_path / "quick.toml")) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
         opened(tab)
         tab.mouse.click(*at(tab, 0.01))  # it sounds
         until(tab, "p.meters")
@@ -55,13 +61,9 @@ def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, chromium):
             tab.mouse.move(*at(tab, 0.9), steps=30)
             behind = tab.evaluate("0.9 - overview.cursor")
             tab.mouse.up()
-            for _ in range(4):  # where there is much friction it creeps back for a minute
-                if tab.evaluate("overview.cursor") >= 0.02:
-                    tab.wait_for_timeout(20_000)
             until(tab, "p.cursor < 0.02")
             return behind
 
-        slide(tab, "disk", "disk.catch_up", 0.0)  # else shaft 2 slips where friction holds
         light = lag()
         slide(tab, "surface", "surface.friction", 0.75)
         until(tab, f"Math.max(...p.view.resistance) > 3 * {before}")  # drawn, too
@@ -72,7 +74,7 @@ def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, chromium):
         again = lag()
         print(f"\nbehind by {light:.3f}, with more friction {heavy:.3f}, with A {again:.3f}")
         assert heavy > 2 * light
-        assert again < 0.6 * heavy
+        assert again < heavy / 2
         tab.click("#bench-b")
         until(tab, "p.bench.sounding.values['surface.friction'] > 1e-3")
         # what is zoomed to is felt by it as well

@@ -242,16 +242,20 @@ def bare():
     return ov.Timeline("bare", 60.0, intensity=curve)
 
 
-def test_a_finger_that_comes_down_while_a_wrist_holds_still_is_not_heard(opened, bare, football):
+def test_a_finger_that_comes_down_while_a_wrist_holds_still_is_not_heard(
+    opened, bare, rigid_football
+):
     twist = [[10 + 16 * i, "hold", "twist", 0.3 + 1e-7 * (i % 2)] for i in range(110)]
     touch = [[700, "hold", "touch", 0.8], [1100, "release", "touch"]]
-    alone = heard(opened.evaluate(HANDS, twist), bare, football)
-    both = heard(opened.evaluate(HANDS, sorted(twist + touch, key=lambda e: e[0])), bare, football)
+    alone = heard(opened.evaluate(HANDS, twist), bare, rigid_football)
+    both = heard(
+        opened.evaluate(HANDS, sorted(twist + touch, key=lambda e: e[0])), bare, rigid_football
+    )
     difference = np.abs(both - alone).max()
     print(f"\ntouch down and up in a still twist: {20 * np.log10(max(difference, 1e-9)):.0f} dB")
     assert difference < 1e-3  # -60 dB
-    step = heard([*opened.evaluate(HANDS, twist[:40]), (33_600, 0.8, True)], bare, football)
-    assert np.abs(step - alone).max() > 0.01  # what a jump would be
+    step = heard([*opened.evaluate(HANDS, twist[:40]), (33_600, 0.8, True)], bare, rigid_football)
+    assert np.abs(step - alone).max() > 0.03  # what a jump would be
 
 
 def test_hands_change_without_a_click_in_the_middle_of_a_movement(opened, bare, football):
