@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from overview_dsp.actuators.model import Actuator
     from overview_dsp.engine.engine import Engine
     from overview_dsp.engine.meters import EngineParameter, Meters, Strikes
+    from overview_dsp.following.live_timeline import LiveTimeline
     from overview_dsp.gestures.model import Gesture
     from overview_dsp.gestures.scripts import pause, sweep, tap
     from overview_dsp.gestures.spec import parse_gesture
@@ -71,6 +72,7 @@ __all__ = [
     "Gesture",
     "InputError",
     "Intensity",
+    "LiveTimeline",
     "Meters",
     "NotPreparedError",
     "OutputError",
@@ -123,6 +125,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "EventKind": "presets.model",
             "Gesture": "gestures.model",
             "Intensity": "timeline.intensity",
+            "LiveTimeline": "following.live_timeline",
             "Meters": "engine.meters",
             "Preset": "presets.model",
             "RenderJob": "rendering.many",

@@ -1,6 +1,8 @@
 """Draw the terminal application into docs/pictures/play.svg: a finger on the way to a goal.
 
 python tools/draw_terminal.py [OUT.svg]
+
+Notes beside the screen's parts, in another hand than its own, say what a newcomer sees.
 """
 
 from __future__ import annotations
@@ -23,6 +25,34 @@ SIZE = (110, 30)
 WAY = range(5, 70, 2)
 AHEAD = 12
 ATTEMPTS = 8
+COLUMN, ROW, LEFT, TOP = 12.2, 24.4, 9.0, 66.0
+"""Of the picture: a character's width, a line's height, where the first line stands."""
+
+NOTES = (
+    (44.3, 2.9, "each bar is an event:"),
+    (44.3, 3.9, "the higher, the harder"),
+    (44.3, 4.9, "to pull the disk over it"),
+    (84.0, 3.9, "grey between them:"),
+    (84.0, 4.9, "the crowd"),
+    (13.5, 17.0, "the disk sticks on a goal, on a spring to your finger ahead of it  →"),
+    (84.0, 17.0, "←  your mouse or arrow keys"),
+    (23.0, 20.0, "what was felt and heard in the last seconds  →"),
+    (75.0, 22.0, "←  now: the pull, and where the disk is"),
+    (46.0, 23.0, "←  for the ear"),
+    (46.0, 24.0, "←  for the finger: a vibration"),
+)
+"""Column, line and words."""
+
+
+def noted(drawn: str) -> str:
+    """A picture with the notes."""
+    texts = "".join(
+        f'<text x="{LEFT + COLUMN * column:.1f}" y="{TOP + ROW * (line - 0.08):.1f}" '
+        'fill="#ffd75f" font-family="DejaVu Sans, sans-serif" font-style="italic" '
+        f'font-size="18px">{words}</text>\n'
+        for column, line, words in NOTES
+    )
+    return drawn.replace("</svg>", f"{texts}</svg>")
 
 
 async def draw(player: Player) -> str:
@@ -57,7 +87,7 @@ def main() -> None:
             break
     # the viewer's own monospaced font: a picture fetches nothing from elsewhere
     drawn = re.sub(r"@font-face\s*\{.*?\}", "", drawn, flags=re.DOTALL)
-    out.write_text(drawn.replace("Fira Code", "DejaVu Sans Mono"), encoding="utf-8")
+    out.write_text(noted(drawn.replace("Fira Code", "DejaVu Sans Mono")), encoding="utf-8")
     print(out)
 
 

@@ -1,7 +1,7 @@
 """Write the tables of docs/benchmarks.md from what `overview bench` reports.
 
 python tools/write_benchmarks.py                 measures speeds here: about five minutes
-python tools/write_benchmarks.py --live          how the output holds: 21 minutes, and it sounds
+python tools/write_benchmarks.py --live          how the output holds: 22 minutes, and it sounds
 python tools/write_benchmarks.py --report FILE   either, from `overview bench [--live] --json >FILE`
 
 Speeds draw docs/pictures/speeds.png too. The tables stand between `<!-- bench: speeds -->` (or
@@ -75,11 +75,13 @@ def ranged(figure: dict[str, Any], prefix: str = "") -> str:
 def live(report: dict[str, Any]) -> str:
     """What `overview bench --live` prints."""
     from overview_dsp.bench.live.latency import LatencyResult
+    from overview_dsp.bench.live.session import SessionRow
     from overview_dsp.bench.live.table import LoadRow, Report, lines
 
     shown = {key: value for key, value in report.items() if key not in ("machine", "date")}
     shown["load"] = [LoadRow(**row) for row in report["load"]]
     shown["latency"] = [LatencyResult(**row) for row in report["latency"]]
+    shown["sessions"] = [SessionRow(**row) for row in report["sessions"]]
     text = "\n".join(lines(Report(**shown)))
     return f"{report['date']}, {report['machine']}:\n\n```text\n{text}\n```"
 

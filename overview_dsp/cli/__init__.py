@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 import click
 
 from overview_dsp import __version__
+from overview_dsp.cli.common import note
 from overview_dsp.cli.stopping import stop_code, stopped_by_signals
 from overview_dsp.errors import OverviewError, OverviewWarning
 from overview_dsp.files.atomic import remove_temporaries
@@ -21,6 +22,7 @@ COMMANDS = {
     "render": ("render", "Play a gesture over a timeline into a sound file."),
     "play": ("play", "Play a timeline live, with the mouse, the keys or a recorded hand."),
     "serve": ("serve", "The page: a phone or a browser as the hand."),
+    "feed": ("feed", "Tell a recorded match as a feed, at any speed, for --follow."),
     "timeline": ("timeline", "Show what was understood from a file, and convert it."),
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "batch": ("batch", "Render a study: a grid of many, here or on a cluster."),
@@ -84,7 +86,7 @@ def _note(
     line: str | None = None,
 ) -> None:
     if issubclass(category, OverviewWarning):
-        click.echo(f"note: {message}", err=True)
+        note(str(message))
 
 
 def main() -> NoReturn:

@@ -46,8 +46,9 @@ def command(
     are installed. Then what a second costs as the work grows, and memory. About five minutes;
     with --seconds 3600, streams of an hour too.
 
-    With --live: how the native and the Python callback hold, idle and under load, and how soon a
-    tap is answered. That takes four runs a round and one more, 21 minutes by default, and sounds.
+    With --live: how the native and the Python callback hold, idle and under load, how soon a tap
+    is answered, and what processor time and terminal traffic a session costs. That takes four runs
+    a round and two more, 22 minutes by default (--rounds 1 --seconds 6: one), and sounds.
     """
     if live:
         if plot is not None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile
+from overview_dsp.cli.common import announce_compile, note, say
 from overview_dsp.cli.options.actuator import actuator_option
 from overview_dsp.cli.options.output import output_options, output_settings
 from overview_dsp.cli.stopping import signals_that_end
@@ -23,12 +23,12 @@ from overview_dsp.files.atomic import remove_temporaries
 from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
+    from overview_dsp.live.growing import Growth
     from overview_dsp.live.hand import Input
     from overview_dsp.live.headless import Passed
     from overview_dsp.live.player import Player
     from overview_dsp.timeline import Timeline
 
-STANDARD_ERROR = 2
 END_WITHIN_S = 2.0
 
 
@@ -81,11 +81,12 @@ def opened_player(
     preset: str,
     live: dict[str, Any],
     ab: str | None = None,
+    growth: Growth | None = None,
 ) -> Iterator[tuple[Player, list[int]]]:
     """A player on the device that the options name, and the signals that ask for its end.
 
     It is closed, saved and remembered afterwards. `part` (s) is what it shows first, `ab` a second
-    preset to switch to.
+    preset to switch to; with `growth` the data, which are its snapshot, grow.
 
     Raises
     ------
@@ -120,7 +121,7 @@ def opened_player(
     if settings.actuator is not None:
         warn_of_carrier(settings.actuator, watch.preset.number("tactor.frequency_hz"))
     native = callback == "native" and device != SILENT
-    announce_compile("_callback" if native else "finish_block")
+    announce_compile("callback" if native else "finish_block")
     player = Player(
         data,
         watch,
@@ -132,6 +133,7 @@ def opened_player(
         record=record,
         seed=seed,
         other=None if ab is None else PresetWatch(ab),
+        growth=growth,
     )
     with ended_by_signals(player.end_take) as received:
         try:
@@ -142,8 +144,8 @@ def opened_player(
             player.close()
             for message in player.take_messages():
                 note(message)
-            for ended in player.takes:
-                say(f"{ended}: the take, to the bit")
+            for line in player.ended_takes:
+                say(line)
             # what belongs to another device, chosen meanwhile, isn't this one's
             same = player.outputs is outputs
             if same and device != SILENT and chosen.differ(player.settings):
@@ -154,7 +156,7 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
     """The device's full name and the rate to play at."""
     if device == SILENT:
         return SILENT, sample_rate or 48_000.0
-    from overview_dsp.live.portaudio import find_device
+    from overview_dsp.live.output_devices import find_device
 
     found = find_device(device_named(device))
     return f"{found.name} ({found.host})", sample_rate or found.sample_rate
@@ -196,21 +198,6 @@ def exit_if_stopped(received: list[int]) -> None:
     if received:
         say(f"stopped by {signal.Signals(received[0]).name}")
         sys.exit(128 + received[0])
-
-
-def note(message: str) -> None:
-    """A line for the person."""
-    say(f"note: {message}")
-
-
-def say(line: str) -> None:
-    """A line on standard error, if there is one still: it may be a terminal that was closed."""
-    try:
-        click.echo(line, err=True)
-    except OSError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, STANDARD_ERROR)  # else its end would fail again
-        os.close(nowhere)
 
 
 def print_lines(

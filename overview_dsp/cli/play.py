@@ -9,16 +9,15 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import part_of, read_gesture, window_options
+from overview_dsp.cli.common import note, part_of, read_gesture, say, window_options
 from overview_dsp.cli.live_session import (
     exit_if_stopped,
     live_options,
-    note,
     opened_player,
     print_lines,
-    say,
     seconds_given,
 )
+from overview_dsp.cli.options.follow import follow_options, followed, open_growing
 from overview_dsp.cli.options.server import (
     open_server,
     refuse_server_options,
@@ -27,7 +26,6 @@ from overview_dsp.cli.options.server import (
 )
 from overview_dsp.cli.options.sources import choose_force_block, input_options, parse_sources
 from overview_dsp.cli.options.timeline import (
-    open_timeline,
     preset_for,
     preset_option,
     timeline_options,
@@ -38,7 +36,8 @@ from overview_dsp.cli.options.timeline import (
     name="play",
     epilog="Example: overview play world-cup-final-2018 --preset football --record take.csv",
 )
-@click.argument("timeline")
+@click.argument("timeline", required=False)
+@follow_options
 @preset_option
 @input_options
 @window_options
@@ -57,7 +56,8 @@ from overview_dsp.cli.options.timeline import (
 @timeline_options
 @live_options
 def command(
-    timeline: str,
+    timeline: str | None,
+    following: dict[str, Any],
     preset: str | None,
     sources: tuple[str, ...],
     sensor: str | None,
@@ -80,6 +80,8 @@ def command(
 ) -> None:
     """Play TIMELINE live: drag, tap and let go with the mouse or the keys, and hear and feel it.
 
+    With --follow a timeline that grows takes its place: --map is whole or so-far then.
+
     Without a terminal (or with --headless) it prints a line of JSON a second and a summary. The
     preset's file is watched: save it, feel it. Channels, gains, mutes, delays, ceilings and the
     actuator are remembered for each output device.
@@ -88,10 +90,10 @@ def command(
         require_server()
     else:
         refuse_server_options()
-    data = open_timeline(timeline, load)
-    part = part_of(data, window, zoom_to)
-    if part is not None and window:
-        data, part = data.window(*part), None
+    if following["follow"] == "-" and "-" in sources:
+        raise click.UsageError("--follow - and --input - both read standard input")
+    if following["follow"] is not None and replay is not None:
+        raise click.UsageError("--replay is for a timeline that is finished; leave --follow out")
     hand = None if replay is None else read_gesture(replay)
     if loop and hand is None:
         raise click.UsageError("--loop is for --replay")
@@ -100,9 +102,14 @@ def command(
     named = parse_sources(sources, sensor, baud, midi_map, force)
     if force:
         choose_force_block(live)
-    name = preset_for(data, preset)
     with ExitStack() as stack:
-        player, received = stack.enter_context(opened_player(data, part, name, live, ab))
+        growth = stack.enter_context(followed(timeline, following, load))
+        data = open_growing(timeline, load, growth)
+        part = part_of(data, window, zoom_to)
+        if part is not None and window and growth is None:
+            data, part = data.window(*part), None
+        name = preset_for(data, preset)
+        player, received = stack.enter_context(opened_player(data, part, name, live, ab, growth))
         if hand is not None:
             assert replay is not None
             player.replay(hand, os.path.basename(replay), loop)
@@ -117,8 +124,12 @@ def command(
             from overview_dsp.web.session import HostSession
 
             source = session = HostSession(player, source)
-            routes = data_routes(data, name, audio="host", first=part)
-            invitation = stack.enter_context(open_server(server, session, routes)).text
+            routes = data_routes(
+                data, name, audio="host", first=part, live=None if growth is None else growth.live
+            )
+            invitation = stack.enter_context(
+                open_server(server, session, routes, growth is not None)
+            ).text
         if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
             print_lines(player, source, received, seconds, logged=osc_out is not None)
         elif by_line:

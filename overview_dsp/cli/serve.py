@@ -17,6 +17,7 @@ from overview_dsp.cli.live_session import (
     print_lines,
     seconds_given,
 )
+from overview_dsp.cli.options.follow import follow_options, followed, open_growing
 from overview_dsp.cli.options.server import (
     Opened,
     open_server,
@@ -25,7 +26,6 @@ from overview_dsp.cli.options.server import (
     server_options,
 )
 from overview_dsp.cli.options.timeline import (
-    open_timeline,
     preset_for,
     preset_option,
     timeline_options,
@@ -38,7 +38,8 @@ LOOK_EVERY_S = 0.1
     name="serve",
     epilog="Example: overview serve world-cup-final-2018 --host 0.0.0.0 --audio host",
 )
-@click.argument("timeline")
+@click.argument("timeline", required=False)
+@follow_options
 @preset_option
 @click.option("--audio", type=click.Choice(["here", "host"]), default="here", show_default=True,
               help="What makes the sound: the page, or this machine's output.")  # fmt: skip
@@ -52,7 +53,8 @@ LOOK_EVERY_S = 0.1
 @timeline_options
 @live_options
 def command(
-    timeline: str,
+    timeline: str | None,
+    following: dict[str, Any],
     preset: str | None,
     audio: str,
     window: tuple[str, str] | None,
@@ -71,36 +73,44 @@ def command(
     has the printed address may use it. With --audio host the page is the hand, and the disk is
     heard and felt here: the options from --device on are those of `overview play`.
     """
-    data = open_timeline(timeline, load)
-    part = part_of(data, window, zoom_to)
-    if part is not None and window:
-        data, part = data.window(*part), None
-    name = preset_for(data, preset)
-    require_server()
-    if audio == "here":
-        refuse_given(live, "is for --audio host; the page sounds by itself")
-    from overview_dsp.web.data import data_routes
-    from overview_dsp.web.media import open_media
+    with followed(timeline, following, load) as growth:
+        data = open_growing(timeline, load, growth)
+        part = part_of(data, window, zoom_to)
+        if part is not None and window and growth is None:
+            data, part = data.window(*part), None
+        name = preset_for(data, preset)
+        require_server()
+        if audio == "here":
+            refuse_given(live, "is for --audio host; the page sounds by itself")
+        from overview_dsp.web.data import data_routes
+        from overview_dsp.web.media import open_media
 
-    film = None
-    if media is not None:
-        film = open_media(media, media_offset)
-    routes = data_routes(data, name, audio=audio, first=part, media=film)
-    if audio == "host":
-        from overview_dsp.web.session import HostSession
+        film = None
+        if media is not None:
+            film = open_media(media, media_offset)
+        routes = data_routes(
+            data,
+            name,
+            audio=audio,
+            first=part,
+            media=film,
+            live=None if growth is None else growth.live,
+        )
+        if audio == "host":
+            from overview_dsp.web.session import HostSession
 
-        with opened_player(data, part, name, live) as (player, received):
-            session = HostSession(player)
-            with open_server(server, session, routes) as opened:
+            with opened_player(data, part, name, live, growth=growth) as (player, received):
+                session = HostSession(player)
+                with open_server(server, session, routes, growth is not None) as opened:
+                    _report(opened, as_json)
+                    print_lines(player, session, received, seconds)
+        else:
+            with (
+                ended_by_signals() as received,
+                open_server(server, None, routes, growth is not None) as opened,
+            ):
                 _report(opened, as_json)
-                print_lines(player, session, received, seconds)
-    else:
-        with (
-            ended_by_signals() as received,
-            open_server(server, None, routes) as opened,
-        ):
-            _report(opened, as_json)
-            _wait(received, seconds)
+                _wait(received, seconds)
     exit_if_stopped(received)
 
 

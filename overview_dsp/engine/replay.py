@@ -1,4 +1,4 @@
-"""A recorded change, made again: a parameter, a preset, another part of the timeline."""
+"""A recorded change, made again: a parameter, a preset, a part of the timeline, or how it grew."""
 
 from __future__ import annotations
 
@@ -7,14 +7,21 @@ from typing import Any
 
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError
+from overview_dsp.following.difference import applied
+from overview_dsp.following.pattern import pattern_of
 from overview_dsp.presets.dicts import preset_from_dict
 from overview_dsp.timeline import Timeline
 
 
 def apply_change(
     engine: Engine, whole: Timeline, what: Mapping[str, Any], sample_time: int | None = None
-) -> None:
+) -> Timeline:
     """Make a change of `gestures.Change` at a sample; windows are of the timeline `whole`.
+
+    Returns
+    -------
+    Timeline
+        The whole from then on: another one where it has grown.
 
     Raises
     ------
@@ -27,6 +34,14 @@ def apply_change(
                 engine.set(id, value, sample_time)
         elif "preset" in what:
             engine.set_preset(preset_from_dict(what["preset"]), sample_time)
+        elif "pattern" in what:
+            engine.set_timeline(pattern_of(what["pattern"]), sample_time, change=what)
+        elif "timeline" in what:
+            grown = applied(whole, what["timeline"])
+            window = what["timeline"].get("window")
+            shown = grown if window is None else grown.window(*window)
+            engine.set_timeline(shown, sample_time, change=what)
+            return grown
         else:
             start, end = what["window"]
             engine.set_timeline(whole.window(start, end), sample_time, (start, end))
@@ -34,3 +49,4 @@ def apply_change(
         raise
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"not a recorded change: {str(dict(what))[:80]} ({error})") from None
+    return whole

@@ -25,8 +25,9 @@ SOURCES = ("touch", "twist", "serial", "osc", "midi", "remote")
 class Change:
     """A parameter or surface change of a recorded take.
 
-    `time_s` from the gesture's start; `what` is {"set": {id: value}}, {"preset": ...} or
-    {"window": [start_s, end_s]}.
+    `time_s` from the gesture's start; `what` is {"set": {id: value}}, {"preset": ...},
+    {"window": [start_s, end_s]}, {"timeline": ...} (it has grown) or {"pattern": ...} (something
+    new was told).
     """
 
     time_s: float

@@ -8,7 +8,12 @@ name beside it holds the stamped parameter and surface changes::
     {"overview_take": 1, "sample_rate": 48000.0, "seed": 0, "title": "...", "preset": "football",
      "changes": [{"sample": 9600, "set": {"tactor.gain_db": -6.0}},
                  {"sample": 24000, "window": [0.0, 2700.0]},
-                 {"sample": 48000, "preset": {...}}]}
+                 {"sample": 48000, "preset": {...}},
+                 {"sample": 96000, "timeline": {..., "window": [0.0, 2700.0]}},
+                 {"sample": 144000, "pattern": {"kind": "goal", "weight": 1.0}}]}
+
+`timeline` is how one that grows has changed (`following.difference`) and which part of it is under
+the hand (null: all); the timeline at the take's beginning is in `NAME.timeline.json` beside it.
 """
 
 from __future__ import annotations
@@ -24,7 +29,7 @@ from overview_dsp.files.atomic import whole_file
 from overview_dsp.gestures.model import LONGEST_S, SOURCES, Change
 
 COLUMNS = ("time_s", "theta2_rad", "touching", "sample", "sample_rate", "source")
-CHANGES = ("set", "preset", "window")
+CHANGES = ("set", "preset", "window", "timeline", "pattern")
 VERSION = 1
 
 

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 from overview_dsp.actuators.calibration import calibrated_actuator
 from overview_dsp.actuators.stage import warn_of_carrier
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
+from overview_dsp.following.live_timeline import LiveTimeline
+from overview_dsp.live.follow_source import expected_s, map_named
 from overview_dsp.live.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -134,6 +136,20 @@ def _signal(word: str) -> str:
     return word
 
 
+def _live(player: Player) -> LiveTimeline:
+    if player.growing is None:
+        raise InputError("this timeline is finished; --follow follows one that grows")
+    return player.growing.live
+
+
+def _map(player: Player, *name: str) -> None:
+    _live(player).map = map_named(" ".join(name))
+
+
+def _expect(player: Player, length: str) -> None:
+    _live(player).expect_s = expected_s(length)
+
+
 COMMANDS: dict[str, Callable[..., None]] = {
     "record": _record,
     "replay": _replay,
@@ -146,6 +162,8 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "actuator": _actuator,
     "gain": _gain,
     "mute": _mute,
+    "map": _map,
+    "expect": _expect,
 }
 FORMS = {
     "record": "record [0|1]",
@@ -159,4 +177,6 @@ FORMS = {
     "actuator": "actuator NAME|none",
     "gain": "gain click|tactor DB",
     "mute": "mute click|tactor [0|1]",
+    "map": "map whole|so-far",
+    "expect": "expect LENGTH",
 }

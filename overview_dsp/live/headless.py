@@ -8,7 +8,8 @@ from typing import Any
 
 from overview_dsp.actuators.stage import protected_report
 from overview_dsp.live.hand import Input
-from overview_dsp.live.player import Player, Status
+from overview_dsp.live.player import Player
+from overview_dsp.live.status import Status
 from overview_dsp.timeline import Event
 from overview_dsp.units import gain_to_db
 
@@ -82,6 +83,7 @@ def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
         "underflows": status.underflows,
         "frames_lost": status.frames_lost,
         "dropped_events": status.dropped,
+        **({} if status.following is None else {"following": status.following}),
     }
 
 

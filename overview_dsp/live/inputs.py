@@ -81,7 +81,8 @@ class TakeInput(Input):
                 if self._change is not None:
                     self._change(changes[self._changed].what, sample)
                 else:
-                    apply_change(engine, self._whole, changes[self._changed].what, sample)
+                    what = changes[self._changed].what
+                    self._whole = apply_change(engine, self._whole, what, sample)
             except InputError:
                 raise
             except OverviewError:  # two surfaces fade already: at the next poll

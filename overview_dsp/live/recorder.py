@@ -18,6 +18,8 @@ from overview_dsp.live.kept_takes import GrowingNote, other_places
 EVERY_S = 0.1
 """How often the engine's logs are written; a frozen screen or a busy session doesn't delay it."""
 
+BEGUN_LATER = "it begins with the disk held or moving; rendered, the disk is at rest first"
+
 STUCK_S = 1.0
 """How long closing waits for a disk that doesn't answer."""
 
@@ -26,9 +28,16 @@ class Recorder:
     """Writes an engine's applied events and changes to a take, from now on.
 
     From the engine's first sample on, the take renders to the very samples that were heard. Later,
-    it begins with the hands as they hold the disk.
+    it begins with the hands as they hold the disk, but the disk itself, rendered, is at rest first.
 
     Thread: any for `take_messages`; the rest is one thread's, `start` gives it one.
+
+    Attributes
+    ----------
+    path : Path
+        Where the take is now.
+    differs : str
+        Why it doesn't render to what was heard, to the bit; empty if it does.
     """
 
     def __init__(
@@ -47,6 +56,7 @@ class Recorder:
         """
         self._engine = engine
         self._begin, self._seen, hands = read_hands(engine.memory)
+        self.differs = "" if self._begin == 0 else BEGUN_LATER
         self._now = 0
         self._events: list[Event] = [(0, source, theta2, True) for source, theta2 in hands]
         self._changes: list[tuple[int, Mapping[str, Any]]] = [(0, one) for one in changes or ()]
@@ -114,7 +124,7 @@ class Recorder:
         try:
             events, self._seen = self._engine.take_applied(self._seen)
         except OverviewError as error:
-            self._say_once(f"{error}; these are missing in the take")
+            self._miss(f"{error}; these are missing in the take")
             _, self._seen, _ = read_hands(self._engine.memory)
             return
         self._events += [
@@ -124,11 +134,11 @@ class Recorder:
         try:
             changes = self._engine.take_changes()
         except OverviewError as error:
-            self._say_once(f"{error}; these are missing in the take")
+            self._miss(f"{error}; these are missing in the take")
             return
         for sample, what in changes:
             if what is None:
-                self._say_once("a surface was set that a take can't hold: replayed, it is missing")
+                self._miss("a surface was set that a take can't hold: replayed, it is missing")
             elif what in self._pending:
                 self._pending.remove(what)  # asked for before the take, and there from its start
             elif sample >= self._begin:
@@ -179,6 +189,10 @@ class Recorder:
                 return error
             return self._finish()
         return None
+
+    def _miss(self, line: str) -> None:
+        self.differs = line
+        self._say_once(line)
 
     def _say_once(self, line: str) -> None:
         if line not in self._said:

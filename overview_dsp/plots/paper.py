@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from overview_dsp.files.atomic import make_folder
-from overview_dsp.gestures import sweep, tap
+from overview_dsp.gestures import Gesture, sweep, tap
 from overview_dsp.plots.saving import save_figure
 from overview_dsp.plots.strokes import plot_strokes
 from overview_dsp.plots.timeline import plot_timeline
@@ -19,10 +19,14 @@ TAP_AT, TAP_HOLD_S = 1.0, 3.0
 
 def renders(timeline: Timeline, preset: Preset) -> dict[str, Result]:
     """The three gestures of the paper: a fast sweep, a slow sweep and a tap."""
+    return {name: render(timeline, preset, hand) for name, hand in _hands().items()}
+
+
+def _hands() -> dict[str, Gesture]:
     return {
-        "fast sweep": render(timeline, preset, sweep(FAST_S)),
-        "slow sweep": render(timeline, preset, sweep(SLOW_S)),
-        "tap": render(timeline, preset, tap(TAP_AT, TAP_HOLD_S)),
+        "fast sweep": sweep(FAST_S),
+        "slow sweep": sweep(SLOW_S),
+        "tap": tap(TAP_AT, TAP_HOLD_S),
     }
 
 
@@ -30,6 +34,7 @@ def draw(timeline: Timeline, results: dict[str, Result], folder: str | Path) -> 
     """Draw figures 4, 5 and 6 into a folder, PNG and SVG; the files."""
     out = make_folder(folder)
     fast, slow = results["fast sweep"], results["slow sweep"]
+    hands = _hands()
     sweeps = plot_strokes(
         [
             (f"fast sweep, {FAST_S:g} s", fast),
@@ -37,11 +42,13 @@ def draw(timeline: Timeline, results: dict[str, Result], folder: str | Path) -> 
         ],
         timeline,
         f"{timeline.title}: sweeps and recoil",
+        [hands["fast sweep"], hands["slow sweep"]],
     )
     taps = plot_strokes(
         [(f"tap at {TAP_AT:g}, held {TAP_HOLD_S:g} s", results["tap"])],
         timeline,
         f"{timeline.title}: a tap",
+        [hands["tap"]],
     )
     return [
         *save_figure(plot_timeline(timeline), out / "figure-4"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.gestures import Gesture
 from overview_dsp.plots.style import (
     BLACK,
     BLUE,
@@ -29,10 +31,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: str) -> Figure:
+def plot_strokes(
+    results: list[tuple[str, Result]],
+    timeline: Timeline,
+    title: str,
+    hands: Sequence[Gesture] = (),
+) -> Figure:
     """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6).
 
-    Where data is missing, the surface under disk 1 is hatched.
+    Where data is missing, the surface under disk 1 is hatched. With a slip clutch disk 2 pulls
+    from where the clutch stands, not from the finger; of `hands`, the gestures, the finger is
+    drawn beside it.
     """
     figure = new_figure(5.2 * len(results) + 0.6, 9.0)
     grid: Any = figure.subplots(5, len(results), sharex="col", sharey="row", squeeze=False)
@@ -47,7 +56,7 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
             (trace.torque[shown] * 1e3, "torque\nmN·m, linear", BLUE),
             (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", VERMILION),
             (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", BLACK),
-            (np.where(held, trace.theta2[shown], 0.0), "(d) disk 2, the hand\nrad", GREEN),
+            (np.where(held, trace.theta2[shown], 0.0), "(d) disk 2\nrad", GREEN),
         )
         for ax, (values, label, colour) in zip(axes, rows, strict=True):
             ax.plot(*extremes(time, values), color=colour, linewidth=1.0)
@@ -57,6 +66,11 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
             if held.any() and not held.all():
                 release = float(time[np.flatnonzero(held)[-1]])
                 ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
+        if hands:
+            finger = _finger(hands[column], trace.time[shown], held)
+            axes[4].plot(
+                *extremes(time, finger), color=GREY, linewidth=0.9, label="finger", zorder=1.5
+            )
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
         for start, end in timeline.gaps:
             axes[3].axhspan(
@@ -82,9 +96,19 @@ def plot_strokes(results: list[tuple[str, Result]], timeline: Timeline, title: s
     figure.align_ylabels(grid[:, 0])
     figure.suptitle(title, x=0.1 * inch, ha="left", fontsize=11)
     handles, labels = grid[0, 0].get_legend_handles_labels()
+    if hands:
+        fingers, names = grid[4, 0].get_legend_handles_labels()
+        handles, labels = handles + fingers, labels + names
     if handles:
         figure.legend(handles, labels, loc="lower center", ncols=6, frameon=False, fontsize=8)
     return figure
+
+
+def _finger(
+    hand: Gesture, time: NDArray[np.float64], held: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    latest = np.searchsorted(hand.time_s, time, side="right") - 1
+    return np.where(held & (latest >= 0), hand.theta2[np.maximum(latest, 0)], 0.0)
 
 
 def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> float:

@@ -5,6 +5,7 @@
     {"overview_timeline": 1,                 the format's version, required
      "title": "Home 1-0 Away",               the file's name if left out
      "duration_s": 5640.0,                   required
+     "until_s": 3780.0,                      up to where it has happened, all if left out
      "start": "2012-09-19T09:30:00-04:00",   calendar moment of time 0, ISO 8601, optional
      "intensity": {"time_s": [0, 5],         } either of these two
                    "value": [0.1, 0.4],      } may be left out
@@ -52,6 +53,7 @@ _TOP_KEYS = (
     _KEY,
     "title",
     "duration_s",
+    "until_s",
     "start",
     "intensity",
     "gaps",
@@ -127,6 +129,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
             for i, note in enumerate(_list(top.get("notes", []), "notes"))
         ),
         start=_moment(top["start"]) if "start" in top else None,
+        until_s=checks.until(top.get("until_s"), duration_s),
     )
     return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
 
@@ -144,6 +147,8 @@ def encode(timeline: Timeline) -> bytes:
         ("title", _json(timeline.title)),
         ("duration_s", _json(timeline.duration_s)),
     ]
+    if timeline.until_s is not None:
+        entries.append(("until_s", _json(timeline.until_s)))
     if timeline.start is not None:
         entries.append(("start", _json(timeline.start.isoformat())))
     if timeline.provenance:

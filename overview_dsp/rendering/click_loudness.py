@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
+from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import CLICK
 from overview_dsp.readers.audio.k_weighting import MIN_RATE
 from overview_dsp.readers.audio.loudness import SILENCE_LUFS, StepMeter, Steps
-from overview_dsp.units import db_to_gain
 
 CEILING_DBFS = -1.0
 """No sample is turned up beyond this."""
@@ -70,8 +70,8 @@ class ClickMeter:
         gain = 1.0
         for _ in range(_ROUNDS):  # the gate at -70 LUFS opens for more of it, turned up
             now = replace(steps, energy=steps.energy * gain**2).integrated()
-            gain *= db_to_gain(lufs - now)
-        return min(gain, db_to_gain(CEILING_DBFS) / self.peak)
+            gain *= gain_of_db(lufs - now)
+        return min(gain, gain_of_db(CEILING_DBFS) / self.peak)
 
 
 def loudness_of(steps: Steps) -> float | None:

@@ -209,6 +209,13 @@ class _Playing:
     samples: GrowableArray
     trace: GrowableArray
     strikes: list[Strikes] = field(default_factory=list)
+    logged: int = 0
+    """Frames whose strikes are in the engine's log alone: reading it often costs more than them."""
+
+    def read_log(self, engine: Engine) -> None:
+        """Take the strikes from the engine's log."""
+        self.strikes.append(engine.take_strikes())
+        self.logged = 0
 
 
 Rendered = RenderedJob[Trace | None] | Exception
@@ -299,6 +306,9 @@ class VoiceRenderer:
         ]
         whole = trace == TRACE_COLUMNS
         columns = None if whole else [TRACE_COLUMNS.index(name) for name in trace]
+        for engine, one in zip(engines, playing, strict=True):
+            if engine is not None and one is not None and one.logged + frames > BLOCK:
+                one.read_log(engine)
         samples, traces = self._lanes.process(engines, frames, bool(trace))
         for lane, one in enumerate(playing):
             engine = engines[lane]
@@ -308,7 +318,10 @@ class VoiceRenderer:
             one.samples.add(samples[lane, :kept])
             if traces is not None:
                 one.trace.add(traces[lane, :kept], columns)
-            one.strikes.append(engine.take_strikes())
+            one.logged += frames
+            # a change of surface says by which one a strike is read: one by one
+            if one.job.gesture.changes:
+                one.read_log(engine)
             if one.play.over:
                 playing[lane] = None
                 yield one.number, self._result(lane, one, trace)
@@ -318,8 +331,7 @@ class VoiceRenderer:
     ) -> RenderedJob[Trace | None]:
         engine = self._engines[lane]
         assert engine is not None
-        if not one.strikes:
-            one.strikes.append(engine.take_strikes())
+        one.read_log(engine)
         return RenderedJob(
             one.job,
             one.surface,

@@ -130,7 +130,7 @@ class GesturePlayer:
         changes = self._changes
         while self._changed < len(changes) and changes[self._changed][0] <= done:
             what = changes[self._changed][1]
-            apply_change(self._engine, self._whole, what, self._start + done)
+            self._whole = apply_change(self._engine, self._whole, what, self._start + done)
             self._changed += 1
         if self._on_arrival:
             frames = min(frames, self._until_look(done))

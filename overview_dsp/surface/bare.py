@@ -4,8 +4,9 @@
 
 The intensity is the timeline's curve scaled to 0..1. Equal steps of it are equal ratios of
 friction, which a finger takes for equal steps (Weber's law). Where data is missing there are ribs
-instead (`gaps.ribs`). With the model `detent` the pattern is detents in place of friction, deeper
-where there is more of it (a period's mean); in a gap there are none.
+instead (`gaps.ribs`), and what hasn't happened yet is smooth and heavy (`future`). With the model
+`detent` the pattern is detents in place of friction, deeper where there is more of it (a period's
+mean); in a gap and in the future there are none.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.presets.model import ClickMode, Preset
 from overview_dsp.surface.detents import impedance
+from overview_dsp.surface.future import heaviness, rise
 from overview_dsp.surface.gaps import ribs
 from overview_dsp.surface.lockup import warn_of_lockup
 from overview_dsp.surface.materials import louder, modes_of
@@ -81,6 +83,10 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
         # ribs stand out of the pattern too
         friction[missing] = ribbed * (bare + (top if made_of != "none" else 0.0))
         known[missing] = 0.0
+    if timeline.until_s is not None:
+        begun = rise(timeline.until_s / timeline.duration_s, cells)
+        friction += begun * (bare * heaviness(number("surface.ambience")) - friction)
+        known[begun > 0.0] = 0.0
     material = str(preset.values["surface.material"])
     free = modes_of(material, number("surface.pitch_hz"), number("surface.ring"))
     modes = louder(free, number("surface.gain_db"))

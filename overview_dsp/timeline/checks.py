@@ -40,7 +40,8 @@ def located(place: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(f"{place}{error}") from error
+        what, _, fix = str(error).partition("\n")
+        raise InputError(f"{place}{what}", fix) from error
 
 
 def number(value: object, what: str, hint: str = "give a finite number") -> float:
@@ -118,3 +119,14 @@ def moment(value: object, duration_s: float, what: str = "start") -> None:
             f"{what} {value.isoformat()} and {duration_s!r} s end after the year 9999; "
             "leave the start out"
         ) from error
+
+
+def until(value: object, duration_s: float) -> float | None:
+    """Return up to where a timeline has happened, s; None for the whole; InputError otherwise."""
+    if value is None:
+        return None
+    hint = f"it is up to where the timeline has happened, 0 to duration_s ({duration_s!r})"
+    result = number(value, "until_s", hint)
+    if not 0.0 <= result <= duration_s:
+        raise InputError(f"until_s is {result!r}; {hint}")
+    return result if result < duration_s else None

@@ -8,16 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.public.reprs import counted
 from overview_dsp.timeline import checks
+from overview_dsp.timeline.curve_checks import MAX_VALUE, require_increasing, require_values
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.growable_array import Store
-from overview_dsp.timeline.intensity import (
-    EXTREMES,
-    MAX_VALUE,
-    Intensity,
-    require_increasing,
-    require_values,
-)
+from overview_dsp.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.timeline.minmax_pyramid import CHUNK, PyramidBuilder, Values
 from overview_dsp.timeline.samples import Points, Times
 

@@ -13,6 +13,7 @@ shown in those within it.
 from __future__ import annotations
 
 from bisect import bisect_left, insort
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import groupby
 from typing import Protocol
@@ -34,6 +35,10 @@ degrees a second nine of ten are felt one by one (`measure.events_felt_apart`)."
 MOST_BY_RULE = 90
 """A window is filled up to so many events with those found by rule, one in two degrees: peaks and
 crossings are wider than a touch, and a whole series has 20 to 90."""
+
+MOST_OF_A_KIND = 100
+"""More of a kind in a window (a heart's beats) are no single events but a ground, which presets
+leave out (`spacing_percent`): they keep none of those found by rule away."""
 
 
 class Rules(Protocol):
@@ -80,10 +85,14 @@ def window_events(
     duration_s
         Its length.
     """
-    taken = [*given, *_clear(_other(marks, given), given, duration_s)]
-    sampled = {event.time_s for event in given if event.kind not in KINDS}
+    counts = Counter(event.kind for event in given)
+    ground = [event for event in given if counts[event.kind] > MOST_OF_A_KIND]
+    single = [event for event in given if counts[event.kind] <= MOST_OF_A_KIND]
+    taken = [*single, *_clear(_other(marks, single), single, duration_s)]
+    sampled = {event.time_s for event in single if event.kind not in KINDS}
     found = (event for event in ruled if event.time_s not in sampled)
     _fill(taken, found, MOST_BY_RULE, duration_s)
+    taken += ground
     for _, alike in groupby(_other(details, taken), key=lambda event: event.weight):
         _fill(taken, [*alike], MOST_DETAILS, duration_s)
     return tuple(sorted(taken, key=lambda event: event.time_s))

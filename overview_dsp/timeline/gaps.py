@@ -96,3 +96,10 @@ def cut_gaps(
             kept.append(part)
             why.append(reasons[i] if reasons else "")
     return tuple(kept), tuple(why) if any(why) else ()
+
+
+def cut_until(until_s: float | None, start: float, end: float) -> float | None:
+    """Return up to where the part from `start` to `end` has happened; None where it all has."""
+    if until_s is None or until_s >= end:
+        return None
+    return max(until_s - start, 0.0)

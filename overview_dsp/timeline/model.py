@@ -21,7 +21,7 @@ from overview_dsp.timeline import checks
 from overview_dsp.timeline.dataframe import dataframe, moments
 from overview_dsp.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.timeline.fine_events import Rules, ranks, window_events
-from overview_dsp.timeline.gaps import cut_gaps, in_gap, sorted_gaps, sorted_reasons
+from overview_dsp.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.timeline.match_minutes import Half, halves_of
 from overview_dsp.timeline.page import timeline_page
@@ -71,6 +71,9 @@ class Timeline:
     signal : Intensity or None
         The recording that the curve was found in (an ECG, where the curve is a heart's rate): drawn
         below it, not felt, and not in files.
+    until_s : float or None
+        Up to where it has happened, of one that is still growing; the rest is the future, which
+        has a surface of its own. None where all has happened.
 
     Raises
     ------
@@ -103,6 +106,7 @@ class Timeline:
     gap_reasons: tuple[str, ...] = ()
     rules: Rules | None = field(default=None, compare=False, repr=False)
     signal: Intensity | None = field(default=None, compare=False, repr=False)
+    until_s: float | None = None
 
     def __post_init__(self) -> None:
         checks.text(self.title, "title")
@@ -114,6 +118,7 @@ class Timeline:
         notes = tuple(checks.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
         object.__setattr__(self, "notes", notes)
         checks.moment(self.start, duration_s)
+        object.__setattr__(self, "until_s", checks.until(self.until_s, duration_s))
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         with checks.located("details: "):
             object.__setattr__(self, "details", sorted_events(self.details, duration_s))
@@ -355,6 +360,7 @@ class Timeline:
             details=details,
             rules=rules,
             signal=self.signal.cut(start, end) if self.signal is not None else None,
+            until_s=cut_until(self.until_s, start, end),
             _given=given,
             _ranks=rank,
             _from_s=from_s,

@@ -13,7 +13,8 @@ from textual.binding import Binding, BindingType
 from textual.widgets import Footer, Static
 
 from overview_dsp.live.hand import Input
-from overview_dsp.live.player import Player, Status
+from overview_dsp.live.player import Player
+from overview_dsp.live.status import Status
 from overview_dsp.surface.model import Surface
 from overview_dsp.tui.help_screen import TextScreen
 from overview_dsp.tui.meters_view import MetersView

@@ -14,7 +14,8 @@ import time
 from collections.abc import Callable, Iterator
 
 from overview_dsp.live.hand import Input
-from overview_dsp.live.player import Player, Status
+from overview_dsp.live.player import Player
+from overview_dsp.live.status import Status
 from overview_dsp.tui.moves import Moves
 from overview_dsp.tui.place import place_words
 

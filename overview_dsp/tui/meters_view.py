@@ -7,7 +7,7 @@ import math
 from rich.text import Text
 from textual.widgets import Static
 
-from overview_dsp.live.player import Status
+from overview_dsp.live.status import Status
 from overview_dsp.units import gain_to_db
 
 BAR = 24

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from overview_dsp.live.player import Player, Status
+from overview_dsp.live.player import Player
+from overview_dsp.live.status import Status
 from overview_dsp.tui.help_screen import HELP
 from overview_dsp.tui.place import marks
 

@@ -18,15 +18,17 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from overview_dsp.live.player import Player, Status
+from overview_dsp.live.player import Player
+from overview_dsp.live.status import Status
 from overview_dsp.units import clock_text
 
 BLOCKS = " ▁▂▃▄▅▆▇█"
 MARKS = "▲◆●■✚★◇○"
 COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
 AXIS, FINGER, EVENTS = 1, 1, 1
-CURSOR_ROWS = 3
-"""The disk's column is marked so high: more would be much to draw for a terminal far away."""
+MARK_EVERY = 2
+"""Looks: the disk's column is marked less often than the disk moves. A part of a line is written
+from its start on, and this one has many colours: much for a terminal far away."""
 
 TAP_WITHIN_S = 0.25
 
@@ -56,6 +58,7 @@ class TimelineView(Widget):
         self._player = player
         self._cursor = self._finger = 0.0
         self._touching = False
+        self._mark = self._looks = 0
         self._drawn: tuple[object, int, int] | None = None
         self._pressed: tuple[float, float] | None = None
         self._moved = False
@@ -99,17 +102,24 @@ class TimelineView(Widget):
         before = (column(self._cursor, width), column(self._finger, width), self._touching)
         self._cursor, self._finger = status.cursor, status.finger
         self._touching = status.touching
+        self._looks += 1
         if self._drawn is None or surface != self._drawn:
             self._measure()
+            self._mark = seen[0]
             self._drawn = surface
             self.refresh()
-        elif seen != before:
-            # only what has changed: a terminal may be far away
-            height = self.size.height
-            for x in {seen[0], before[0]} if seen[0] != before[0] else ():
-                self.refresh(Region(x, max(0, height - 2 - CURSOR_ROWS), 1, CURSOR_ROWS))
-            ends = (*seen[:2], *before[:2])
-            self.refresh(Region(min(ends), height - 2, max(ends) - min(ends) + 1, 1))
+            return
+        # only what has changed
+        if self._mark != seen[0] and self._looks % MARK_EVERY == 0:
+            self._refresh_line(3, self._mark, seen[0])
+            self._mark = seen[0]
+        if seen != before:
+            self._refresh_line(2, *seen[:2], *before[:2])
+
+    def _refresh_line(self, below: int, *columns: int) -> None:
+        """Draw again what of a line, counted from below, lies between the outermost columns."""
+        first, last = min(columns), max(columns)
+        self.refresh(Region(first, max(0, self.size.height - below), last - first + 1, 1))
 
     def _measure(self) -> None:
         """How high each column of the surface is, and which event marks it."""
@@ -153,14 +163,13 @@ class TimelineView(Widget):
         ]
 
     def _column_line(self, width: int, rows: int, row: int) -> list[Segment]:
-        """Row `row` (0 is the lowest) of the friction's columns, the disk's column marked."""
-        cursor = column(self._cursor, width)
+        """Row `row` (0 is the lowest) of the friction's columns; there the disk's is marked."""
         parts = np.clip(self._heights * rows - row, 0.0, 1.0)
         line = []
         for x in range(width):
             block = BLOCKS[round(float(parts[x]) * (len(BLOCKS) - 1))]
             colour = self._marks[x][1] if x in self._marks else "bright_black"
-            if x == cursor and row < CURSOR_ROWS:
+            if x == self._mark and row == 0:
                 line.append(Segment("│" if block == " " else block, Style(color="bright_white")))
             else:
                 line.append(Segment(block, Style(color=colour)))

@@ -9,7 +9,7 @@ from rich.style import Style
 from textual.strip import Strip
 from textual.widget import Widget
 
-from overview_dsp.live.player import Status
+from overview_dsp.live.status import Status
 from overview_dsp.tui.timeline_view import BLOCKS
 from overview_dsp.units import gain_to_db
 

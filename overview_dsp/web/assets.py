@@ -5,6 +5,7 @@ disk can be asked for.
 from __future__ import annotations
 
 import hashlib
+import re
 from functools import cache
 from importlib import resources
 
@@ -24,15 +25,27 @@ FOLDER_ONLY = ("worker.js",)
 """Keeps a folder for use without a network; what a server sends isn't to outlive it."""
 
 
+_COMMENTS = {
+    # those on lines of their own, so that nothing within a text is taken for one
+    "js": re.compile(rb"^[ \t]*(//[^\n]*|/\*\*.*?\*/)\n", re.MULTILINE | re.DOTALL),
+    "css": re.compile(rb"[ \t]*/\*.*?\*/\n?", re.DOTALL),
+}
+
+
 @cache
 def page_files() -> dict[str, bytes]:
-    """The files by their path in a folder."""
+    """The files by their path in a folder, without comments: a page on a phone is waited for."""
     package = resources.files(__package__)
-    files = {name: (package / name).read_bytes() for name in KERNEL_FILES}
+    files = {name: package / name for name in KERNEL_FILES}
     for one in sorted((package / "site").iterdir(), key=lambda file: file.name):
         if one.is_file():
-            files[one.name] = one.read_bytes()
-    return files
+            files[one.name] = one
+    return {name: _without_comments(name, file.read_bytes()) for name, file in files.items()}
+
+
+def _without_comments(name: str, content: bytes) -> bytes:
+    comments = _COMMENTS.get(name.rpartition(".")[2])
+    return content if comments is None else comments.sub(b"", content)
 
 
 def served_paths() -> tuple[str, ...]:

@@ -18,6 +18,9 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 
 MAX_CONNECTIONS = 64
 MAX_OF_AN_ADDRESS = 24
+CROWD = 1024
+"""Connections, of one address too, where a match is followed: a stadium is behind one address."""
+
 REQUEST_WITHIN_S = 10.0
 """A request's line and headers arrive in so long."""
 
@@ -63,8 +66,10 @@ def is_open(connection: Any) -> bool:
 class HttpConnection(H11Protocol):
     """uvicorn's HTTP/1.1, with limits."""
 
-    def __init__(self, *arguments: Any, **named: Any) -> None:
+    def __init__(self, *arguments: Any, crowd: bool = False, **named: Any) -> None:
         super().__init__(*arguments, **named)
+        self._most = CROWD if crowd else MAX_CONNECTIONS
+        self._most_of_one = CROWD if crowd else MAX_OF_AN_ADDRESS
         self._request = _Deadline(self.loop)
         self._reading = _Deadline(self.loop)
         self._idle_since: float | None = None  # None: a request is being answered
@@ -74,8 +79,8 @@ class HttpConnection(H11Protocol):
         super().connection_made(transport)
         others = [one for one in self.connections if one is not self and is_open(one)]
         same = [one for one in others if address_of(one) == address_of(self)]
-        crowd = same if len(same) >= MAX_OF_AN_ADDRESS else others
-        if crowd is same or len(others) >= MAX_CONNECTIONS:
+        crowd = same if len(same) >= self._most_of_one else others
+        if crowd is same or len(others) >= self._most:
             idle = [one for one in crowd if isinstance(one, HttpConnection) and one.is_idle]
             if not idle:
                 transport.abort()

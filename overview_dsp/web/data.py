@@ -5,12 +5,16 @@
 | `GET /data/...json`, `/sound/...` | the files that a folder has (`site_content`) |
 | `POST /data/window`, `/sound/change` | any window, any preset (`sound_data`) |
 | `GET /data/presets`, `/data/preset?name=NAME` | names; a preset and the parameter table |
+| `GET /preset/changes` | the served preset, whenever its file was saved (`preset_link`) |
 | `POST /preset/toml` | a preset's file, to download |
 | `PUT /preset/NAME?replace=1` | keeps a preset file in the person's own folder |
 | `GET /media` | the film, in ranges |
 
+`GET /live/...` of a timeline that grows are `live_data`'s.
+
 ``server`` of ``data/timeline.json`` is ``{"audio": "here" or "host", "window": [start_s, end_s],
-"media": {"url", "type", "offset_s"} or null}``: what sounds, the first window, the film. A page
+"media": {"url", "type", "offset_s"} or null}``: what sounds, the first window, the film; of one
+that grows ``"live": {"levels", "version"}`` too (`live_data`). A page
 that is opened again is felt by the preset's file as it is then.
 
 Bad input is 400 and one line. What takes long is done one after the other, in a thread: a page
@@ -22,16 +26,19 @@ Thread: the server's workers.
 from __future__ import annotations
 
 import threading
+from typing import Any
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route
 
 from overview_dsp.errors import InputError
+from overview_dsp.following.live_timeline import LiveTimeline
 from overview_dsp.presets.library import load_preset
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
 from overview_dsp.web import sound_data
+from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.media import Media
 from overview_dsp.web.preset_data import (
     as_toml,
@@ -40,6 +47,7 @@ from overview_dsp.web.preset_data import (
     preset_names,
     save_own,
 )
+from overview_dsp.web.preset_link import preset_link
 from overview_dsp.web.security.request_body import answering, json_object
 from overview_dsp.web.site_content import SiteContent
 
@@ -56,6 +64,7 @@ def data_routes(
     audio: str = "here",
     first: tuple[float, float] | None = None,
     media: Media | None = None,
+    live: LiveTimeline | None = None,
 ) -> list[BaseRoute]:
     """The routes of a timeline.
 
@@ -69,6 +78,8 @@ def data_routes(
         The part (s) that is shown first.
     media
         The film of it.
+    live
+        What grows; `timeline` is its snapshot then.
     """
     one_at_a_time = threading.Lock()
     known = preset_names()
@@ -80,16 +91,24 @@ def data_routes(
             return load_preset(preset)  # as its file is now
         return preset_named(name)
 
+    def now() -> Timeline:
+        return timeline if live is None else live.snapshot()
+
     def made() -> SiteContent:
+        version = None if live is None else live.revision
+        present = now()
+        server: dict[str, Any] = {
+            "audio": audio,
+            "window": list(first or (0.0, present.duration_s)),
+            "media": None if media is None else media.describe(),
+        }
+        if live is not None:
+            server["live"] = {"levels": LEVELS, "version": version}
         return SiteContent(
-            timeline,
+            present,
             load_preset(preset),
             levels=LEVELS,
-            server={
-                "audio": audio,
-                "window": list(first or (0.0, timeline.duration_s)),
-                "media": None if media is None else media.describe(),
-            },
+            server=server,
         )
 
     content = made()
@@ -98,7 +117,9 @@ def data_routes(
         nonlocal content
         name = request.url.path.removeprefix("/")
         with one_at_a_time:
-            if name == TIMELINE_FILE and load_preset(preset) != content.preset:
+            if name == TIMELINE_FILE and (
+                load_preset(preset) != content.preset or now() is not content.timeline
+            ):
                 content = made()
             if name not in content.names:
                 return PlainTextResponse("not found\n", 404)
@@ -108,7 +129,7 @@ def data_routes(
     def window(request: Request, body: bytes) -> Response:
         asked = json_object(body)
         with one_at_a_time:
-            return JSONResponse(sound_data.window(timeline, content.preset, asked))
+            return JSONResponse(sound_data.window(now(), content.preset, asked))
 
     def names(request: Request, body: bytes) -> Response:
         return JSONResponse(preset_names())
@@ -120,7 +141,7 @@ def data_routes(
     def change(request: Request, body: bytes) -> Response:
         asked = json_object(body)
         with one_at_a_time:
-            return Response(sound_data.change(timeline, content.preset, asked), media_type=BINARY)
+            return Response(sound_data.change(now(), content.preset, asked), media_type=BINARY)
 
     def toml(request: Request, body: bytes) -> Response:
         return PlainTextResponse(as_toml(json_object(body)))
@@ -137,6 +158,7 @@ def data_routes(
         return JSONResponse({"name": path.stem}, 201)
 
     routes: list[BaseRoute] = [
+        preset_link(preset),
         Route("/data/presets", answering(names)),
         Route("/data/preset", answering(one)),
         Route("/sound/change", answering(change), methods=["POST"]),
@@ -146,6 +168,8 @@ def data_routes(
         Route("/data/{file}", answering(file)),
         Route("/sound/{file}", answering(file)),
     ]
+    if live is not None:
+        routes = [*LiveData(live, lambda: content.preset).routes(), *routes]
     if media is not None:
         routes.append(Route("/media", media.send))
     return routes

@@ -22,7 +22,7 @@ from overview_dsp.web.messages import MAX_MESSAGE_BYTES
 
 HANDSHAKE_WITHIN_S = 5.0
 STOP_WITHIN_S = 2
-BACKLOG = 64
+BACKLOG = 256
 IDLE_S = 5
 """A connection between two requests is kept so long."""
 
@@ -54,9 +54,10 @@ def listen(host: str, port: int) -> socket.socket:
 class _Server(uvicorn.Server):
     """uvicorn's, with a limit on how long a TLS handshake takes."""
 
-    def __init__(self, config: uvicorn.Config, secure: ssl.SSLContext | None) -> None:
+    def __init__(self, config: uvicorn.Config, secure: ssl.SSLContext | None, crowd: bool) -> None:
         super().__init__(config)
         self._secure = secure
+        self._crowd = crowd
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Listen."""
@@ -65,7 +66,10 @@ class _Server(uvicorn.Server):
 
         def protocol() -> asyncio.Protocol:
             return HttpConnection(
-                config=config, server_state=self.server_state, app_state=self.lifespan.state
+                config=config,
+                server_state=self.server_state,
+                app_state=self.lifespan.state,
+                crowd=self._crowd,
             )
 
         await self.lifespan.startup()
@@ -90,8 +94,9 @@ class WebServer:
         sockets: Sequence[socket.socket],
         secure: ssl.SSLContext | None,
         note: Callable[[str], None],
+        crowd: bool = False,
     ) -> None:
-        """Serve from now on.
+        """Serve from now on; `crowd`: hundreds of pages.
 
         Raises
         ------
@@ -119,7 +124,7 @@ class WebServer:
             timeout_graceful_shutdown=STOP_WITHIN_S,
             h11_max_incomplete_event_size=MAX_HEADER,
         )
-        self._server = _Server(config, secure)
+        self._server = _Server(config, secure, crowd)
         self._sockets = list(sockets)
         self._note = note
         self._thread = threading.Thread(target=self._run, name="web server", daemon=True)

@@ -18,9 +18,12 @@ from overview_dsp.timeline import Timeline
 from overview_dsp.web.site_data import timeline_json, window_json
 from overview_dsp.web.site_sound import patch_of, whole_bytes, window_bytes
 from overview_dsp.web.site_windows import site_windows
+from overview_dsp.web.values import all_points, has_values, points_json
 
 RATES = (48_000, 44_100)
 """What browsers play at, Hz; others resample."""
+
+FIRST = ("data/timeline.json", "data/window-0.json", "data/points-0.json")
 
 
 class SiteContent:
@@ -48,7 +51,7 @@ class SiteContent:
     ) -> None:
         self.preset = preset
         self.parts = site_windows(timeline, levels)
-        self._timeline = timeline
+        self.timeline = timeline
         self._seed = seed
         self._actuator = actuator
         self._server = server
@@ -58,6 +61,8 @@ class SiteContent:
         self._sound = lru_cache(maxsize=1)(self._encode)
         for i in range(len(self.parts)):
             self._files[f"data/window-{i}.json"] = partial(self._window, i)
+            if has_values(timeline) and (i == 0 or not all_points(timeline)):
+                self._files[f"data/points-{i}.json"] = partial(self._points, i)
             if i == 0:
                 self._add_sound("0", -1)
             if len(self.parts) > 1:
@@ -70,9 +75,7 @@ class SiteContent:
 
     def is_needed_first(self, name: str) -> bool:
         """Whether a page needs a file before it can show and sound the whole."""
-        return name in ("data/timeline.json", "data/window-0.json") or name.startswith(
-            ("sound/0.", "sound/0-")
-        )
+        return name in FIRST or name.startswith(("sound/0.", "sound/0-"))
 
     def make(self, name: str) -> bytes:
         """A file's bytes; KeyError for a name that isn't one of `names`."""
@@ -84,16 +87,20 @@ class SiteContent:
             self._files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
 
     def _timeline_file(self) -> bytes:
-        content = timeline_json(self._timeline, self.preset, self.parts, RATES)
+        content = timeline_json(self.timeline, self.preset, self.parts, RATES)
         return _json({**content, "server": self._server})
 
     def _window(self, i: int) -> bytes:
         shown, surface = self._surface(i)
         return _json(window_json(shown, surface, self.parts[i].start_s))
 
+    def _points(self, i: int) -> bytes:
+        part = self.parts[i]
+        return _json(points_json(self.timeline, part.start_s, part.end_s))
+
     def _build(self, i: int) -> tuple[Timeline, Surface]:
         part = self.parts[i]
-        shown = self._timeline if i == 0 else self._timeline.window(part.start_s, part.end_s)
+        shown = self.timeline if i == 0 else self.timeline.window(part.start_s, part.end_s)
         return shown, build_surface(shown, self.preset)
 
     def _encode(self, i: int) -> bytes:
@@ -101,7 +108,7 @@ class SiteContent:
 
     def _at_rate(self, i: int, rate: int) -> bytes:
         if i < 0:
-            return whole_bytes(self._timeline, self.preset, rate, self._seed, self._actuator)
+            return whole_bytes(self.timeline, self.preset, rate, self._seed, self._actuator)
         return window_bytes(self._surface(i)[1], self.preset, rate)
 
     def _patch(self, i: int, rate: int) -> bytes:

@@ -2,9 +2,11 @@
 
 ``data/timeline.json``::
 
-    {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null, "unit",
+    {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null,
+     "series": {"unit", "decimals", "whole"} or null where a curve has no values (`values`),
      "full_torque": N m, "bare_friction": N m s/rad, "rates": [44100, 48000],
-     "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6}, ...},
+     "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6,
+                        "pulse": [on ms, off ms, on ms]}, ...},
      "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...],
      "server": null in a folder, else what `data` says}
 
@@ -13,7 +15,12 @@
     {"level": [COLUMNS numbers 0 to 1], "resistance": [COLUMNS numbers, N m s/rad],
      "gaps": [[from, to], ...],
      "events": [{"place", "time_s", "kind", "label"}, ...],
-     "struck": [of each number that a strike may name, its index in "events", or -1]}
+     "struck": [of each number that a strike may name, its index in "events", or -1],
+     "scale": [the value at level 0, how much more it is at level 1]}
+
+``data/points-N.json``, of a series: ``{"time_s": [s of the timeline], "value": [...]}``.
+
+What hasn't happened yet is drawn as a gap.
 
 Columns lie evenly, both ends included; each has what is felt nearest to it, and the largest
 resistance. A window's sound is beside it (`site_sound`).
@@ -33,7 +40,9 @@ from overview_dsp.readers.tables.events import KINDS as SERIES_KINDS
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.ticks import KINDS as TICKS
+from overview_dsp.web.pulses import pulse_of
 from overview_dsp.web.site_windows import Part
+from overview_dsp.web.values import series_json
 
 COLUMNS = 1025
 
@@ -50,12 +59,18 @@ _LOOKS = {
     "touch": ("plus", "grey"),
 }
 _TICK = ("bar", "grey")
+# in plain words, where a kind's name isn't
+_WORDS = {
+    "period": "kick-off, half-time, full time",
+    "crossing_up": "rises above a level",
+    "crossing_down": "falls below a level",
+}
 _OTHER_SHAPES = ("pentagon", "star", "triangle", "square", "diamond", "circle", "wedge", "hexagon")
 _OTHER_COLOURS = ("vermilion", "blue", "yellow", "sky", "green", "orange", "purple")
 
 
-def kind_looks(timeline: Timeline) -> dict[str, dict[str, Any]]:
-    """Shape, colour, words and count of each kind of event; known ones as pictured.
+def kind_looks(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]:
+    """Shape, colour, words, count and pulse of each kind of event; known ones as pictured.
 
     Those that only windows have are there too: details, ticks, what is found in a series' parts.
     """
@@ -71,13 +86,19 @@ def kind_looks(timeline: Timeline) -> dict[str, dict[str, Any]]:
             words = kind.replace("_", " ")
         elif kind in _LOOKS:
             shape, colour = _LOOKS[kind]
-            words = KIND_STYLE[kind][2]
+            words = _WORDS.get(kind, KIND_STYLE[kind][2])
         else:
             i = others.index(kind)
             shape = _OTHER_SHAPES[i % len(_OTHER_SHAPES)]
             colour = _OTHER_COLOURS[i % len(_OTHER_COLOURS)]
-            words = kind.replace("_", " ")
-        looks[kind] = {"words": words, "shape": shape, "colour": colour, "count": counts[kind]}
+            words = _WORDS.get(kind, kind.replace("_", " "))
+        looks[kind] = {
+            "words": words,
+            "shape": shape,
+            "colour": colour,
+            "count": counts[kind],
+            "pulse": list(pulse_of(kind, preset)),
+        }
     return looks
 
 
@@ -85,17 +106,16 @@ def timeline_json(
     timeline: Timeline, preset: Preset, parts: list[Part], rates: tuple[int, ...]
 ) -> dict[str, Any]:
     """What holds for all windows."""
-    unit = "" if timeline.intensity is None else timeline.intensity.unit
     return {
         "title": timeline.title,
         "preset": preset.name,
         "duration_s": timeline.duration_s,
         "start": None if timeline.start is None else timeline.start.isoformat(),
-        "unit": unit,
+        "series": series_json(timeline),
         "full_torque": preset.number("tactor.full_torque_mnm") * 1e-3,
         "bare_friction": preset.number("surface.friction"),
         "rates": list(rates),
-        "kinds": kind_looks(timeline),
+        "kinds": kind_looks(timeline, preset),
         "provenance": timeline.provenance,
         "notes": list(timeline.notes),
         "windows": [
@@ -105,7 +125,7 @@ def timeline_json(
 
 
 def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, Any]:
-    """What is drawn of one window: the part `shown`, which begins at `start_s`, felt so."""
+    """What is drawn of a window: the part `shown`, which begins at `start_s` of the timeline."""
     nearest = np.rint(np.arange(CELLS + 1) * ((COLUMNS - 1) / CELLS)).astype(np.int64)
     first = np.searchsorted(nearest, np.arange(COLUMNS))
     resistance = np.maximum.reduceat(surface.resistance, first)
@@ -113,7 +133,10 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
     return {
         "level": [round(one, 4) for one in shown.normalised_levels(COLUMNS - 1).tolist()],
         "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
-        "gaps": [[start / length, end / length] for start, end in shown.gaps],
+        "gaps": [
+            *([start / length, end / length] for start, end in shown.gaps),
+            *([[shown.until_s / length, 1.0]] if shown.until_s is not None else []),
+        ],
         "events": [
             {
                 "place": event.time_s / length,
@@ -124,4 +147,5 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
             for event in shown.events
         ],
         "struck": event_numbers(surface),
+        "scale": list(shown.scale),
     }

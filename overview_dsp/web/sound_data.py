@@ -1,8 +1,9 @@
 """What a served page is given beyond the files of a folder: any window, felt by any preset.
 
 ``POST /data/window`` with ``{"window": [start_s, end_s], "preset": P}`` answers as
-``data/window-N.json`` is (`site_data`); ``POST /sound/change`` with ``{"sample_rate": 48000,
-"before": P, "after": P, "window": [start_s, end_s]}`` the bytes of `encoding`. P is a name, a
+``data/window-N.json`` is (`site_data`), with `points` where one file can't have them all;
+``POST /sound/change`` with ``{"sample_rate": 48000, "before": P, "after": P, "window": [start_s,
+end_s]}`` the bytes of `encoding`. P is a name, a
 preset as `/data/preset` has it, or left out for the one that is served. A change without a window
 keeps the surface: that will do where no parameter of the surface or of a kind differs.
 """
@@ -18,6 +19,7 @@ from overview_dsp.surface.build import build_surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.web.preset_data import preset_given
 from overview_dsp.web.site_data import window_json
+from overview_dsp.web.values import all_points, has_values, points_json
 
 MIN_RATE, MAX_RATE = 8_000.0, 192_000.0
 """What browsers play at, Hz."""
@@ -31,7 +33,11 @@ def window(timeline: Timeline, served: Preset, asked: dict[str, Any]) -> dict[st
     _require_keys(asked, WINDOW_KEYS, {"window"})
     start, end = _window(timeline, asked["window"])
     part = timeline.window(start, end)
-    return window_json(part, build_surface(part, _preset(asked, "preset", served)), start)
+    surface = build_surface(part, _preset(asked, "preset", served))
+    drawn = window_json(part, surface, start)
+    if has_values(timeline) and not all_points(timeline):
+        drawn["points"] = points_json(timeline, start, end)
+    return drawn
 
 
 def change(timeline: Timeline, served: Preset, asked: dict[str, Any]) -> bytes:

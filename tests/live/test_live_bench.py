@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from overview_dsp.bench.live.table import BLOCKS, TABLE_CELLS, LoadRow, lost_ratio
+from overview_dsp.bench.live.table import BLOCKS, SESSIONS, TABLE_CELLS, LoadRow, lost_ratio
 from tests.cli.running import overview, refused
 from tests.live import jack_server
 
@@ -57,6 +57,10 @@ def test_the_live_bench_reports_every_row_and_block_size():
         report = json.loads(server.python(*BENCH, "--device", "system", "--json", timeout=300))
     assert [(cell["callback"], cell["loaded"]) for cell in report["load"]] == list(TABLE_CELLS)
     assert [found["block_size"] for found in report["latency"]] == list(BLOCKS)
+    assert [(row["screen"], row["moving"]) for row in report["sessions"]] == list(SESSIONS)
+    headless, idle, moving = report["sessions"]
+    assert headless["cpu_percent"] > 0.0
+    assert idle["kb_a_second"] < moving["kb_a_second"] < 20.0
     for cell in report["load"]:
         assert cell["callbacks"] > 0
         assert 0.0 < cell["p50_us"] <= cell["p99_us"]

@@ -211,7 +211,7 @@ def test_what_a_person_should_know_of_a_zoom_is_reported(make):
     from dataclasses import replace
 
     player = make()
-    player.timeline = replace(player.timeline, gaps=((1000.0, 1001.0),))
+    player.under_hand.timeline = replace(player.timeline, gaps=((1000.0, 1001.0),))
     player.show(0.0, 3000.0)
     said = wait(player, lambda status: player.window == (0.0, 3000.0))
     assert any("too narrow" in line for line in said + list(player.poll().messages))

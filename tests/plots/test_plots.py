@@ -202,6 +202,20 @@ def test_strikes_are_marked_by_kind_at_their_times():
     assert np.asarray(goals.get_offsets())[:, 0].tolist() == struck.tolist()
 
 
+def test_the_finger_is_drawn_beside_a_clutch_that_slips():
+    timeline, hand = timeline_of(), ov.tap(0.75, 0.2)
+    preset = preset_with().with_changes({"disk.catch_up": 1.1, "disk.unfold_s": 2.0})
+    result = ov.render(timeline, preset, hand, 8000)
+    panel = plot_strokes([("a tap", result)], timeline, "a title", [hand]).axes[4]
+    disk, finger = (
+        np.asarray(line.get_ydata()) for line in panel.get_lines() if len(line.get_ydata()) > 2
+    )
+    assert finger.max() == np.pi * 0.75
+    # the clutch has let go: the disk is pulled from behind the finger
+    held = finger > 0.0
+    assert np.min(disk[held]) < 0.5 * finger.max()
+
+
 @pytest.mark.parametrize(
     ("timeline", "gesture"),
     [

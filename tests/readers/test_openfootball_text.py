@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from overview_dsp.errors import InputError
 from overview_dsp.readers import list_matches, load_timeline
 from overview_dsp.readers.football import openfootball, openfootball_text
 from overview_dsp.readers.source import Source
@@ -113,9 +114,39 @@ def test_it_is_the_match_that_the_json_has(cup: Path) -> None:
     assert load_timeline(cup, match="1") == openfootball.decode(document)
 
 
+SCORES = {
+    "a league's page": "= League 2031\n\n▪ Matchday 1\n[Fri Aug/11]\n"
+    "  20.00  Ruritania   0-3 (0-2)  Freedonia\n  21.00  Elbonia  1-1 (0-0)  Syldavia\n",
+    "teams first": "= League\n» Matchday 1\n  Fri Aug/11 2031\n  20:00  Ruritania v Elbonia 0-3\n",
+    "one match": "Final\nSun Jul/15  18:00   Ruritania   4-2 (2-1)   Elbonia   @ Klow\n",
+    "scorers alone": "= Cup\nFri Aug 11\n  Ruritania  0-3 (0-2)  Elbonia\n   (Berg, Berg, Lund)\n",
+}
+
+
+@pytest.mark.parametrize("name", SCORES)
+def test_scores_without_minutes_are_refused_with_what_is_missing(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "scores.txt"
+    path.write_text(SCORES[name], encoding="utf-8")
+    for of_it in (list_matches, load_timeline):
+        with pytest.raises(InputError) as refused:
+            of_it(path)
+        first, second = str(refused.value).splitlines()
+        assert "scores.txt: openfootball's text with the scores" in first
+        assert "no goal in minutes" in first
+        assert "write the goals below their match" in second
+
+
+def test_a_match_without_any_goal_is_whole(tmp_path: Path) -> None:
+    (tmp_path / "x.txt").write_text("= Cup\nFri Aug 11\n  Ruritania  0-0 (0-0)  Elbonia\n")
+    assert load_timeline(tmp_path / "x.txt").kinds() == {"period": 3}
+
+
 @pytest.mark.parametrize(
     "text",
     [
+        "Jan 12 10:00:01 host kernel: read 3-4 sectors\nJan 12 10:00:05 host: read 1-4 sectors\n",
+        "= A letter\nJul 4\nWe won 3-2 in the end\nThen came\nthe rain\nand all\n",
+        "= what,when\n2-1,3-4 a\n",
         "A 2-1 B\nC 0-0 D\n",
         "a letter\n\nIt was 3-2 in the end\n(at 5' o'clock)\n",
         "0:00 Intro\n1:15 It's a joke\n",

@@ -121,6 +121,23 @@ def test_a_shoot_out_and_times_outside_of_a_period_are_left_out(tmp_path: Path) 
     assert any("lie outside of their period" in note for note in timeline.notes)
 
 
+@pytest.mark.parametrize("name", FEEDS)
+def test_each_id_is_said_to_be_there_once_or_more_often(name: str, tmp_path: Path) -> None:
+    said = "the same event id is there more than once"
+    path = copied(tmp_path, name)
+    repeated = [note for note in load_timeline(path).notes if said in note]
+    # kloppy's own Opta file has one id twice
+    assert [note[len(said) :].split(";")[0] for note in repeated] == (
+        [": '2498907287'"] if name == "opta" else []
+    )
+    if name == "wyscout v3":
+        document = json.loads(path.read_text())
+        document["events"].append(document["events"][30])
+        path.write_text(json.dumps(document))
+        noted = next(note for note in load_timeline(path).notes if said in note)
+        assert str(document["events"][30]["id"]) in noted
+
+
 @pytest.mark.parametrize(
     ("name", "lacks"),
     [

@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from overview_dsp.readers import load_timeline
-from overview_dsp.readers.registry import list_matches
+from overview_dsp.presets.library import load_preset
+from overview_dsp.readers import list_matches, load_timeline, save_timeline
+from overview_dsp.surface import build_surface
 from overview_dsp.timeline import Event, Timeline
+from overview_dsp.timeline.fine_events import MOST_BY_RULE
 from overview_dsp.timeline.moments import ZOOM_LEAD
 from overview_dsp.timeline.ticks import KINDS as TICKS
 from overview_dsp.timeline.zooming import NARROWEST_S
@@ -90,6 +92,12 @@ def check(timeline: Timeline, about: list[Event]) -> int:
             before = len(part.events)
             steps += 1
     return steps
+
+
+def felt(timeline: Timeline) -> list[Event]:
+    """The events but for those of a kind too dense to be felt singly under `heart`."""
+    surface = build_surface(timeline, load_preset("heart"))
+    return [timeline.events[i] for i in surface.event.tolist()]
 
 
 def some(events: tuple[Event, ...], kinds: tuple[str, ...] = ()) -> list[Event]:
@@ -172,6 +180,36 @@ def test_another_map_of_a_series_finds_the_same_events_in_its_windows(
     for start in (0.0, 1e8, 3e8):
         shown = [one.window(start, start + 2e7).events for one in (level, other)]
         assert shown[0] == shown[1]
+
+
+@pytest.mark.parametrize("map_name", ["rate", "variability"])
+@pytest.mark.parametrize(("file", "rate"), [r for r in RECORDINGS if r[0].startswith("ecg")])
+def test_a_heart_shows_no_fewer_events_until_every_beat_is_felt(
+    data_folder: Path, file: str, rate: float | None, map_name: str
+) -> None:
+    timeline = load_timeline(data_folder / file, rate=rate, map=map_name)
+    beats = np.array([e.time_s for e in timeline.events if e.kind == "beat"])
+    wide = 0
+    for about in some(timeline.events)[::20]:
+        before = len(felt(timeline))
+        for start, part in zoom_steps(timeline, about.time_s):
+            shown = felt(part)
+            times = np.array([event.time_s for event in shown]) + start
+            inside = beats[(beats >= start) & (beats <= start + part.duration_s)]
+            every_beat = all(np.abs(times - beat).min() < 1e-3 for beat in inside.tolist())
+            assert len(shown) >= before or every_beat
+            assert every_beat or len(shown) >= MOST_BY_RULE
+            wide += not every_beat
+            before = len(shown)
+    assert wide > 0 or len(beats) <= 100
+
+
+def test_a_written_heart_has_the_same_windows(data_folder: Path, tmp_path: Path) -> None:
+    timeline = load_timeline(data_folder / "ecg/118e24.csv", rate=360.0)
+    save_timeline(timeline, tmp_path / "heart.json")
+    again = load_timeline(tmp_path / "heart.json")
+    for end in (120.0, 60.0, 7.0):
+        assert again.window(0.0, end).events == timeline.window(0.0, end).events
 
 
 @pytest.mark.parametrize(("file", "rate"), RECORDINGS)

@@ -92,7 +92,7 @@ def served(
         given = {"audio": "host" if plays else "here", **given}
         routes = data_routes(timeline, preset, **given)
         app = make_app(access, (), notes.append, session, routes)
-        server = WebServer(app, [socket], None, notes.append)
+        server = WebServer(app, [socket], None, notes.append, "live" in given)
         found = Served(player, socket.getsockname()[1], access, notes)
         found.session, found.web = session, server
         try:

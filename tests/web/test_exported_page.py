@@ -379,16 +379,6 @@ def test_settings_are_remembered_and_speech_and_clicks_are_apart(opened):
     assert (kept["speech"], kept["clicks"], kept["vibration"]) == (True, False, True)
 
 
-@pytest.mark.parametrize(("level", "part"), [(0.0, 0.0), (0.1, 0.0), (0.5, 0.5), (1.0, 1.0)])
-def test_a_motor_is_on_for_as_much_of_the_time_as_the_torque_is_strong(opened, level, part):
-    pattern = opened.evaluate(
-        "async (level) => (await import('./vibration.js')).patternOf(level)", level
-    )
-    total = sum(pattern)
-    assert (sum(pattern[::2]) / total if total else 0.0) == pytest.approx(part)
-    assert all(1 <= one <= 100 and one == int(one) for one in pattern)
-
-
 def test_it_works_without_a_network_once_loaded(chromium, site):
     with opened_host(site) as host:
         context = chromium.new_context(viewport=PHONE)
@@ -470,5 +460,5 @@ def test_firefox_shows_it_to_keys_and_zooms_it_too(firefox, site, tmp_path):
         told = firefox.visit(host.url, host.server.told)
     assert "error" not in told, told
     assert told["event"] == "9:50, near miss (synthetic)"
-    assert told["pixels"] > 500
+    assert told["drawn"] > 30
     assert told["fault"] == ""

@@ -188,34 +188,83 @@ def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, chromium
         assert wrong == []
 
 
-def test_a_goal_can_be_watched_from_a_little_before(match, chromium, tmp_path):
+@contextlib.contextmanager
+def with_film(match, chromium, tmp_path, at_s=12.0, **given):
+    """A page with a film so short that it holds the seconds about the goal alone, at 12 s of it."""
     film = tmp_path / "match.wav"
     with wave.open(str(film), "wb") as file:
         file.setnchannels(1)
         file.setsampwidth(2)
         file.setframerate(8_000)
         file.writeframes(bytes(2 * 8_000 * 20))
-    # so short a film holds the seconds about the goal alone, which is at 12 s
-    media = open_media(str(film), 12.0 - 4050.0)
+    media = open_media(str(film), at_s - 4050.0)
     with (
         served(match, plays=False, media=media) as server,
-        page_of(server, chromium) as (tab, wrong),
+        page_of(server, chromium, **given) as (tab, wrong),
     ):
-        until(tab, "p.view")
+        until(tab, "p.view && p.film")
+        yield tab
+        assert wrong == []
+
+
+def watched(tab, title="goal, 4-1 Mbappé", moment=7.0):
+    """That the film is open at a moment, with a title; closes it."""
+    until(tab, "document.getElementById('film').open")
+    assert tab.text_content("#film h2") == title
+    until(tab, f"p.film.video.currentTime > {moment - 0.1}")
+    assert tab.evaluate("overview.film.video.currentTime") < moment + 3.0
+    tab.click("#film .done")
+    until(tab, "p.film.video.paused")
+
+
+def test_a_goal_can_be_watched_from_a_little_before(match, chromium, tmp_path):
+    with with_film(match, chromium, tmp_path) as tab:
         tab.mouse.move(*at(tab, 0.6))
         tab.mouse.down()
         tab.mouse.move(*at(tab, GOAL), steps=20)
         until(tab, "document.getElementById('event').textContent.includes('4-1')")
         tab.focus("#slider")
         tab.keyboard.press("v")
-        until(tab, "document.getElementById('film').open")
-        assert tab.text_content("#film h2") == "goal, 4-1 Mbappé"
-        until(tab, "p.film.video.currentTime > 6.9")
-        assert tab.evaluate("overview.film.video.currentTime") < 10.0
+        watched(tab)
         tab.mouse.up()
-        tab.click("#film .done")
-        until(tab, "p.film.video.paused")
-        assert wrong == []
+
+
+def test_what_was_felt_last_is_watched_after_the_finger_is_lifted(match, chromium, tmp_path):
+    with with_film(match, chromium, tmp_path) as tab:
+        tab.mouse.move(*at(tab, 0.66))
+        tab.mouse.down()
+        tab.mouse.move(*at(tab, GOAL), steps=30)
+        until(tab, "document.getElementById('event').textContent.includes('4-1')")
+        tab.mouse.up()
+        until(tab, "p.cursor < 0.001")  # it has run back over all the others
+        tab.click("#play")
+        watched(tab)
+
+
+def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(match, chromium, tmp_path):
+    with with_film(match, chromium, tmp_path, has_touch=True) as tab:
+        x, y = tab.evaluate("""() => {
+            const { picture, view } = overview;
+            const goal = view.events.find(({ label }) => label.startsWith("4-1"));
+            const level = view.level[Math.round(goal.place * (view.level.length - 1))];
+            const { x, y } = picture.geometry;
+            return [picture.left + x(goal.place), picture.top + y(level)];
+        }""")
+        tab.touchscreen.tap(x, y)
+        watched(tab)
+        tab.click("#list")
+        tab.get_by_role("button", name="Watch 67:30, goal, 4-1 Mbappé").click()
+        watched(tab)
+        tab.focus("#slider")
+        tab.keyboard.press("Home")
+        for _ in range(40):
+            tab.keyboard.press("]")
+            if tab.evaluate("overview.place") > GOAL - 1e-6:
+                break
+        tab.keyboard.press("Escape")
+        until(tab, "p.cursor < 0.001")
+        tab.keyboard.press("v")
+        watched(tab)
 
 
 def test_a_page_without_a_film_offers_none(match, chromium):

@@ -1,4 +1,4 @@
-"""The live figures of this machine: load test and control latency, in one report.
+"""The live figures of this machine: load test, control latency, sessions, in one report.
 
 Each run is a process of its own, `python -m overview_dsp.bench.live.table RUN`, with RUN one JSON
 object, which prints its result as one JSON object: PortAudio and the interpreter start fresh, and
@@ -17,13 +17,22 @@ from typing import Any
 
 from overview_dsp.bench.live.latency import LatencyResult, measure_latency, probe
 from overview_dsp.bench.live.load import RATE, LoadResult, measure_load
+from overview_dsp.bench.live.session import (
+    SessionRow,
+    can_measure,
+    measure_session,
+    session_table,
+)
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.portaudio import devices
+from overview_dsp.live.output_devices import devices
 
 BLOCK = 256
 BLOCKS = (64, 128, 256, 512, 1024)
 START_WITHIN_S = 120.0
 """What a run may take beside its window: import, a first compile, PortAudio's start."""
+
+SESSIONS = ((False, False), (True, False), (True, True))
+"""With a screen, moving."""
 
 TABLE_CELLS = (("native", False), ("python", False), ("native", True), ("python", True))
 
@@ -55,7 +64,7 @@ class Report:
 
     `lost_ratio`: frames lost under load, Python's / native's; where native lost less than a block,
     that block stands in, and `lost_ratio_at_least` says so. `smoothing_frames`: what the input
-    smoother adds for a moving hand (a tap: nothing).
+    smoother adds for a moving hand (a tap: nothing). `sessions`: none where that can't be measured.
     """
 
     sample_rate: int
@@ -67,6 +76,7 @@ class Report:
     lost_ratio_at_least: bool
     latency: list[LatencyResult]
     smoothing_frames: int
+    sessions: list[SessionRow]
 
 
 def measure_live(
@@ -77,7 +87,7 @@ def measure_live(
 ) -> Report:
     """Run the load test `rounds` times, `seconds` a run, and the latency test once a block size.
 
-    The latency test takes a fifth of `seconds` a block size.
+    The latency test takes a fifth of `seconds` a block size, a session a third.
 
     Raises
     ------
@@ -87,7 +97,8 @@ def measure_live(
         A run failed, or the device stopped calling.
     """
     done = 0.0
-    total = rounds * len(TABLE_CELLS) * seconds + seconds
+    shown = SESSIONS if can_measure() else ()
+    total = rounds * len(TABLE_CELLS) * seconds + seconds + seconds * bool(shown)
 
     def run(window: float, **what: Any) -> dict[str, Any]:
         nonlocal done
@@ -106,6 +117,10 @@ def measure_live(
         for callback, loaded in TABLE_CELLS:
             result = run(seconds, test="load", callback=callback, loaded=loaded, block_size=BLOCK)
             found[callback, loaded].append(LoadResult(**result))
+    sessions = [
+        SessionRow(**run(seconds / len(shown), test="session", screen=screen, moving=moving))
+        for screen, moving in shown
+    ]
     rows = [_row(*cell, results) for cell, results in found.items()]
     ratio, at_least = lost_ratio(rows, seconds)
     return Report(
@@ -118,6 +133,7 @@ def measure_live(
         lost_ratio_at_least=at_least,
         latency=latency,
         smoothing_frames=probe().latency_samples,
+        sessions=sessions,
     )
 
 
@@ -147,7 +163,8 @@ def lost_ratio(rows: list[LoadRow], seconds: float) -> tuple[float, bool]:
 
 def lines(report: Report) -> list[str]:
     """The report as lines of text."""
-    return [*load_table(report), "", *latency_table(report)]
+    sessions = ["", *session_table(report.sessions)] if report.sessions else []
+    return [*load_table(report), "", *latency_table(report), *sessions]
 
 
 def load_table(report: Report) -> list[str]:
@@ -205,13 +222,15 @@ def _in_own_process(what: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _run(what: dict[str, Any]) -> LoadResult | LatencyResult:
+def _run(what: dict[str, Any]) -> LoadResult | LatencyResult | SessionRow:
     if not devices():
         raise InputError(
             "no audio output: plug in a sound card or start a sound server (PipeWire, PulseAudio, "
             "JACK); `overview devices` lists what is there"
         )
     test = what.pop("test")
+    if test == "session":
+        return measure_session(**what)
     return measure_load(**what) if test == "load" else measure_latency(**what)
 
 

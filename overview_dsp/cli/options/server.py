@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.live_session import note
+from overview_dsp.cli.common import note
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from overview_dsp.web.control import Session
 
 NEEDED = ("starlette", "uvicorn", "websockets", "cryptography", "segno")
-_NAMES = ("host", "port", "cert", "key")
+_NAMES = ("host", "port", "cert", "key", "token_file")
 
 
 def server_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -38,6 +38,8 @@ def server_options(function: Callable[..., Any]) -> Callable[..., Any]:
                      help="Its port, 0 for a free one."),
         click.option("--cert", metavar="FILE.pem", help="A certificate in place of its own."),
         click.option("--key", metavar="FILE.pem", help="The key of --cert, if in another file."),
+        click.option("--token-file", metavar="FILE",
+                     help="Keep the address's token there: pages connect again after a restart."),
     )  # fmt: skip
     for option in reversed(options):
         collected = option(collected)
@@ -94,8 +96,11 @@ def open_server(
     server: dict[str, Any],
     session: Session | None = None,
     more: Collection[BaseRoute] = (),
+    crowd: bool = False,
 ) -> Iterator[Opened]:
     """Serve the page (and a session's `/control`, and more routes) meanwhile; where it is.
+
+    `crowd`: to hundreds of pages.
 
     The address goes to standard error, with a QR code where a phone can reach it.
 
@@ -108,10 +113,10 @@ def open_server(
     from overview_dsp.web import address
     from overview_dsp.web.app import make_app
     from overview_dsp.web.certificate import fingerprint, own_certificate, secure_context
-    from overview_dsp.web.security.auth_token import Access
+    from overview_dsp.web.security.auth_token import Access, kept_token
     from overview_dsp.web.server import WebServer, listen
 
-    host, port, cert, key = (server[name] for name in _NAMES)
+    host, port, cert, key, kept = (server[name] for name in _NAMES)
     near = address.is_loopback(host)
     reached = address.reached_at(host)
     if key is not None and cert is None:
@@ -125,12 +130,12 @@ def open_server(
     if certificate is not None:
         secure = secure_context(certificate, None if key is None else Path(key))
     names = address.own_names() | ({host.lower()} if reached == host else set())
-    access = Access()
+    access = Access() if kept is None else Access(token=kept_token(kept))
     app = make_app(access, names, note, session, more)
     socket = listen(host, port)
     scheme = "http" if secure is None else "https"
     where = address.page_address(scheme, reached, socket.getsockname()[1], access.token)
-    running = WebServer(app, [socket], secure, note)
+    running = WebServer(app, [socket], secure, note, crowd)
     try:
         opened = Opened(
             where,

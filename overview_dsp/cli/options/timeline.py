@@ -24,7 +24,12 @@ _OPTIONS: dict[str, tuple[str, type, str, str]] = {
     "--time": ("time", str, "COLUMN", "The column of times; COLUMN:dmy, :hhmm, :s ... says how."),
     "--kind": ("kind", str, "COLUMN", "The column of kinds, in an event list."),
     "--label": ("label", str, "COLUMN", "The column of labels, in an event list."),
-    "--map": ("map", str, "WHAT", "Felt: level, change, activity, volatility, count, a column."),
+    "--map": (
+        "map",
+        str,
+        "WHAT",
+        "Felt: level, change, activity, volatility, count, a column (--follow: whole, so-far).",
+    ),
     "--rate": ("rate", float, "HZ", "Samples a second, for a file without times."),
     "--match": ("match", str, "WORDS", "Which match of a file: its number, or 'France Croatia'."),
     "--duration": ("duration_s", float, "S", "Length, for an event list that doesn't give it."),

@@ -6,6 +6,7 @@ figure is a mean over steps: momentary over 400 ms, short-term over 3 s.
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -150,6 +151,12 @@ class StepMeter:
             count = count - np.add.reduceat(bad, edges, dtype=np.int64)
         self._count.append(count)
         self._frames += frames
+
+    def so_far(self) -> Steps:
+        """Return what was fed until now; more may be."""
+        other = copy.copy(self)
+        other._missing = list(self._missing)
+        return other.finish()
 
     def finish(self) -> Steps:
         """Return what was fed."""

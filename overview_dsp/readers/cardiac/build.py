@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 from overview_dsp.errors import InputError
@@ -13,6 +13,7 @@ from overview_dsp.readers.cardiac.detection import Detection
 from overview_dsp.readers.cardiac.rhythm import Beats
 from overview_dsp.readers.cardiac.signal import Spans
 from overview_dsp.readers.source import LoadOptions
+from overview_dsp.readers.tables.part_rules import rules_of
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.gaps import Gaps
@@ -109,7 +110,7 @@ def heart_timeline(
     mean = rhythm.mean_rate(beats.time_s, spans)
     left_out += (f"{noisy_s:.0f} s are {TOO_NOISY}: gaps",) if noisy_s else ()
     rate = f", mean heart rate {mean:.2f} bpm" if mean is not None else ""
-    return Timeline(
+    timeline = Timeline(
         title=about.title,
         duration_s=about.duration_s,
         events=(*events, *others),
@@ -120,6 +121,9 @@ def heart_timeline(
         notes=(f"{count} beats{rate}", *left_out, *about.notes),
         start=about.start,
     )
+    if timeline.intensity is None:
+        return timeline
+    return replace(timeline, rules=rules_of(timeline.intensity, False, timeline))
 
 
 def _length(gaps: Gaps, reasons: Sequence[str], reason: str) -> float:

@@ -29,6 +29,18 @@ _PULSE_BELOW = 0.1
 """A pulse wave's power from 8 to 30 Hz over that from 0.7 to 8 Hz; measured: 0.0002 (PPG), 0.7 to
 1.9 (four ECGs)."""
 
+NOISY_ABOVE = 0.7
+"""What is highest between the beats, as part of a beat's height, where beats are no longer told
+from noise."""
+
+_DOUBTFUL_ABOVE = 0.4
+"""Above it noise alone may look like beats for a while: of ten seconds of it, 1 in 100 lies below;
+a heart lies above it for so long at 6 dB and less."""
+
+_DOUBTFUL_S = 12.0
+"""A stretch between noisy ones, or a recording, of mostly doubtful beats counts if it is as long as
+this: noise doesn't look like a heart for so long."""
+
 _LEAST_NOISY_S = 4.0
 """A shorter noisy stretch is left: its beats are judged by those around it."""
 
@@ -92,6 +104,7 @@ def find_beats(
     block, margin = round(BLOCK_S * signal.rate), round(MARGIN_S * signal.rate)
     found: list[int] = []
     noisy: Spans = []
+    doubtful: Spans = []
     near = REFRACTORY_S * signal.rate
     for first in range(0, signal.length, block):
         end = min(first + block, signal.length)
@@ -103,15 +116,16 @@ def find_beats(
             if what is None:
                 what = "ECG" if _is_ecg(part, signal.rate) else "pulse wave"
             if what == "ECG":
-                beats, hidden = find_qrs(part, signal.rate)
-                noisy += _shifted(runs(hidden), low + begin, first, end)
+                beats, noise = find_qrs(part, signal.rate)
+                noisy += _shifted(runs(noise > NOISY_ABOVE), low + begin, first, end)
+                doubtful += _shifted(runs(noise > _DOUBTFUL_ABOVE), low + begin, first, end)
             else:
                 beats = _pulses(part, signal.rate)
             for beat in (beats + low + begin).tolist():
                 if first <= beat < end and (not found or beat - found[-1] >= near):
                     found.append(beat)
         progress(end / signal.length)
-    noisy = _worth_a_gap(noisy, signal.rate) if gaps else []
+    noisy = _worth_a_gap(noisy, doubtful, signal.length, signal.rate) if gaps else []
     clear = [beat for beat in found if not any(begin <= beat < stop for begin, stop in noisy)]
     return Detection(np.array(clear, np.int64), finder.finish(), noisy, finder.lost, what or "ECG")
 
@@ -122,11 +136,16 @@ def _shifted(spans: Spans, by: int, first: int, end: int) -> Spans:
     return [(begin, stop) for begin, stop in moved if begin < stop]
 
 
-def _worth_a_gap(spans: Spans, rate: float) -> Spans:
-    """Return noisy stretches without short ones and with the short clean ones between."""
-    joined: Spans = []
-    for begin, stop in spans:
-        if joined and begin - joined[-1][1] < _LEAST_CLEAN_S * rate:
+def _worth_a_gap(noisy: Spans, doubtful: Spans, length: int, rate: float) -> Spans:
+    """Return noisy stretches without short ones and with what can't be trusted between them."""
+    joined: Spans = [(0, 0)]
+    for begin, stop in [*noisy, (length, length)]:
+        clear = begin - joined[-1][1]
+        short = clear < _LEAST_CLEAN_S * rate and joined[-1][1] > 0 and begin < length
+        if not short and clear < _DOUBTFUL_S * rate:
+            unsure = _shifted(doubtful, 0, joined[-1][1], begin)
+            short = 2 * sum(last - at for at, last in unsure) > clear
+        if short:
             joined[-1] = (joined[-1][0], stop)
         else:
             joined.append((begin, stop))

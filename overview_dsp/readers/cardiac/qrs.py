@@ -7,7 +7,9 @@ Four looks at a part of a few minutes, each with the beats of the one before:
    correlation is what sets a beat apart from an electrode's knock of the same height (averaged
    templates: Moody and Mark, "QRS morphology representation and noise estimation using the
    Karhunen-Loeve transform", Computers in Cardiology 1989; the band: Pan and Tompkins, IEEE Trans.
-   Biomed. Eng. 32(3), 1985).
+   Biomed. Eng. 32(3), 1985). From the second look on the signal is whitened by what lies between
+   the beats, so that the correlation is a matched filter in that noise (Hamilton and Tompkins,
+   "Adaptive matched filtering for QRS detection", Proc. IEEE EMBS 1988).
 2. Of the peaks of that, the sequence with the greatest sum of heights over a threshold, less what
    its intervals cost that differ from the usual one (dynamic programming as in Ellis, "Beat
    tracking by dynamic programming", J. New Music Res. 36(1), 2007). In a clean signal intervals
@@ -28,16 +30,23 @@ from numpy.typing import NDArray
 REFRACTORY_S = 0.2
 """No heart beats twice within it."""
 
-NOISY_ABOVE = 0.7
-"""What is highest between the beats, as part of a beat's usual height, where beats are no longer
-told from noise: below it 98 % are right at 6 dB, and of noise without a heart 5 % passes."""
-
 _WORK_HZ = 500.0
 """A signal of twice this rate or more is searched at a lower one."""
 
 _BAND_HZ = (8.0, 30.0)
 _WIDE_HZ = (4.0, 30.0)
 """Where a QRS complex has its power, and a ventricular one too."""
+
+_WHITE_HZ = (4.0, 50.0)
+"""Where the whitened signal has its power."""
+
+_BEAT_S = 0.1
+"""What lies within it of a beat isn't taken for noise."""
+
+_SPECTRUM_S = 1.0
+_LEAST_POWER = 1e-6
+"""Noise weaker than this part of its strongest is as strong as that: a line that mains hum, or no
+noise at all, leaves isn't magnified without end."""
 
 _HALF_S = 0.075
 """Half the window that holds a complex."""
@@ -54,7 +63,7 @@ _INTERVAL_COST = (0.08, 0.8)
 clean signal and in a noisy one."""
 
 _NOISY_FROM = (0.3, 0.6)
-"""A signal is clean below the one and noisy above the other; heights as in `NOISY_ABOVE`."""
+"""A signal is clean below the one and noisy above the other; heights as `find_qrs` returns them."""
 
 _COST_PER_OCTAVE = 1.45
 _INTERVAL_REACH_S = 3.0
@@ -79,7 +88,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-def find_qrs(part: Floats, rate: float) -> tuple[Indices, NDArray[np.bool_]]:
+def find_qrs(part: Floats, rate: float) -> tuple[Indices, Floats]:
     """Find the beats of a part without missing samples.
 
     Parameters
@@ -93,8 +102,8 @@ def find_qrs(part: Floats, rate: float) -> tuple[Indices, NDArray[np.bool_]]:
     -------
     int64 (beats,)
         Where the R waves are, in samples, ascending.
-    bool (n,)
-        Where noise hides beats (`NOISY_ABOVE`).
+    float64 (n,)
+        What is highest between the beats, as part of a beat's usual height.
     """
     from scipy.signal import resample_poly
 
@@ -103,8 +112,7 @@ def find_qrs(part: Floats, rate: float) -> tuple[Indices, NDArray[np.bool_]]:
     if fewer > 1:
         centred = resample_poly(centred, 1, fewer)
     beats, noise = _search(centred, rate / fewer)
-    noisy = np.repeat(noise > NOISY_ABOVE, fewer)[: len(part)]
-    return beats * fewer, noisy
+    return beats * fewer, np.repeat(noise, fewer)[: len(part)]
 
 
 def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
@@ -112,7 +120,7 @@ def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
     from scipy.signal import find_peaks
 
     band = _band_passed(signal, rate, *_BAND_HZ)
-    half = max(1, round(_HALF_S * rate))
+    half, on_r = max(1, round(_HALF_S * rate)), round(0.05 * rate)
     norm = np.sqrt(np.maximum(_summed(band**2, half), 0.0))
     beats = np.zeros(0, np.int64)
     height = _over_usual(norm, rate)
@@ -131,10 +139,14 @@ def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
         beats = peaks[
             _best_sequence(peaks / rate, gain, usual / rate, _between(_INTERVAL_COST, noisy))
         ]
-        template = _template(band, beats, half, rate if look == 0 else 0.0)
-        if look == _LOOKS - 1 or template is None:
+        if look == _LOOKS - 1:
             break
-        likeness = np.correlate(band, template, "same") / np.maximum(norm, 1e-12)
+        white = _whitened(signal, beats, rate)
+        norm = np.sqrt(np.maximum(_summed(white**2, half), 0.0))
+        template = _template(white, _on_peaks(beats, band, on_r) if look == 0 else beats, half)
+        if template is None:
+            break
+        likeness = np.correlate(white, template, "same") / np.maximum(norm, 1e-12)
         alike = _UNLIKE + (1.0 - _UNLIKE) * np.clip(likeness, 0.0, 1.0) ** _LIKENESS_POWER
         height = _over_usual(norm * alike, rate)
     # so near that it is another sample of the same wave, whatever the other beats look like
@@ -183,13 +195,35 @@ def _best_sequence(at_s: Floats, gain: Floats, usual_s: Floats, cost: Floats) ->
     return np.array(path[::-1], np.int64)
 
 
-def _template(band: Floats, beats: Indices, half: int, rate: float) -> Floats | None:
-    """Return the median beat, of norm 1; None of too few. With a rate they are put on their R."""
+def _whitened(signal: Floats, beats: Indices, rate: float) -> Floats:
+    """Return the signal with what lies between its beats made equally strong at all frequencies."""
+    from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+    from scipy.signal import welch
+
+    wide = _band_passed(signal, rate, *_WHITE_HZ)
+    reach = round(_BEAT_S * rate)
+    beside = np.ones(len(wide), np.bool_)
+    near = beats[:, None] + np.arange(-reach, reach + 1)
+    beside[np.clip(near, 0, len(wide) - 1)] = False
+    if not beside.any():
+        return wide
+    at = np.arange(len(wide))
+    size = min(len(wide), round(_SPECTRUM_S * rate))
+    hz, power = welch(np.interp(at, at[beside], wide[beside]), rate, nperseg=size)
+    if not power.max() > 0.0:
+        return wide
+    length = next_fast_len(len(wide) + size, real=True)  # what a filter smears beyond an end is cut
+    each_hz = rfftfreq(length, 1.0 / rate)
+    gain = 1.0 / np.sqrt(np.interp(each_hz, hz, np.maximum(power, _LEAST_POWER * power.max())))
+    gain[(each_hz < _WHITE_HZ[0]) | (each_hz > _WHITE_HZ[1])] = 0.0
+    return np.asarray(irfft(rfft(wide, length) * gain, length)[: len(wide)], dtype=np.float64)
+
+
+def _template(band: Floats, beats: Indices, half: int) -> Floats | None:
+    """Return the median beat, of norm 1; None of too few."""
     at = beats[(beats >= 2 * half) & (beats < len(band) - 2 * half)]
     if len(at) < 3:
         return None
-    if rate:
-        at = _on_peaks(at, band, min(half, round(0.05 * rate)))
     shapes = band[at[:, None] + np.arange(-half, half + 1)]
     norms = np.linalg.norm(shapes, axis=1, keepdims=True)
     median = np.median(shapes / np.maximum(norms, 1e-12), axis=0)

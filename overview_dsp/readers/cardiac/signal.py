@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -19,7 +20,6 @@ MIN_GAP_S = 0.1
 FLAT_S = 3.0
 """A signal that keeps one exact value this long is a lead that is off, not a heart that rests: a
 pause has noise on it."""
-
 
 _BLOCK = 1 << 20
 
@@ -41,6 +41,24 @@ class Signal(Protocol):
 
     def read(self, first: int, end: int) -> NDArray[np.float64]:
         """Return the samples from `first` up to `end`, shape (end - first,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A signal in memory (a `Signal`)."""
+
+    name: str
+    rate: float
+    values: NDArray[np.float32]
+
+    @property
+    def length(self) -> int:
+        """How many samples."""
+        return len(self.values)
+
+    def read(self, first: int, end: int) -> NDArray[np.float64]:
+        """Return samples, NaN = missing."""
+        return self.values[first:end].astype(np.float64)
 
 
 def recorded(signal: Signal) -> Intensity | None:

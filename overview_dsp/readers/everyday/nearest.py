@@ -10,7 +10,7 @@ from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.formats import csv
 from overview_dsp.readers.tables.formats.json import is_single, shapes_in
 from overview_dsp.readers.tables.table import Column, listed
-from overview_dsp.readers.tables.time_column import detected_format
+from overview_dsp.readers.tables.time_format import detected_format
 from overview_dsp.timeline import checks
 
 _PACKED = {

@@ -15,7 +15,7 @@
 
 Scores may stand after both teams too (`France v Croatia 4-2 (2-1)`), dates in a line of their own.
 It becomes what `openfootball` reads from JSON; goals of one team only are those of the team that
-has scored.
+has scored. A file of scores alone is known for what it is, and refused.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from overview_dsp.errors import InputError
 from overview_dsp.readers.football import openfootball
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.timeline import checks
@@ -47,31 +48,67 @@ _DATE = re.compile(
 )
 _CLOCK = re.compile(r"\d{1,2}[:.]\d{2}(?:\s+UTC[+-]\d{1,2})?\s+")
 _NO_ROUND = re.compile(r"\||@|\s-\s")  # a list of rounds, a match to come
+_NO_TEAM = re.compile(r"[:;,=|/\t]")
 _GOAL = re.compile(
     r"(\d{1,3})\s*['’]?(?:\s*\+\s*(\d{1,2}))?\s*['’](?:\s*\(\s*(o\.?\s?g\.?|p(?:en)?\.?)\s*\))?"
 )
 
 
 def sniff(source: Source) -> bool:
-    """Return whether the file is text with a match that has goals in minutes."""
-    if source.head_text is None or source.looks_like_json or "'" not in source.head_text:
+    """Return whether the file is text of matches with goals in minutes, or of scores alone."""
+    if source.head_text is None or source.looks_like_json:
         return False
-    listed = document_of(source.head_text)["matches"]
-    return any(match["goals1"] or match["goals2"] for match in listed)
+    document = document_of(source.head_text)
+    return _has_goals(document) or _is_a_list_of_scores(source.head_text, document)
 
 
 def matches(source: Source) -> list[str]:
     """Return a line on each match of the file."""
-    document = document_of(source.text)
     with checks.located(f"{source.where}: "):
-        return openfootball.lines(document)
+        return openfootball.lines(_document(source))
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
-    """Read one match (takes `match`); InputError names the file, the match and the goal."""
-    document = document_of(source.text)
+    """Read one match (takes `match`).
+
+    Raises
+    ------
+    InputError
+        Names the file, the match and the goal; a file of scores alone.
+    """
     with checks.located(f"{source.where}: "):
-        return openfootball.decode(document, options.match, source.stem)
+        return openfootball.decode(_document(source), options.match, source.stem)
+
+
+def _document(source: Source) -> dict[str, Any]:
+    document = document_of(source.text)
+    if not _has_goals(document) and any(sum(_final(match)) for match in document["matches"]):
+        raise InputError(
+            "openfootball's text with the scores of matches, but no goal in minutes",
+            "write the goals below their match, as in (Berg 7', 45+2' Lund 60'(pen.); Firefly "
+            "88'); a list of minutes (minute,type,player,team) is read too",
+        )
+    return document
+
+
+def _has_goals(document: dict[str, Any]) -> bool:
+    return any(match["goals1"] or match["goals2"] for match in document["matches"])
+
+
+def _is_a_list_of_scores(text: str, document: dict[str, Any]) -> bool:
+    """Distinguish matches under a heading or a date from other lines that hold figures."""
+    listed = document["matches"]
+    if not any(document["name"] or match["date"] for match in listed):
+        return False
+    teams = [match[key] for match in listed for key in ("team1", "team2")]
+    rest = [line for line in _lines(text) if not _is_about(line)]
+    return 2 * len(listed) >= len(rest) and not any(_NO_TEAM.search(team) for team in teams)
+
+
+def _is_about(line: str) -> bool:
+    """Return whether a line is a heading, a date alone or in brackets."""
+    dated = _DATE.match(line)
+    return line[0] in "=▪»([" or (dated is not None and dated.end() == len(line))
 
 
 def document_of(text: str) -> dict[str, Any]:
@@ -133,13 +170,19 @@ def _match(line: str) -> dict[str, Any] | None:
     }
 
 
+def _final(match: dict[str, Any]) -> list[int]:
+    """Return the score without a shoot-out."""
+    final: list[int] = match["score"].get("et") or match["score"]["ft"]
+    return final
+
+
 def _pair(text: str) -> list[int]:
     return [int(number) for number in text.split("-")]
 
 
 def _add_goals(match: dict[str, Any], text: str) -> None:
     one, semicolon, two = text.partition(";")
-    if not semicolon and (match["score"].get("et") or match["score"]["ft"])[0] == 0:
+    if not semicolon and _final(match)[0] == 0:
         one, two = "", one
     match["goals1"], match["goals2"] = _goals(one), _goals(two)
 

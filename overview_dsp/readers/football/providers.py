@@ -14,11 +14,12 @@ from __future__ import annotations
 
 import io
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError
+from overview_dsp.readers.everyday.listing import repeated_ids
 from overview_dsp.readers.extra import needed
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.readers.football.names import short_name
@@ -240,7 +241,7 @@ def _common(one: str, other: str) -> str:
 
 
 def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
-    notes: list[str] = []
+    notes = repeated_ids(_own_ids(dataset.events))
     kicks: list[bool] = []
     outside = 0
     by_period: dict[int, list[tuple[float, Any]]] = {}
@@ -297,6 +298,16 @@ def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
         final=_score(about.score),
         details=touches(others),
     )
+
+
+def _own_ids(events: Iterable[Any]) -> Iterator[str]:
+    """Yield the events' ids; one of which kloppy makes several (a pass and a ball out) once."""
+    seen: set[tuple[int, str]] = set()
+    for event in events:
+        made_of = (id(event.raw_event), str(event.event_id))
+        if event.raw_event is None or made_of not in seen:
+            seen.add(made_of)
+            yield made_of[1]
 
 
 def _happened(event: Any) -> Iterator[tuple[str, str]]:

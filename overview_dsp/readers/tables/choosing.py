@@ -12,7 +12,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.tables import share_splits
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, Table, as_list, column_named, listed
-from overview_dsp.readers.tables.time_column import CLOCKS, Format, detected_format, split_wish
+from overview_dsp.readers.tables.time_format import CLOCKS, Format, detected_format, split_wish
 from overview_dsp.timeline import checks, written_times
 
 _DATE_NAMES = (

@@ -126,7 +126,8 @@ def _of(
 ) -> Series:
     """A series of samples with their steps: none over a gap, nor to a share split."""
     ends = np.concatenate(([end for _, end in gaps], splits))
-    over = np.flatnonzero(np.isin(time_s[1:], ends))
+    after = np.unique(np.searchsorted(time_s, ends))  # a gap may end between two samples
+    over = after[(after > 0) & (after < len(time_s))] - 1
     step = mapping.steps(value, over, like.relative)
     return replace(like, time_s=time_s, value=value, step=step, every=True)
 

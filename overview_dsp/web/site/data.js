@@ -13,6 +13,10 @@ export class Data {
     data.info = await json("data/timeline.json");
     /** What it is felt by, where that isn't the preset of the files. */
     data.preset = null;
+    /** Whether the files are what is felt: not of a timeline that has grown. */
+    data.files = true;
+    /** The values of all windows, once they are there. */
+    data.whole = null;
     return data;
   }
 
@@ -21,7 +25,16 @@ export class Data {
     const drawn = this.hasFile(part)
       ? await json(`data/window-${part.number}.json`)
       : await (await post("data/window", { window: ends(part), ...this.by("preset") })).json();
-    return { ...drawn, ...part };
+    return { points: this.whole, ...drawn, ...part };
+  }
+
+  /** The values of a part, where it has some that it hasn't got yet (`values.js`). */
+  async points(view) {
+    const { series } = this.info;
+    if (!series || view.points) return view.points ?? null;
+    if (!series.whole) return json(`data/points-${view.number}.json`);
+    this.whole ??= await json("data/points-0.json");
+    return this.whole;
   }
 
   /** The kernel's memory at a sample rate, over the whole timeline. */
@@ -45,7 +58,7 @@ export class Data {
   }
 
   hasFile({ number }) {
-    return number >= 0 && this.preset === null;
+    return this.files && number >= 0 && this.preset === null;
   }
 
   by(key) {

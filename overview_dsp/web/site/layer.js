@@ -3,28 +3,63 @@
 
 import { angleOf } from "./geometry.js";
 import { drawMark } from "./marks.js";
+import { linesOf } from "./values.js";
 import { momentText } from "./words.js";
 
-const FONT = '13px system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
+const FAMILY = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
+const fontOf = (g, weight = 400) => `${weight} ${(13 * g.em).toFixed(1)}px ${FAMILY}`;
+const VALUE_PX = 34; // at least from one line of a value to the next
+const MOST_DETAILS = 400; // more than that are a smear: fewer are drawn
 const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200,
   86400, 604800, 2629800, 7889400, 31557600, 157788000, 315576000];
 const BETWEEN = 30; // px at least from one label to the next
 
 export function drawLayer(c, g, view, info, colours) {
-  c.clearRect(0, 0, g.width, g.height);
   drawGaps(c, g, view, colours);
   drawCurve(c, g, view, colours);
+  if (info.series) drawValues(c, g, view, colours);
   drawAxis(c, g, view, info, colours);
-  for (const event of view.events) drawEvent(c, g, view, event, info, colours);
-  drawLabels(c, g, view, info, colours);
+  drawEvents(c, g, view, info, colours);
+  drawLabels(c, g, view, colours);
   if (g.disk) drawScale(c, g.disk, view, info, colours);
-  if (g.trace) {
+  if (g.trace) drawTraceAxis(c, g, colours);
+}
+
+function drawTraceAxis(c, g, colours) {
+  const { left, right, y, half } = g.trace;
+  c.strokeStyle = colours.line;
+  c.lineWidth = 1;
+  c.beginPath();
+  c.moveTo(left, y + 0.5);
+  c.lineTo(right, y + 0.5);
+  c.stroke();
+  c.font = fontOf(g);
+  c.fillStyle = colours.soft;
+  c.textAlign = "left";
+  c.textBaseline = "bottom";
+  c.fillText("torque, the last seconds", left, y - half + 2);
+}
+
+/** A line for each of a few round values, with the value at its left. */
+function drawValues(c, g, view, colours) {
+  const most = Math.max(2, Math.floor((g.bottom - g.top) / (VALUE_PX * g.em)));
+  c.font = fontOf(g);
+  c.textAlign = "left";
+  c.textBaseline = "bottom";
+  c.lineWidth = 1;
+  for (const { text, level } of linesOf(view.scale, most)) {
+    const y = Math.round(g.y(level)) + 0.5;
     c.strokeStyle = colours.line;
-    c.lineWidth = 1;
     c.beginPath();
-    c.moveTo(g.trace.left, g.trace.y);
-    c.lineTo(g.trace.right, g.trace.y);
+    c.moveTo(g.left, y);
+    c.lineTo(g.right, y);
     c.stroke();
+    c.lineWidth = 3;
+    c.strokeStyle = colours.paper;
+    c.strokeText(text, g.left + 2, y - 1);
+    c.lineWidth = 1;
+    c.fillStyle = colours.soft;
+    c.fillText(text, g.left + 2, y - 1);
   }
 }
 
@@ -40,40 +75,41 @@ export function resistanceAt(view, place) {
 
 function drawCurve(c, g, view, colours) {
   const last = view.level.length - 1;
-  const course = new Path2D();
-  view.level.forEach((level, i) => course.lineTo(g.x(i / last), g.y(level)));
-  const area = new Path2D(course);
-  area.lineTo(g.right, g.bottom);
-  area.lineTo(g.left, g.bottom);
+  const course = () => {
+    c.beginPath();
+    view.level.forEach((level, i) => c.lineTo(g.x(i / last), g.y(level)));
+  };
+  course();
+  c.lineTo(g.right, g.bottom);
+  c.lineTo(g.left, g.bottom);
   c.fillStyle = colours.fill;
-  c.fill(area);
+  c.fill();
+  course();
   c.strokeStyle = colours.curve;
   c.lineWidth = 1.75;
-  c.lineJoin = "round";
-  c.stroke(course);
+  c.stroke();
 }
 
+/** Hatched, each line cut at the gap's sides. */
 function drawGaps(c, g, view, colours) {
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
+  c.beginPath();
   for (const [from, to] of view.gaps) {
-    c.save();
-    c.beginPath();
-    c.rect(g.x(from), g.top, g.x(to) - g.x(from), g.bottom - g.top);
-    c.clip();
-    c.beginPath();
-    for (let x = g.x(from) - (g.bottom - g.top); x < g.x(to); x += 8) {
-      c.moveTo(x, g.bottom);
-      c.lineTo(x + g.bottom - g.top, g.top);
+    const [left, right] = [g.x(from), g.x(to)];
+    for (let x = left - (g.bottom - g.top); x < right; x += 8) {
+      const start = Math.max(x, left);
+      const end = Math.min(x + g.bottom - g.top, right);
+      c.moveTo(start, g.bottom - (start - x));
+      c.lineTo(end, g.bottom - (end - x));
     }
-    c.stroke();
-    c.restore();
   }
+  c.stroke();
 }
 
 function drawAxis(c, g, view, info, colours) {
   const length = view.end_s - view.start_s;
-  c.font = FONT;
+  c.font = fontOf(g);
   const { width } = c.measureText(momentText(view.end_s, info));
   const most = Math.max(2, (g.right - g.left) / (width + BETWEEN));
   const step = STEPS_S.find((one) => length / one <= most) ?? length;
@@ -96,14 +132,30 @@ function drawAxis(c, g, view, info, colours) {
   c.stroke();
 }
 
-function drawEvent(c, g, view, event, info, colours) {
-  const { shape, colour, count } = info.kinds[event.kind];
-  const x = g.x(event.place);
-  if (count === 0) {
-    // a detail, of which there may be hundreds: a row of their own
-    drawMark(c, shape, x, g.bottom - 12, 4, colours[colour], colours.rim);
-    return;
+function drawEvents(c, g, view, info, colours) {
+  // a detail, of which there may be hundreds: a row of their own
+  const details = view.events.filter(({ kind }) => isDetail(info, kind));
+  const every = Math.ceil(details.length / MOST_DETAILS);
+  details.forEach((event, i) => {
+    if (i % every > 0) return;
+    const { shape, colour } = info.kinds[event.kind];
+    drawMark(c, shape, g.x(event.place), g.bottom - 8, 3.5, colours[colour], colours.rim);
+  });
+  for (const event of view.events) {
+    if (!isDetail(info, event.kind)) drawEvent(c, g, view, event, info, colours);
   }
+}
+
+const MANY = 200; // of a kind bury the curve: a recording's heartbeats
+
+/** Whether events of a kind are drawn in the row at the bottom. */
+export function isDetail(info, kind) {
+  return info.kinds[kind].count === 0 || info.kinds[kind].count > MANY;
+}
+
+function drawEvent(c, g, view, event, info, colours) {
+  const { shape, colour } = info.kinds[event.kind];
+  const x = g.x(event.place);
   const y = g.y(levelAt(view, event.place));
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
@@ -114,21 +166,21 @@ function drawEvent(c, g, view, event, info, colours) {
   drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
 }
 
-/** The first word of a goal's label, its score, above it, where there is room. */
-function drawLabels(c, g, view, info, colours) {
-  c.font = `600 ${FONT}`;
+/** The first word of a goal's label, its score, above it: the last first, where there is room. */
+function drawLabels(c, g, view, colours) {
+  c.font = fontOf(g, 600);
   c.fillStyle = colours.ink;
   c.textAlign = "center";
   c.textBaseline = "alphabetic";
-  let last = -Infinity;
-  for (const event of view.events) {
+  const taken = [];
+  for (const event of [...view.events].reverse()) {
     if (event.kind !== "goal" && event.kind !== "own_goal") continue;
     const text = event.label.split(" ")[0];
-    const x = g.x(event.place);
     const half = c.measureText(text).width / 2;
-    if (!text || x - half < last + 6) continue;
-    c.fillText(text, x, g.y(levelAt(view, event.place)) - 15);
-    last = x + half;
+    const x = Math.min(Math.max(g.x(event.place), half), g.width - half);
+    if (!text || taken.some(([from, to]) => x + half + 6 > from && x - half - 6 < to)) continue;
+    c.fillText(text, x, Math.max(g.y(levelAt(view, event.place)) - 15, 13 * g.em));
+    taken.push([x - half, x + half]);
   }
 }
 
@@ -141,8 +193,8 @@ function drawScale(c, disk, view, info, colours) {
   c.arc(x, y, radius, angleOf(0), angleOf(1));
   c.stroke();
   for (const event of view.events) {
-    const { colour, count } = info.kinds[event.kind];
-    if (count === 0) continue;
+    const { colour } = info.kinds[event.kind];
+    if (isDetail(info, event.kind)) continue;
     const angle = angleOf(event.place);
     const light = colour === "grey";
     const out = light ? 7 : 12;

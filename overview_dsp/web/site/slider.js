@@ -1,27 +1,38 @@
-// The timeline as a slider for assistive technology: its value says when, and what happened there.
+// What the picture shows, in words: the timeline as a slider for assistive technology, whose value
+// says what is there, and a line of text above the picture.
 
-import { eventAt, eventText, momentText, placeText, secondsAt } from "./words.js";
+import {
+  eventAt, eventText, momentText, placeText, scoreAt, secondsAt, summaryText, valueAt,
+} from "./words.js";
+
+const EVERY_MS = 100; // text is laid out anew each time; nobody reads faster
 
 export class Slider {
-  constructor(element, clock, event) {
-    this.element = element;
-    this.clock = clock;
-    this.event = event;
+  /** `parts`: the elements slider, clock, value, event, summary. */
+  constructor(parts) {
+    this.parts = parts;
     this.at = [];
+    this.shown = -Infinity;
   }
 
   /** The finger is at `place` of a window; the disk at `cursor`. */
-  show(view, place, cursor, info) {
-    const [oldView, oldPlace, oldCursor] = this.at;
-    this.at = [view, place, cursor];
-    if (view !== oldView || place !== oldPlace) {
-      this.element.setAttribute("aria-valuenow", (100 * place).toFixed(1));
-      this.element.setAttribute("aria-valuetext", placeText(view, place, info));
+  show(view, place, cursor, info, now = performance.now()) {
+    if (now - this.shown < EVERY_MS) return;
+    this.shown = now;
+    const { slider, clock, value, event } = this.parts;
+    const [oldView, oldPlace, oldCursor, oldPoints] = this.at;
+    const other = view !== oldView || view.points !== oldPoints;
+    this.at = [view, place, cursor, view.points];
+    if (other) this.parts.summary.textContent = summaryText(view, info);
+    if (other || place !== oldPlace) {
+      slider.setAttribute("aria-valuenow", (100 * place).toFixed(1));
+      slider.setAttribute("aria-valuetext", placeText(view, place, info));
     }
-    if (view !== oldView || cursor !== oldCursor) {
+    if (other || cursor !== oldCursor) {
       const here = eventAt(view, cursor);
-      set(this.clock, "textContent", momentText(secondsAt(view, cursor), info));
-      set(this.event, "textContent", here ? eventText(here, info) : "");
+      set(clock, "textContent", momentText(secondsAt(view, cursor), info));
+      set(value, "textContent", valueAt(view, cursor, info) || scoreAt(view, cursor));
+      set(event, "textContent", here ? eventText(here, info) : "");
     }
   }
 }

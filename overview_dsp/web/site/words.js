@@ -1,5 +1,7 @@
 // A place of a window in words: when it is, and what happened there.
 
+import { pointAt, rangeOf, valueText } from "./values.js";
+
 const AT = 0.004; // of the surface: as near is at the event
 
 // made once: one takes longer than all else a frame does
@@ -10,13 +12,17 @@ const TIMES = new Intl.DateTimeFormat("en-GB", {
   timeZone: "UTC", weekday: "short", hour: "2-digit", minute: "2-digit", second: "2-digit",
 });
 
+const SPOKEN_DAYS = new Intl.DateTimeFormat("en-GB", {
+  timeZone: "UTC", day: "numeric", month: "long", year: "numeric",
+});
+
 /** Minutes and seconds of a timeline, or its date where it has a calendar. */
-export function momentText(seconds, info) {
+export function momentText(seconds, info, days = DAYS) {
   if (info.start) {
     const zone = info.start.match(/(Z|[+-]\d\d:\d\d)$/)?.[0] ?? "";
     const local = info.start.slice(0, info.start.length - zone.length);
     const moment = new Date(Date.parse(`${local}Z`) + 1e3 * seconds);
-    return (info.duration_s > 3 * 86400 ? DAYS : TIMES).format(moment);
+    return (info.duration_s > 3 * 86400 ? days : TIMES).format(moment);
   }
   const short = info.duration_s < 120;
   const whole = short ? Math.floor(seconds) : Math.round(seconds);
@@ -28,12 +34,32 @@ export function momentText(seconds, info) {
   return `${hours}:${String(minutes % 60).padStart(2, "0")}:${rest}`;
 }
 
+/** A moment as it is said aloud: months in full. */
+export const spokenMoment = (seconds, info) => momentText(seconds, info, SPOKEN_DAYS);
+
+const SAYS_ITSELF = new Set(["period", "crossing_up", "crossing_down"]);
+
 /** Kind and label of an event, without saying the kind twice. */
 export function eventText(event, info) {
   const words = info.kinds[event.kind]?.words ?? event.kind;
   if (!event.label) return words;
+  if (SAYS_ITSELF.has(event.kind)) return plainLabel(event.label);
   if (event.label.toLowerCase().includes(words.toLowerCase())) return event.label;
   return `${words}, ${event.label}`;
+}
+
+/** A label without what stands beside it anyway: "(20.0917), 2007-10-01". */
+function plainLabel(label) {
+  return label.replace(/,? \d{4}-\d\d-\d\d.*$/, "").replace(/ \([-\d.]+\)/, "");
+}
+
+/** What an event of a series is, its value and date being told besides. */
+function shortEvent(event, info) {
+  const label = plainLabel(event.label);
+  const words = info.kinds[event.kind]?.words ?? event.kind;
+  if (SAYS_ITSELF.has(event.kind)) return label || words;
+  const change = label.match(/^[-+][\d.]+( %)?/)?.[0];
+  return change ? `${words}, ${change.replace("-", "\u2212")}` : words;
 }
 
 /** The event at a place of a window, or null. */
@@ -57,12 +83,55 @@ export function secondsAt(view, place) {
   return view.start_s + (view.end_s - view.start_s) * place;
 }
 
-/** What a person who doesn't see is told of a place. */
+/** What a person who doesn't see is told of a place: "702.10 dollars, 19 September 2012, peak". */
 export function placeText(view, place, info) {
-  const moment = momentText(secondsAt(view, place), info);
+  const at = secondsAt(view, place);
   const here = eventAt(view, place);
+  const empty = view.gaps.some(([from, to]) => place > from && place < to);
+  const point = empty && !here ? -1 : pointAt(view, here?.time_s ?? at);
+  if (point >= 0) {
+    const told = [
+      valueText(view.points.value[point], info), spokenMoment(view.points.time_s[point], info),
+    ];
+    if (here) told.push(shortEvent(here, info));
+    return told.join(", ");
+  }
+  const moment = spokenMoment(at, info);
   if (here) return `${moment}, ${eventText(here, info)}`;
-  if (view.gaps.some(([from, to]) => place > from && place < to)) return `${moment}, no data`;
+  if (empty) return `${moment}, no data`;
   const before = view.events.filter((event) => event.place < place).at(-1);
   return before ? `${moment}, after ${eventText(before, info)}` : moment;
+}
+
+/** The value at a place as it is shown; "" where there is none. */
+export function valueAt(view, place, info) {
+  if (view.gaps.some(([from, to]) => place > from && place < to)) return "";
+  const here = eventAt(view, place);
+  const point = pointAt(view, here?.time_s ?? secondsAt(view, place));
+  return point < 0 ? "" : valueText(view.points.value[point], info);
+}
+
+const SCORE = /^\d+-\d+(?= )/;
+
+/** The score at a place of a match's window; "" before its first goal, and where there is none. */
+export function scoreAt(view, place) {
+  const goals = view.events.filter((one) => one.place <= place + AT && SCORE.test(one.label));
+  return goals.at(-1)?.label.match(SCORE)[0].replace("-", "\u2013") ?? "";
+}
+
+/** What lies in a window, to somebody who comes to it: span, range, what to look for. */
+export function summaryText(view, info) {
+  const told = [
+    `${info.title}: ${spokenMoment(view.start_s, info)} to ${spokenMoment(view.end_s, info)}`,
+  ];
+  if (view.points) {
+    const [lowest, highest] = rangeOf(view);
+    told.push(`from ${valueText(lowest, info)} to ${valueText(highest, info)}`);
+  }
+  const counts = new Map();
+  for (const { kind } of view.events) {
+    if (info.kinds[kind].shape !== "bar") counts.set(kind, (counts.get(kind) ?? 0) + 1);
+  }
+  const kinds = [...counts].map(([kind, count]) => `${info.kinds[kind].words}: ${count}`);
+  return [...told, ...kinds].join("; ");
 }

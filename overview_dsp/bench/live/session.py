@@ -1,0 +1,179 @@
+"""What a whole session costs: processor time of `overview play`, and what its screen writes.
+
+Small blocks, with and without the screen, while nothing moves and while keys move the finger. It
+runs as a person's does, in a pseudo-terminal of its own; Linux only.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import struct
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from overview_dsp.errors import InputError, OverviewError
+
+BLOCK = 64
+SIZE = (100, 30)
+"""Columns and rows of the terminal."""
+
+SCREEN_SAYS = b"DSP load"
+STARTS_WITHIN_S = 60.0
+ENDS_WITHIN_S = 6.0
+SETTLE_S = 2.0
+KEY_EVERY_S = 0.05
+KEYS = b"\x1b[C" * 40 + b"\x1b[D" * 40
+"""The finger goes over 40 hundredths of the timeline and back."""
+
+
+@dataclass(frozen=True)
+class SessionRow:
+    """A session of some `seconds`, with its `screen` or headless, `moving` or idle.
+
+    `cpu_percent` of one core; `kb_a_second` to the terminal, kB/s.
+    """
+
+    screen: bool
+    moving: bool
+    seconds: float
+    cpu_percent: float
+    kb_a_second: float
+
+
+def can_measure() -> bool:
+    """Whether this platform says what a process has used."""
+    return Path(f"/proc/{os.getpid()}/stat").exists()
+
+
+def measure_session(
+    device: int | str | None, screen: bool, moving: bool, seconds: float
+) -> SessionRow:
+    """Play the bundled match in a process of its own and look at it for so long.
+
+    Raises
+    ------
+    InputError
+        It couldn't play: no such device, or one that can't do this.
+    """
+    arguments = ["play", "world-cup-final-2018", "--block-size", str(BLOCK)]
+    if device is not None:
+        arguments += ["--device", str(device)]
+    if not screen:
+        arguments += ["--headless"]
+    with _session(arguments) as session:
+        session.wait_for(SCREEN_SAYS if screen else b"{")
+        session.move(moving, SETTLE_S)
+        began, used, shown = time.monotonic(), session.used_s, len(session.shown)
+        session.move(moving, seconds)
+        took = time.monotonic() - began
+        return SessionRow(
+            screen=screen,
+            moving=moving,
+            seconds=took,
+            cpu_percent=100.0 * (session.used_s - used) / took,
+            kb_a_second=1e-3 * (len(session.shown) - shown) / took,
+        )
+
+
+class _Session:
+    """`overview` in a pseudo-terminal, read as fast as it writes."""
+
+    def __init__(self, arguments: list[str]) -> None:
+        import fcntl  # these three aren't there on every platform
+        import pty
+        import termios
+
+        self.shown = bytearray()
+        self._over = False
+        self._ours, theirs = pty.openpty()
+        size = struct.pack("HHHH", SIZE[1], SIZE[0], 0, 0)
+        fcntl.ioctl(self._ours, termios.TIOCSWINSZ, size)
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "overview_dsp", *arguments],
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+            env={**os.environ, "TERM": "xterm-256color"},
+            start_new_session=True,
+        )
+        os.close(theirs)
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        while not self._over:
+            if select.select([self._ours], [], [], 0.1)[0]:
+                try:
+                    self.shown += os.read(self._ours, 65_536)
+                except OSError:  # nobody writes any more
+                    return
+
+    def wait_for(self, words: bytes) -> None:
+        """Until it has shown them; InputError with what it said, if it ends before."""
+        until = time.monotonic() + STARTS_WITHIN_S
+        while words not in self.shown:
+            if self._process.poll() is not None:
+                self._reader.join(1.0)
+                said = self.shown.decode("utf-8", "replace").strip().splitlines() or ["it ended"]
+                raise InputError(next((one for one in said if one.startswith("error")), said[-1]))
+            if time.monotonic() > until:
+                raise OverviewError(f"overview play hasn't begun within {STARTS_WITHIN_S:g} s")
+            time.sleep(0.05)
+
+    def move(self, moving: bool, seconds: float) -> None:
+        """Press keys to and fro for so long, or none."""
+        until, number = time.monotonic() + seconds, 0
+        while (left := until - time.monotonic()) > 0.0:
+            if moving:
+                at = 3 * number % len(KEYS)
+                os.write(self._ours, KEYS[at : at + 3])
+                number += 1
+            time.sleep(min(left, KEY_EVERY_S if moving else 1.0))
+
+    @property
+    def used_s(self) -> float:
+        """Processor time so far, s."""
+        fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def end(self) -> None:
+        """Ask it to end, and see that it does."""
+        if self._process.poll() is None:
+            self._process.send_signal(signal.SIGTERM)
+        try:
+            self._process.wait(ENDS_WITHIN_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._over = True
+        self._reader.join()
+        os.close(self._ours)
+
+
+@contextmanager
+def _session(arguments: list[str]) -> Iterator[_Session]:
+    session = _Session(arguments)
+    try:
+        yield session
+    finally:
+        session.end()
+
+
+def session_table(rows: list[SessionRow]) -> list[str]:
+    """The sessions as lines of text."""
+    lines = [
+        f"a whole session (overview play), {BLOCK} frames, {SIZE[0]} x {SIZE[1]} characters",
+        f"{'session':<32}{'CPU % of a core':>17}{'to the terminal kB/s':>22}",
+    ]
+    for row in rows:
+        name = f"{'screen' if row.screen else 'headless'}, {'moving' if row.moving else 'idle'}"
+        lines.append(f"{name:<32}{row.cpu_percent:>17.1f}{row.kb_a_second:>22.1f}")
+    return lines

@@ -1,0 +1,183 @@
+"""What lies under the hand: which part of the timeline, by which preset.
+
+Both are wished for, and handed to the engine as soon as it has a surface free.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+from overview_dsp.engine.engine import Engine
+from overview_dsp.errors import InputError, OverviewError, OverviewWarning
+from overview_dsp.following.difference import difference
+from overview_dsp.live.preset_pair import PresetPair
+from overview_dsp.presets.model import Preset
+from overview_dsp.timeline import Timeline
+from overview_dsp.timeline.zooming import Zoom
+
+_NUMBER = re.compile(r"\d[\d.:e+-]*")
+
+NEAR = 1e-6
+"""Of the window: an event so near is the one that the hand is on."""
+
+
+class UnderHand:
+    """The window and the preset of an engine.
+
+    Thread: control.
+
+    Attributes
+    ----------
+    timeline : Timeline
+        The whole.
+    window : (start_s, end_s)
+        The part of it under the hand.
+    shown : Timeline
+        That part, from 0.
+    presets : PresetPair
+        Those to choose from.
+    """
+
+    def __init__(
+        self, engine: Engine, timeline: Timeline, presets: PresetPair, say: Callable[[str], None]
+    ) -> None:
+        """The whole timeline, which `engine` has; `say` tells the person."""
+        self._engine = engine
+        self._say = say
+        self.timeline = self.shown = timeline
+        self.window = (0.0, timeline.duration_s)
+        self.presets = presets
+        self._wanted_window: tuple[float, float] | None = None
+        self._wanted_preset: Preset | None = None
+        self._wanted_whole: Timeline | None = None
+        self._grows = False
+        self._said_of_growth: set[str] = set()
+
+    def grow(self, timeline: Timeline) -> bool:
+        """Take over the timeline as it is now; a part that is shown stays, as far as it reaches.
+
+        False if no surface is free for it yet: nothing waits then.
+        """
+        self._grows = True
+        self._wanted_whole = timeline
+        self._make_changes()
+        done, self._wanted_whole = self._wanted_whole is None, None
+        return done
+
+    def zoom(self, factor: float, about: float) -> None:
+        """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
+        wanted = Zoom(self.timeline, *(self._wanted_window or self.window)).scaled(factor, about)
+        self.show(*wanted.window)
+
+    def show(self, start_s: float, end_s: float) -> None:
+        """Put a part of the timeline under the hand; InputError if it isn't one."""
+        if (start_s, end_s) != self.window:
+            self.timeline.window(start_s, end_s)
+            self._wanted_window = (start_s, end_s)
+            self._make_changes()
+
+    def event_beside(self, direction: int, position: float) -> float | None:
+        """The place (0 to 1) of the event after (1) or before (-1) a position, if there is one.
+
+        Beyond its end the window moves along.
+        """
+        zoom = Zoom(self.timeline, *self.window)
+        positions = [float(one) for one in self._engine.surface.position]
+        if direction > 0:
+            wanted = min((one for one in positions if one > position + NEAR), default=None)
+            beyond = zoom.next_event_s(zoom.end_s)
+        else:
+            wanted = max((one for one in positions if one < position - NEAR), default=None)
+            beyond = zoom.previous_event_s(zoom.start_s)
+        if wanted is None and beyond is not None:
+            moved = zoom.showing(beyond)
+            self.show(*moved.window)
+            wanted = moved.position(beyond)
+        return wanted
+
+    def use(self, preset: Preset) -> None:
+        """Change to a preset."""
+        self._wanted_preset = preset
+        self._make_changes()
+
+    def poll(self) -> None:
+        """See whether a preset's file was saved; hand over what waits."""
+        for line in self.presets.look():
+            self._say(line)
+        self._wanted_preset = self.presets.take_changed() or self._wanted_preset
+        self._make_changes()
+
+    def take_wish(self) -> Preset:
+        """The preset that is wanted, or the present one; nothing waits then."""
+        preset, self._wanted_preset = self._wanted_preset or self._engine.preset, None
+        return preset
+
+    def put(self, shown: Timeline, window: tuple[float, float]) -> None:
+        """The engine has this part now."""
+        self.window, self.shown, self._wanted_window = window, shown, None
+
+    def put_at(self, window: tuple[float, float], sample: int) -> None:
+        """Give the engine a part of the timeline at a sample; errors as `Engine.set_timeline`."""
+        shown = self.timeline.window(*window)
+        self._engine.set_timeline(shown, sample, window)
+        self.put(shown, window)
+
+    def _make_changes(self) -> None:
+        """Hand over what is wanted; what finds no free surface slot waits for the next poll."""
+        if (self._wanted_whole, self._wanted_window, self._wanted_preset) == (None, None, None):
+            return
+        with warnings.catch_warnings(record=True) as noted:
+            warnings.simplefilter("always")
+            try:
+                self._change()
+            except InputError as error:
+                self._wanted_preset = self._wanted_whole = None
+                self._say(f"{self.presets.name}: {error}; the last good one plays on")
+            except OverviewError:
+                return  # two surfaces fade already
+        for one in noted:
+            if issubclass(one.category, OverviewWarning):
+                self._say_unless_grown(str(one.message))
+
+    def _say_unless_grown(self, line: str) -> None:
+        """Say a warning; of a timeline that grows only once, with whatever numbers."""
+        words = _NUMBER.sub("", line)
+        if words not in self._said_of_growth:
+            self._say(line)
+        if self._grows:
+            self._said_of_growth.add(words)
+
+    def _change(self) -> None:
+        if self._wanted_whole is not None:
+            self._grow(self._wanted_whole)
+            self._wanted_whole = None
+        if self._wanted_window is not None:
+            window = self._wanted_window
+            shown = self.timeline.window(*window)
+            self._engine.set_timeline(shown, window=window)
+            self.put(shown, window)
+        if self._wanted_preset is not None:
+            self._engine.set_preset(self._wanted_preset)
+            self._wanted_preset = None
+
+    def _grow(self, whole: Timeline) -> None:
+        """Hand over a timeline that has grown, and which part of it is under the hand."""
+        window = self._wanted_window or self.window
+        if self._wanted_window is None and window == (0.0, self.timeline.duration_s):
+            window = (0.0, whole.duration_s)
+        start, end = window[0], min(window[1], whole.duration_s)
+        if start >= end:  # a shorter map: what was shown isn't in it
+            start, end = 0.0, whole.duration_s
+        all_of_it = (start, end) == (0.0, whole.duration_s) and self.shown is self.timeline
+        shown = whole if all_of_it else whole.window(start, end)
+        note: dict[str, Any] | None = None
+        with contextlib.suppress(InputError):  # too long for a take
+            note = difference(self.timeline, whole)
+            note = {"timeline": {**note, "window": None if all_of_it else [start, end]}}
+        self._engine.set_timeline(shown, change=note)
+        self.timeline = whole
+        self.put(shown, (start, end))

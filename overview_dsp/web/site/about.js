@@ -1,0 +1,26 @@
+// What the data are and what their marks mean, in the settings.
+
+import { drawMark } from "./marks.js";
+import { coloursOf } from "./picture.js";
+
+const SIZE = 26; // CSS pixels of a mark
+
+/** `about` gets the sentences, `list` an item for each kind of event. */
+export function tellAbout(about, list, info) {
+  about.textContent = [info.provenance, ...info.notes].filter(Boolean).join(". ");
+  const colours = coloursOf(document.documentElement);
+  // ticks of time explain themselves
+  const kinds = Object.values(info.kinds).filter((kind) => kind.count > 0 || kind.shape !== "bar");
+  list.replaceChildren(...kinds.map((kind) => itemOf(kind, colours)));
+}
+
+function itemOf({ words, shape, colour, count }, colours) {
+  const item = document.createElement("li");
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = 2 * SIZE;
+  const c = canvas.getContext("2d");
+  c.scale(2, 2);
+  drawMark(c, shape, SIZE / 2, SIZE / 2, 7, colours[colour], colours.rim);
+  item.append(canvas, count > 0 ? `${words}, ${count}` : `${words}, when zoomed`);
+  return item;
+}

@@ -1,0 +1,127 @@
+// A timeline that grows: told by the server in a line, fetched when no hand is on the disk.
+
+import { patched } from "./data.js";
+import { ask } from "./session.js";
+import { eventText } from "./words.js";
+
+const RATIO = 3; // site_windows.py
+const NARROWEST_S = 0.5;
+
+/** The parts of a timeline of some length, as the server cuts them. */
+export function partsOf(duration, levels) {
+  const parts = [{ level: 0, start_s: 0, end_s: duration }];
+  for (let level = 1; level <= levels; level += 1) {
+    const width = duration / RATIO ** level;
+    if (width < NARROWEST_S) break;
+    const count = 2 * RATIO ** level - 1;
+    for (let i = 0; i < count; i += 1) {
+      const start_s = Math.min((i * width) / 2, duration - width);
+      parts.push({ level, start_s, end_s: i === count - 1 ? duration : start_s + width });
+    }
+  }
+  return parts;
+}
+
+/** An update's JSON and its patch. */
+export function parsed(bytes) {
+  const length = new DataView(bytes).getUint32(0, true);
+  const head = new TextDecoder().decode(new Uint8Array(bytes, 4, length));
+  return { ...JSON.parse(head), patch: bytes.slice(4 + length) };
+}
+
+/** Bytes cut, or filled up with 0, to a length. */
+export function resized(bytes, length) {
+  const made = new Uint8Array(length);
+  if (bytes !== null) made.set(new Uint8Array(bytes, 0, Math.min(bytes.byteLength, length)));
+  return made.buffer;
+}
+
+export class Live {
+  constructor(page, { levels, version }) {
+    this.page = page;
+    this.levels = levels;
+    this.have = -1; // the version of `bytes`
+    this.bytes = null; // the change to the whole's surface
+    this.told = null; // the notice that is newest
+    this.busy = false;
+    page.data.files = false; // those are of a version that has gone
+    this.line = document.createElement("p");
+    this.line.id = "live";
+    this.line.setAttribute("role", "status");
+    document.getElementById("window").after(this.line);
+    // once the page listens to the hand itself
+    queueMicrotask(() => {
+      const { hand } = page;
+      const { onchange } = hand;
+      hand.onchange = () => {
+        onchange?.();
+        if (hand.holder === null) this.update();
+      };
+    });
+    this.source = new EventSource(new URL(`live/events?since=${version}`, import.meta.url));
+    this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
+    document.addEventListener("visibilitychange", () => this.update());
+  }
+
+  take(told) {
+    this.told = told;
+    const { page } = this;
+    const lines = [];
+    for (const { what, kind, label, time_s, pulse } of told.news) {
+      const event = { kind, label, time_s };
+      const known = page.info.kinds[kind] !== undefined;
+      const words = known ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
+      lines.push(what === "added" ? `new: ${words}` : `taken back: ${words}`);
+      const { felt, vibration } = page.settings;
+      if (what === "added" && felt === "motor" && vibration && page.hand.holder === null) {
+        page.motor.feel([pulse], 0, performance.now());
+      }
+    }
+    this.line.textContent = [told.words, ...lines.slice(-1)].join(" · ");
+    if (lines.length > 0) page.speech.say(lines.at(-1));
+    this.update();
+  }
+
+  /** Have what is new under the hand, unless one holds the disk: then when it lets go. */
+  async update() {
+    const { page } = this;
+    const wanted = () => this.told !== null && this.told.version !== this.have;
+    if (this.busy || document.hidden || !wanted() || page.hand.holder !== null) return;
+    this.busy = true;
+    try {
+      while (wanted() && page.hand.holder === null) await this.fetch();
+      page.fault("");
+    } catch (error) {
+      page.fault(error.message);
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  async fetch() {
+    const { page } = this;
+    const { data, shown, sound } = page;
+    const rate = page.atHost ? 0 : sound.context.sampleRate;
+    const answer = await ask(`live/update?since=${this.have}&rate=${rate}`);
+    const told = parsed(await answer.arrayBuffer());
+    const { version, info, view, patch } = told;
+    if (rate > 0) this.bytes = patched(resized(this.bytes, told.bytes), patch);
+    this.have = version;
+    const windows = partsOf(info.duration_s, this.levels);
+    const whole = { number: 0, zoom: 0, start_s: 0, end_s: info.duration_s };
+    const wasWhole = shown.view.zoom === 0 || shown.view.end_s > info.duration_s;
+    const part = wasWhole ? whole : { ...shown.view, number: -1 };
+    const [drawn, put] =
+      wasWhole && data.preset === null
+        ? [{ points: null, ...view, ...whole }, () => sound.node?.change(this.bytes.slice(0))]
+        : await Promise.all([data.view(part), sound.show(part)]);
+    if (page.hand.holder !== null) return; // a hand has come: it keeps what it touched
+    Object.assign(page.info, info, { windows });
+    shown.windows = windows;
+    if (!page.atHost) put();
+    shown.under = part;
+    shown.take(drawn);
+    shown.tell();
+    page.tellAbout();
+  }
+}

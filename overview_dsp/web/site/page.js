@@ -1,0 +1,330 @@
+// The page: data, sound, hand and picture put together, and what a person does with them.
+
+import { tellAbout } from "./about.js";
+import { readAddress } from "./address.js";
+import { EventList } from "./event_list.js";
+import { Frames } from "./frames.js";
+import { Hand } from "./hand.js";
+import { HostSound } from "./host_sound.js";
+import { HELP, listenToKeys } from "./keys.js";
+import { keepOffline } from "./offline.js";
+import { Playback } from "./playback.js";
+import { Served } from "./served.js";
+import { bindSettings, keepSettings, loadSettings } from "./settings.js";
+import { Shown } from "./shown.js";
+import { Slider } from "./slider.js";
+import { Sound } from "./sound.js";
+import { Speech } from "./speech.js";
+import { Strokes } from "./strokes.js";
+import { listenToTouch } from "./touch.js";
+import { Twist } from "./twist.js";
+import { Motor } from "./vibration.js";
+import { Walk } from "./walk.js";
+import { partBetween } from "./windows.js";
+import { eventAt, eventPassed, eventText } from "./words.js";
+
+const by = (id) => document.getElementById(id);
+
+export class Page {
+  constructor(data, picture, sound) {
+    this.data = data;
+    this.info = data.info;
+    this.sound = sound;
+    this.atHost = sound instanceof HostSound;
+    this.settings = loadSettings();
+    this.hand = new Hand(
+      new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
+    );
+    this.hand.cursor = () => (this.meters === null ? null : this.cursor);
+    this.picture = picture;
+    const told = ["slider", "clock", "value", "event", "summary"];
+    this.slider = new Slider(Object.fromEntries(told.map((id) => [id, by(id)])));
+    this.speech = new Speech();
+    this.motor = new Motor();
+    this.twist = new Twist(this.hand, this.settings.start);
+    this.twist.onsilent = (line) => {
+      this.toggleTwist();
+      this.fault(line);
+    };
+    this.shown = new Shown({
+      data, sound, hand: this.hand, picture: this.picture,
+      onshow: () => this.wake(), onfault: (line) => this.fault(line),
+    });
+    this.walk = new Walk(this.hand, this.shown, this.speech, this.info);
+    this.frames = new Frames(sound, () => this.draw(), (told) => this.take(told));
+    this.playback = new Playback(this);
+    this.served = null;
+    this.meters = null;
+    this.cursor = 0;
+    this.last = null; // the event that was felt last under a hand
+    this.begun = false;
+  }
+
+  begin(view) {
+    document.documentElement.classList.toggle("host", this.atHost);
+    const { windows, duration_s, server } = this.info;
+    const under = this.atHost ? view : partBetween(windows, [0, duration_s]);
+    this.shown.begin(view, under).catch((error) => this.fault(error.message));
+    this.apply();
+    if (server) this.served = new Served(this, server);
+    this.listen();
+    this.wake();
+  }
+
+  /** Fetch the sound, saying so; then what the address asks for. */
+  async load() {
+    const hint = by("hint").textContent;
+    if (!this.atHost) {
+      by("hint").textContent = "The sound is loading…";
+      await this.sound.load();
+    }
+    by("hint").textContent = hint;
+    await this.playback.follow(readAddress());
+    this.wake();
+  }
+
+  get view() {
+    return this.shown.view;
+  }
+
+  get place() {
+    return this.hand.place;
+  }
+
+  get moment() {
+    return this.shown.moment;
+  }
+
+  get film() {
+    return this.served?.film ?? null;
+  }
+
+  get bench() {
+    return this.served?.bench ?? null;
+  }
+
+  /** The event a person means: under the disk while it is held, else the one felt last. */
+  get felt() {
+    return this.hand.holder === null ? this.last : eventAt(this.view, this.meant);
+  }
+
+  /** Where a person is: the disk under a finger comes after it, keys say where they go. */
+  get meant() {
+    return this.hand.holder === "keys" ? this.place : this.cursor;
+  }
+
+  /** The place of a moment (s) in the window that is shown, 0 to 1. */
+  placeAt(moment) {
+    const { start_s, end_s } = this.view;
+    return Math.min(Math.max((moment - start_s) / (end_s - start_s), 0), 1);
+  }
+
+  goTo(event) {
+    by("slider").focus();
+    this.last = event;
+    this.walk.to(event.place);
+  }
+
+  /** Open the list of events, the help or the film. */
+  open(name) {
+    if (name === "run") this.playback.toggle();
+    else if (name === "events") this.list.open(this.view);
+    else if (name === "help") by("help").showModal();
+    else this.served?.watch(this.felt);
+  }
+
+  fault(message) {
+    by("fault").textContent = message;
+  }
+
+  // --- the hand ---------------------------------------------------------------------------------
+
+  listen() {
+    const element = by("slider");
+    const { shown, walk } = this;
+    const onfirst = () => this.start();
+    listenToTouch(element, this.hand, {
+      placeOf: (event, first) => this.picture.placeUnder(event, first),
+      ontap: (x, y) => this.tapped(x, y),
+      onpinch: (factor, x) => shown.zoom(factor > 1 ? 1 : -1, this.picture.placeOf(x)),
+      onfirst,
+    });
+    const watch = this.film === null ? null : (event) => this.served.watch(event);
+    this.list = new EventList(this.info, walk, (event) => this.goTo(event), watch);
+    listenToKeys(element, { walk, shown, open: (name) => this.open(name) }, onfirst);
+    element.addEventListener("focus", () => walk.summary());
+    element.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      shown.wheel(event);
+    }, { passive: false });
+    this.hand.onchange = () => {
+      if (this.hand.holder === "keys") this.last = eventAt(this.view, this.place) ?? this.last;
+      this.wake();
+    };
+    const click = (id, act) => by(id).addEventListener("click", () => {
+      this.start();
+      act();
+    });
+    click("previous", () => walk.event(-1));
+    click("next", () => walk.event(1));
+    click("tap", () => walk.tap());
+    click("run", () => this.playback.toggle());
+    click("list", () => this.open("events"));
+    by("twist").addEventListener("click", () => this.toggleTwist());
+    by("in").addEventListener("click", () => shown.zoom(1));
+    by("out").addEventListener("click", () => shown.zoom(-1));
+    by("earlier").addEventListener("click", () => shown.beside(-1));
+    by("later").addEventListener("click", () => shown.beside(1));
+    by("settings").addEventListener("click", () => by("dialog").showModal());
+    const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
+    by("keys").replaceChildren(...terms);
+    by("calibrate").addEventListener("click", () => this.calibrate());
+    bindSettings(by("dialog").querySelector("form"), this.settings, () => this.apply());
+    document.addEventListener("visibilitychange", () => {
+      if (document.hidden && !this.twist.on) this.leave();
+    });
+    window.addEventListener("pagehide", () => this.leave());
+    new ResizeObserver(() => {
+      this.picture.resize();
+      this.wake();
+    }).observe(by("canvas"));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      this.picture.redraw();
+      this.tellAbout();
+      this.wake();
+    });
+  }
+
+  /** A short touch on an event's mark watches it, where there is a film; whether it did. */
+  tapped(x, y) {
+    const event = this.film === null ? null : this.picture.markAt(x, y);
+    if (event === null) return false;
+    this.last = event;
+    this.served.watch(event);
+    return true;
+  }
+
+  /** In a touch, a key or a click. */
+  start() {
+    this.sound.start();
+    if (!this.begun) {
+      // not of the sound, which some browsers let run before a touch
+      this.begun = true;
+      navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
+    }
+    if (this.sound.running || this.sound.node) by("hint").classList.add("gone");
+    this.wake();
+  }
+
+  leave() {
+    this.playback.player.pause();
+    this.hand.releaseAll();
+    this.motor.rest();
+    this.speech.still();
+  }
+
+  async toggleTwist() {
+    this.start();
+    if (this.twist.on) this.twist.end();
+    else {
+      try {
+        await this.twist.begin();
+      } catch (error) {
+        this.fault(error.message);
+      }
+    }
+    by("twist").setAttribute("aria-pressed", String(this.twist.on));
+  }
+
+  calibrate() {
+    this.settings.start = this.twist.calibrate();
+    keepSettings(this.settings);
+  }
+
+  // --- how it is felt ---------------------------------------------------------------------------
+
+  /** Go over to another preset: its sound at once, its friction's picture when it rests. */
+  async feel(before, after, surface) {
+    await this.sound.feel(before, after, surface ? this.view : null);
+    this.data.preset = after;
+    if (surface) this.shown.drawAgain();
+  }
+
+  apply() {
+    const { felt, clicks, vibration, volume, speech, contrast, still } = this.settings;
+    this.gain = 10 ** (volume / 20);
+    this.sound.route(felt);
+    this.sound.volume(clicks ? this.gain : 0, vibration ? this.gain : 0);
+    if (!vibration || felt !== "motor") this.motor.rest();
+    if (this.atHost) this.sound.call(this.settings.name.slice(0, 40));
+    this.playback.player.loop = this.settings.loop;
+    this.speech.on = speech;
+    if (!speech) this.speech.still();
+    document.documentElement.classList.toggle("contrast", contrast);
+    this.picture.still = still;
+    this.picture.resize();
+    this.tellAbout();
+    this.wake();
+  }
+
+  tellAbout() {
+    tellAbout(by("about"), by("kinds"), this.info);
+  }
+
+  // --- every frame ------------------------------------------------------------------------------
+
+  wake() {
+    if (this.view !== null) this.frames.wake();
+  }
+
+  /** What the sound told of the disk. */
+  take(told) {
+    const before = this.cursor;
+    this.meters = told;
+    // an end may be overrun by a hair: there is no time before the start
+    this.cursor = Math.min(Math.max(told.cursor, 0), 1);
+    this.picture.trace.push(told.torque, told.struck);
+    this.frames.rests(this.hand.holder === null && told.cursor < 1e-4 && told.envelope < 1e-4);
+    if (this.hand.holder !== null) this.last = eventAt(this.view, this.meant) ?? this.last;
+    const { events, struck } = this.view;
+    const passed = this.atHost
+      ? [eventPassed(this.view, before, this.cursor)]
+      : told.struck.map(({ event }) => events[struck[event] ?? -1]);
+    this.tell(passed.filter(Boolean), told.peakTactor);
+  }
+
+  /** What was struck or passed goes to the motor and, unless the keys hold, to speech. */
+  tell(passed, peak) {
+    const { felt, vibration } = this.settings;
+    if (!this.atHost && felt === "motor" && vibration) {
+      const codes = passed.map(({ kind }) => this.info.kinds[kind].pulse);
+      this.motor.feel(codes, peak / this.gain, performance.now());
+    }
+    const last = passed.at(-1);
+    if (last && ![null, "keys"].includes(this.hand.holder)) this.last = last;
+    if (last && this.hand.holder !== "keys") this.speech.say(eventText(last, this.info));
+  }
+
+  draw() {
+    const touching = this.hand.holder !== null;
+    this.picture.draw({ cursor: this.cursor, hand: this.place, touching });
+    this.slider.show(this.view, this.place, this.cursor, this.info);
+  }
+}
+
+/** The page over a picture that is there already, as `window.overview`. */
+export async function begin(data, picture, view) {
+  const { server } = data.info;
+  const sound = server?.audio === "host" ? new HostSound() : new Sound(data);
+  const page = new Page(data, picture, sound);
+  page.begin(view);
+  window.overview = page;
+  await page.load();
+  if (!server) keepOffline();
+}
+
+function term(name, text) {
+  const element = document.createElement(name);
+  element.textContent = text;
+  return element;
+}

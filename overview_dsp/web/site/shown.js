@@ -1,0 +1,139 @@
+// Which part of the timeline is under the hand, and how it comes there: zoom, beside, wheel.
+
+import { levels, partAbout, partBeside, partBetween } from "./windows.js";
+import { momentText, secondsAt } from "./words.js";
+
+const WHEEL_PX = 60; // a step
+const WHEEL_REST_MS = 250; // after which a turn begins anew
+const REST_MS = 250; // a slider that stands so long is drawn
+
+const by = (id) => document.getElementById(id);
+
+export const isSame = (a, b) => a?.start_s === b?.start_s && a?.end_s === b?.end_s;
+
+export class Shown {
+  /** `onshow()` is called when another part is there, `onfault(line)` with what went wrong. */
+  constructor({ data, sound, hand, picture, onshow, onfault }) {
+    this.data = data;
+    this.windows = data.info.windows;
+    this.sound = sound;
+    this.hand = hand;
+    this.picture = picture;
+    this.onshow = onshow;
+    this.onfault = onfault;
+    this.view = null;
+    this.under = null; // the part that sounds
+    this.going = false;
+    this.turned = 0;
+    this.wheeled = 0;
+  }
+
+  /** The first view is there; the sound begins with the part `under`, or soon goes over to it. */
+  async begin(view, under) {
+    this.under = view;
+    this.take(view);
+    this.tell();
+    if (!isSame(view, under)) (await this.sound.show(view))();
+  }
+
+  /** The moment under the hand, s. */
+  get moment() {
+    return secondsAt(this.view, this.hand.place);
+  }
+
+  zoom(direction, place = this.hand.place) {
+    const level = Math.min(Math.max(this.view.zoom + direction, 0), levels(this.windows));
+    if (level === this.view.zoom) return Promise.resolve(false);
+    return this.go(partAbout(this.windows, level, secondsAt(this.view, place)));
+  }
+
+  beside(direction) {
+    const next = partBeside(this.windows, this.view, direction);
+    return next === null ? Promise.resolve(false) : this.go(next);
+  }
+
+  wheel({ deltaX, deltaY, shiftKey, clientX }) {
+    const now = performance.now();
+    const along = Math.abs(deltaX) > Math.abs(deltaY) || shiftKey;
+    this.turned = now - this.wheeled > WHEEL_REST_MS ? 0 : this.turned;
+    this.wheeled = now;
+    this.turned += along ? deltaX || deltaY : deltaY;
+    if (Math.abs(this.turned) < WHEEL_PX) return;
+    const direction = Math.sign(this.turned);
+    this.turned = 0;
+    if (along) this.beside(direction);
+    else this.zoom(-direction, this.picture.placeOf(clientX));
+  }
+
+  /** The window that a host shows, [start, end] in s. */
+  follow(window) {
+    return this.go(partBetween(this.windows, window));
+  }
+
+  /** Put a part under the hand; the moment a key holds stays under it. */
+  async go(part) {
+    if (this.going || isSame(part, this.view)) return false;
+    this.going = true;
+    try {
+      const [view, put] = await Promise.all([
+        this.data.view(part), isSame(part, this.under) ? null : this.sound.show(part),
+      ]);
+      const moment = this.view === null ? 0 : this.moment;
+      put?.();
+      this.under = part;
+      this.take(view);
+      if (this.hand.holder === "keys") {
+        this.hand.hold("keys", (moment - view.start_s) / (view.end_s - view.start_s));
+      }
+      this.tell();
+      this.onfault("");
+      return true;
+    } catch (error) {
+      this.onfault(error.message);
+      return false;
+    } finally {
+      this.going = false;
+    }
+  }
+
+  take(view) {
+    this.view = view;
+    this.picture.show(view);
+    this.onshow();
+    this.fetchPoints(view);
+  }
+
+  /** The data's values come after the picture. */
+  async fetchPoints(view) {
+    try {
+      view.points = await this.data.points(view);
+      this.onshow();
+    } catch (error) {
+      this.onfault(error.message);
+    }
+  }
+
+  /** Draw the same part again as it is felt now, once that has rested. */
+  drawAgain() {
+    clearTimeout(this.drawing);
+    this.drawing = setTimeout(async () => {
+      const { number, zoom, start_s, end_s } = this.view;
+      const part = { number, zoom, start_s, end_s };
+      const view = await this.data.view(part);
+      if (isSame(part, this.view)) this.take(view);
+    }, REST_MS);
+  }
+
+  tell() {
+    const { windows, view } = this;
+    const { info } = this.data;
+    const level = view.zoom;
+    by("window").textContent =
+      `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`;
+    by("in").disabled = level >= levels(windows);
+    by("out").disabled = level === 0;
+    by("earlier").hidden = by("later").hidden = level === 0;
+    by("earlier").disabled = partBeside(windows, view, -1) === null;
+    by("later").disabled = partBeside(windows, view, 1) === null;
+  }
+}

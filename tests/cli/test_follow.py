@@ -1,0 +1,78 @@
+"""`overview feed`, and `play` with what it tells."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+
+import overview_dsp as ov
+from tests.cli.running import MATCH, environment, overview, refused
+
+
+def test_a_match_is_told_as_lines_of_json_at_its_times():
+    outcome = overview("feed", MATCH, "--speed", "inf")
+    assert outcome.code == 0
+    lines = [json.loads(line) for line in outcome.out.splitlines()]
+    assert lines[0]["overview_feed"] == 1
+    assert lines[-1]["end"] == 5880.0
+    assert sum("event" in line for line in lines) == 32
+
+
+def test_speed_is_kept(tmp_path):
+    path = tmp_path / "short.csv"
+    path.write_text("# duration_s: 40\ntime_s,kind\n20,goal\n")
+    begun = time.monotonic()
+    assert overview("feed", path, "--speed", "40").code == 0
+    assert time.monotonic() - begun >= 1.0
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("feed", MATCH, "--speed", "0"), ("--speed", "above 0")),
+        (("feed", "nothing.json"), ("nothing.json",)),
+        (("play",), ("--follow",)),
+        (("play", MATCH, "--follow", "x.feed"), ("leave", MATCH)),
+        (("play", MATCH, "--expect", "95m"), ("--expect", "--follow")),
+        (("play", "--follow", "x.feed", "--expect", "soon"), ("soon", "95m")),
+        (("play", "--follow", "x.feed", "--map", "level"), ("level", "so-far")),
+        (("play", "--follow", "x.feed", "--value", "Close"), ("--value", "--follow")),
+        (("play", "--follow", "x.feed", "--update-after", "-1"), ("--update-after",)),
+        (("play", "--follow", "pcm:loud"), ("pcm:RATE",)),
+        (("serve", MATCH, "--tell", "goal"), ("--tell", "--follow")),
+    ],
+)
+def test_what_cannot_be_followed_is_one_line(words, named, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused(overview(*words), *named)
+
+
+def test_a_match_that_is_told_is_played_taken_and_rendered_again(tmp_path):
+    take = tmp_path / "take.csv"
+    feed = subprocess.Popen(
+        [sys.executable, "-m", "overview_dsp", "feed", MATCH, "--speed", "1500"],
+        stdout=subprocess.PIPE,
+        env=environment(),
+    )
+    hand = tmp_path / "hand.csv"
+    ov.save_gesture(ov.tap(0.5, 0.5) + ov.pause(1.0) + ov.tap(0.9, 0.5) + ov.pause(4.0), hand)
+    played = subprocess.run(
+        [sys.executable, "-m", "overview_dsp", "play", "--follow", "-", "--device", "none",
+         "--json", "--map", "so-far", "--record", str(take), "--input", str(hand)],
+        stdin=feed.stdout, capture_output=True, text=True, env=environment(), check=True,
+        timeout=300,
+    )  # fmt: skip
+    feed.wait()
+    assert "new: goal" in played.stderr
+    lines = [json.loads(line) for line in played.stdout.splitlines()]
+    assert any("data until" in line.get("following", "") for line in lines)
+    changes = json.loads(take.with_suffix(".json").read_text())["changes"]
+    assert any("timeline" in change for change in changes)
+    on = take.with_suffix(".timeline.json")
+    outcome = overview("render", on, "--gesture", take, "-o", tmp_path / "again.wav",
+                       "--sample-rate", "8000")  # fmt: skip
+    assert outcome.code == 0

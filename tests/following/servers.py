@@ -1,0 +1,88 @@
+"""Servers of feeds that can be killed."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+
+def wait_until(condition, seconds=60.0):
+    """Whether something becomes true; the limit is for a machine that is busy."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return condition()
+
+
+class FeedServer:
+    """`/feed`: the lines so far, with an ETag; `/events`: all of them as server-sent events.
+
+    `told` lines of it are there. A killed one closes its connections without a word.
+    """
+
+    def __init__(self, port=0):
+        self.lines, self.told, self.asked, self.answers = [], 0, [], []
+        self.port = port
+        self._server = None
+
+    @property
+    def address(self):
+        return f"http://127.0.0.1:{self.port}"
+
+    def start(self):
+        outer = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def log_message(self, *arguments):
+                pass
+
+            def do_GET(self):
+                outer.asked.append(dict(self.headers))
+                with contextlib.suppress(OSError):
+                    if self.path == "/events":
+                        self._events()
+                    elif self.path == "/busy":
+                        self.send_error(503)
+                    else:
+                        self._file()
+
+            def _file(self):
+                body = "".join(outer.lines[: outer.told]).encode()
+                tag = f'"{len(body)}"'
+                same = self.headers.get("If-None-Match") == tag
+                outer.answers.append(304 if same else 200)
+                self.send_response(outer.answers[-1])
+                self.send_header("ETag", tag)
+                self.send_header("Content-Length", str(0 if same else len(body)))
+                self.end_headers()
+                self.wfile.write(b"" if same else body)
+
+            def _events(self):
+                self.send_response(200)
+                self.send_header("Content-Type", "text/event-stream")
+                self.end_headers()
+                sent = int(self.headers.get("Last-Event-ID", 0))
+                while not outer.killed.is_set():
+                    self.wfile.write(b": alive\n\n")
+                    for n in range(sent, outer.told):
+                        data = outer.lines[n].rstrip()
+                        self.wfile.write(f"id: {n + 1}\ndata: {data}\n\n".encode())
+                    sent = outer.told
+                    time.sleep(0.01)
+
+        self.killed = threading.Event()
+        ThreadingHTTPServer.allow_reuse_address = True
+        self._server = ThreadingHTTPServer(("127.0.0.1", self.port), Handler)
+        self._server.daemon_threads = True
+        self.port = self._server.server_port
+        threading.Thread(target=self._server.serve_forever, args=(0.01,), daemon=True).start()
+        return self
+
+    def kill(self):
+        self.killed.set()
+        self._server.shutdown()
+        self._server.server_close()

@@ -1,0 +1,284 @@
+"""A timeline that grows under a hand: held maps, what is told, takes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.signal import butter, sosfilt
+
+import overview_dsp as ov
+from overview_dsp.kernels import layout
+from overview_dsp.live.takes import timeline_beside
+from tests.live.stepped_session import RATE, Session, event
+
+
+@pytest.fixture
+def live():
+    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live.append(
+        events=[event(0, "period"), event(300, "foul", "a"), event(700, "near_miss", "b")],
+        clock_s=800.0,
+    )
+    return live
+
+
+@pytest.fixture
+def session(live, monkeypatch):
+    made = []
+
+    def make(**keywords):
+        made.append(Session(live, monkeypatch, **keywords))
+        return made[-1]
+
+    yield make
+    for one in made:
+        one.player.close()
+
+
+def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touched(session, live):
+    one = session()
+    snapshot = one.shown
+    alone = ov.Engine(one.player.preset, snapshot)
+    alone.prepare(RATE, 160)
+    one.player.touch(0.12)
+    one.run(0.1)
+    for n in range(50):
+        live.append(events=[event(820 + n, "goal", str(n))], clock_s=821.0 + n)
+        one.player.touch(0.12 - 0.002 * n)
+        one.run(0.04)
+    alone.control(0.12 * math.pi, True, 0)
+    out = np.empty((160, 2), np.float32)
+    heard = []
+    for block in range(len(one.output.sound)):
+        step = block // 2
+        if block % 2 == 0 and step >= 5 and (step - 5) % 2 == 0:
+            alone.control((0.12 - 0.002 * ((step - 5) // 2)) * math.pi, True)
+        alone.process(out)
+        heard.append(out.copy())
+    assert np.array_equal(one.samples, np.concatenate(heard))
+    assert one.shown is snapshot
+    one.player.release()
+    one.run(1.5)
+    assert one.shown is live.snapshot()
+    assert one.shown.kinds()["goal"] == 50
+
+
+def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
+    one = session()
+    live.map = "so far"
+    one.run(0.2)
+    one.player.touch(0.9)
+    one.run(2.0)
+    live.append(events=[event(1500, "goal", "1-0")], clock_s=1600.0)
+    one.run(0.3)
+    assert one.shown.duration_s == 800.0
+    one.player.release()
+    one.run(1.0)
+    assert one.shown.duration_s == 1600.0
+    trace = one.trace
+    theta, omega = (trace[:, layout.TRACE_COLUMNS.index(n)] for n in ("theta1", "omega1"))
+    moved = np.diff(theta) - (omega[1:] + omega[:-1]) / 2.0 / RATE
+    assert np.abs(moved).max() < 1e-12
+
+
+def test_an_update_comes_under_a_finger_after_the_time_that_was_chosen(session, live):
+    one = session(after_s=0.5)
+    one.run(0.1)
+    one.player.touch(0.1)
+    one.run(0.1)
+    live.append(events=[event(900, "foul")], clock_s=900.0)
+    one.run(0.3)
+    assert one.shown is not live.snapshot()
+    one.run(0.3)
+    assert one.shown is live.snapshot()
+
+
+@pytest.mark.parametrize("preset", ["football", "plain", "series"])
+def test_no_click_comes_with_an_update(monkeypatch, preset):
+    live = ov.LiveTimeline("flat", map="so far", unit="u")
+    live.append(intensity=[(float(n), 0.2) for n in range(0, 1000, 10)])
+    heard = []
+    for update in (False, True):
+        if update:
+            live.append(intensity=[(float(n), 0.9) for n in range(0, 1000, 10)])
+        one = Session(live, monkeypatch, preset=preset)
+        one.player.touch(0.2)
+        one.run(1.0)
+        before = len(one.samples)
+        hand = iter(np.linspace(0.2, 0.6, 60))
+        if not update:
+            # new while it moves, under the hand: the harshest moment there is
+            def change(one=one):
+                live.append(intensity=[(float(n), 0.9) for n in range(0, 1000, 10)])
+                one.player.under_hand.grow(live.snapshot())
+
+        else:
+            change = None
+        for n in range(40):
+            one.player.touch(next(hand))
+            if n == 20 and change:
+                change()
+            one.run(0.02)
+        heard.append(one.samples[before:])
+        one.player.close()
+    high = butter(6, 2000.0, "high", fs=RATE, output="sos")
+    at = slice(round(0.4 * RATE), round(0.46 * RATE))
+    changed, steady = (np.abs(sosfilt(high, one, axis=0))[at].max(axis=0) for one in heard)
+    assert 20.0 * np.log10(max(changed[0] - steady[0], 1e-9)) <= -60.0  # the grain is there anyway
+    assert 20.0 * np.log10(max(changed[1], 1e-9)) <= -120.0  # a jump in place of the fade: -115
+
+
+def test_a_goal_is_under_the_hand_within_a_tenth_of_a_second(session, live):
+    one = session()
+    one.run(0.3)
+    for n in range(20):
+        live.append(events=[event(900 + 10 * n, "goal", f"{n}-0")], clock_s=900.0 + 10 * n)
+        one.run(0.1)
+        # what tells of it is the goal itself, and then it is in the timeline
+        kinds = one.shown.kinds()
+        assert kinds == {"goal": 1} or kinds["goal"] == n + 1
+        one.run(1.5)
+        assert one.shown is live.snapshot()
+
+
+def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
+    one = session()
+    one.run(0.2)
+    struck = []
+
+    def look():
+        struck.extend(found.kind for found, _ in one.player.engine.take_struck_events())
+
+    live.append(events=[event(900, "foul", "x")], clock_s=900.0)
+    one.run(1.5, look)
+    assert struck == []
+    assert not any("foul" in line for line in one.messages)
+    live.append(events=[event(950, "goal", "1-0 Parris")], clock_s=951.0)
+    one.run(1.5, look)
+    assert struck
+    assert set(struck) == {"goal"}
+    assert "new: goal 1-0 Parris at 15:50.0" in one.messages
+    assert one.shown is live.snapshot()
+    assert not one.player.engine.meters.touching
+    live.retract(event(950, "goal", "1-0 Parris"))
+    one.run(0.2, look)
+    assert "taken back: goal 1-0 Parris at 15:50.0" in one.messages
+    assert "goal" not in one.shown.kinds()
+
+
+@pytest.mark.parametrize(
+    ("keywords", "told"),
+    [
+        ({"preset": "football-discreet"}, []),
+        ({"preset": "football-discreet", "tell": "goal"}, ["goal"]),
+        ({"tell": "none"}, []),
+        ({"tell": "foul"}, ["foul", "goal"]),
+    ],
+)
+def test_what_is_told_is_chosen(session, live, keywords, told):
+    one = session(**keywords)
+    one.run(0.1)
+    for new in (event(900, "foul", "x"), event(950, "goal", "y")):
+        live.append(events=[new], clock_s=new.time_s)
+        one.run(1.5)
+    assert [new.kind for new in one.player.growing.told] == told
+
+
+def test_what_happened_long_before_is_no_news(session, live):
+    one = session()
+    live.append(events=[event(400, "goal", "late")])
+    one.run(0.5)
+    assert one.player.growing.told == []
+    assert "goal" in one.shown.kinds()
+
+
+def test_a_hand_takes_the_disk_from_what_is_told(session, live):
+    one = session()
+    one.run(0.1)
+    live.append(events=[event(900, "goal")], clock_s=900.0)
+    one.run(0.06)
+    assert one.shown.kinds() == {"goal": 1}
+    one.player.touch(0.3)
+    one.run(0.04)
+    assert one.shown is live.snapshot()
+    one.run(1.0)
+    assert one.player.engine.holder == ("touch", pytest.approx(0.3 * math.pi))
+
+
+def test_a_goal_while_a_hand_holds_is_told_when_it_lets_go(session, live):
+    one = session()
+    one.player.touch(0.1)
+    one.run(0.2)
+    live.append(events=[event(900, "goal", "1-0")], clock_s=900.0)
+    one.run(1.0)
+    assert "new: goal 1-0 at 15:00.0" in one.messages
+    assert one.player.growing.told == []
+    one.player.release()
+    one.run(0.1)
+    assert [new.kind for new in one.player.growing.told] == ["goal"]
+
+
+def test_map_and_length_change_while_it_runs(session, live):
+    one = session()
+    one.run(0.1)
+    assert (one.shown.duration_s, one.shown.until_s) == (5700.0, 800.0)
+    one.player.ask("map", "so-far")
+    one.run(0.2)
+    assert (one.shown.duration_s, one.shown.until_s) == (800.0, None)
+    one.player.ask("map", "whole")
+    one.player.ask("expect", "2h")
+    one.run(0.2)
+    assert (one.shown.duration_s, one.shown.until_s) == (7200.0, 800.0)
+    for words in (("map", "half"), ("expect", "soon")):
+        one.player.ask(*words)
+    one.run(0.1)
+    assert sum("half" in line or "soon" in line for line in one.messages) == 2
+
+
+def test_a_part_that_is_shown_stays_while_the_whole_grows(session, live):
+    one = session()
+    one.player.show(200.0, 800.0)
+    one.run(0.1)
+    live.append(events=[event(500, "foul", "late"), event(900, "foul")], clock_s=900.0)
+    one.run(0.1)
+    assert one.player.window == (200.0, 800.0)
+    assert [e.time_s for e in one.shown.events if e.kind == "foul"] == [100.0, 300.0]
+
+
+def test_a_take_of_a_live_session_is_rendered_again_to_the_bit(session, live, tmp_path):
+    take = tmp_path / "take.csv"
+    one = session(record=take)
+    one.run(0.3)
+    one.player.touch(0.15)
+    one.run(0.5)
+    live.append(events=[event(810, "foul", "c")], clock_s=830.0)
+    one.run(0.3)
+    one.player.release()
+    one.run(0.3)
+    live.append(events=[event(850, "goal", "1-0")], intensity=[(0.0, 0.1), (860.0, 0.9)])
+    one.run(1.5)
+    one.player.show(400.0, 860.0)
+    one.player.tap(0.9)
+    one.run(2.5)
+    live.retract(event(850, "goal", "1-0"))
+    live.gap(820.0, 840.0, "no camera")
+    one.player.ask("map", "so-far")
+    one.run(0.3)
+    one.player.show(0.0, one.player.timeline.duration_s)
+    one.player.tap(0.7)
+    one.run(2.0)
+    live.end(900.0)
+    one.run(0.5)
+    heard = one.samples
+    one.player.close()
+    assert "to the bit" in one.player.ended_takes[0]
+    assert str(timeline_beside(take)) in one.player.ended_takes[0]
+    again = ov.render(
+        str(timeline_beside(take)), "football", str(take), sample_rate=RATE, tail="none"
+    ).samples
+    count = min(len(heard), len(again))
+    assert abs(len(heard) - len(again)) <= 400
+    assert np.abs(heard).max() > 0.01
+    assert np.array_equal(again[:count], heard[:count])

@@ -1,0 +1,65 @@
+"""The page of a timeline that grows, in a real Chromium."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+import overview_dsp as ov
+from tests.live.stepped_session import event
+from tests.web.driving import at, until
+from tests.web.serving import served
+from tests.web.test_served_page import page_of, says
+
+
+@pytest.fixture
+def live():
+    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live.append(events=[event(0, "period"), event(300, "foul", "a")], clock_s=800.0)
+    return live
+
+
+def kinds(word):
+    return f"p.view.events.some(({{ kind }}) => kind === '{word}')"
+
+
+def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
+    with (
+        served(live.snapshot(), plays=False, live=live) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, f"p.view && {kinds('foul')}")
+        live.append(events=[event(900, "goal", "1-0 Parris")], clock_s=905.0)
+        until(tab, kinds("goal"))
+        says(tab, "live", "data until 15:05.0")
+        says(tab, "live", "new: ")
+        tab.mouse.move(*at(tab, 0.1))
+        tab.mouse.down()
+        until(tab, "p.hand.holder !== null")
+        live.append(events=[event(1000, "red_card", "x")], clock_s=1000.0)
+        says(tab, "live", "data until 16:40.0")
+        time.sleep(1.0)
+        assert not tab.evaluate("overview.view.events.some(({ kind }) => kind === 'red_card')")
+        tab.mouse.up()
+        until(tab, kinds("red_card"))
+        live.map = "so far"
+        until(tab, "p.view.end_s === 1000")
+        live.retract(event(900, "goal", "1-0 Parris"))
+        until(tab, f"!{kinds('goal')}")
+        says(tab, "live", "taken back: ")
+        # the kernel has the surface that was drawn: a tap at its end meets the newest
+        tab.mouse.click(*at(tab, 0.999))
+        until(tab, "p.cursor > 0.9")
+        assert wrong == []
+
+
+def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
+    with (
+        served(live.snapshot(), live=live) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.view")
+        live.append(events=[event(900, "goal", "1-0 Parris")], clock_s=905.0)
+        until(tab, kinds("goal"))
+        assert wrong == []

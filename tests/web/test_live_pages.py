@@ -1,0 +1,160 @@
+"""A timeline that grows, on its pages: told, fetched, small."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import struct
+import threading
+import time
+
+import httpx
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.surface.build import build_surface
+from overview_dsp.web.site_sound import window_bytes
+from tests.live.stepped_session import event
+from tests.web.serving import served
+
+
+def update(client, since, rate=48_000):
+    answer = client.get("/live/update", params={"since": since, "rate": rate})
+    assert answer.status_code == 200
+    (length,) = struct.unpack("<I", answer.content[:4])
+    return json.loads(answer.content[4 : 4 + length]), answer.content[4 + length :]
+
+
+def patched(base, patch, length):
+    """As `live.js` and `data.js` do it."""
+    base = base[:length].ljust(length, b"\0")
+    words = np.frombuffer(patch, "<u4")
+    if words[0] == 1:
+        return patch[8:]
+    made, at = np.frombuffer(base, "<u4").copy(), 2
+    for _ in range(words[1]):
+        column, count = words[at : at + 2]
+        made[2 * column : 2 * (column + count)] = words[at + 2 : at + 2 + 2 * count]
+        at += 2 + 2 * count
+    return made.tobytes()
+
+
+class Listening:
+    """The notices that a page gets, from a thread of its own."""
+
+    def __init__(self, server, since="", **headers):
+        self.notices, self.at = [], []
+        self._over = threading.Event()
+        threading.Thread(target=self._run, args=(server, since, headers), daemon=True).start()
+
+    def _run(self, server, since, headers):
+        with (
+            contextlib.suppress(httpx.HTTPError),  # the server is closed
+            server.client(**headers) as client,
+            client.stream("GET", f"/live/events?since={since}", timeout=60) as answer,
+        ):
+            for line in answer.iter_lines():
+                if line.startswith("data: "):
+                    self.at.append(time.monotonic())
+                    self.notices.append(json.loads(line[6:]))
+                if self._over.is_set():
+                    return
+
+    def until(self, condition, seconds=30.0):
+        end = time.monotonic() + seconds
+        while not any(condition(one) for one in self.notices):
+            assert time.monotonic() < end, self.notices
+            time.sleep(0.01)
+        return next(one for one in self.notices if condition(one))
+
+    def close(self):
+        self._over.set()
+
+
+@pytest.fixture
+def live():
+    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live.append(events=[event(0, "period"), event(300, "foul", "a")], clock_s=800.0)
+    return live
+
+
+@pytest.fixture
+def server(live):
+    with served(live.snapshot(), plays=False, live=live) as server:
+        yield server
+
+
+def test_what_is_new_is_told_in_a_line_and_fetched_as_the_surface_of_the_moment(server, live):
+    page = Listening(server, since=live.revision)
+    with server.client() as client:
+        first, patch = update(client, -1)
+        mine = patched(b"", patch, first["bytes"])
+        assert first["info"]["duration_s"] == 5700.0
+        assert [one["kind"] for one in first["view"]["events"]] == ["period", "foul"]
+        assert first["view"]["gaps"] == [[800.0 / 5700.0, 1.0]]
+        time.sleep(0.2)
+        live.append(events=[event(900, "goal", "1-0")], clock_s=905.0)
+        told = page.until(lambda one: one["news"])
+        assert [one["label"] for one in told["news"]] == ["1-0"]
+        assert told["words"] == "data until 15:05.0"
+        assert len(json.dumps(told)) < 500
+        second, patch = update(client, first["version"])
+        assert second["version"] == told["version"]
+        assert len(patch) < len(mine) / 2
+        mine = patched(mine, patch, second["bytes"])
+        preset = ov.load_preset("football")
+        assert mine == window_bytes(build_surface(live.snapshot(), preset), preset, 48_000)
+        live.retract("no such id")
+        live.retract(event(900, "goal", "1-0"))
+        page.until(lambda one: any(news["what"] == "retracted" for news in one["news"]))
+        live.end(910.0)
+        assert page.until(lambda one: one["ended"])["words"] == "the end"
+    page.close()
+
+
+def test_a_page_that_slept_is_told_the_news_that_it_lacks(server, live):
+    version = live.revision
+    for n in range(3):
+        live.append(events=[event(900 + n, "goal", f"{n + 1}-0")])
+    page = Listening(server, **{"Last-Event-ID": str(version)})
+    told = page.until(lambda one: True)
+    assert [one["label"] for one in told["news"]] == ["1-0", "2-0", "3-0"]
+    page.close()
+    with server.client() as client:
+        known = client.get("/data/timeline.json").json()["server"]["live"]
+    assert known["levels"] == 4
+    fresh = Listening(server, since=known["version"])  # nothing is new to it
+    live.append(events=[event(990, "goal", "4-0")])
+    assert [one["label"] for one in fresh.until(lambda one: one["news"])["news"]] == ["4-0"]
+    fresh.close()
+
+
+def test_windows_and_the_first_files_are_of_the_timeline_as_it_is(server, live):
+    with server.client(Origin=server.origin) as client:
+        live.map = "so far"
+        live.append(clock_s=1000.0, events=[event(950, "goal", "x")])
+        assert client.get("/data/timeline.json").json()["duration_s"] == 1000.0
+        window = {"window": [900.0, 1000.0]}
+        shown = client.post("/data/window", content=json.dumps(window)).json()
+        assert "goal" in [one["kind"] for one in shown["events"]]
+
+
+def test_only_whoever_is_let_in_is_told(server):
+    with server.client(token=None) as client:
+        assert client.get("/live/events").status_code == 401
+        assert client.get("/live/update?since=-1&rate=48000").status_code == 401
+    with server.client() as client:
+        for query in ("", "?since=x&rate=48000", "?since=-1&rate=1", "?since=-1&rate=1e9"):
+            answer = client.get(f"/live/update{query}")
+            assert answer.status_code == 400
+            assert answer.text.count("\n") == 1
+
+
+def test_more_pages_are_told_than_an_ordinary_server_has(server, live):
+    pages = [Listening(server, since=live.revision) for _ in range(70)]
+    time.sleep(2.0)
+    live.append(events=[event(900, "goal", "1-0")])
+    for page in pages:
+        page.until(lambda one: one["news"])
+        page.close()

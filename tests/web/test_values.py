@@ -1,0 +1,152 @@
+"""What a page says and shows of a series: the data's own values, dates and extremes."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from dataclasses import replace
+from datetime import timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.web import values
+from overview_dsp.web.static_site import write_site
+from tests.web.driving import PHONE, until
+from tests.web.exported import opened_host
+
+AT = 0.004  # of a window: as near is at an event
+
+SAID_AT = """(place) => {
+    const p = window.overview;
+    p.walk.to(place);
+    p.slider.shown = -Infinity;
+    p.draw();
+    return document.getElementById("slider").getAttribute("aria-valuetext");
+}"""
+
+
+@contextlib.contextmanager
+def page_of(chromium, timeline, preset, folder):
+    write_site(timeline, ov.load_preset(preset), folder, levels=0)
+    with opened_host(folder) as host:
+        context = chromium.new_context(viewport=PHONE)
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.view && (!p.info.series || p.view.points)")
+        yield page
+        assert page.text_content("#fault") == ""
+        context.close()
+
+
+def shared(name, **given):
+    folder = os.environ.get("OVERVIEW_TEST_DATA")
+    if not folder:
+        pytest.skip("needs other people's series: OVERVIEW_TEST_DATA")
+    return ov.load_timeline(Path(folder) / name, **given)
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "preset", "decimals"),
+    [
+        ("stocks/bokeh_AAPL.csv", {}, "stocks", 2),
+        ("weather/seattle-weather-hourly-normals.csv", {"value": "temperature"}, "weather", 1),
+    ],
+)
+def test_the_value_text_is_the_datas_own_at_every_place(
+    chromium, tmp_path, name, given, preset, decimals
+):
+    timeline = shared(name, **given)
+    times = np.asarray(timeline.intensity.time_s)
+    with page_of(chromium, timeline, preset, tmp_path / "site") as page:
+        for place in np.random.default_rng(1).random(60):
+            moment = place * timeline.duration_s
+            event = min(timeline.events, key=lambda one: abs(one.time_s - moment))
+            if abs(event.time_s - moment) <= AT * timeline.duration_s:
+                moment = event.time_s  # its own value is told
+            nearest = int(np.abs(times - moment).argmin())
+            said = page.evaluate(SAID_AT, place).split(", ")
+            day = timeline.start + timedelta(seconds=float(times[nearest]))
+            assert said[1] == f"{day.day} {day:%B %Y}"
+            value = float(timeline.intensity.value[nearest])
+            assert said[0].replace("\u2212", "-") == f"{value:.{decimals}f}"
+
+
+def test_highest_lowest_first_and_last_by_key_and_by_button(chromium, tmp_path):
+    timeline = shared("stocks/bokeh_AAPL.csv")
+    curve = timeline.intensity
+    timeline = replace(timeline, intensity=ov.Intensity(curve.time_s, curve.value, "dollars"))
+    value = np.asarray(curve.value)
+    with page_of(chromium, timeline, "stocks", tmp_path / "site") as page:
+
+        def says():
+            page.wait_for_timeout(150)
+            return page.get_attribute("#slider", "aria-valuetext")
+
+        until(page, "document.getElementById('summary').textContent.includes('90.61 dollars')")
+        page.focus("#slider")
+        for key, expected in (("x", value.max()), ("n", value.min()), ("End", value[-1]),
+                              ("Home", value[0])):  # fmt: skip
+            page.keyboard.press(key)
+            until(
+                page,
+                f"document.getElementById('slider').ariaValueText.startsWith('{expected:.2f}')",
+            )
+        page.keyboard.press("x")
+        until(page, "document.getElementById('slider').ariaValueText.includes('September 2012')")
+        assert says() == "90.61 dollars, 19 September 2012, highest"
+        for name, expected in (("Lowest", value.min()), ("Last", value[-1]), ("First", value[0]),
+                               ("Highest", value.max())):  # fmt: skip
+            page.click("#list")
+            page.click(f"#events button:text-is('{name}')")
+            until(
+                page,
+                f"document.getElementById('slider').ariaValueText.startsWith('{expected:.2f}')",
+            )
+        until(page, "document.getElementById('value').textContent === '90.61 dollars'")
+        page.keyboard.press("h")
+        assert page.is_visible("#help")
+        assert "highest, lowest" in page.text_content("#keys")
+
+
+def test_the_highest_of_a_part_is_that_parts(chromium, tmp_path):
+    page_values = "async ([view, way]) => (await import('./values.js')).extremeOf(view, way)"
+    with page_of(
+        chromium, ov.load_timeline("world-cup-final-2018"), "football", tmp_path / "s"
+    ) as p:
+        points = {"time_s": [0, 10, 20, 30, 40], "value": [9, 2, 5, 1, -3]}
+        view = {"start_s": 10, "end_s": 30, "points": points, "level": [0, 1]}
+        assert p.evaluate(page_values, [view, 1]) == 0.5
+        assert p.evaluate(page_values, [view, -1]) == 1.0
+        assert p.evaluate(page_values, [{**view, "start_s": 12}, -1]) == 1.0
+        # without values the curve will do
+        assert p.evaluate(page_values, [{"level": [0, 0.2, 0.9, 0.1, 0]}, 1]) == 0.5
+
+
+def test_a_long_series_has_points_of_its_own_at_even_moments_and_events():
+    n = 5 * values.MOST
+    signal = np.sin(np.arange(n) / 500.0) + np.arange(n) * 1e-6
+    events = (ov.Event(777.0, "note"), ov.Event(54_321.0, "note"))
+    timeline = ov.Timeline("long", float(n), events, ov.Intensity(np.arange(n) * 1.0, signal))
+    told = values.points_json(timeline, 0.0, float(n))
+    assert values.MOST <= len(told["value"]) <= values.MOST + 2
+    assert {777, 54_321} <= set(told["time_s"])
+    assert np.array_equal(signal[np.array(told["time_s"])], told["value"])
+    part = values.points_json(timeline, 1000.0, 1100.0)
+    assert part["time_s"] == list(range(1000, 1101))
+    assert values.series_json(timeline)["whole"] is False
+
+
+def test_decimals_are_the_datas_but_no_more_than_can_be_heard():
+    def decimals(*given):
+        curve = ov.Intensity(np.arange(float(len(given))), np.array(given))
+        return values.series_json(ov.Timeline("t", 10.0, intensity=curve))["decimals"]
+
+    assert decimals(12.8, 10.6, 35.6) == 1
+    assert decimals(3.0, 900.0, 1200.0) == 0
+    assert decimals(4.1866628, 702.1, 80.12345) == 2
+    assert decimals(0.0001234, 0.0004567) > 5
+    match = ov.load_timeline("world-cup-final-2018")
+    assert values.series_json(match) is None  # excitement that was made up is nobody's data
