@@ -21,6 +21,7 @@ from overview_dsp.public.lazy import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.measure.apart import events_felt_apart
+    from overview_dsp.measure.character import Character, characters, level_matched_steps
     from overview_dsp.measure.crowd import CrowdKind, CrowdReport, CrowdStroke, crowd_report
     from overview_dsp.measure.felt import Stroke, event_levels, strokes, window_db
     from overview_dsp.measure.observer.observing import observe
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from overview_dsp.measure.tuning.separating import separated
 
 __all__ = [
+    "Character",
     "CrowdKind",
     "CrowdReport",
     "CrowdStroke",
@@ -62,10 +64,12 @@ __all__ = [
     "StrokeScores",
     "Tuned",
     "character_steps",
+    "characters",
     "crowd_report",
     "event_levels",
     "events_felt_apart",
     "feel_report",
+    "level_matched_steps",
     "observe",
     "onsets",
     "random_crowd",
@@ -88,6 +92,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(
         __name__,
         {
+            "Character": "character",
             "CrowdKind": "crowd",
             "CrowdReport": "crowd",
             "CrowdStroke": "crowd",
@@ -102,10 +107,12 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "StrokeScores": "observer.report",
             "Tuned": "tuning.moves",
             "character_steps": "report",
+            "characters": "character",
             "crowd_report": "crowd",
             "event_levels": "felt",
             "events_felt_apart": "apart",
             "feel_report": "report",
+            "level_matched_steps": "character",
             "observe": "observer.observing",
             "onsets": "onset_detector",
             "random_crowd": "random_data.crowd",

@@ -194,3 +194,42 @@ def test_axe_finds_nothing_on_the_bench_and_at_the_host(match, chromium, axe, sc
         for section in ("disk", "tactor", "event: goal"):
             tab.locator(f"summary:text-is('{section}')").click()
         assert violations(tab, axe) == []
+
+
+def test_a_drawn_course_is_felt_at_once_undone_and_kept(match, chromium, own_folder):
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
+        opened(tab)
+        tab.click("summary:text-is('event: goal')")
+        pad = tab.locator("details[open] .drawing")
+        pad.scroll_into_view_if_needed()
+        box = pad.bounding_box()
+
+        def stroke(*places):
+            (first, *rest) = [
+                (box["x"] + x * box["width"], box["y"] + (1.0 - y) * box["height"])
+                for x, y in places
+            ]
+            tab.mouse.move(*first)
+            tab.mouse.down()
+            for place in rest:
+                tab.mouse.move(*place, steps=8)
+            tab.mouse.up()
+
+        stroke((0.004, 0.1), (0.996, 0.9))
+        until(tab, "!p.bench.busy && p.bench.sounding.kinds.goal.points.length === 33")
+        rising = tab.evaluate("overview.bench.preset.kinds.goal.points")
+        assert rising == sorted(rising)
+        assert 0.0 < rising[0] < 0.2 < 0.8 < rising[-1] <= 1.0
+        stroke((0.5, 0.02), (0.6, 0.02))
+        assert min(tab.evaluate("overview.bench.preset.kinds.goal.points")[16:20]) < 0.05
+        tab.click("details[open] .drawn button:text-is('Undo')")
+        assert tab.evaluate("overview.bench.preset.kinds.goal.points") == rising
+        until(tab, "!p.bench.busy")
+        tab.fill("#bench-name", "drawn")
+        tab.click("#bench-save")
+        says(tab, "bench-told", "kept as drawn")
+        kept = ov.load_preset(own_folder / "drawn.toml").kinds["goal"].points
+        assert list(kept) == rising
+        tab.click("details[open] .drawn button:text-is('Back to its shape')")
+        until(tab, "!p.bench.busy && p.bench.sounding.kinds.goal.points.length === 0")
+        assert wrong == []

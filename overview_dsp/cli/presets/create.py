@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -9,6 +10,10 @@ import click
 
 from overview_dsp.cli.common import show
 from overview_dsp.errors import InputError
+
+SCHEMA_FILE = "preset.schema.json"
+SCHEMA_LINE = f"#:schema ./{SCHEMA_FILE}"
+"""What editors with Taplo complete and check a preset by."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 
@@ -23,6 +28,7 @@ def new(name: str, base: str, out: str | None, as_json: bool) -> None:
     from overview_dsp.files.atomic import make_folder, whole_file
     from overview_dsp.files.toml import SUFFIX
     from overview_dsp.presets.library import LIBRARY, load_preset
+    from overview_dsp.presets.reference import json_schema
     from overview_dsp.presets.writing import started_from
 
     if not _NAME.fullmatch(name):
@@ -35,8 +41,12 @@ def new(name: str, base: str, out: str | None, as_json: bool) -> None:
         raise InputError(f"{path}: is there already; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
     with whole_file(path) as temporary:
-        temporary.write_text(started_from(str(named), preset, name), encoding="utf-8", newline="\n")
+        text = f"{SCHEMA_LINE}\n{started_from(str(named), preset, name)}"
+        temporary.write_text(text, encoding="utf-8", newline="\n")
     load_preset(path)
+    # beside it, as the line says: what this version of the program knows
+    with whole_file(path.with_name(SCHEMA_FILE)) as temporary:
+        temporary.write_text(json.dumps(json_schema(), indent=1) + "\n", encoding="utf-8")
     line = f"{path}: extends {base}; change it with: overview presets edit {out or name}"
     show(as_json, {"file": str(path), "extends": base}, line)
 

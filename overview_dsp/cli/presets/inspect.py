@@ -7,14 +7,36 @@ import click
 from overview_dsp.cli.common import list_profiles, print_json
 
 
-@click.command(name="list", epilog="Example: overview presets list")
+@click.command(name="list", epilog="Example: overview presets list --for football --tag energy=1")
+@click.option(
+    "--tag",
+    "tags",
+    multiple=True,
+    metavar="TAG",
+    help="Only those with it: a use (discreet listening: 'in company') or a scale, energy=4, "
+    "tempo<3, roughness>2. May be given several times.",
+)
+@click.option(
+    "--for", "use", metavar="USE", help="Only those for it: football, stocks, weather, ..."
+)
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def list_(as_json: bool) -> None:
+def list_(tags: tuple[str, ...], use: str | None, as_json: bool) -> None:
     """The bundled presets and your own, and what each is for."""
     from overview_dsp.presets.library import LIBRARY, load_preset, preset_path
+    from overview_dsp.presets.tagged import require_tag, serves, tagged
 
+    for tag in tags:
+        require_tag(tag)
+
+    def wanted(name: str) -> bool:
+        preset = load_preset(name)
+        return all(tagged(preset, tag) for tag in tags) and (use is None or serves(preset, use))
+
+    names = [*LIBRARY.bundled, *LIBRARY.own]
+    if tags or use is not None:
+        names = [name for name in names if wanted(name)]
     list_profiles(
-        (*LIBRARY.bundled, *LIBRARY.own),
+        names,
         load_preset,
         lambda preset: {
             "name": preset.name,
@@ -25,6 +47,8 @@ def list_(as_json: bool) -> None:
         },
         as_json,
     )
+    if not names and not as_json:
+        click.echo("no preset is like that; overview presets list has all, with --json their tags")
 
 
 @click.command(epilog="Example: overview presets show football")
@@ -115,7 +139,7 @@ def schema(as_json: bool) -> None:
     """The JSON Schema of preset files, for completion in TOML editors.
 
     With it beside a preset, the preset's first line "#:schema ./preset.schema.json" is all that
-    editors with Taplo need.
+    editors with Taplo need; `overview presets new` writes both.
     """
     from overview_dsp.presets.reference import json_schema
 

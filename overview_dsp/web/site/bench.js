@@ -1,6 +1,7 @@
 // The preset bench: a preset's parameters under sliders, felt at once, against another (A and B),
 // kept as a file. What they mean is computed by the server, by the code that a native engine runs.
 
+import { drawingOf } from "./bench_drawing.js";
 import { rowOf } from "./bench_rows.js";
 import { by } from "./dom.js";
 import { ask, post } from "./session.js";
@@ -90,6 +91,7 @@ export class Bench {
     const open = new Set([...opened].map((one) => one.id));
     const { values, kinds } = this.preset;
     const sections = new Map();
+    const drawn = new Map();
     for (const [id, known] of this.table) {
       if (id.startsWith("kinds.") || id.startsWith(HANDS)) continue;
       const name = id.split(".")[0];
@@ -97,9 +99,11 @@ export class Bench {
     }
     for (const [name, kind] of Object.entries(kinds)) {
       sections.set(`event: ${name.replaceAll("_", " ")}`, this.kindRows(kind));
+      drawn.set(`event: ${name.replaceAll("_", " ")}`, kind);
     }
     by("bench-rows").replaceChildren(
-      ...[...sections].map(([name, rows]) => this.section(name, rows, open)),
+      ...[...sections].map(([name, rows]) => (
+        this.section(name, rows, open, drawn.get(name)))),
     );
   }
 
@@ -117,8 +121,8 @@ export class Bench {
     return rows;
   }
 
-  /** A section, whose rows are made when it is opened. */
-  section(name, rows, open) {
+  /** A section, whose rows are made when it is opened; a kind's course can be drawn in its. */
+  section(name, rows, open, kind) {
     const details = document.createElement("details");
     details.id = `section ${name}`;
     const summary = document.createElement("summary");
@@ -131,6 +135,7 @@ export class Bench {
           rowOf(known, place, key, () => this.changed()),
         ),
       );
+      if (kind) details.append(drawingOf(kind, () => this.changed()));
     };
     details.addEventListener("toggle", fill);
     details.open = open.has(details.id);
