@@ -6,8 +6,8 @@ For anyone: a match in progress, as in the paper's scenario. Somebody meets a fr
 is played, and twists the device now and then to feel whether anything has happened.
 
 What you should feel: the first twist meets the kick-off and a few soft bumps, and behind them the
-future, smooth and heavy. In the second there is a hard knock, an own goal, and in the third there are
-two more. Then the hand looks closer at one, and stops just before it.
+future, smooth and heavy. In the second there is a hard knock, an own goal, and in the third there
+are two more. Then the hand looks closer at one, and stops just before it.
 """
 
 import matplotlib.pyplot as plt
@@ -21,8 +21,8 @@ rate = 48_000
 
 # %%
 # The match is told at 60 times its speed, a second of sound a minute of play. In a program of your
-# own the events come from a feed; here they are those of the bundled match, each at its time. A hand
-# that holds the disk keeps the map that it touched: what is new comes to the engine between twists.
+# own the events come from a feed; here they are those of the bundled match, each at its time. What
+# is new comes to the engine between twists: a hand that holds the disk keeps the map it touched.
 
 live = ov.LiveTimeline(match.title.split(" ", 1)[0], expect_s=match.duration_s)
 engine = ov.Engine(preset, live.snapshot())
