@@ -66,7 +66,11 @@ async def page(host: str, port: int, cookie: str, took: dict[str, list[float]]) 
         if not goals:
             continue
         now = time.time()
-        body = await fetch(*kept, host, port, cookie)
+        try:
+            body = await fetch(*kept, host, port, cookie)
+        except (asyncio.IncompleteReadError, ConnectionError):  # idle for too long
+            kept = await asyncio.open_connection(host, port)
+            body = await fetch(*kept, host, port, cookie)
         assert goals[-1].encode() in body
         took["notice"].append(now - float(goals[-1]))
         took["update"].append(time.time() - float(goals[-1]))

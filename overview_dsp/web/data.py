@@ -90,7 +90,7 @@ def data_routes(
         return preset_named(name)
 
     def now() -> Timeline:
-        return timeline if live is None else live.snapshot()
+        return timeline if live is None else live.felt()
 
     def made() -> SiteContent:
         version = None if live is None else live.revision

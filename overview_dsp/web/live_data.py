@@ -63,7 +63,7 @@ class LiveData:
         self._live = live
         self._preset = preset
         self.version = live.revision
-        self.timeline: Timeline = live.snapshot()
+        self.timeline: Timeline = live.felt()
         self._told = asyncio.Event()
         self._ticking: asyncio.Task[None] | None = None
         self._pages = 0
@@ -149,7 +149,7 @@ class LiveData:
         """The present revision is the version."""
         revision = self._live.revision
         # what comes in between is in the timeline already, and news of the next version
-        self.version, self.timeline = revision, self._live.snapshot()
+        self.version, self.timeline = revision, self._live.felt()
 
     # --- updates ----------------------------------------------------------------------------------
 

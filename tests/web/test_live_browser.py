@@ -26,7 +26,7 @@ def kinds(word):
 
 def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
     with (
-        served(live.snapshot(), plays=False, live=live) as server,
+        served(live.felt(), plays=False, live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, f"p.view && {kinds('foul')}")
@@ -44,7 +44,7 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
         tab.mouse.up()
         until(tab, kinds("red_card"))
         live.map = "so far"
-        until(tab, "p.view.end_s === 1000")
+        until(tab, "p.view.end_s === 1030")
         live.retract(event(900, "goal", "1-0 Parris"))
         until(tab, f"!{kinds('goal')}")
         says(tab, "live", "taken back: ")
@@ -56,7 +56,7 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
 
 def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
     with (
-        served(live.snapshot(), live=live) as server,
+        served(live.felt(), live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view")

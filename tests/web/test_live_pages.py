@@ -81,7 +81,7 @@ def live():
 
 @pytest.fixture
 def server(live):
-    with served(live.snapshot(), plays=False, live=live) as server:
+    with served(live.felt(), plays=False, live=live) as server:
         yield server
 
 
@@ -104,7 +104,7 @@ def test_what_is_new_is_told_in_a_line_and_fetched_as_the_surface_of_the_moment(
         assert len(patch) < len(mine) / 2
         mine = patched(mine, patch, second["bytes"])
         preset = ov.load_preset("football")
-        assert mine == window_bytes(build_surface(live.snapshot(), preset), preset, 48_000)
+        assert mine == window_bytes(build_surface(live.felt(), preset), preset, 48_000)
         live.retract("no such id")
         live.retract(event(900, "goal", "1-0"))
         page.until(lambda one: any(news["what"] == "retracted" for news in one["news"]))
@@ -134,7 +134,7 @@ def test_windows_and_the_first_files_are_of_the_timeline_as_it_is(server, live):
     with server.client(Origin=server.origin) as client:
         live.map = "so far"
         live.append(clock_s=1000.0, events=[event(950, "goal", "x")])
-        assert client.get("/data/timeline.json").json()["duration_s"] == 1000.0
+        assert client.get("/data/timeline.json").json()["duration_s"] == 1030.0
         window = {"window": [900.0, 1000.0]}
         shown = client.post("/data/window", content=json.dumps(window)).json()
         assert "goal" in [one["kind"] for one in shown["events"]]
