@@ -21,8 +21,9 @@ rate = 48_000
 
 # %%
 # The match is told at 60 times its speed, a second of sound a minute of play. In a program of your
-# own the events come from a feed; here they are those of the bundled match, each at its time. What
-# is new comes to the engine between twists: a hand that holds the disk keeps the map it touched.
+# own the events come from a feed; here they are those of the bundled match, each at its time. A
+# hand that holds the disk keeps the map that it touched: what is new comes to the engine between
+# twists.
 
 live = ov.LiveTimeline(match.title.split(" ", 1)[0], expect_s=match.duration_s)
 engine = ov.Engine(preset, live.snapshot())

@@ -8,11 +8,6 @@ HALF_TURN = math.pi
 """The input angle of the whole timeline, rad (the paper's 180 degrees)."""
 
 
-def db_to_gain(db: float) -> float:
-    """Amplitude ratio of a level in dB."""
-    return float(10.0 ** (db / 20.0))
-
-
 def gain_to_db(gain: float) -> float:
     """Level in dB of an amplitude ratio; minus infinity for 0."""
     return 20.0 * math.log10(gain) if gain > 0.0 else -math.inf

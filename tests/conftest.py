@@ -55,6 +55,14 @@ def football():
 
 
 @pytest.fixture(scope="session")
+def springy_file(football, tmp_path_factory):
+    """Football in a file, with a disk that is back in a second: a session lasts as long as it."""
+    path = tmp_path_factory.mktemp("springy") / "springy.toml"
+    ov.presets.save(football.with_value("disk.k1", 5.0 * football.number("disk.k1")), path)
+    return path
+
+
+@pytest.fixture(scope="session")
 def data_folder():
     """Other people's data, which the project may not contain."""
     folder = os.environ.get("OVERVIEW_TEST_DATA")

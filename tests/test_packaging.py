@@ -15,7 +15,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.kernels.compiling import NUMBA
-from overview_dsp.live.portaudio import SOUNDDEVICE, import_sounddevice
+from overview_dsp.live.portaudio_library import SOUNDDEVICE, import_sounddevice
 
 ROOT = Path(__file__).resolve().parents[1]
 LATE = (

@@ -12,16 +12,12 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
-import os
-import re
 import subprocess
 import sys
-import tempfile
-import warnings
 from pathlib import Path
-from typing import Any
 
-ROOT = Path(__file__).resolve().parents[1]
+from kernel_ir import ROOT, machine_for, module_for, unoptimised, written_out
+
 KERNEL = ROOT / "overview_dsp" / "web" / "kernel.wasm"
 TRIPLE = "wasm32-unknown-unknown"
 STACK_BYTES = 16384
@@ -30,69 +26,23 @@ SECTION = "toolchain"
 
 
 def main(out: Path) -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        # before numba is imported: host-optimised code would get into the IR, from the cache too
-        os.environ.update(NUMBA_OPT="0", NUMBA_CACHE_DIR=folder, NUMBA_DISABLE_JIT="0")
-        # unoptimised code isn't worth keeping
-        warnings.filterwarnings("ignore", message="Cannot cache compiled function")
-        sys.path.insert(0, str(ROOT))
-        object_file = Path(folder) / "kernel.o"
-        object_file.write_bytes(compiled())
-        linked = Path(folder) / "kernel.wasm"
+    with unoptimised() as folder:
+        from overview_dsp.kernels.device.browser import SIGNATURE, render
+
+        machine = machine_for(TRIPLE, reloc="static", codemodel="default")
+        module = module_for(written_out({"render": (render, SIGNATURE)}), machine)
+        object_file = folder / "kernel.o"
+        object_file.write_bytes(machine.emit_object(module))
+        linked = folder / "kernel.wasm"
         link(object_file, linked)
-        module = linked.read_bytes() + custom_section(SECTION, json.dumps(toolchain()).encode())
-    check(module)
-    out.write_bytes(module)
-    print(f"{out}: {len(module)} bytes, {toolchain()}")
+        built = linked.read_bytes() + custom_section(SECTION, json.dumps(toolchain()).encode())
+    check(built)
+    out.write_bytes(built)
+    print(f"{out}: {len(built)} bytes, {toolchain()}")
 
 
 def toolchain() -> dict[str, str]:
     return {part: importlib.metadata.version(part) for part in PARTS}
-
-
-def compiled() -> bytes:
-    """The kernel as a WebAssembly object file."""
-    from overview_dsp.kernels.device.browser import SIGNATURE, render
-
-    module, machine = cross_compiled(render, SIGNATURE, "render", TRIPLE)
-    return machine.emit_object(module)
-
-
-def cross_compiled(
-    function: Any, signature: Any, name: str, triple: str, speed_level: int = 3
-) -> tuple[Any, Any]:
-    """A C function, called `name`, for another machine: llvmlite's module and target machine.
-
-    NUMBA_OPT must be 0, from before numba is imported.
-    """
-    import llvmlite.binding as llvm
-    import numba
-
-    from overview_dsp.kernels.compiling import OPTIONS
-
-    options = {key: value for key, value in OPTIONS.items() if key != "nogil"}
-    function = numba.cfunc(signature, **options)(function)
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    machine = llvm.Target.from_triple(triple).create_target_machine(
-        opt=3, reloc="static", codemodel="default"
-    )
-    ir = function.inspect_llvm()
-    ir = re.sub(r'target triple = "[^"]*"', f'target triple = "{triple}"', ir)
-    ir = re.sub(r'target datalayout = "[^"]*"', f'target datalayout = "{machine.target_data}"', ir)
-    ir = ir.replace(f"@{function.native_name}(", f"@{name}(")
-    module = llvm.parse_assembly(ir)
-    module.verify()
-    for value in (*module.functions, *module.global_variables):
-        if not value.is_declaration and value.name != name:
-            value.linkage = "internal"
-    tuning = llvm.create_pipeline_tuning_options(speed_level)
-    tuning.loop_vectorization = tuning.slp_vectorization = False
-    # what reference counting leaves behind goes only in the second run
-    for _ in range(2):
-        passes = llvm.create_pass_builder(machine, tuning)
-        passes.getModulePassManager().run(module, passes)
-    return module, machine
 
 
 def link(source: Path, target: Path) -> None:

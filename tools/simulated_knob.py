@@ -268,7 +268,7 @@ def play_motor(options: argparse.Namespace) -> None:
     print(f"serial:{options.link or wire.name}  motor, {options.hand}", flush=True)
     began, said, heard = time.monotonic(), 0, False
     lowest = highest = motor.angle
-    moved = 0.0
+    moved = opened = 0.0
     try:
         while options.seconds is None or motor.time < options.seconds:
             time.sleep(0.0005)
@@ -279,8 +279,9 @@ def play_motor(options: argparse.Namespace) -> None:
             sent = session.exchange(now, wire.receive())
             if wire.is_open and not heard:  # a board begins again
                 motor.begin()
+                opened = motor.time
             heard = wire.is_open
-            silent = options.mute is not None and motor.time >= options.mute
+            silent = options.mute is not None and motor.time >= opened + options.mute
             if sent and not silent:
                 wire.send(spoil(sent, options.noise, dice) if options.noise else sent)
             lowest, highest = min(lowest, motor.angle), max(highest, motor.angle)
@@ -338,7 +339,9 @@ def main() -> None:
     motor.add_argument("--counts", type=int, default=4096, help="of its encoder, a turn")
     motor.add_argument("--nm-per-unit", type=float, default=0.003, help="torque of 1 of its target")
     motor.add_argument("--seconds", type=float, help="stop after so long")
-    motor.add_argument("--mute", type=float, metavar="S", help="say nothing from then on")
+    motor.add_argument(
+        "--mute", type=float, metavar="S", help="say nothing any more S after it was opened"
+    )
     motor.add_argument("--noise", type=float, default=0.0, help="part of the bytes that is spoilt")
     motor.add_argument("--no-watchdog", action="store_true", help="keep the torque in silence")
     motor.add_argument("--seed", type=int, default=1)

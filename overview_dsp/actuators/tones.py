@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.units import db_to_gain
+from overview_dsp.kernels.decibels import gain_of_db
 
 EDGE_S = 0.01
 """How long a test signal takes to begin and to end."""
@@ -65,7 +65,7 @@ def log_sweep(
     octaves = math.log(high_hz / low_hz)
     time = np.arange(frames) / sample_rate
     turns = low_hz * seconds / octaves * np.expm1(time * (octaves / seconds))
-    swept = db_to_gain(level_db) * np.sin(2.0 * math.pi * turns)
+    swept = gain_of_db(level_db) * np.sin(2.0 * math.pi * turns)
     return swept * edges(frames, round(EDGE_S * sample_rate))
 
 

@@ -8,10 +8,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from overview_dsp.engine.coefficients import APPROACH_S, GRAIN_S
 from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
-from overview_dsp.units import HALF_TURN, db_to_gain
+from overview_dsp.kernels.decibels import gain_of_db
+from overview_dsp.kernels.derive import APPROACH_S, GRAIN_S
+from overview_dsp.units import HALF_TURN
 
 # in the C struct's order: a parameter of the preset, a coefficient's column, or what makes it
 _SETTINGS: dict[str, str | int | Callable[[Engine], float]] = {
@@ -83,7 +84,7 @@ def plain_scene(engine: Engine) -> Scene:
         np.append(first, first[-1]).astype(np.int64),  # an empty kind ends the list
         np.array([mode.frequency_hz for mode in modes]),
         np.array([mode.decay_ms * 1e-3 for mode in modes]),
-        np.array([db_to_gain(mode.gain_db) for mode in modes]),
+        np.array([gain_of_db(mode.gain_db) for mode in modes]),
     )
     assert math.isclose(arrays[1][-1], surface.position[-1] * math.pi)
     addresses = [array.ctypes.data for array in arrays]

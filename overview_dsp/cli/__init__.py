@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 import click
 
 from overview_dsp import __version__
+from overview_dsp.cli.common import note
 from overview_dsp.cli.stopping import stop_code, stopped_by_signals
 from overview_dsp.errors import OverviewError, OverviewWarning
 from overview_dsp.files.atomic import remove_temporaries
@@ -85,7 +86,7 @@ def _note(
     line: str | None = None,
 ) -> None:
     if issubclass(category, OverviewWarning):
-        click.echo(f"note: {message}", err=True)
+        note(str(message))
 
 
 def main() -> NoReturn:

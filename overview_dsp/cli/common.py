@@ -1,4 +1,4 @@
-"""What several commands share: the compile notice, the progress bar, reports as JSON."""
+"""What several commands share: notes, the compile notice, the progress bar, reports as JSON."""
 
 from __future__ import annotations
 
@@ -17,7 +17,23 @@ if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
 
 BAR_AFTER_S = 1.0
+STANDARD_ERROR = 2
 T = TypeVar("T")
+
+
+def note(message: str) -> None:
+    """A line for the person."""
+    say(f"note: {message}")
+
+
+def say(line: str) -> None:
+    """A line on standard error, if there is one still: it may be a terminal that was closed."""
+    try:
+        click.echo(line, err=True)
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, STANDARD_ERROR)  # else its end would fail again
+        os.close(nowhere)
 
 
 def announce_compile(*kernels: str) -> None:
@@ -116,7 +132,7 @@ def list_profiles(
     )
     show(as_json, rows, *lines)
     for fault in faults:
-        click.echo(f"note: left out: {fault}", err=True)
+        note(f"left out: {fault}")
 
 
 def window_options(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -22,7 +22,7 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
     """
     from overview_dsp.errors import OverviewError
     from overview_dsp.live.midi_port import midi_ports
-    from overview_dsp.live.portaudio import devices, no_output_hint
+    from overview_dsp.live.output_devices import devices, no_output_hint
     from overview_dsp.live.serial_port import PortInfo, ports
     from overview_dsp.live.serial_port import listen as hear
 

@@ -1,4 +1,4 @@
-"""`overview export`: a gesture baked to haptic formats, or a timeline to a page of its own."""
+"""`overview export`: a gesture baked to haptic formats, or a timeline to a page or to C."""
 
 from __future__ import annotations
 
@@ -21,6 +21,11 @@ from overview_dsp.cli.options.timeline import (
     preset_option,
     timeline_options,
 )
+from overview_dsp.cli.options.transcript import (
+    require_transcripts,
+    transcript_option,
+    write_transcripts,
+)
 from overview_dsp.gestures.spec import FORMS
 
 if TYPE_CHECKING:
@@ -32,15 +37,22 @@ FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
 DRIVEN = "wav4"
 """The format of a gesture that an actuator is driven by."""
 
-SITE = "web"
-"""The timeline itself, as a folder for a browser."""
+SITE, SOURCE = "web", "c"
+"""The timeline itself, as a folder: for a browser, or for a C compiler."""
 
-_GESTURES_OWN = {"gesture": "--gesture", "points": "--points", "tail": "--tail"}
+_GESTURES_OWN = {
+    "gesture": "--gesture",
+    "points": "--points",
+    "tail": "--tail",
+    "transcripts": "--transcript",
+}
 
 FIGURES = (
     "(median error of the felt level, and how much of the clip is within a step of 2.3 dB, strikes "
     "included)"
 )
+
+_SITES_OWN = {"zooms": "--zooms", "actuator": "--actuator"}
 
 _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 
@@ -57,8 +69,8 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     "formats",
     required=True,
     multiple=True,
-    type=click.Choice((*FORMAT_NAMES, SITE)),
-    help="The format; may be given several times. web is a folder with a page.",
+    type=click.Choice((*FORMAT_NAMES, SITE, SOURCE)),
+    help="The format; may be given several times. web is a folder with a page, c with C source.",
 )
 @click.option(
     "-o", "--out", help="Of one format: its file or folder. Of several: a name without suffix."
@@ -79,6 +91,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     type=click.IntRange(0, 3),
     help="Of a page: how often it can zoom in, by 3 each; 0.5 MB, 3, 13 and 41 MB.",
 )
+@transcript_option
 @actuator_option
 @window_options
 @timeline_options
@@ -95,6 +108,7 @@ def command(
     tail: str,
     seed: int,
     zooms: int,
+    transcripts: tuple[str, ...],
     actuator: str | None,
     window: tuple[str, str] | None,
     zoom_to: str | None,
@@ -103,7 +117,9 @@ def command(
 ) -> None:
     """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt.
 
-    --to web writes no gesture but a folder for any web host, a page to feel TIMELINE on.
+    --to web writes no gesture but a folder for any web host, a page to feel TIMELINE on. --to c
+    writes a folder to compile: TIMELINE for programs and instruments without Python, with the bits
+    of `render`.
 
     An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
     and the device that plays them makes its drive.
@@ -113,13 +129,18 @@ def command(
     from overview_dsp.export.writing import export
     from overview_dsp.files.atomic import require_writable
     from overview_dsp.presets.library import load_preset
+    from overview_dsp.rendering.happened import happened
     from overview_dsp.rendering.offline import render
     from overview_dsp.rendering.schedule import tail_of
 
     data = open_part(timeline, load, window, zoom_to)
     chosen = load_preset(preset_for(data, preset))
+    if SOURCE in formats:
+        _require_alone(context, SOURCE, formats, {**_GESTURES_OWN, **_SITES_OWN})
+        _source(data, chosen, out or "voice", seed, as_json)
+        return
     if SITE in formats:
-        _require_site_alone(context, formats)
+        _require_alone(context, SITE, formats, _GESTURES_OWN)
         _site(data, chosen, out or "site", zooms, seed, calibrated(actuator), as_json)
         return
     movement, rest = read_gesture(gesture), tail_of(tail)
@@ -132,6 +153,7 @@ def command(
     places = {to: _place(out, to, len(set(formats)) > 1) for to in formats}
     for place in places.values():
         require_writable(place)
+    require_transcripts(transcripts)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as progress:
         result = render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
@@ -159,8 +181,9 @@ def command(
         else:
             report["actuator"] = protected_report(driven, result.protected)
         reports.append(report)
+    told = write_transcripts(transcripts, happened(result.strikes, data), as_json)
     if as_json:
-        print_json(reports)
+        print_json([*reports, told] if told else reports)
         return
     for report in reports:
         files = " and ".join(report["files"])
@@ -180,15 +203,30 @@ def command(
         click.echo(FIGURES)
 
 
-def _require_site_alone(context: click.Context, formats: tuple[str, ...]) -> None:
-    """Refuse what a folder with a page would ignore."""
+def _require_alone(
+    context: click.Context, to: str, formats: tuple[str, ...], of_others: dict[str, str]
+) -> None:
+    """Refuse what a folder of the timeline itself would ignore."""
     from overview_dsp.errors import InputError
 
-    if set(formats) != {SITE}:
-        raise InputError(f"--to {SITE} writes a folder, not a clip: give it in a call of its own")
-    for name, option in _GESTURES_OWN.items():
+    if set(formats) != {to}:
+        raise InputError(f"--to {to} writes a folder, not a clip: give it in a call of its own")
+    for name, option in of_others.items():
         if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            raise InputError(f"{option} is for clips; --to {SITE} has no gesture: leave it out")
+            whose = "for clips" if name in _GESTURES_OWN else "for other formats"
+            raise InputError(f"{option} is {whose}; --to {to} has no such thing: leave it out")
+
+
+def _source(data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) -> None:
+    """Write the C folder and say how to try it."""
+    from overview_dsp.export.c_folder import export_c
+
+    files = [str(path) for path in export_c(data, preset, out, seed=seed)]
+    if as_json:
+        print_json([{"format": SOURCE, "files": files}])
+        return
+    click.echo(f"{', '.join(files)}")
+    click.echo(f"to try it: make -C {out} && {out}/example {files[-1]} sweep.wav")
 
 
 def _site(

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile
+from overview_dsp.cli.common import announce_compile, note, say
 from overview_dsp.cli.options.actuator import actuator_option
 from overview_dsp.cli.options.output import output_options, output_settings
 from overview_dsp.cli.stopping import signals_that_end
@@ -25,10 +25,10 @@ from overview_dsp.live.device_names import SILENT, device_named
 if TYPE_CHECKING:
     from overview_dsp.live.growing import Growth
     from overview_dsp.live.hand import Input
+    from overview_dsp.live.headless import Passed
     from overview_dsp.live.player import Player
     from overview_dsp.timeline import Timeline
 
-STANDARD_ERROR = 2
 END_WITHIN_S = 2.0
 
 
@@ -121,7 +121,7 @@ def opened_player(
     if settings.actuator is not None:
         warn_of_carrier(settings.actuator, watch.preset.number("tactor.frequency_hz"))
     native = callback == "native" and device != SILENT
-    announce_compile("_callback" if native else "finish_block")
+    announce_compile("callback" if native else "finish_block")
     player = Player(
         data,
         watch,
@@ -156,7 +156,7 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
     """The device's full name and the rate to play at."""
     if device == SILENT:
         return SILENT, sample_rate or 48_000.0
-    from overview_dsp.live.portaudio import find_device
+    from overview_dsp.live.output_devices import find_device
 
     found = find_device(device_named(device))
     return f"{found.name} ({found.host})", sample_rate or found.sample_rate
@@ -200,27 +200,25 @@ def exit_if_stopped(received: list[int]) -> None:
         sys.exit(128 + received[0])
 
 
-def note(message: str) -> None:
-    """A line for the person."""
-    say(f"note: {message}")
-
-
-def say(line: str) -> None:
-    """A line on standard error, if there is one still: it may be a terminal that was closed."""
-    try:
-        click.echo(line, err=True)
-    except OSError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, STANDARD_ERROR)  # else its end would fail again
-        os.close(nowhere)
-
-
 def print_lines(
-    player: Player, source: Input | None, received: list[int], seconds: float | None
+    player: Player,
+    source: Input | None,
+    received: list[int],
+    seconds: float | None,
+    logged: bool = False,
 ) -> None:
-    """Play with a line of JSON a second."""
+    """Play with a line of JSON a second; the last one says what happened, unless it is `logged`."""
     from overview_dsp.live.headless import run
 
-    for report in run(player, source, lambda: bool(received), note, seconds):
+    def describe(passed: list[Passed]) -> dict[str, Any]:
+        from overview_dsp.rendering.happened import as_records, of_events
+
+        times, events, levels = zip(*passed, strict=True) if passed else ((), (), ())
+        timeline = player.engine.timeline
+        return {"happened": as_records(of_events(times, levels, events, timeline))}
+
+    for report in run(
+        player, source, lambda: bool(received), note, seconds, None if logged else describe
+    ):
         print(json.dumps(report), flush=True)
     player.close()  # before anything else that may take its time

@@ -9,14 +9,12 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import part_of, read_gesture, window_options
+from overview_dsp.cli.common import note, part_of, read_gesture, say, window_options
 from overview_dsp.cli.live_session import (
     exit_if_stopped,
     live_options,
-    note,
     opened_player,
     print_lines,
-    say,
     seconds_given,
 )
 from overview_dsp.cli.options.follow import follow_options, followed, open_growing
@@ -133,7 +131,7 @@ def command(
                 open_server(server, session, routes, growth is not None)
             ).text
         if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
-            print_lines(player, source, received, seconds)
+            print_lines(player, source, received, seconds, logged=osc_out is not None)
         elif by_line:
             from overview_dsp.tui.lines import run as run_lines
 

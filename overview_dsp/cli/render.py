@@ -21,6 +21,12 @@ from overview_dsp.cli.options.timeline import (
     preset_option,
     timeline_options,
 )
+from overview_dsp.cli.options.transcript import (
+    require_transcripts,
+    require_wav,
+    transcript_option,
+    write_transcripts,
+)
 from overview_dsp.gestures.spec import DEFAULT, FORMS
 
 
@@ -37,6 +43,13 @@ from overview_dsp.gestures.spec import DEFAULT, FORMS
 @click.option("--subtype", help="How samples are stored: PCM_16, PCM_24, FLOAT, ...")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
+@click.option("--stems", is_flag=True, help="Also write click, tactor and the disk's curves alone.")
+@click.option("--lufs", is_flag=True, help="Say how loud the click is (ITU-R BS.1770).")
+@click.option(
+    "--normalize", type=float, metavar="LUFS", help="Bring the click to a loudness, -23 say."
+)
+@click.option("--cues", is_flag=True, help="Write the events into the WAV as cue points.")
+@transcript_option
 @actuator_option
 @window_options
 @timeline_options
@@ -51,6 +64,11 @@ def command(
     subtype: str | None,
     seed: int,
     tail: str,
+    stems: bool,
+    lufs: bool,
+    normalize: float | None,
+    cues: bool,
+    transcripts: tuple[str, ...],
     actuator: str | None,
     window: tuple[str, str] | None,
     zoom_to: str | None,
@@ -63,11 +81,17 @@ def command(
     (world-cup-final-2018).
     """
     from overview_dsp.actuators.stage import protected_report
+    from overview_dsp.files.cue_points import add_cues
     from overview_dsp.presets.library import load_preset
+    from overview_dsp.rendering.happened import happened
     from overview_dsp.rendering.offline import render_to_file
     from overview_dsp.rendering.schedule import tail_of
+    from overview_dsp.rendering.stems import stem_paths
     from overview_dsp.units import clock_text, gain_to_db
 
+    require_transcripts(transcripts)
+    if cues:
+        require_wav(out)
     data = open_part(timeline, load, window, zoom_to)
     chosen = load_preset(preset_for(data, preset))
     movement = read_gesture(gesture)
@@ -87,7 +111,15 @@ def command(
             trace_path=trace,
             progress=progress,
             actuator=driven,
+            stems=stems,
+            loudness=lufs,
+            normalize=normalize,
         )
+    passed = happened(done.passed, done.engine.timeline) if done.passed is not None else []
+    if cues:
+        marked = [(round(one.time_s * sample_rate), one.words) for one in passed]
+        add_cues(Path(out), marked)
+    beside = [str(one) for one in stem_paths(Path(out))] if stems else []
     missed = [done.engine.timeline.events[i] for i in done.unreached]
     click_db, tactor_db = (round(gain_to_db(peak), 1) if peak else None for peak in done.peaks)
     if as_json:
@@ -107,6 +139,11 @@ def command(
                 "peak_click_dbfs": click_db,
                 "peak_tactor_dbfs": tactor_db,
                 "format": done.note,
+                "stems": beside,
+                "click_lufs": done.lufs if done.lufs is None else round(done.lufs, 1),
+                "click_gain_db": round(done.gain_db, 1),
+                "cues": len(passed) if cues else 0,
+                **write_transcripts(transcripts, passed, as_json),
                 "actuator": protected_report(driven, done.protected),
             }
         )
@@ -115,6 +152,10 @@ def command(
         f"{out}: {chosen.name}, {clock_text(done.duration_s)}, {done.strikes} strikes, "
         f"peaks {_level(click_db)} click and {_level(tactor_db)} tactor, {done.note}"
     )
+    if beside:
+        click.echo(f"{', '.join(beside)}: click, tactor, and cursor, touching, torque, envelope")
+    if lufs or normalize is not None:
+        click.echo(_loudness(done.lufs, done.gain_db, normalize))
     if driven and done.protected:
         click.echo(drive_line(driven, done.protected))
     for kind, count in done.engine.surface.left_out.items():
@@ -130,6 +171,7 @@ def command(
             f"not reached: {', '.join(named)}{more}; the disk was let go before it came to them: "
             "hold on longer, or move more slowly"
         )
+    write_transcripts(transcripts, passed, as_json)
 
 
 NAMED = 6
@@ -138,3 +180,13 @@ NAMED = 6
 
 def _level(db: float | None) -> str:
     return "silent" if db is None else f"{db:.1f} dBFS"
+
+
+def _loudness(lufs: float | None, gain_db: float, wanted: float | None) -> str:
+    if lufs is None:
+        return "click: silent"
+    turned = f", turned by {gain_db:+.1f} dB" if wanted is not None else ""
+    # less than asked for, beyond what the gates of loudness make of it
+    short = wanted is not None and lufs < wanted - 0.5
+    why = "; its highest sample is at -1 dBFS and allows no more" if short else ""
+    return f"click: {lufs:.1f} LUFS{turned}{why}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 from overview_dsp.kernels.compiling import is_compiled
+from overview_dsp.kernels.shipped import is_outdated
 
 _announced: set[str] = set()
 
@@ -15,4 +16,5 @@ def announce_compile(*kernels: str) -> None:
     if all(is_compiled(kernel) for kernel in new):
         return
     _announced.update(new)
-    print("compiling the engine for this machine (once, 10 to 40 s) ...", file=sys.stderr)
+    why = ", as its sources have changed (see tools/build_kernels.py)" if is_outdated() else ""
+    print(f"compiling the engine for this machine (once, 10 to 40 s){why} ...", file=sys.stderr)

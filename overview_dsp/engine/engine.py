@@ -11,13 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.engine import reports
-from overview_dsp.engine.coefficients import (
-    FADE_S,
-    GLIDE_S,
-    changes,
-    check_carrier,
-    coefficients,
-)
+from overview_dsp.engine.coefficients import ask, changes, check_carrier, write_parameters
 from overview_dsp.engine.compile_notice import announce_compile
 from overview_dsp.engine.meters import EngineParameter, Meters, Strikes
 from overview_dsp.engine.queues import ControlQueues, stamp_of
@@ -27,6 +21,7 @@ from overview_dsp.engine.surface_slots import write_surface
 from overview_dsp.engine.tail import tail_seconds
 from overview_dsp.errors import InputError, NotPreparedError
 from overview_dsp.kernels import block, layout
+from overview_dsp.kernels.derive import derive
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
 from overview_dsp.presets.dicts import preset_to_dict
@@ -166,8 +161,6 @@ class Engine:
         self._i64 = self._f64.view(np.int64)
         self._u64 = self._f64.view(np.uint64)
         self._queues = ControlQueues(self._f64)
-        self._i64[layout.S_GLIDE] = round(GLIDE_S * rate)
-        self._i64[layout.S_FADE] = round(FADE_S * rate)
         self._i64[layout.S_CLICK_CHANNEL] = 0
         self._i64[layout.S_TACTOR_CHANNEL] = 1
         self._f64[layout.S_SAMPLE_RATE] = rate
@@ -239,13 +232,11 @@ class Engine:
         0
         """
         self._require_prepared()
-        for column, value in coefficients(self._preset, self._sample_rate).items():
-            self._f64[column] = value
-            self._i64[layout.GLIDE_LEFT + column] = 0
-        self._i64[layout.S_RELEASE_RETURNS] = self._preset.values["disk.release"] == "return"
+        write_parameters(self._f64, self._preset)
+        derive(self._f64, self._i64)
         self._i64[layout.ACTIVE_SLOT] = 0
         if self._slot_surfaces[0] is not self._surface:
-            write_surface(self._f64, 0, self._surface, self._sample_rate)
+            write_surface(self._f64, 0, self._surface)
             self._slot_surfaces[0] = self._surface
         block.reset(self._f64, self._i64, self._u64)
         self._queues.clear_dropped()
@@ -494,9 +485,10 @@ class Engine:
             self._queues.require_capacity(len(changed) + 1)
             if surface is not None:
                 slot = self._queues.free_slot()
-                write_surface(self._f64, slot, surface, self._sample_rate)
+                write_surface(self._f64, slot, surface)
                 self._slot_surfaces[slot] = surface
                 changed.append((layout.COMMAND_SURFACE, float(slot)))
+            ask(self._f64, preset, changed)
             if changed:
                 number = self._queues.push(changed, stamp)
                 self._journal.append((number, note))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.engine.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.derive import derive_clicks
 from overview_dsp.surface.bristles import BARE, BristleField
 from overview_dsp.surface.detents import DetentField
 from overview_dsp.surface.model import Surface
@@ -22,8 +22,11 @@ _STRIKES = {
 }
 
 
-def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_rate: float) -> None:
-    """Write a surface's friction, events and clicks into slot 0, 1 or 2 of the block `m`."""
+def write_surface(m: NDArray[np.float64], slot: int, surface: Surface) -> None:
+    """Write a surface's friction, events and clicks into slot 0, 1 or 2 of the block `m`.
+
+    The block has its sample rate already.
+    """
     w = m.view(np.int64)
     base = layout.SURFACES + slot * layout.SLOT_SIZE
     table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
@@ -58,19 +61,8 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface, sample_ra
     if surface.bristles is not None:
         rank = np.append(np.argsort(order), BARE)
         _write_bristles(m, base, surface.bristles, rank)
-    for kind, modes in [*enumerate(surface.kind_modes), (layout.MAX_KINDS, surface.own_modes)]:
-        heard = [
-            (mode, columns)
-            for mode in modes
-            if (columns := mode_coefficients(mode, sample_rate)) is not None
-        ]
-        w[base + layout.KIND_MODES + kind] = len(heard)
-        longest = max((ring_samples(mode, sample_rate) for mode, _ in heard), default=0)
-        w[base + layout.KIND_RING + kind] = longest
-        at = base + layout.MODES + kind * layout.MAX_MODES * layout.MODE_SIZE
-        for _, columns in heard:
-            m[at : at + layout.MODE_SIZE] = columns
-            at += layout.MODE_SIZE
+    _write_clicks(m, base, surface)
+    derive_clicks(m, w, base)
 
 
 def struck_event(surface: Surface, number: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -103,6 +95,20 @@ def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> Non
     table[0::2] = values
     table[1:-1:2] = np.diff(values)
     table[-1] = 0.0
+
+
+def _write_clicks(m: NDArray[np.float64], base: int, surface: Surface) -> None:
+    """The clicks of each kind and of the bare surface, as the preset has them."""
+    w = m.view(np.int64)
+    w[base + layout.KIND_CLICK :][: layout.BANKS] = 0
+    for kind, modes in [*enumerate(surface.kind_modes), (layout.MAX_KINDS, surface.own_modes)]:
+        w[base + layout.KIND_CLICK + kind] = len(modes)
+        at = base + layout.CLICKS + kind * layout.MAX_MODES * layout.CLICK_SIZE
+        for mode in modes:
+            m[at + layout.CLICK_FREQUENCY_HZ] = mode.frequency_hz
+            m[at + layout.CLICK_DECAY_MS] = mode.decay_ms
+            m[at + layout.CLICK_GAIN_DB] = mode.gain_db
+            at += layout.CLICK_SIZE
 
 
 def _write_bristles(

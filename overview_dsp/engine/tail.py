@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from overview_dsp.engine.coefficients import PACE_MOST
+from overview_dsp.kernels.decibels import gain_of_db
+from overview_dsp.kernels.derive import PACE_MOST
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.texture import QUIET
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.model import Surface
-from overview_dsp.units import db_to_gain
 
 _MARGIN = 1.25  # the estimate takes the disk for quasi-static; events add their inertia
 _SKIN_FALLS = 20.0  # e-foldings of the tactor's envelope until it is exactly zero
@@ -27,8 +27,8 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
     number = preset.number
     inertia, k1, k2 = number("disk.inertia"), number("disk.k1"), number("disk.k2")
     springs = [k1 + k2, k1] if preset.values["disk.release"] == "recoil" else [k1 + k2]
-    gate = db_to_gain(number("tactor.threshold_db")) * number("tactor.full_torque_mnm") * 1e-3
-    grain = db_to_gain(number("texture.gain_db")) / math.sqrt(1e-3)
+    gate = gain_of_db(number("tactor.threshold_db")) * number("tactor.full_torque_mnm") * 1e-3
+    grain = gain_of_db(number("texture.gain_db")) / math.sqrt(1e-3)
     theta1_full = math.pi * k2 / (k1 + k2)
     catch_up = number("disk.catch_up")
     longest = 0.0

@@ -1,4 +1,4 @@
-"""Bake a gesture to the haptic formats of phones and controllers, and an engine for a browser.
+"""Bake a gesture to the haptic formats of phones and controllers; an engine for a browser, or in C.
 
 `ov.export` writes what was rendered for other devices, and reads haptic clips. Each name is
 imported when it is first used.
@@ -20,6 +20,7 @@ from overview_dsp.public.lazy import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.export.browser_memory import encode_engine
+    from overview_dsp.export.c_folder import export_c
     from overview_dsp.export.checking import check_clip
     from overview_dsp.export.clip import Transient
     from overview_dsp.export.felt_error import FeltError
@@ -34,6 +35,7 @@ __all__ = [
     "check_clip",
     "encode_engine",
     "export",
+    "export_c",
     "formats",
     "read_clip",
 ]
@@ -49,6 +51,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "check_clip": "checking",
             "encode_engine": "browser_memory",
             "export": "writing",
+            "export_c": "c_folder",
             "formats": "writing",
             "read_clip": "reading",
         },

@@ -35,14 +35,21 @@ from overview_dsp.engine.queues import stamp_of
 from overview_dsp.engine.surface_slots import struck_event, write_surface
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.image import (
+    CHANGE,
+    DATA,
+    FILL,
+    HEAD,
+    INTEGRAL,
+    INTEGRAL_FROM_TABLE,
+    TABLE,
+    WHOLE,
+)
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import connect
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.model import Surface
 
-HEAD = 5  # columns before the pairs
-WHOLE, CHANGE = range(2)
-FILL, DATA, TABLE, INTEGRAL = range(4)
 LEAST_FILL = 4
 """Equal columns from which a run of its own is shorter than the values."""
 
@@ -69,7 +76,7 @@ def encoding_numbers() -> dict[str, int]:
         "DATA": DATA,
         "TABLE": TABLE,
         "INTEGRAL": INTEGRAL,
-        "INTEGRAL_FROM_TABLE": layout.SLOT_INTEGRAL - layout.SLOT_TABLE,
+        "INTEGRAL_FROM_TABLE": INTEGRAL_FROM_TABLE,
     }
 
 
@@ -147,7 +154,8 @@ def encode_change(
     if surface is None:
         return head
     m = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
-    write_surface(m, 0, surface, sample_rate)
+    m[layout.S_SAMPLE_RATE] = sample_rate
+    write_surface(m, 0, surface)
     return head + _slot(m[layout.SURFACES :].view(np.uint64))
 
 

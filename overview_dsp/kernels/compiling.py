@@ -6,11 +6,13 @@ import hashlib
 import os
 import warnings
 from collections.abc import Callable
+from functools import cache, update_wrapper
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 import platformdirs
+from numba.extending import typeof_impl
 
 from overview_dsp.errors import require_internals
 
@@ -20,7 +22,13 @@ new one is let in when the tests have passed with it."""
 
 require_internals(
     numba,
-    ("config.CACHE_DIR", "config.DISABLE_JIT", "carray", "types.ExternalFunction"),
+    (
+        "config.CACHE_DIR",
+        "config.DISABLE_JIT",
+        "carray",
+        "types.ExternalFunction",
+        "extending.typeof_impl",
+    ),
     NUMBA,
 )
 # numba sets its options as attributes at run time
@@ -46,20 +54,25 @@ OPTIONS: dict[str, Any] = {
 _GIL_KEPT = {key: value for key, value in OPTIONS.items() if key != "nogil"}
 
 
+@cache
 def sources_digest() -> str:
-    """Digest of every kernel source file: numba's cache watches only a function's own file."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(source.name.encode())
-        digest.update(source.read_bytes())
+    """Digest of every kernel source file, however its lines end."""
+    digest = hashlib.sha256()
+    folder = Path(__file__).parent
+    for source in sorted(folder.rglob("*.py")):
+        digest.update(source.relative_to(folder).as_posix().encode())
+        digest.update(source.read_bytes().replace(b"\r\n", b"\n"))
     return digest.hexdigest()[:16]
 
 
 def cache_folder() -> Path:
-    """The folder of compiled kernels: `NUMBA_CACHE_DIR` if set, else the user's cache folder."""
+    """The folder of compiled kernels: `NUMBA_CACHE_DIR` if set, else the user's cache folder.
+
+    One for each state of the sources: numba's cache watches only a function's own file.
+    """
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     root = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("overview-dsp"))
-    return root / f"kernels-{sources_digest()}"
+    return root / f"kernels-{sources_digest()}-{numba.__version__}"
 
 
 def runs_as_python() -> bool:
@@ -69,7 +82,9 @@ def runs_as_python() -> bool:
 
 def is_compiled(function: str = "process") -> bool:
     """Whether the first use of a kernel will compile nothing: it is on disk, or runs as Python."""
-    if runs_as_python():
+    from overview_dsp.kernels import shipped
+
+    if runs_as_python() or (function in shipped.KERNELS and shipped.usable()):
         return True
     folder = cache_folder()
     return folder.is_dir() and any(folder.rglob(f"*.{function}-*.nbc"))
@@ -96,14 +111,42 @@ def outlined(function: Function) -> Function:
     return compiled
 
 
+class EntryPoint:
+    """A function that Python calls and kernels may: in the package's machine code, or numba's.
+
+    `py_func` is its plain Python form, `compiled` numba's dispatcher.
+    """
+
+    def __init__(self, function: Callable[..., Any], compiled: Any) -> None:
+        update_wrapper(self, function)
+        self.py_func = function
+        self.compiled = compiled
+        self._call: Callable[..., Any] | None = None
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call it; the first call of all looks where."""
+        if self._call is None:
+            from overview_dsp.kernels.shipped import shipped_door
+
+            self._call = shipped_door(self.py_func.__name__) or self.compiled
+        return self._call(*arguments)
+
+
+@typeof_impl.register(EntryPoint)
+def _type_of_entry_point(entry: EntryPoint, context: Any) -> Any:
+    return numba.typeof(entry.compiled)
+
+
 def entry_point(function: Function) -> Function:
     """Compile a function that Python calls, and keep its machine code on disk."""
-    return _kept(function, lambda cache: numba.njit(cache=cache, **OPTIONS))
+    kept = _kept(function, lambda cache: numba.njit(cache=cache, **OPTIONS))
+    return cast(Function, EntryPoint(function, kept))
 
 
 def briefly_called(function: Function) -> Function:
     """As `entry_point`, of a few instructions: giving the GIL up, and back, would take longer."""
-    return _kept(function, lambda cache: numba.njit(cache=cache, **_GIL_KEPT))
+    kept = _kept(function, lambda cache: numba.njit(cache=cache, **_GIL_KEPT))
+    return cast(Function, EntryPoint(function, kept))
 
 
 def c_callback(signature: Any, function: Callable[..., Any]) -> Any:

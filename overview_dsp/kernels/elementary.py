@@ -2,13 +2,14 @@
 
 libm differs between machines and blocks vectorisation. These are short Taylor series on reduced
 arguments, summed in pairs (Estrin) so that a processor can overlap the terms, and without branches
-or conversions, so that a compiler can do several samples at once. Each states its accuracy. They
-are self-contained: a function's plain Python form, `function.py_func`, gives the same bits.
+or conversions, so that a compiler can do several samples at once. Each states its accuracy.
 
 Thread: any.
 """
 
 from __future__ import annotations
+
+from types import FunctionType
 
 from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.simd.vector import bits_of, from_bits
@@ -102,5 +103,11 @@ def cos_turns(p):
 
 
 def plain(function):
-    """The uncompiled form of a kernel function: for a handful of calls, without compiling."""
-    return getattr(function, "py_func", function)
+    """A kernel function as Python, uncompiled, with all that it calls: for a handful of calls."""
+    written = getattr(function, "py_func", function)
+    called = {
+        name: plain(written.__globals__[name])
+        for name in written.__code__.co_names
+        if hasattr(written.__globals__.get(name), "py_func")
+    }
+    return FunctionType(written.__code__, {**written.__globals__, **called}, written.__name__)

@@ -49,7 +49,7 @@ CHUNK = 64  # samples that pass from one stage to the next at a time
 SIGNALS = 2
 CLICK, TACTOR = range(SIGNALS)  # the order of the signals
 
-# --- coefficients that glide (float64), see coefficients.py ----------------------------------
+# --- coefficients that glide (float64), see derive.py ------------------------------------------
 column = Columns()
 COEFF = column(COEFFS)
 (
@@ -96,6 +96,38 @@ SETTINGS = column(8)
     S_SEED,  # u64: random state at reset
     S_SAMPLE_RATE,  # Hz
 ) = range(SETTINGS, SETTINGS + 7)
+
+# --- parameters, as a person sets them: derive.py makes coefficients of them ---------------------
+PARAMETERS = 22
+PARAMS = column(24)
+(  # each is called after its parameter's id, and in its unit
+    PARAM_DISK_INERTIA,
+    PARAM_DISK_K1,
+    PARAM_DISK_K2,
+    PARAM_DISK_CATCH_UP,
+    PARAM_DISK_UNFOLD_S,
+    PARAM_DISK_RELEASE,  # 0 = recoil, 1 = return
+    PARAM_INPUT_SMOOTHING_MS,
+    PARAM_TACTOR_FULL_TORQUE_MNM,
+    PARAM_TACTOR_COMPRESSION,
+    PARAM_TACTOR_THRESHOLD_DB,
+    PARAM_TACTOR_RISE_MS,
+    PARAM_TACTOR_DECAY_MS,
+    PARAM_TACTOR_FREQUENCY_HZ,
+    PARAM_TACTOR_GAIN_DB,
+    PARAM_TACTOR_MUTE,  # 0 or 1
+    PARAM_CLICK_FULL_TORQUE_MNM,
+    PARAM_CLICK_COMPRESSION,
+    PARAM_CLICK_GAIN_DB,
+    PARAM_CLICK_MUTE,  # 0 or 1
+    PARAM_TEXTURE_GAIN_DB,
+    PARAM_TEXTURE_BRIGHTNESS_HZ,
+    PARAM_OUTPUT_CEILING_DB,
+) = range(PARAMS, PARAMS + PARAMETERS)
+ASKED = column(COEFFS)  # the coefficients of the parameters, as last asked for
+ASKED_RETURNS = column(1)  # i64: and S_RELEASE_RETURNS
+DERIVED = column(COEFFS)  # those that are compared with them
+SET_UP = column.end  # columns that a coefficient depends on, and those it is written to
 
 # --- state: everything `reset` clears ---------------------------------------------------------
 STATE = column(32)
@@ -239,7 +271,8 @@ L_LINES = column(SIGNALS * DELAY_LINE)  # the two delay lines
 L_BUSY = column(BUSY_BINS)  # i64: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
 BINS_AN_OCTAVE = 4
 SHORTEST_S = 1e-7
-# an actuator's drive (actuator.py), relative to its start: coefficients, then state, then meters
+# an actuator's drive (actuator.py), relative to its start: coefficients, state, meters, and what
+# the coefficients are made of (derive_actuator.py)
 (
     ACT_ON,  # i64: 1 = the signal goes through it
     ACT_NOMINAL,  # drive of a signal of 1, of full scale
@@ -277,7 +310,19 @@ SHORTEST_S = 1e-7
     ACT_AT_PEAK,  # i64: samples held at the peak so far
     ACT_SILENT,  # i64: samples since the drive was last other than zero
 ) = range(ACT_STATE, ACT_STATE + 9)
-ACT_SIZE = 40
+(
+    GIVEN_NOMINAL,  # amplitude of the rated drive, of full scale
+    GIVEN_GAIN_DB,  # of the signal
+    GIVEN_PEAK,  # of full scale
+    GIVEN_MEAN_SQUARE,  # of full scale squared, that the mean over the window may not pass
+    GIVEN_WINDOW_S,
+    GIVEN_DUTY,  # part of the time that it may be driven in full
+    GIVEN_RESONANCE_HZ,
+    GIVEN_Q,
+    GIVEN_SHARPENED_Q,
+    GIVEN_EQUAL_SENSATION,  # 0 or 1: what the skin feels less is raised
+) = range(ACT_STATE + 9, ACT_STATE + 19)
+ACT_SIZE = 48
 L_ACTUATOR = column(ACT_SIZE)
 SURFACES = column.end  # the slots, one after the other
 
@@ -304,6 +349,10 @@ KIND_MODES = slot(BANKS)  # i64: modes of each kind
 KIND_RING = slot(BANKS)  # i64: samples a kind rings
 MODE_SIZE = 4 * PHASES + 8
 MODES = slot(BANKS * MAX_MODES * MODE_SIZE)  # of each kind: see "a mode of a surface"
+KIND_CLICK = slot(BANKS)  # i64: modes that each kind is given; too high for the rate, one is silent
+CLICK_SIZE = 3
+CLICKS = slot(BANKS * MAX_MODES * CLICK_SIZE)  # of each kind, as a person sets them:
+CLICK_FREQUENCY_HZ, CLICK_DECAY_MS, CLICK_GAIN_DB = range(CLICK_SIZE)
 SLOT_SLIDING_TORQUE = slot(2 * (CELLS + 1))  # sliding torque, N m, as SLOT_TABLE
 SLOT_OWNER = slot(CELLS + 1)  # i64: the event whose bristles are there, -1 = the surface
 SLOT_PULL = slot(2 * (CELLS + 1))  # pull of the detents and its slope, N m, as SLOT_TABLE

@@ -21,8 +21,9 @@ from typing import TYPE_CHECKING
 from overview_dsp.public.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from overview_dsp.live.output_devices import OutputDevice, devices, find_device
     from overview_dsp.live.output_settings import OutputSettings, SignalSettings
-    from overview_dsp.live.portaudio import OutputDevice, OutputStream, devices, find_device
+    from overview_dsp.live.portaudio import OutputStream
     from overview_dsp.live.silent import SilentStream
     from overview_dsp.live.stream_meters import StreamMeters
 
@@ -41,13 +42,13 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(
         __name__,
         {
-            "OutputDevice": "portaudio",
+            "OutputDevice": "output_devices",
             "OutputSettings": "output_settings",
             "OutputStream": "portaudio",
             "SignalSettings": "output_settings",
             "SilentStream": "silent",
             "StreamMeters": "stream_meters",
-            "devices": "portaudio",
-            "find_device": "portaudio",
+            "devices": "output_devices",
+            "find_device": "output_devices",
         },
     )

@@ -10,10 +10,16 @@ from overview_dsp.actuators.stage import protected_report
 from overview_dsp.live.hand import Input
 from overview_dsp.live.player import Player
 from overview_dsp.live.status import Status
+from overview_dsp.timeline import Event
 from overview_dsp.units import gain_to_db
 
 LOOK_EVERY_S = 0.02
 LINE_EVERY_S = 1.0
+Passed = tuple[float, Event, float]
+"""When an event was passed, s; which; the amplitude of its click."""
+
+MOST_PASSED = 10_000
+"""Events that a summary tells, the last ones; each to within `LOOK_EVERY_S`."""
 
 
 def run(
@@ -22,20 +28,28 @@ def run(
     stopped: Callable[[], bool],
     note: Callable[[str], None],
     seconds: float | None = None,
+    describe: Callable[[list[Passed]], dict[str, Any]] | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Play until source or replay is over and the disk at rest, `seconds` are over, or `stopped()`.
 
-    Yields a report a second and a summary at the end; `note` receives messages as they come.
+    Yields a report a second and a summary at the end, with what `describe` makes of the events that
+    were passed (without it, the engine's log of them is left to its other reader); `note` receives
+    messages as they come.
     """
     started = last = time.monotonic()
     replayed = player.replaying
     click = tactor = 0.0
+    passed: list[Passed] = []
     while True:
         if source is not None:
             source.poll(player.engine)
         status = player.poll()
         for message in (*status.messages, *(() if source is None else source.take_messages())):
             note(message)
+        if describe is not None:
+            struck = player.engine.take_struck_events()
+            passed += [(status.time_s, event, level) for event, level in struck]
+            del passed[:-MOST_PASSED]
         click, tactor = max(click, status.peak_click), max(tactor, status.peak_tactor)
         now = time.monotonic()
         if now - last >= LINE_EVERY_S:
@@ -47,7 +61,8 @@ def run(
         if over or stopped() or (seconds is not None and now - started >= seconds):
             break
         time.sleep(LOOK_EVERY_S)
-    yield {"summary": {**_summary(player.poll()), **_input(source)}}
+    told = describe(passed) if describe is not None else {}
+    yield {"summary": {**_summary(player.poll()), **_input(source), **told}}
 
 
 def _input(source: Input | None) -> dict[str, Any]:

@@ -24,8 +24,8 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.public.reprs import changed_fields
-from overview_dsp.units import db_to_gain
 
 MIN_GAIN_DB, MAX_GAIN_DB = -60.0, 24.0
 MAX_DELAY_MS = 100.0
@@ -77,7 +77,7 @@ class SignalSettings:
     @property
     def gain(self) -> float:
         """The gain, linear; 0 when muted."""
-        return 0.0 if self.mute else db_to_gain(self.gain_db)
+        return 0.0 if self.mute else gain_of_db(self.gain_db)
 
     def __repr__(self) -> str:
         return changed_fields(self)
@@ -193,7 +193,7 @@ class OutputSettings:
             # an actuator's drive has its own limit
             loud = signal.gain > 1.0 and not (signal is self.tactor and self.actuator)
             limited = signal.ceiling_db < MAX_CEILING_DB or loud
-            wanted = (signal.gain, db_to_gain(signal.ceiling_db), float(limited))
+            wanted = (signal.gain, gain_of_db(signal.ceiling_db), float(limited))
             for row, value in enumerate(wanted):
                 at = row * layout.SIGNALS + index
                 memory[layout.L_WANTED + at] = value

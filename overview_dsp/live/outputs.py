@@ -8,7 +8,8 @@ from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError
 from overview_dsp.live.device_names import SILENT, device_named
 from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.portaudio import OutputStream, rescan
+from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.portaudio_library import rescan
 from overview_dsp.live.silent import SilentStream
 
 MAX_BLOCK = 8192

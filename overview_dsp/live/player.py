@@ -11,23 +11,23 @@ from __future__ import annotations
 import contextlib
 import os
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from overview_dsp.actuators.stage import read_protected
-from overview_dsp.engine.coefficients import check_carrier
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.gestures import Gesture, load_gesture
 from overview_dsp.kernels import layout
 from overview_dsp.live import commands
 from overview_dsp.live.finger import Finger
+from overview_dsp.live.fresh_start import FreshStart
 from overview_dsp.live.growing import Growing, Growth
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.preset_pair import PresetPair
 from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.live.replay import Replay
+from overview_dsp.live.replay import Replaying
 from overview_dsp.live.session_output import SessionOutput
 from overview_dsp.live.status import Status
 from overview_dsp.live.stream import OpenStream
@@ -36,7 +36,6 @@ from overview_dsp.live.takes import Takes
 from overview_dsp.live.under_hand import UnderHand
 from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import Preset
-from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 
@@ -81,11 +80,12 @@ class Player:
         self._growing: Growing | None = None
         if growth is not None:
             self._growing = Growing(self.engine, growth, self.under_hand, self.say)
-        self._replay: Replay | None = None
-        self._before_s = 0.0
-        self._dropped_before = 0
         self._output = SessionOutput(self.engine, open_stream, settings, self.say, self.release)
         self._finger = Finger(self.engine, lambda: self._output.playing)
+        self._fresh = FreshStart(
+            self.engine, self._output, self.under_hand, self._let_go_of_all, self.say
+        )
+        self._replaying = Replaying(self.engine, self.under_hand, self._fresh, self.say)
         try:
             self._output.open((lambda: None) if record is None else self._begin_first_take)
         except BaseException:
@@ -177,7 +177,7 @@ class Player:
         Chosen twice, it is at once also within a loop.
         """
         again = self._presets.waiting == which
-        if self._replay is not None and not again:
+        if self.replaying and not again:
             self._presets.waiting = which
             self.say(f"{self._presets.words(which)}: from the loop's start on; again: at once")
             return
@@ -241,7 +241,7 @@ class Player:
         output.opened_by, output.settings = outputs, settings
         if sample_rate is not None and sample_rate != self.engine.sample_rate:
             self.end_take()
-            self._count_before()
+            self._fresh.count()
             self.engine.prepare(sample_rate, self._max_block_size)
         output.open()
 
@@ -250,13 +250,14 @@ class Player:
     def poll(self) -> Status:
         """See to everything that is due; how the session stands."""
         self._finger.poll()
-        if self._growing is not None and self._replay is None and self._output.playing:
+        if self._growing is not None and self._replaying.now is None and self._output.playing:
             self._growing.poll(self.holding)
         while self._asked:
             commands.do(self, *self._asked.popleft())
         self.under_hand.poll()
         self._output.poll()
-        self._go_on_replaying()
+        if self._output.playing:
+            self._replaying.poll(self.at_rest)
         self._takes.poll()
         return self._status()
 
@@ -278,7 +279,7 @@ class Player:
         click, tactor = take_peaks(engine.memory)
         driven = self.settings.actuator
         return Status(
-            time_s=self._before_s + engine.sample_time / engine.sample_rate,
+            time_s=self._fresh.played_s,
             cursor=meters.cursor,
             finger=self.finger,
             touching=meters.touching and output.playing,
@@ -291,7 +292,7 @@ class Player:
             underflows=stream.underflows,
             frames=stream.frames,
             frames_lost=output.frames_lost,
-            dropped=self._dropped_before + meters.dropped_events,
+            dropped=self._fresh.dropped_events,
             load=stream.load,
             median_s=stream.median_s,
             p99_s=stream.p99_s,
@@ -306,7 +307,7 @@ class Player:
             actuator=driven,
             protected=None if driven is None else read_protected(engine.memory, layout.L_ACTUATOR),
             recording=None if self._takes.growing is None else str(self._takes.growing),
-            replay=None if self._replay is None else self._replay.words,
+            replay=None if self._replaying.now is None else self._replaying.now.words,
             envelope=meters.envelope,
             strikes=meters.strikes,
             following=None if self._growing is None else self._growing.words,
@@ -383,8 +384,8 @@ class Player:
             else:
                 self.say(f"{path}: the take; P plays it again")
             return
-        if self._replay is not None or (self.at_rest and self.engine.holder is None):
-            self._replay = None
+        if self.replaying or (self.at_rest and self.engine.holder is None):
+            self._replaying.forget()
             self._begin_exact_take()
         if not self.recording:
             # what holds at its first sample, and isn't in the timeline and the preset as named
@@ -409,7 +410,14 @@ class Player:
             if preset != self.preset:
                 self.engine.set_preset(preset, 0)
 
-        self._restart(self.timeline, self._whole, self._presets.preset, begin)
+        self._fresh.begin(self.timeline, self._whole, self._presets.preset, begin)
+
+    def _let_go_of_all(self) -> None:
+        """Of what can't go on with an engine as new."""
+        self.end_take()
+        self._finger.forget()
+        if self._growing is not None:
+            self._growing.restarted()
 
     def end_take(self) -> None:
         """Save what is recorded; may be called from any thread, and twice; errors as `close`."""
@@ -419,7 +427,7 @@ class Player:
 
     def toggle_replay(self) -> None:
         """Play the last take again and again, or stop that."""
-        if self._replay is not None:
+        if self.replaying:
             self.stop_replay()
             return
         if self.recording:
@@ -440,78 +448,13 @@ class Player:
         What else a take recorded but its hands and windows is left out: its presets aren't those
         that are to be felt. Each pass in which nothing is changed sounds as it is rendered offline.
         """
-        left_out = sum("window" not in change.what for change in gesture.changes)
-        if left_out:
-            self.say(f"{name}: {left_out} changes of parameters and presets are left out")
-        self._replay = Replay(gesture, name, loop)
-        self._begin_pass()
+        self._replaying.begin(gesture, name, loop)
 
     @property
     def replaying(self) -> bool:
         """Whether a hand is played again."""
-        return self._replay is not None
+        return self._replaying.now is not None
 
     def stop_replay(self) -> None:
         """Let go, and be as new."""
-        if self._replay is not None:
-            self._replay = None
-            preset = self.under_hand.take_wish()
-            self._restart(self.shown, self.window, preset, lambda: None)
-
-    def _go_on_replaying(self) -> None:
-        replay = self._replay
-        if replay is None or not self._output.playing:
-            return
-        replay.poll(self.engine)
-        if replay.is_over(self.engine, self.at_rest):
-            if replay.loop:
-                self._begin_pass()
-            else:
-                self._replay = None
-
-    def _begin_pass(self) -> None:
-        replay = self._replay
-        assert replay is not None
-        preset = self.under_hand.take_wish()
-        if self._presets.waiting is not None:
-            preset = self._presets.choose(self._presets.waiting)
-        timeline, window = replay.first(self.under_hand)
-
-        def begin() -> None:
-            replay.begin(self.engine, self.under_hand.put_at, self.timeline)
-
-        self._restart(timeline, window, preset, begin)
-
-    def _restart(
-        self,
-        timeline: Timeline,
-        window: tuple[float, float],
-        preset: Preset,
-        begin: Callable[[], None],
-    ) -> None:
-        """Begin with the engine's first sample, ahead of which `begin` is called."""
-        if not self._output.playing:
-            return
-        try:
-            check_carrier(preset, self.engine.sample_rate)
-            surface = build_surface(timeline, preset)  # while it still sounds
-        except InputError as error:
-            self.say(f"{error}; the last good one plays on")
-            preset, surface = self.preset, build_surface(timeline, self.preset)
-
-        def anew() -> None:
-            self._count_before()
-            self.engine.restart(preset, timeline, seed=self.engine.seed, surface=surface)
-            self.under_hand.put(timeline, window)
-            if self._growing is not None:
-                self._growing.restarted()
-            begin()
-
-        self.end_take()
-        self._finger.forget()
-        self._output.restart(anew)
-
-    def _count_before(self) -> None:
-        """The engine counts from 0 again."""
-        self._before_s += self.engine.sample_time / self.engine.sample_rate
-        self._dropped_before += self.engine.meters.dropped_events
+        self._replaying.stop()

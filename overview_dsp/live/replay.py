@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from overview_dsp.engine.engine import Engine
 from overview_dsp.gestures import Gesture
+from overview_dsp.live.fresh_start import FreshStart
 from overview_dsp.live.inputs import TakeInput
 from overview_dsp.live.under_hand import UnderHand
 from overview_dsp.timeline import Timeline
@@ -73,3 +74,67 @@ class Replay:
         rate = engine.sample_rate
         latest = round((self._gesture.duration_s + LONGEST_TAIL_S) * rate)
         return self._input.is_over(engine) and (at_rest or engine.sample_time > latest)
+
+
+class Replaying:
+    """Begins a hand's passes, one after the other, under the preset that is chosen.
+
+    Thread: control.
+
+    Attributes
+    ----------
+    now : Replay or None
+        What is played.
+    """
+
+    def __init__(
+        self, engine: Engine, under_hand: UnderHand, fresh: FreshStart, say: Callable[[str], None]
+    ) -> None:
+        """`say` tells the person."""
+        self._engine = engine
+        self._under_hand = under_hand
+        self._fresh = fresh
+        self._say = say
+        self.now: Replay | None = None
+
+    def begin(self, gesture: Gesture, name: str, loop: bool) -> None:
+        """Play a hand; of a take's changes its windows alone."""
+        left_out = sum("window" not in change.what for change in gesture.changes)
+        if left_out:
+            self._say(f"{name}: {left_out} changes of parameters and presets are left out")
+        self.now = Replay(gesture, name, loop)
+        self._begin_pass(self.now)
+
+    def poll(self, at_rest: bool) -> None:
+        """Hand over what is due; begin the next pass, or end."""
+        replay = self.now
+        if replay is None:
+            return
+        replay.poll(self._engine)
+        if replay.is_over(self._engine, at_rest):
+            if replay.loop:
+                self._begin_pass(replay)
+            else:
+                self.now = None
+
+    def stop(self) -> None:
+        """Let go, and be as new."""
+        if self.now is not None:
+            self.now = None
+            under = self._under_hand
+            self._fresh.begin(under.shown, under.window, under.take_wish())
+
+    def forget(self) -> None:
+        """Nothing is played any more: the engine is about to begin anew."""
+        self.now = None
+
+    def _begin_pass(self, replay: Replay) -> None:
+        under = self._under_hand
+        preset, waiting = under.take_wish(), under.presets.waiting
+        if waiting is not None:
+            preset = under.presets.choose(waiting)
+        self._fresh.begin(
+            *replay.first(under),
+            preset,
+            lambda: replay.begin(self._engine, under.put_at, under.timeline),
+        )

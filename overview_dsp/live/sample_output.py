@@ -11,7 +11,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.live.portaudio import FADE_WITHIN_S, import_sounddevice, no_stream
+from overview_dsp.live.output_devices import no_stream
+from overview_dsp.live.portaudio import FADE_WITHIN_S
+from overview_dsp.live.portaudio_library import import_sounddevice
 
 FADE_S = 0.02
 

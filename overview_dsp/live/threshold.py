@@ -18,10 +18,10 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import ActuatorStage
 from overview_dsp.actuators.tones import EDGE_S, edges
 from overview_dsp.errors import InputError
+from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import TACTOR
 from overview_dsp.live.output_settings import SignalSettings
 from overview_dsp.live.sample_output import Playback
-from overview_dsp.units import db_to_gain
 
 SLOWEST, FASTEST = 0.5, 60.0
 """Rise of the tone, dB a second."""
@@ -70,7 +70,7 @@ class Rise:
         samples = np.zeros((round(self.silence_s * sample_rate) + frames, 2), dtype=np.float32)
         samples[-frames:, TACTOR] = tone * edges(frames, round(EDGE_S * sample_rate))
         ActuatorStage(actuator, sample_rate).process(samples, TACTOR)
-        ceiling = np.float32(db_to_gain(out.ceiling_db))
+        ceiling = np.float32(gain_of_db(out.ceiling_db))
         placed = np.zeros((len(samples), channels), dtype=np.float32)
         placed[:, out.channel - 1] = np.clip(samples[:, TACTOR], -ceiling, ceiling)
         return placed

@@ -21,6 +21,7 @@ from overview_dsp.public.lazy import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.measure.apart import events_felt_apart
+    from overview_dsp.measure.crowd import CrowdKind, CrowdReport, CrowdStroke, crowd_report
     from overview_dsp.measure.felt import Stroke, event_levels, strokes, window_db
     from overview_dsp.measure.observer.observing import observe
     from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
@@ -41,11 +42,15 @@ if TYPE_CHECKING:
         feel_report,
         steps_apart,
     )
+    from overview_dsp.measure.tuning.in_crowd import tuned_on
     from overview_dsp.measure.tuning.moves import Tuned
     from overview_dsp.measure.tuning.ordering import tuned
     from overview_dsp.measure.tuning.separating import separated
 
 __all__ = [
+    "CrowdKind",
+    "CrowdReport",
+    "CrowdStroke",
     "FeelReport",
     "KindFeel",
     "ObserverReport",
@@ -57,6 +62,7 @@ __all__ = [
     "StrokeScores",
     "Tuned",
     "character_steps",
+    "crowd_report",
     "event_levels",
     "events_felt_apart",
     "feel_report",
@@ -74,6 +80,7 @@ __all__ = [
     "steps_apart",
     "strokes",
     "tuned",
+    "tuned_on",
     "window_db",
 ]
 
@@ -81,6 +88,9 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(
         __name__,
         {
+            "CrowdKind": "crowd",
+            "CrowdReport": "crowd",
+            "CrowdStroke": "crowd",
             "FeelReport": "report",
             "KindFeel": "report",
             "ObserverReport": "observer.report",
@@ -92,6 +102,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "StrokeScores": "observer.report",
             "Tuned": "tuning.moves",
             "character_steps": "report",
+            "crowd_report": "crowd",
             "event_levels": "felt",
             "events_felt_apart": "apart",
             "feel_report": "report",
@@ -109,6 +120,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "steps_apart": "report",
             "strokes": "felt",
             "tuned": "tuning.ordering",
+            "tuned_on": "tuning.in_crowd",
             "window_db": "felt",
         },
     )

@@ -18,7 +18,7 @@ from overview_dsp.engine.meters import Strikes
 from overview_dsp.errors import InputError
 from overview_dsp.files.sound import save_sound
 from overview_dsp.gestures import Gesture
-from overview_dsp.kernels.layout import TACTOR, TRACE_COLUMNS
+from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
 from overview_dsp.public.drawn import drawn
 from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.arguments import (
@@ -33,6 +33,7 @@ from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail, unreached
 from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.rendering.transcript import transcript
+from overview_dsp.units import gain_to_db
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -352,6 +353,13 @@ class Rendered:
         What an actuator's protection did, if there was one.
     unreached : tuple of int
         As in `Result`.
+    passed : Strikes or None
+        Those of events, one by one.
+    lufs : float or None
+        Loudness of the click channel as it was written (ITU-R BS.1770), where it was asked for;
+        None for silence too.
+    gain_db : float
+        What `normalize` turned the click up by, dB.
 
     Examples
     --------
@@ -368,6 +376,9 @@ class Rendered:
     engine: Engine
     protected: Protected | None = None
     unreached: tuple[int, ...] = ()
+    passed: Strikes | None = None
+    lufs: float | None = None
+    gain_db: float = 0.0
 
     def __repr__(self) -> str:
         return (
@@ -389,6 +400,9 @@ def render_to_file(
     trace_path: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
     actuator: Actuator | None = None,
+    stems: bool = False,
+    loudness: bool = False,
+    normalize: float | None = None,
 ) -> Rendered:
     """Render a gesture to a sound file, and its trace to a .npz or .csv, in constant memory.
 
@@ -418,6 +432,14 @@ def render_to_file(
         Called with the part done, 0 to 1.
     actuator : Actuator or None
         As in `render`.
+    stems : bool
+        Whether to write the channels alone beside it, `OUT.click.wav` and `OUT.tactor.wav`, and
+        `OUT.trace.wav`: cursor, touching, torque and envelope as four channels of a float file.
+    loudness : bool
+        Whether to measure the click's loudness.
+    normalize : float or None
+        The loudness to bring the click channel to, LUFS, as far as -1 dBFS allows; the tactor
+        isn't changed. It is rendered twice for that.
 
     Returns
     -------
@@ -440,31 +462,62 @@ def render_to_file(
     True
     """
     from overview_dsp.files.sound import SoundWriter
+    from overview_dsp.rendering.click_loudness import ClickMeter, loudness_of, require_loudness
+    from overview_dsp.rendering.stems import StemWriter
     from overview_dsp.rendering.trace_file import TraceWriter
 
     felt = given_timeline(timeline)
-    engine = Engine(given_preset(preset, felt), felt, seed=seed)
-    hand = given_gesture(gesture)
-    engine.prepare(sample_rate, BLOCK)
-    stage = _stage(actuator, engine)
+    chosen, hand = given_preset(preset, felt), given_gesture(gesture)
+
+    def prepared() -> tuple[Engine, ActuatorStage | None]:
+        engine = Engine(chosen, felt, seed=seed)
+        engine.prepare(sample_rate, BLOCK)
+        return engine, _stage(actuator, engine)
+
+    gain = 1.0
+    if normalize is not None:
+        require_loudness(normalize)
+        meter = ClickMeter(sample_rate)
+        engine, stage = prepared()
+        for block in blocks(engine, hand, tail, False, None, stage):
+            meter.feed(block.samples)
+        gain = meter.gain_to(normalize)
+    engine, stage = prepared()
+    heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
     peaks = np.zeros(2)
-    strikes, struck = 0, np.zeros(0, dtype=np.int64)
+    strikes: list[Strikes] = [engine.take_strikes()]
+    full_torque = 1e-3 * chosen.number("tactor.full_torque_mnm")
     with (
         SoundWriter(Path(path), engine.sample_rate, subtype) as sound,
         TraceWriter(Path(trace_path) if trace_path is not None else None) as traced,
+        StemWriter(Path(path), engine.sample_rate, subtype, full_torque, stems) as stemmed,
     ):
-        for block in blocks(engine, hand, tail, trace_path is not None, progress, stage):
+        for block in blocks(engine, hand, tail, trace_path is not None or stems, progress, stage):
+            if gain != 1.0:
+                block.samples[:, CLICK] *= np.float32(gain)
             sound.write(block.samples)
-            if block.trace is not None:
+            stemmed.write(block.samples, block.trace)
+            if block.trace is not None and trace_path is not None:
                 traced.write(block.trace)
+            if heard is not None:
+                heard.feed(block.samples)
             peaks = np.maximum(peaks, np.abs(block.samples).max(axis=0, initial=0.0))
-            strikes += len(block.strikes)
-            struck = np.union1d(struck, block.strikes.event)
-        # both, before either appears: a full disk leaves none of the two
+            strikes.append(block.strikes)
+        # all of them, before any appears: a full disk leaves none
         sound.finish()
         traced.finish()
+        stemmed.finish()
         frames, note = sound.frames, sound.note
-    protected = stage.protected if stage is not None else None
-    seconds = frames / engine.sample_rate
-    missed = unreached(engine.surface, hand, struck)
-    return Rendered(seconds, tuple(peaks.tolist()), strikes, note, engine, protected, missed)
+    struck = join_strikes(strikes)
+    return Rendered(
+        frames / engine.sample_rate,
+        tuple(peaks.tolist()),
+        len(struck),
+        note,
+        engine,
+        stage.protected if stage is not None else None,
+        unreached(engine.surface, hand, struck.event),
+        struck.of_events(),
+        loudness_of(heard.steps()) if heard is not None else None,
+        gain_to_db(gain),
+    )

@@ -18,7 +18,7 @@ def choices(player: Player) -> Iterator[tuple[str, ...]]:
     """Commands with their words, as far as these can be listed."""
     from overview_dsp.actuators.library import actuator_names
     from overview_dsp.errors import OverviewError
-    from overview_dsp.live.portaudio import devices
+    from overview_dsp.live.output_devices import devices
     from overview_dsp.presets.library import bundled_presets, own_names
 
     yield ("record",)

@@ -2,9 +2,9 @@
 
 Twenty-five times a second it gets ``{"status": {...}}``: `cursor` and `touching` of the disk,
 `torque_nm` and `full_torque_nm`, the tactor's `envelope`, `holding` (whether the disk is this
-page's), `window` (s), the name of the `preset`, and of latency `round_trip_ms`,
-`event_to_sample_ms` (from the page's event to the sample at which it acts) and `output_ms` (from
-there to the device, as it says).
+page's), `others` that touch (`name`, `place` 0 to 1, `holding`), `window` (s), the name of the
+`preset`, and of latency `round_trip_ms`, `event_to_sample_ms` (from the page's event to the sample
+at which it acts) and `output_ms` (from there to the device, as it says).
 
 A message that isn't one, or too many of them, end the connection; the end of a connection lets the
 disk go, and so do 500 ms without an event from a hand that touches: a page repeats its last event.
@@ -22,8 +22,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from overview_dsp.errors import InputError
 from overview_dsp.presets.model import Preset
+from overview_dsp.units import HALF_TURN
 from overview_dsp.web.hands import SILENCE_S, Hand, RemoteHands
-from overview_dsp.web.messages import Events, Pong, Show, decode_message
+from overview_dsp.web.messages import Events, Name, Pong, Show, decode_message
 
 LOOK_EVERY_S = 0.02
 STATUS_EVERY_S = 0.04
@@ -101,6 +102,8 @@ async def _listen(websocket: WebSocket, session: Session, hand: Hand) -> None:
             session.hands.move(hand, message.events)
         elif isinstance(message, Pong):
             hand.clock.note(message.host_s, message.page_s, time.monotonic())
+        elif isinstance(message, Name):
+            hand.name = message.name
         elif isinstance(message, Show):
             session.show(message.start_s, message.end_s)
 
@@ -131,6 +134,14 @@ async def _report(websocket: WebSocket, session: Session, hand: Hand) -> None:
 def _of(hands: RemoteHands, hand: Hand) -> dict[str, Any]:
     return {
         "holding": hands.holds(hand),
+        "others": [
+            {
+                "name": one.name,
+                "place": round(one.theta2 / HALF_TURN, 4),
+                "holding": hands.holds(one),
+            }
+            for one in hands.others(hand)
+        ],
         "round_trip_ms": _ms(hand.clock.round_trip_s),
         "event_to_sample_ms": _ms(hand.event_to_sample_s),
     }

@@ -5,6 +5,7 @@
 | `GET /data/...json`, `/sound/...` | the files that a folder has (`site_content`) |
 | `POST /data/window`, `/sound/change` | any window, any preset (`sound_data`) |
 | `GET /data/presets`, `/data/preset?name=NAME` | names; a preset and the parameter table |
+| `GET /preset/changes` | the served preset, whenever its file was saved (`preset_link`) |
 | `POST /preset/toml` | a preset's file, to download |
 | `PUT /preset/NAME?replace=1` | keeps a preset file in the person's own folder |
 | `GET /media` | the film, in ranges |
@@ -46,6 +47,7 @@ from overview_dsp.web.preset_data import (
     preset_names,
     save_own,
 )
+from overview_dsp.web.preset_link import preset_link
 from overview_dsp.web.security.request_body import answering, json_object
 from overview_dsp.web.site_content import SiteContent
 
@@ -156,6 +158,7 @@ def data_routes(
         return JSONResponse({"name": path.stem}, 201)
 
     routes: list[BaseRoute] = [
+        preset_link(preset),
         Route("/data/presets", answering(names)),
         Route("/data/preset", answering(one)),
         Route("/sound/change", answering(change), methods=["POST"]),

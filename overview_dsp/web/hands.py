@@ -30,6 +30,8 @@ class Hand:
     heard_s: float = 0.0
     touched: int = 0
     """Who touched last, by count."""
+    name: str = ""
+    """Whose it is, as it says."""
     event_to_sample_s: float | None = None
     """From the page's event to the sample it acts at."""
 
@@ -73,6 +75,10 @@ class RemoteHands:
     def holds(self, hand: Hand) -> bool:
         """Whether the disk is this hand's, as far as pages go."""
         return hand is self._holder
+
+    def others(self, hand: Hand) -> list[Hand]:
+        """The other hands that touch."""
+        return [one for one in self._hands if one.touching and one is not hand]
 
     def move(self, hand: Hand, events: tuple[RemoteEvent, ...]) -> None:
         """What a hand did, in order."""

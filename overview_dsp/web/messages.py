@@ -6,6 +6,7 @@ From the page::
                                                      (`performance.now()`), rad 0 to pi, 0 or 1
     {"pong": host_s, "time_ms": time_ms}             the answer to a ping, at once
     {"show": [start_s, end_s]}                       the part of the timeline to put under the hand
+    {"name": "Anna's phone"}                         whose hand it is, for the others; up to 40
 
 From the host::
 
@@ -28,6 +29,9 @@ from overview_dsp.timeline import checks
 MAX_MESSAGE_BYTES = 8192
 MAX_EVENTS = 64
 """Events of a message."""
+
+MAX_NAME = 40
+"""Characters of a hand's name."""
 
 MAX_TIME_MS = 1e12
 """No page has been open for thirty years."""
@@ -65,7 +69,14 @@ class Show:
     end_s: float
 
 
-def decode_message(text: str) -> Events | Pong | Show:
+@dataclass(frozen=True)
+class Name:
+    """Whose hand it is."""
+
+    name: str
+
+
+def decode_message(text: str) -> Events | Pong | Show | Name:
     """A message of a page; InputError, in a line, for anything else."""
     try:
         found = json.loads(text, parse_constant=_no_number)
@@ -88,7 +99,15 @@ def decode_message(text: str) -> Events | Pong | Show:
         return Show(
             _number(start, "show[0]", 0.0, math.inf), _number(end, "show[1]", 0.0, math.inf)
         )
-    raise InputError("a message has the keys events, pong and time_ms, or show")
+    if keys == {"name"}:
+        return Name(_name(found["name"]))
+    raise InputError("a message has the keys events, pong and time_ms, show, or name")
+
+
+def _name(given: Any) -> str:
+    if not isinstance(given, str) or len(given) > MAX_NAME or not given.isprintable():
+        raise InputError(f"name is a text of up to {MAX_NAME} characters, on one line")
+    return given
 
 
 def _events(given: Any) -> Events:

@@ -2,46 +2,32 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
 import overview_dsp as ov
 from overview_dsp.actuators.library import load_actuator
 from overview_dsp.actuators.stage import ActuatorStage
+from tests.interpreted import interpreted
 
-INTERPRETED = """
-import sys
-import numpy as np
-from overview_dsp.actuators.library import load_actuator
-from overview_dsp.actuators.stage import ActuatorStage
 
-time = np.arange(9600) / 48_000
-tone = 1.5 * np.sin(1571.0 * time) * (time < 0.12)
-for name in ("c2", "lra", "cmf"):
-    samples = np.stack([np.zeros(9600), tone], axis=1).astype(np.float32)
-    ActuatorStage(load_actuator(name), 48_000).process(samples, 1)
-    sys.stdout.buffer.write(samples.tobytes())
-"""
+def driven():
+    """An overdriven edge, heat, a braked edge, silence, the skin's weighting."""
+    time = np.arange(9600) / 48_000
+    tone = 1.5 * np.sin(1571.0 * time) * (time < 0.12)
+    sounds = []
+    for name in ("c2", "lra", "cmf"):
+        samples = np.stack([np.zeros(9600), tone], axis=1).astype(np.float32)
+        ActuatorStage(load_actuator(name), 48_000).process(samples, 1)
+        sounds.append(samples.tobytes())
+    return b"".join(sounds)
 
 
 def test_compiled_and_interpreted_drives_are_the_same_bits():
-    """An overdriven edge, heat, a braked edge, silence, the skin's weighting."""
-    outputs = [
-        subprocess.run(
-            [sys.executable, "-c", INTERPRETED],
-            env={**os.environ, "NUMBA_DISABLE_JIT": disabled},
-            capture_output=True,
-            check=True,
-        ).stdout
-        for disabled in ("1", "0")
-    ]
-    assert len(outputs[0]) == 3 * 9600 * 8
-    assert np.frombuffer(outputs[0], np.float32).any()
-    assert outputs[0] == outputs[1]
+    compiled = driven()
+    assert len(compiled) == 3 * 9600 * 8
+    assert np.frombuffer(compiled, np.float32).any()
+    assert interpreted("tests.actuators.test_bits", "driven()") == compiled
 
 
 def test_an_actuator_changes_the_tactors_channel_alone(match, football):

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from tests.interpreted import interpreted
 from tests.profiles import share
 
 RATE = 48_000
@@ -146,31 +143,14 @@ def test_a_seed_repeats_every_bit_and_another_differs(match, football):
     assert np.array_equal(outs[0][:, 1], outs[2][:, 1])  # the grain is heard, not felt
 
 
-INTERPRETED = """
-import sys
-import warnings
-import numpy as np
-
-warnings.simplefilter("ignore", RuntimeWarning)  # wrapping integers, as in machine code
-import overview_dsp as ov
-
-gesture = ov.tap(0.95, 0.12)
-result = ov.render(
-    ov.load_timeline("world-cup-final-2018"), ov.load_preset("football"), gesture, tail=0.08
-)
-table = np.column_stack([result.trace[name] for name in result.trace])
-sys.stdout.buffer.write(result.samples.tobytes() + table.tobytes())
-"""
+def short_tap():
+    """0.2 s that hold strikes, a release, the limiter and the grain: samples and trace."""
+    result = ov.render("world-cup-final-2018", "football", ov.tap(0.95, 0.12), tail=0.08)
+    table = np.column_stack([result.trace[name] for name in result.trace])
+    return result.samples.tobytes() + table.tobytes()
 
 
 def test_compiled_and_interpreted_kernels_give_the_same_bits():
-    """The 0.2 s hold strikes, a release, the limiter and the grain."""
-    outputs = []
-    for disabled in ("1", "0"):
-        environment = {**os.environ, "NUMBA_DISABLE_JIT": disabled}
-        done = subprocess.run(
-            [sys.executable, "-c", INTERPRETED], env=environment, capture_output=True, check=True
-        )
-        outputs.append(done.stdout)
-    assert len(outputs[0]) > 9600 * (8 + 72)
-    assert outputs[0] == outputs[1]
+    compiled = short_tap()
+    assert len(compiled) > 9600 * (8 + 72)
+    assert interpreted("tests.engine.test_bits", "short_tap()") == compiled

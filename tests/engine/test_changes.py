@@ -9,8 +9,8 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.engine import compile_notice
-from overview_dsp.engine.coefficients import FADE_S, GLIDE_S
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.derive import FADE_S, GLIDE_S
 from overview_dsp.presets.dicts import preset_to_dict
 from tests.engine.test_engine import prepared, run
 from tests.examples import plain_preset, preset_with, timeline_of, with_friction

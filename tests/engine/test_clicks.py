@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.engine.coefficients import mode_coefficients, ring_samples
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import PULSE_SPACING
 from overview_dsp.kernels.modal_bank import ring
 from overview_dsp.measure.onset_detector import onsets
 from tests.examples import preset_with, timeline_of
 from tests.feel.test_football import MATCHES, SWEEPS, busy_match, timeline_named  # noqa: F401
+from tests.kernels.deriving import mode_coefficients, ring_samples, write_click
 
 
 @numba.njit
@@ -39,11 +39,7 @@ def struck(mode, times, rate, frames, level=1.0):
     """What the modal bank alone sounds for strikes at these times (samples, with fractions)."""
     m = np.zeros(layout.TOTAL)
     w = m.view(np.int64)
-    columns = mode_coefficients(mode, rate)
-    w[layout.SURFACES + layout.KIND_MODES] = 0 if columns is None else 1
-    if columns is not None:
-        m[layout.SURFACES + layout.MODES :][: layout.MODE_SIZE] = columns
-    w[layout.SURFACES + layout.KIND_RING] = ring_samples(mode, rate)
+    write_click(m, mode, rate)
     for at, time in enumerate(times):
         m[layout.LOG_TIME + at] = time
         m[layout.LOG_LEVEL + at] = level

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import cmath
 import math
+from decimal import Decimal, localcontext
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.engine.coefficients import (
-    PACE_MOST,
-    changes,
-    check_carrier,
-    coefficients,
-    mode_coefficients,
-    one_pole,
-    ring_samples,
-)
+from overview_dsp.engine.coefficients import changes, check_carrier, coefficients
 from overview_dsp.kernels import clutch, layout
+from overview_dsp.kernels.decibels import gain_of_db
+from overview_dsp.kernels.derive import PACE_MOST, derive, derive_clicks, push_parameters
+from overview_dsp.presets.parameters import PARAMETERS
 from tests.examples import K1, K2, plain_preset
+from tests.kernels.deriving import mode_coefficients, one_pole, ring_samples
 
 RATES = [1000.0, 44_100.0, 48_000.0, 192_000.0]
 VALUES = {
@@ -149,8 +149,70 @@ def test_a_mode_falls_by_160_db_while_it_rings_and_by_60_in_its_decay():
     assert whole == pytest.approx(turn**layout.PHASES, rel=1e-12)
 
 
-def test_a_modes_columns_are_shared_and_read_only():
-    mode = ov.ClickMode(1000.0, 60.0)
-    columns = mode_coefficients(mode, 48_000.0)
-    with pytest.raises(ValueError, match="read-only"):
-        columns[0] = 1.0
+@given(st.floats(-150.0, 60.0))
+def test_a_level_in_db_is_a_correctly_rounded_power_of_ten(level):
+    with localcontext(prec=50):
+        assert gain_of_db(level) == float(Decimal(10) ** Decimal(level / 20.0))
+
+
+def test_every_parameter_of_the_voice_has_a_column():
+    elsewhere = {id for id, known in PARAMETERS.items() if known.surface or id.startswith("twist.")}
+    of_the_voice = {
+        f"PARAM_{id.upper().replace('.', '_')}" for id in PARAMETERS if id not in elsewhere
+    }
+    assert of_the_voice == {name for name in vars(layout) if name.startswith("PARAM_")}
+
+
+@pytest.mark.parametrize("name", ["football", "creaking-door", "clock-key"])
+@pytest.mark.parametrize("rate", [1000.0, 44_100.0, 1234.5678, 96_000.0, 768_000.0])
+def test_a_memory_goes_to_another_rate_by_itself(match, name, rate):
+    """Of one that was prepared at 48 kHz the kernel makes the very one of another rate."""
+    engines = [ov.Engine(ov.load_preset(name), match, seed=2) for _ in range(2)]
+    engines[0].prepare(48_000)
+    engines[1].prepare(rate)
+    moved, made = (engine.memory for engine in engines)
+    moved[layout.S_SAMPLE_RATE] = rate
+    derive(moved, moved.view(np.int64))
+    derive_clicks(moved, moved.view(np.int64), layout.SURFACES)
+    heard = made.view(np.int64)[layout.SURFACES + layout.KIND_MODES :][: layout.BANKS]
+    for m in (moved, made):  # modes that no kind has any more
+        modes = m[layout.SURFACES + layout.MODES :][
+            : layout.BANKS * layout.MAX_MODES * layout.MODE_SIZE
+        ]
+        modes = modes.reshape(layout.BANKS, layout.MAX_MODES, layout.MODE_SIZE)
+        modes[np.arange(layout.MAX_MODES) >= heard[:, None]] = 0.0
+    assert np.array_equal(moved.view(np.int64), made.view(np.int64))
+
+
+def test_parameters_changed_in_the_memory_are_those_changed_by_the_engine(match, football):
+    wanted = football.with_changes({"tactor.gain_db": -9.0, "disk.release": "return"})
+    outs = []
+    for by_engine in (True, False):
+        engine = ov.Engine(football, match)
+        engine.prepare(8000, 4000)
+        engine.control(2.0, True)
+        engine.control(2.0, False, 2000)
+        if by_engine:
+            engine.set_preset(wanted, sample_time=1001)
+        else:
+            engine.memory[layout.PARAM_TACTOR_GAIN_DB] = -9.0
+            engine.memory[layout.PARAM_DISK_RELEASE] = 1.0
+            assert push_parameters(engine.memory, engine.memory.view(np.int64), 1001)
+            assert push_parameters(engine.memory, engine.memory.view(np.int64), 1500)  # nothing new
+        out = np.zeros((4000, 2), np.float32)
+        engine.process(out)
+        outs.append(out)
+    assert np.array_equal(*outs)
+    assert outs[0].any()
+
+
+def test_parameters_that_find_no_place_are_asked_for_later(match, football):
+    engine = ov.Engine(football, match)
+    engine.prepare(8000, 4000)
+    w = engine.memory.view(np.int64)
+    w[layout.HOST_WRITTEN] = w[layout.HOST_READ] + layout.HOST_RING
+    engine.memory[layout.PARAM_TACTOR_GAIN_DB] = -9.0
+    assert not push_parameters(engine.memory, w, -1)
+    w[layout.HOST_WRITTEN] = w[layout.HOST_READ]
+    assert push_parameters(engine.memory, w, -1)
+    assert w[layout.HOST_WRITTEN] == w[layout.HOST_READ] + 1

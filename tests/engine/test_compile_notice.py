@@ -5,6 +5,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.engine import compile_notice
 from overview_dsp.engine.compile_notice import announce_compile
+from overview_dsp.kernels import shipped
 from tests.examples import plain_preset, timeline_of
 
 
@@ -13,7 +14,11 @@ def _nothing_announced(monkeypatch):
     monkeypatch.setattr(compile_notice, "_announced", set())
 
 
-def test_a_first_compilation_is_announced_once_on_stderr(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("outdated", [False, True])
+def test_a_first_compilation_is_announced_once_on_stderr(tmp_path, monkeypatch, capsys, outdated):
+    """Where no machine code is shipped for a processor, or it is of other sources."""
+    monkeypatch.setattr(shipped, "usable", lambda: None)
+    monkeypatch.setattr(compile_notice, "is_outdated", lambda: outdated)
     engine = ov.Engine(plain_preset(), timeline_of())
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     engine.prepare()
@@ -23,6 +28,7 @@ def test_a_first_compilation_is_announced_once_on_stderr(tmp_path, monkeypatch, 
     assert said.out == ""
     assert len(said.err.splitlines()) == 1
     assert "compiling" in said.err
+    assert ("build_kernels.py" in said.err) == outdated
 
 
 def test_nothing_is_announced_where_nothing_will_be_compiled(capsys):

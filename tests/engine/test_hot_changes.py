@@ -7,8 +7,8 @@ import pytest
 from scipy.signal import butter, sosfilt
 
 import overview_dsp as ov
-from overview_dsp.engine.coefficients import FADE_S
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.derive import FADE_S
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.rendering.trace import Trace
 from tests.examples import plain_preset, preset_with, timeline_of

@@ -82,7 +82,8 @@ def test_a_change_holds_what_an_engine_would_receive(match, football):
     assert pairs[:, 1].tolist() == made.memory[layout.HOST_VALUE :][:count].tolist()
     assert np.frombuffer(data, "<f8", 3, 16).tolist() == [4_711, RATE, 0]
     slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
-    write_surface(slot, 0, made.surface, RATE)
+    slot[layout.S_SAMPLE_RATE] = RATE
+    write_surface(slot, 0, made.surface)
     columns = decoded_runs(data[40 + 16 * count :])
     assert np.array_equal(columns, slot[layout.SURFACES :].view(np.uint64))
 

@@ -8,8 +8,8 @@ import numba
 import numpy as np
 import pytest
 
-from overview_dsp.engine.coefficients import one_pole
 from overview_dsp.kernels.envelope import compress, follow
+from tests.kernels.deriving import one_pole
 
 RATE = 48_000.0
 

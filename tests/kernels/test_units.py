@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.engine.coefficients import one_pole
 from overview_dsp.kernels.dc_block import CORNER_HZ, block_dc
 from overview_dsp.kernels.friction import friction_at
 from overview_dsp.kernels.layout import CELLS
@@ -18,6 +17,7 @@ from overview_dsp.kernels.limiter import limit
 from overview_dsp.kernels.noise import next_state, seed_state, white
 from overview_dsp.kernels.smoother import latency, smooth
 from overview_dsp.kernels.texture import grain_level
+from tests.kernels.deriving import one_pole
 
 RATE = 48_000.0
 

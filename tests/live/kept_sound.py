@@ -1,9 +1,6 @@
-"""An output that keeps what it was given, in time, and where the engine began anew."""
+"""An output that plays when it is told to and keeps it, and where the engine began anew."""
 
 from __future__ import annotations
-
-import threading
-import time
 
 import numpy as np
 
@@ -13,30 +10,32 @@ from overview_dsp.live.stream_meters import play_again, read_meters
 
 
 class KeptSound:
-    """As `SilentStream`; `passes` are float32 (frames, 2), one for each beginning of the engine.
+    """As `SilentStream`, in a time of its own: no machine is too slow for it.
 
-    It plays `speed` times as fast as it should.
+    `passes` are float32 (frames, 2), one for each beginning of the engine.
     """
 
     name = "kept"
 
-    def __init__(self, engine, block_size, settings, speed=1.0):
-        self._engine, self.block_size, self._speed = engine, block_size, speed
+    def __init__(self, engine, block_size, settings):
+        self._engine, self.block_size = engine, block_size
         self._out = np.zeros((block_size, connect(engine, settings)), dtype=np.float32)
         self._blocks = [[]]
-        self._thread = None
+        self.active = False
+        self._over = False
 
     def start(self):
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
+        self.active, self._over = True, False
 
-    def _run(self):
-        due, over = time.perf_counter(), False
-        while not over:
-            over = run_block(self._engine, self._out)
+    def play(self, seconds):
+        """Let so much time go by, in whole blocks."""
+        for _ in range(max(1, round(seconds * self._engine.sample_rate / self.block_size))):
+            self._play_block()
+
+    def _play_block(self):
+        if not self._over:
+            self._over = run_block(self._engine, self._out)
             self._blocks[-1].append(self._out.copy())
-            due += self.block_size / self._engine.sample_rate / self._speed
-            time.sleep(max(0.0, due - time.perf_counter()))
 
     def restart(self, begin):
         self.close()
@@ -47,17 +46,13 @@ class KeptSound:
 
     def close(self):
         self._engine.memory.view(np.int64)[layout.L_STOP] = 1
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
+        while self.active and not self._over:
+            self._play_block()
+        self.active = False
 
     @property
     def passes(self):
         return [np.concatenate(blocks) for blocks in self._blocks if blocks]
-
-    @property
-    def active(self):
-        return self._thread is not None and self._thread.is_alive()
 
     @property
     def meters(self):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import select
+import signal
 import struct
 import subprocess
 import sys
@@ -24,6 +25,9 @@ class Terminal:
 
         def take_terminal():
             fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+            # as from a shell, also where these tests are run in the background or by nohup
+            for number in (signal.SIGINT, signal.SIGHUP):
+                signal.signal(number, signal.SIG_DFL)
 
         self.process = subprocess.Popen(
             [sys.executable, "-m", "overview_dsp", *map(str, arguments)],

@@ -15,7 +15,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.live import kept_takes, recorder
 from overview_dsp.live.recorder import Recorder
-from tests.cli.running import MATCH, environment
+from tests.cli.running import MATCH, environment, overview
 
 RATE = 8000
 
@@ -250,9 +250,7 @@ def test_after_a_kill_the_take_is_whole_and_the_next_start_says_where(tmp_path):
     assert gesture.time_s[-2] >= reports[-1]["time_s"] - 0.5
 
     def again():
-        return subprocess.run(
-            [*PLAY, "--input", "tap:0.1:0.05"], capture_output=True, text=True, env=environment()
-        ).stderr
+        return overview("play", MATCH, "--device", "none", "--seconds", 0.1).err
 
     (said,) = [line for line in again().splitlines() if "cut short" in line]
     assert str(take) in said

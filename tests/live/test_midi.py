@@ -64,7 +64,10 @@ with OutputStream(engine, device="system", block_size=256) as stream:
     hand = ControllerInput(engine, "midi", lambda: MidiPort("KEYS"),
                            lambda counters: MidiReader(counters=counters))
     holder = lambda: None if engine.holder is None else list(engine.holder)
-    keys.send((0x90, 66, 100), wait=0.5)
+    keys.send((0x90, 66, 100))
+    until = time.monotonic() + 30.0
+    while engine.arrived_at is None and time.monotonic() < until:
+        time.sleep(0.01)
     seen["tap"], seen["cursor"] = holder(), engine.meters.cursor
     keys.send((0x80, 66, 0), wait=0.3)
     seen["released"] = holder()

@@ -17,6 +17,7 @@ from overview_dsp.live.motor_input import MotorInput
 from overview_dsp.sensors.profile_file import load_sensor
 from tests.cli.running import overview
 from tests.live import stepped
+from tests.live.priority import urgently
 from tests.live.stepped import SteppedPort, SteppedTime
 from tests.live.test_sensor_input import KNOB, PLAY, ROOT, needs_pty, played
 
@@ -186,7 +187,9 @@ def motor(tmp_path):
     def start(*arguments):
         link = tmp_path / f"motor{len(running)}"
         command = [sys.executable, str(KNOB), "motor", "--link", str(link), *map(str, arguments)]
-        running.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
+        running.append(
+            subprocess.Popen(command, stdout=subprocess.PIPE, text=True, preexec_fn=urgently)
+        )
         assert running[-1].stdout.readline().startswith(f"serial:{link}")
         return link
 
@@ -261,7 +264,7 @@ def test_a_host_that_is_killed_leaves_no_torque(motor):
 @pytest.mark.realtime
 @needs_pty
 def test_a_motor_that_falls_silent_is_let_go(motor):
-    port = motor("--mute", 6)
+    port = motor("--mute", 4)
     lines, said = played("--input", f"serial:{port}", *FORCE, "--seconds", 9)
     force = lines[-1]["summary"]["input"]["force"]
     assert force["silences"] >= 1

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import shutil
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.live import preset_watch
 from overview_dsp.live.commands import COMMANDS
 from overview_dsp.live.inputs import parse_command
 from overview_dsp.live.output_settings import OutputSettings
@@ -19,6 +21,7 @@ from overview_dsp.presets.library import preset_path
 from tests.live.kept_sound import KeptSound
 
 RATE = 48_000
+LOOK_S = 0.02
 
 
 @pytest.fixture
@@ -53,27 +56,33 @@ def session(match, tmp_path, monkeypatch):
         player.close()
 
 
-def wait(player, condition, seconds=30.0):
-    """Poll until a condition holds; what was said meanwhile."""
+def wait(player, condition, sound=None, seconds=60.0):
+    """Play and poll until a condition holds; what was said meanwhile.
+
+    Without `sound` the output plays by itself, in real time.
+    """
     said, until = [], time.monotonic() + seconds
     while time.monotonic() < until:
         said += player.poll().messages
         if condition():
             return said
-        time.sleep(0.01)
+        if sound is None:
+            time.sleep(0.01)
+        else:
+            sound.play(LOOK_S)
     raise AssertionError(f"waited in vain; {said}")
 
 
 def passes_begun(player, count):
-    return lambda: player.poll().replay is not None and player._replay.passes >= count
+    return lambda: player.poll().replay is not None and player._replaying.now.passes >= count
 
 
-def play_a_take(player):
+def play_a_take(player, sound):
     """A hand over a part of the match, recorded from the first sample on."""
     for i in range(30):
         player.touch(0.1 + 0.02 * i)
-        until = time.monotonic() + 0.02
-        wait(player, lambda until=until: time.monotonic() > until)
+        sound.play(LOOK_S)
+        player.poll()
     player.release()
     player.poll()
 
@@ -91,15 +100,15 @@ def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
 ):
     series = ov.load_preset("plain")
     player, sound = session(block_size=block_size, other="plain", record=tmp_path / "take.csv")
-    play_a_take(player)
+    play_a_take(player, sound)
     said = []
     player.toggle_replay()
-    wait(player, passes_begun(player, 1))
+    wait(player, passes_begun(player, 1), sound)
     player.choose_preset(1)
-    said += wait(player, passes_begun(player, 2))
+    said += wait(player, passes_begun(player, 2), sound)
     player.choose_preset(0)
-    said += wait(player, passes_begun(player, 3))
-    wait(player, passes_begun(player, 4))
+    said += wait(player, passes_begun(player, 3), sound)
+    wait(player, passes_begun(player, 4), sound)
     player.close()
     gesture = ov.load_gesture(tmp_path / "take.csv")
     _, first, second, third, _ = sound.passes
@@ -111,24 +120,29 @@ def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
 
 
 def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
-    session, match, tmp_path
+    session, match, tmp_path, monkeypatch
 ):
+    monkeypatch.setattr(preset_watch, "LOOK_EVERY_S", 0.0)
     mine = tmp_path / "mine.toml"
     shutil.copy(preset_path("plain"), mine)
     player, sound = session(str(mine), record=tmp_path / "take.csv")
-    play_a_take(player)
+    play_a_take(player, sound)
     player.toggle_replay()
-    wait(player, passes_begun(player, 1))
+    wait(player, passes_begun(player, 1), sound)
     before = ov.load_preset(str(mine))
     after = before.with_value("tactor.gain_db", before.number("tactor.gain_db") - 9.0)
     ov.presets.save(after, mine)
-    wait(player, lambda: player.preset.number("tactor.gain_db") == after.number("tactor.gain_db"))
-    assert player._replay.passes == 1
-    wait(player, passes_begun(player, 2))
+    wait(
+        player,
+        lambda: player.preset.number("tactor.gain_db") == after.number("tactor.gain_db"),
+        sound,
+    )
+    assert player._replaying.now.passes == 1
+    wait(player, passes_begun(player, 2), sound)
     # A is the file as it was, B as it is
     player.choose_preset(0)
-    wait(player, passes_begun(player, 3))
-    wait(player, passes_begun(player, 4))
+    wait(player, passes_begun(player, 3), sound)
+    wait(player, passes_begun(player, 4), sound)
     player.close()
     gesture = ov.load_gesture(tmp_path / "take.csv")
     passes = sound.passes
@@ -137,28 +151,28 @@ def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
 
 
 def test_chosen_twice_it_changes_at_once(session, tmp_path):
-    player, _ = session(other="plain", record=tmp_path / "take.csv")
-    play_a_take(player)
+    player, sound = session(other="plain", record=tmp_path / "take.csv")
+    play_a_take(player, sound)
     player.toggle_replay()
-    wait(player, passes_begun(player, 1))
+    wait(player, passes_begun(player, 1), sound)
     player.choose_preset(1)
     assert player.preset.name == "football"
     player.choose_preset(1)
-    wait(player, lambda: player.preset.name == "plain")
-    assert player._replay.passes == 1
+    wait(player, lambda: player.preset.name == "plain", sound)
+    assert player._replaying.now.passes == 1
 
 
 def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, match, football):
     player, sound = session()
     player.show(600.0, 3000.0)
-    wait(player, lambda: player.window == (600.0, 3000.0))
+    wait(player, lambda: player.window == (600.0, 3000.0), sound)
     player.toggle_take()
-    play_a_take(player)
+    play_a_take(player, sound)
     player.zoom(2.0, 0.5)
-    play_a_take(player)
+    play_a_take(player, sound)
     player.toggle_take()
     player.toggle_replay()
-    wait(player, passes_begun(player, 2))
+    wait(player, passes_begun(player, 2), sound)
     player.close()
     gesture = ov.load_gesture(player.takes[0])
     assert gesture.changes[0].what == {"window": [600.0, 3000.0]}
@@ -169,17 +183,17 @@ def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, ma
 def test_a_take_begun_while_the_disk_rests_is_what_was_heard_to_the_bit(session, match, football):
     player, sound = session(other="plain")
     player.show(600.0, 3000.0)
-    play_a_take(player)
+    play_a_take(player, sound)
     player.choose_preset(1)
     player.use_preset("heart")
-    wait(player, lambda: player.preset.name == "heart")
+    wait(player, lambda: player.preset.name == "heart", sound)
     player.choose_preset(0)
-    wait(player, lambda: player.preset.name == "football" and player.at_rest)
+    wait(player, lambda: player.preset.name == "football" and player.at_rest, sound)
     player.toggle_take()
     assert player.window == (600.0, 3000.0)
     player.touch(0.6)  # in the crossfade to that window
-    play_a_take(player)
-    play_a_take(player)
+    play_a_take(player, sound)
+    play_a_take(player, sound)
     player.close()
     (take,) = player.takes
     assert player.ended_takes == [f"{take}: the take, to the bit"]
@@ -187,11 +201,11 @@ def test_a_take_begun_while_the_disk_rests_is_what_was_heard_to_the_bit(session,
 
 
 def test_a_take_begun_while_the_disk_moves_says_that_it_is_not(session):
-    player, _ = session()
+    player, sound = session()
     player.touch(0.7)
-    wait(player, lambda: player.engine.meters.touching)
+    wait(player, lambda: player.engine.meters.touching, sound)
     player.toggle_take()
-    wait(player, lambda: player.at_rest)
+    wait(player, lambda: player.at_rest, sound)
     player.toggle_take()
     (line,) = player.ended_takes
     assert "to the bit" not in line
@@ -199,49 +213,49 @@ def test_a_take_begun_while_the_disk_moves_says_that_it_is_not(session):
 
 
 def test_takes_and_replays_alternate_and_replace_none(session):
-    player, _ = session()
+    player, sound = session()
     player.toggle_replay()
     assert any("nothing to replay yet" in line for line in player.poll().messages)
     for number in range(3):
         player.toggle_take()
         assert player.poll().recording is not None
-        play_a_take(player)
+        play_a_take(player, sound)
         player.toggle_replay()  # ends the take
-        wait(player, passes_begun(player, 1))
+        wait(player, passes_begun(player, 1), sound)
         assert player.poll().recording is None
         assert len(player.takes) == number + 1
         player.touch(0.5)  # a hand of one's own ends it
         assert not player.replaying
-        wait(player, lambda: player.engine.meters.touching)
+        wait(player, lambda: player.engine.meters.touching, sound)
         player.release()
     assert len(set(player.takes)) == 3
     assert all(len(ov.load_gesture(take).time_s) >= 30 for take in player.takes)
 
 
 def test_a_gesture_that_is_not_looped_is_played_once(session):
-    player, _ = session()
+    player, sound = session()
     player.replay(ov.tap(0.5, 0.2), "tap", loop=False)
-    wait(player, lambda: not player.replaying)
+    wait(player, lambda: not player.replaying, sound)
     assert player.engine.meters.strikes > 0
 
 
 def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
-    player, _ = session(other="plain")
+    player, sound = session(other="plain")
     player.ask("record")
     player.ask("record", "1")  # it is on already
-    wait(player, lambda: player.recording)
+    wait(player, lambda: player.recording, sound)
     player.ask("window", "600", "1200")
-    wait(player, lambda: player.window == (600.0, 1200.0))
+    wait(player, lambda: player.window == (600.0, 1200.0), sound)
     player.ask("preset", "2")
-    wait(player, lambda: player.preset.name == "plain")
+    wait(player, lambda: player.preset.name == "plain", sound)
     player.ask("record", "0")
-    wait(player, lambda: not player.recording)
+    wait(player, lambda: not player.recording, sound)
     player.ask("replay", "1")
-    wait(player, lambda: player.replaying)
+    wait(player, lambda: player.replaying, sound)
     player.ask("replay", "0")
-    wait(player, lambda: not player.replaying)
+    wait(player, lambda: not player.replaying, sound)
     player.ask("preset", "heart")
-    wait(player, lambda: player.preset.name == "heart")
+    wait(player, lambda: player.preset.name == "heart", sound)
     for words, why in (
         (("window", "5"), "window 5: it is window START END"),
         (("window", "x", "y"), "a window is two numbers"),
@@ -294,6 +308,26 @@ def test_a_switch_within_a_pass_adds_no_click(match, moment):
     engine.process(out)
     around = round(moment * RATE)
     assert above(out[around - 6000 : around + 6000, 1].astype(float), 2000.0) < -60.0
+
+
+@pytest.mark.parametrize("seconds", [0.3, 0.4003, 0.7])
+def test_a_pass_that_is_cut_off_while_it_sounds_adds_no_click(session, seconds):
+    """By the next one, or by its end."""
+    player, sound = session()
+    player.replay(ov.sweep(1.0), "sweep")
+    sound.play(seconds)
+    player.poll()
+    player.replay(ov.sweep(1.0), "again")
+    sound.play(seconds)
+    player.stop_replay()
+    sound.play(0.2)
+    player.close()
+    passes = [one[:, 1].astype(float) for one in sound.passes[1:]]
+    assert len(passes) == 3
+    for before, after in pairwise(passes):
+        around = np.concatenate([before[-6000:], after[:6000]])
+        assert np.abs(before[-2000:]).max() > 0.01
+        assert above(around, 2000.0) < -60.0
 
 
 def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_nothing(

@@ -25,6 +25,7 @@ from overview_dsp.sensors.frames import decode_frame
 from overview_dsp.sensors.profile import Sensor
 from tests.cli.running import overview
 from tests.live import stepped
+from tests.live.priority import urgently
 from tests.live.stepped import SteppedPort, SteppedTime
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -388,7 +389,9 @@ def device(tmp_path):
     def start(*arguments):
         link = tmp_path / f"knob{len(running)}"
         command = [sys.executable, str(KNOB), "imu", "--link", str(link), *map(str, arguments)]
-        running.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
+        running.append(
+            subprocess.Popen(command, stdout=subprocess.PIPE, text=True, preexec_fn=urgently)
+        )
         assert running[-1].stdout.readline().startswith(f"serial:{link}")
         return link
 
@@ -406,6 +409,7 @@ def played(*arguments):
     done = subprocess.run(
         [*PLAY, *map(str, arguments)], capture_output=True, text=True, timeout=120,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])},
+        preexec_fn=urgently,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()], done.stderr

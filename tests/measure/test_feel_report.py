@@ -117,7 +117,7 @@ def test_tuning_sets_kinds_two_steps_apart_at_every_speed():
 
 
 def test_no_two_kinds_feel_alike_once_they_are_set_apart():
-    preset = preset_of(a=20.0, b=20.0, c=20.0, d=8.0)
+    preset = preset_of(a=20.0, b=20.0, d=8.0)
     found = separated(preset, ("a", "d"), seed=1)
     assert found.reached
     report = feel_report(

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +14,7 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.presets.describe import bristle_hold
 from tests.examples import preset_with, timeline_of
+from tests.interpreted import interpreted
 from tests.profiles import share
 
 RATE = 48_000
@@ -312,29 +310,16 @@ def test_crossfading_between_models_stays_smooth():
         assert speed[at : at + 2000].max() < 3.0 * speed[:4000].max()
 
 
-INTERPRETED = """
-import sys, warnings
-warnings.simplefilter("ignore", RuntimeWarning)  # wrapping integers, as in machine code
-import numpy as np
-from tests.surface.test_friction_models import played
-out, trace, strikes = played([6000], 6000)
-assert len(strikes) > 1
-sys.stdout.buffer.write(out.tobytes() + trace.tobytes() + strikes.torque.tobytes())
-"""
+def all_models():
+    out, trace, strikes = played([6000], 6000)
+    assert len(strikes) > 1
+    return out.tobytes() + trace.tobytes() + strikes.torque.tobytes()
 
 
 def test_compiled_and_interpreted_models_give_the_same_bits():
-    outputs = [
-        subprocess.run(
-            [sys.executable, "-c", INTERPRETED],
-            env={**os.environ, "NUMBA_DISABLE_JIT": disabled},
-            capture_output=True,
-            check=True,
-        ).stdout
-        for disabled in ("1", "0")
-    ]
-    assert len(outputs[0]) > 6000 * (8 + 72)
-    assert outputs[0] == outputs[1]
+    compiled = all_models()
+    assert len(compiled) > 6000 * (8 + 72)
+    assert interpreted("tests.surface.test_friction_models", "all_models()") == compiled
 
 
 def test_a_saved_state_holds_the_models():

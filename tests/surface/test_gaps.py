@@ -26,6 +26,9 @@ CLEAR = ("crowd", "heart", "plain", "series", "weather", "football")
 SMOOTH = [(name, seconds) for name, seconds in CASES if name.startswith(CLEAR)]
 """Presets on whose bare surface the data alone is felt; others have teeth, detents or slip."""
 
+RATE = 16_000
+"""The disk and its vibration are the same at any rate."""
+
 SILENT_DB = -90.0
 """Nothing is felt below what a 16-bit output can give."""
 
@@ -61,7 +64,7 @@ def felt():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ov.OverviewWarning)  # most have no fouls
         return {
-            (name, seconds): ov.render(timeline, ov.load_preset(name), ov.sweep(seconds))
+            (name, seconds): ov.render(timeline, ov.load_preset(name), ov.sweep(seconds), RATE)
             for name, seconds in CASES
         }
 

@@ -17,7 +17,7 @@ from overview_dsp.errors import InputError, OutputError
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.readers.native import MAX_POINTS, decode, encode
 from overview_dsp.readers.source import parse_json
-from overview_dsp.timeline import Intensity, Timeline
+from overview_dsp.timeline import Intensity, Timeline, samples
 from overview_dsp.timeline import growable_array as store_module
 from overview_dsp.timeline.curve_builder import CurveBuilder
 from overview_dsp.timeline.even_times import EvenTimes
@@ -441,3 +441,12 @@ def test_chunks_that_make_no_curve_are_one_line(chunks: list, step: float, words
 def test_values_beyond_float32_are_refused_where_that_was_asked_for() -> None:
     with pytest.raises(InputError, match=r"float32.*float64"):
         CurveBuilder(np.float32).append([1e39])
+
+
+@given(st.data(), st.sampled_from([np.float32, np.float64]), st.sampled_from([3, 200]))
+def test_the_largest_of_each_run_is_what_numpy_finds(data, dtype, runs):
+    random = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
+    row = (random.standard_normal(600) + data.draw(st.integers(-4, 4))).astype(dtype)
+    row[random.random(600) < 0.1] = data.draw(st.sampled_from([0.0, -0.0]))
+    starts = np.unique(random.integers(0, 600, runs))
+    assert np.array_equal(samples._largest(row, starts), np.maximum.reduceat(row, starts))

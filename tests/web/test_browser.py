@@ -11,9 +11,9 @@ import overview_dsp as ov
 from overview_dsp.engine.surface_slots import write_surface
 from overview_dsp.export.browser_memory import encode_change, encode_engine, event_numbers
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 from overview_dsp.live.python_path import run_block
-from overview_dsp.units import db_to_gain
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played
 from tests.web.surfaces import preset_of
 
@@ -90,7 +90,7 @@ def test_what_is_sent_while_it_plays_applies_at_the_next_quantum(browser, match,
         SignalSettings(1, gain_db=-5.0, delay_ms=5.0), SignalSettings(2, ceiling_db=-17.0)
     )
     gains = [
-        {"gain": s.gain, "ceiling": db_to_gain(s.ceiling_db), "delay": s.delay_ms * 1e-3}
+        {"gain": s.gain, "ceiling": gain_of_db(s.ceiling_db), "delay": s.delay_ms * 1e-3}
         for s in given.signals
     ]
     browser.give(
@@ -177,7 +177,8 @@ def test_a_surface_is_copied_into_the_free_slot_in_pieces(browser, match, footba
         goal=encode_change(preset_of("door"), first, RATE, surface),
     )
     slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
-    write_surface(slot, 0, surface, RATE)
+    slot[layout.S_SAMPLE_RATE] = RATE
+    write_surface(slot, 0, surface)
     region = [layout.SURFACES + 2 * layout.SLOT_SIZE, layout.SURFACES + 3 * layout.SLOT_SIZE]
     given = {"image": "image", "region": region, "blocks": 200}
     # the first goes into slot 1, the second into 2, a third over what the image had in 0
@@ -199,7 +200,8 @@ def test_a_used_slot_keeps_nothing_of_its_old_surface(browser, match, football, 
         goal=encode_change(door, first, RATE, surface),
     )
     slot = np.zeros(layout.SURFACES + layout.SLOT_SIZE)
-    write_surface(slot, 0, surface, RATE)
+    slot[layout.S_SAMPLE_RATE] = RATE
+    write_surface(slot, 0, surface)
     start = layout.SURFACES  # slot 0, where the door was
     given = {"image": "image", "region": [start, start + layout.SLOT_SIZE], "blocks": 300}
     told = browser.call("runKernel", {**given, "changes": ["goal", "goal", "goal"]})

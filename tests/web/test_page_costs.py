@@ -25,7 +25,7 @@ MAX_GROWTH = 500_000
 def page(chromium, site):
     """A page under a finger, sounding."""
     with opened_host(site) as host:
-        context = chromium.new_context(viewport=PHONE)
+        context = chromium.new_context(viewport=PHONE, device_scale_factor=3)
         page = context.new_page()
         page.goto(host.url)
         until(page, "p.view")

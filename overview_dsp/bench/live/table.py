@@ -24,7 +24,7 @@ from overview_dsp.bench.live.session import (
     session_table,
 )
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.portaudio import devices
+from overview_dsp.live.output_devices import devices
 
 BLOCK = 256
 BLOCKS = (64, 128, 256, 512, 1024)

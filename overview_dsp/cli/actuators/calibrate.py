@@ -162,7 +162,7 @@ def _output(
     if device == SILENT:
         settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None
     else:
-        from overview_dsp.live.portaudio import find_device
+        from overview_dsp.live.output_devices import find_device
 
         found = find_device(device_named(device))
         name, rate, index = f"{found.name} ({found.host})", found.sample_rate, found.index

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.live_session import note
+from overview_dsp.cli.common import note
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from overview_dsp.web.control import Session
 
 NEEDED = ("starlette", "uvicorn", "websockets", "cryptography", "segno")
-_NAMES = ("host", "port", "cert", "key")
+_NAMES = ("host", "port", "cert", "key", "token_file")
 
 
 def server_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -38,6 +38,8 @@ def server_options(function: Callable[..., Any]) -> Callable[..., Any]:
                      help="Its port, 0 for a free one."),
         click.option("--cert", metavar="FILE.pem", help="A certificate in place of its own."),
         click.option("--key", metavar="FILE.pem", help="The key of --cert, if in another file."),
+        click.option("--token-file", metavar="FILE",
+                     help="Keep the address's token there: pages connect again after a restart."),
     )  # fmt: skip
     for option in reversed(options):
         collected = option(collected)
@@ -111,10 +113,10 @@ def open_server(
     from overview_dsp.web import address
     from overview_dsp.web.app import make_app
     from overview_dsp.web.certificate import fingerprint, own_certificate, secure_context
-    from overview_dsp.web.security.auth_token import Access
+    from overview_dsp.web.security.auth_token import Access, kept_token
     from overview_dsp.web.server import WebServer, listen
 
-    host, port, cert, key = (server[name] for name in _NAMES)
+    host, port, cert, key, kept = (server[name] for name in _NAMES)
     near = address.is_loopback(host)
     reached = address.reached_at(host)
     if key is not None and cert is None:
@@ -128,7 +130,7 @@ def open_server(
     if certificate is not None:
         secure = secure_context(certificate, None if key is None else Path(key))
     names = address.own_names() | ({host.lower()} if reached == host else set())
-    access = Access()
+    access = Access() if kept is None else Access(token=kept_token(kept))
     app = make_app(access, names, note, session, more)
     socket = listen(host, port)
     scheme = "http" if secure is None else "https"

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from overview_dsp.measure.crowd import CrowdReport
     from overview_dsp.measure.observer.report import ObserverReport
     from overview_dsp.measure.report import FeelReport
     from overview_dsp.presets.model import EventKind, Preset
@@ -91,8 +92,11 @@ def feel(
 ) -> None:
     """Measure what a finger gets of each kind of PRESET: slow, medium, fast, a tap, the recoils.
 
-    On TIMELINE, or on a made-up one with every kind of the preset. Says which kinds could not be
+    On a made-up timeline with every kind of the preset. Says which kinds could not be
     distinguished, which are masked or merged, and what to change.
+
+    On TIMELINEs, each event where it lies, in its crowd: medians and spreads by kind, whether the
+    order of importance is kept, what is missed, masked, and lost beside which other kind.
 
     With --observer: what can be told apart in sweeps of 1 to 6 s, a recoil and a tap, by touch, by
     sound and by both. It learns on random timelines like real ones, and is asked about others and
@@ -102,8 +106,6 @@ def feel(
     from overview_dsp.presets.library import load_preset
 
     loaded = load_preset(preset)
-    if len(timelines) > 1 and not observer:
-        raise InputError(f"{len(timelines)} timelines; one is measured, several by --observer")
     given = []
     for path in timelines:
         given.append(open_part(path, load, window, zoom_to))
@@ -127,14 +129,42 @@ def feel(
         click.echo(f"note: {line}")
 
 
-def _measured(preset: Preset, timelines: list[Timeline]) -> tuple[FeelReport, Callable[[], Figure]]:
+def _measured(
+    preset: Preset, timelines: list[Timeline]
+) -> tuple[FeelReport | Felt, Callable[[], Figure]]:
     from overview_dsp.measure.report import feel_report
     from overview_dsp.plots.presets import plot_feel
     from overview_dsp.rendering.audition import pages
 
     announce_compile()
-    report = feel_report(preset, timelines or pages(preset))
-    return report, lambda: plot_feel(report)
+    if not timelines:
+        report = feel_report(preset, pages(preset))
+        return report, lambda: plot_feel(report)
+    from overview_dsp.measure.crowd import crowd_report
+
+    first = feel_report(preset, timelines[0])
+    with progress_bar(f"measuring {preset.name}") as progress:
+        found = Felt(first, crowd_report(preset, timelines, progress=progress))
+    return found, lambda: plot_feel(first)
+
+
+class Felt:
+    """A preset on timelines of a person's own: the kinds of the first, and all events in place."""
+
+    def __init__(self, first: FeelReport, crowd: CrowdReport) -> None:
+        self._first, self._crowd = first, crowd
+
+    def to_json(self) -> dict[str, Any]:
+        """Both, the crowd's under its own key."""
+        return {**self._first.to_json(), "crowd": self._crowd.to_json()}
+
+    def table(self) -> str:
+        """The events where they lie."""
+        return self._crowd.table()
+
+    def warnings(self) -> list[str]:
+        """Of both: which kinds are alike, and where the order isn't kept."""
+        return [*self._first.warnings(), *self._crowd.warnings()]
 
 
 def _observed(
@@ -149,47 +179,72 @@ def _observed(
     return report, lambda: plot_observer(report)
 
 
-@click.command(epilog="Example: overview presets tune my-match --target 'goal>red_card>foul'")
+@click.command(
+    epilog="Example: overview presets tune my-match match.json --target 'goal>red_card>foul'"
+)
 @click.argument("preset")
+@click.argument("timelines", metavar="[TIMELINE]...", nargs=-1)
 @click.option("--target", help="Kinds from the strongest down, joined by >.")
 @click.option("--apart", is_flag=True, help="Set all kinds apart, a step in any way they are felt.")
-@click.option("--seed", default=0, show_default=True, help="Of the search.")
+@click.option("--seed", default=0, show_default=True, help="Of the search, without TIMELINEs.")
 @click.option("-o", "--out", help="The file.  [default: PRESET-tuned.toml here]")
+@window_options
+@timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def tune(
-    preset: str, target: str | None, apart: bool, seed: int, out: str | None, as_json: bool
+    preset: str,
+    timelines: tuple[str, ...],
+    target: str | None,
+    apart: bool,
+    seed: int,
+    out: str | None,
+    window: tuple[str, str] | None,
+    zoom_to: str | None,
+    load: dict[str, Any],
+    as_json: bool,
 ) -> None:
     """Move heights and widths until each kind of the target is two steps above the next.
 
+    On TIMELINEs, measured where the events lie; it says what can't be reached there.
+    Without, on a made-up timeline of the target's kinds alone.
+
     With --apart until no two kinds of PRESET feel alike; a target's kinds are then a step above the
-    next.
+    next. The file keeps what PRESET's says besides: what it extends, its variables and comments.
     """
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.measure.tuning import separated, tuned
+    from overview_dsp.measure.tuning import separated, tuned, tuned_on
     from overview_dsp.presets.library import load_preset
-    from overview_dsp.presets.writing import save_preset
+    from overview_dsp.presets.retuning import save_retuned
 
     if target is None and not apart:
         raise InputError("give --target KIND>KIND, --apart, or both")
+    if timelines and (apart or target is None):
+        raise InputError("--apart is for a preset's kinds alone; leave it or the timelines out")
     loaded = load_preset(preset)
     order = [] if target is None else [name.strip() for name in target.split(">")]
+    given = [open_part(path, load, window, zoom_to) for path in timelines]
     announce_compile()
     with progress_bar(f"tuning {loaded.name}") as progress:
-        found = (separated if apart else tuned)(loaded, order, seed, progress)
+        if given:
+            found = tuned_on(loaded, order, given, progress)
+        else:
+            found = (separated if apart else tuned)(loaded, order, seed, progress)
     names = list(loaded.kinds) if apart else order
     path = Path(out) if out is not None else Path(f"{loaded.name}-tuned{SUFFIX}")
-    save_preset(found.preset, path)
+    moved = {name: _moved(loaded.kinds[name], found.preset.kinds[name]) for name in names}
+    _, made = save_retuned(preset, {name: keys for name, keys in moved.items() if keys}, path)
     if as_json:
         print_json(
             {
                 "file": str(path),
                 "least_steps": round(found.least_steps, 2),
                 "reached": found.reached,
+                "unreached": list(found.unreached),
                 "kinds": {
                     name: {
-                        "height": found.preset.kinds[name].height,
-                        "width_percent": found.preset.kinds[name].width_percent,
-                        "width_ms": found.preset.kinds[name].width_ms,
+                        "height": made.kinds[name].height,
+                        "width_percent": made.kinds[name].width_percent,
+                        "width_ms": made.kinds[name].width_ms,
                     }
                     for name in names
                 },
@@ -197,13 +252,21 @@ def tune(
         )
         return
     for name in names:
-        before, after = loaded.kinds[name], found.preset.kinds[name]
+        before, after = loaded.kinds[name], made.kinds[name]
         click.echo(
             f"{name}: height {before.height:g} to {after.height:.4g}, {_widths(before, after)}"
         )
     reached = "reached" if found.reached else "not reached: use fewer kinds, or allow more height"
     wanted = "from any other at every speed; one" if apart else "above the next at every speed; two"
     click.echo(f"{path}: each at least {found.least_steps:.1f} steps {wanted} {reached}")
+    for line in found.unreached:
+        click.echo(f"not reached: {line}")
+
+
+def _moved(before: EventKind, after: EventKind) -> dict[str, float]:
+    """What of a kind was moved."""
+    keys = ("height", "width_percent", "width_ms")
+    return {key: getattr(after, key) for key in keys if getattr(after, key) != getattr(before, key)}
 
 
 def _widths(before: EventKind, after: EventKind) -> str:

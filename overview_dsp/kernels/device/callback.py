@@ -20,6 +20,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import c_callback, inlined
 from overview_dsp.kernels.device.stream_block import deliver
 from overview_dsp.kernels.elementary import log2
+from overview_dsp.kernels.shipped import shipped_callback
 
 # PortAudio's unsigned long: 32 bits on Windows, 64 elsewhere
 _UNSIGNED_LONG = types.uint32 if sys.platform == "win32" else types.uint64
@@ -60,7 +61,8 @@ def record_busy_time(f64, i64, seconds, frames):
     i64[layout.L_BUSY + where] += 1
 
 
-def _callback(unused, output, frame_count, time_info, flags, user):
+def callback(unused, output, frame_count, time_info, flags, user):
+    """Overwrite a block, float32 [frame_count * L_CHANNELS]; COMPLETE if the stream is over."""
     f64 = carray(user, (layout.TOTAL,), np.float64)
     i64 = carray(user, (layout.TOTAL,), np.int64)
     u64 = carray(user, (layout.TOTAL,), np.uint64)
@@ -77,8 +79,8 @@ def _callback(unused, output, frame_count, time_info, flags, user):
 
 @cache
 def native_callback():
-    """The compiled callback; its `.address` is a `PaStreamCallback *`. Compiles on first use."""
-    return c_callback(SIGNATURE, _callback)
+    """The callback in machine code: its `.address` is a `PaStreamCallback *`."""
+    return shipped_callback() or c_callback(SIGNATURE, callback)
 
 
 @cache

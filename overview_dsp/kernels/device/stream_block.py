@@ -14,7 +14,8 @@ from overview_dsp.kernels.device.output_stage import finish
 @inlined
 def deliver(f64, i64, u64, out, frames, channels):
     """One block into `out`, float32 [frames * channels]; whether the stream is over."""
-    process(f64, i64, u64, out, frames, channels, f64, False)
+    # a literal False would be another type, and make a second `process`
+    process(f64, i64, u64, out, frames, channels, f64, frames < 0)
     over = finish(f64, i64, out, frames, channels)
     i64[layout.L_CALLBACKS] += 1
     i64[layout.L_FRAMES] += frames

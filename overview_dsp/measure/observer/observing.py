@@ -112,9 +112,9 @@ def observe(
     for number, stroke in enumerate(stroke_names(hands)):
         for modality in modalities:
             rng = np.random.default_rng([seed, number, MODALITIES.index(modality)])
-            forest, names = _taught(list(_named(lessons, stroke)), modality, kinds, rng)
+            forest, names = taught(list(_named(lessons, stroke)), modality, kinds, rng)
             for name, every in asked.items():
-                told = _asked(list(_named(every, stroke)), modality, kinds, forest, names, rng)
+                told = asked_of(list(_named(every, stroke)), modality, kinds, forest, names, rng)
                 scores[name].setdefault(stroke, {})[modality] = told
             step(_LESSON)
     counts = {"random timelines": held_out, "timelines given": len(timelines)}
@@ -180,7 +180,7 @@ def _classes(stroke: StrokeMet, modality: Modality, nothing: int) -> NDArray[np.
     return kinds[stroke.owner[modality]]  # -1, the last, is nothing
 
 
-def _taught(
+def taught(
     strokes: Sequence[StrokeMet],
     modality: Modality,
     kinds: tuple[str, ...],
@@ -198,7 +198,7 @@ def _taught(
     return grown(lessons, np.tile(classes, LESSONS), np.tile(weights, LESSONS), rng), names
 
 
-def _asked(
+def asked_of(
     strokes: Sequence[StrokeMet],
     modality: Modality,
     kinds: tuple[str, ...],
@@ -206,6 +206,7 @@ def _asked(
     names: tuple[str, ...],
     rng: np.random.Generator,
 ) -> StrokeScores:
+    """What an observer says of strokes, with `DRAWS` draws of its noise each."""
     groups = groups_of(kinds)
     group_names = tuple(dict.fromkeys(groups))
     nothing = len(kinds)

@@ -140,7 +140,7 @@ def _cut(
             continue  # the end of a gesture that lets go with its last frame
         frames = slice(stroke.start, stroke.stop)
         there = met(result.surface, result.trace.cursor[frames], result.sample_rate)
-        pace = _pace(result.job.gesture) if name == MIXED else None
+        pace = log_pace(result.job.gesture) if name == MIXED else None
         found = notice(result.samples[frames], result.sample_rate, modalities, pace)
         yield StrokeMet(
             name if stroke.name == "out" else RECOIL,
@@ -150,7 +150,7 @@ def _cut(
         )
 
 
-def _pace(hand: Gesture) -> NDArray[np.float64]:
+def log_pace(hand: Gesture) -> NDArray[np.float64]:
     """Log of a hand's pace at each millisecond, timelines a second."""
     at = np.arange(0.0, hand.duration_s, 0.001)
     place = np.interp(

@@ -33,6 +33,8 @@ class Tuned:
         Just noticeable steps between the two kinds that are nearest to each other.
     reached : bool
         Whether that is what was wanted.
+    unreached : tuple of str
+        Where it isn't, on the timelines it was tuned on: a line each.
 
     Examples
     --------
@@ -44,6 +46,7 @@ class Tuned:
     preset: Preset
     least_steps: float
     reached: bool
+    unreached: tuple[str, ...] = ()
 
 
 def limits(count: int) -> NDArray[np.float64]:

@@ -33,7 +33,6 @@ _WHOLE = re.compile(
     r"\s*(?P<unit>[^\d\s().,+\-:/][^\d\s():/]{0,7})?\s*(?(open)\))",
     re.ASCII,
 )
-_PLAIN = frozenset("0123456789+-.eE")
 _GROUP = re.compile(rf"[{_GROUPS}]")
 
 
@@ -159,9 +158,9 @@ class NumberColumn:
         if self.style.decimal != "." or self.unit:
             return None
         try:
-            if not set("".join(cells)) <= _PLAIN:
+            if not are_written_in(cells, "0123456789+-.eE"):
                 return None
-            values = np.array(list(map(float, cells)), dtype=np.float64)
+            values = np.fromiter(map(float, cells), np.float64, len(cells))
         except (TypeError, ValueError):  # a cell that's no text, an empty one, a lone sign
             return None
         if values.size:
@@ -195,6 +194,12 @@ class NumberColumn:
                 f"{checks.shown(self.unit)}; give one unit for the column"
             )
         return value
+
+
+def are_written_in(cells: Iterable[str], letters: str) -> bool:
+    """Return whether texts hold nothing but some ASCII letters; TypeError for a cell of none."""
+    text = "".join(cells).encode("ascii", "replace")  # "?" for any other
+    return not text.translate(None, letters.encode())
 
 
 _MARKS = {".": "point", ",": "comma"}

@@ -156,7 +156,8 @@ def _turns(value: NDArray[np.float64]) -> NDArray[np.int64]:
 def _thinned(value: NDArray[np.float64], turns: NDArray[np.int64]) -> NDArray[np.int64]:
     run = math.ceil(len(turns) / (MAX_EXTREMA // 2))
     kept = turns[lows_and_highs(value[turns], run)]
-    inside = np.unique(np.concatenate((turns[:1], kept, turns[-1:])))
+    inside = np.concatenate((turns[:1], kept, turns[-1:]))
+    inside = inside[np.diff(inside, prepend=-1) > 0]  # they ascend
     return inside[_turns(value[inside])]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.tables.cells import is_missing
+from overview_dsp.readers.tables.cells import are_written_in, is_missing
 from overview_dsp.readers.tables.table import Cells, as_list
 from overview_dsp.readers.tables.time_format import (
     CLOCKS,
@@ -246,7 +246,7 @@ class TimeColumn:
         """Seconds of cells that are all whole numbers."""
         try:
             if isinstance(cells[0], str):
-                if not set("".join(cells)) <= set("0123456789"):
+                if not are_written_in(cells, "0123456789"):
                     return None
                 cells = list(map(int, cells))
             elif not all(type(cell) is int for cell in cells):
@@ -265,9 +265,9 @@ class TimeColumn:
     def _fast_plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
         try:
             if isinstance(cells[0], str):
-                if not set("".join(cells)) <= set("0123456789.+-e"):
+                if not are_written_in(cells, "0123456789.+-e"):
                     return None
-                return np.array(list(map(float, cells)))
+                return np.fromiter(map(float, cells), np.float64, len(cells))
             if not all(type(cell) in (int, float) for cell in cells):
                 return None
             found = np.array(cells, dtype=np.float64)

@@ -4,7 +4,7 @@ The token stands in the fragment of the printed address, which browsers never se
 log, no referrer and, once the page has taken it out, in no history. The page hands it over once, in
 a header, and gets a cookie that scripts can't read and other sites can't use. So a `<video>` and a
 WebSocket, which can't carry headers, are let in as well. The cookie isn't the token: what it gives
-is over when this run is.
+is over when this run is, unless its token is kept in a file (`kept_token`).
 
 Thread: the server's.
 """
@@ -12,11 +12,17 @@ Thread: the server's.
 from __future__ import annotations
 
 import enum
+import hashlib
 import ipaddress
+import os
+import re
 import secrets
 import time
 from collections import OrderedDict, deque
 from collections.abc import Callable
+from pathlib import Path
+
+from overview_dsp.errors import InputError
 
 MAX_WRONG = 10
 """Wrong tokens of an address within `WRONG_WITHIN_S`; the next ones are told to wait. The right one
@@ -39,9 +45,16 @@ class Verdict(enum.Enum):
 class Access:
     """The token of a run, its session, and the wrong tokens of each address."""
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self.token = secrets.token_urlsafe(16)
-        self.session = secrets.token_urlsafe(32)
+    def __init__(
+        self, clock: Callable[[], float] = time.monotonic, token: str | None = None
+    ) -> None:
+        """`token`: one that is kept over runs (`kept_token`); so is the session it gives."""
+        if token is None:
+            self.token = secrets.token_urlsafe(16)
+            self.session = secrets.token_urlsafe(32)
+        else:
+            self.token = token
+            self.session = hashlib.sha256(f"session {token}".encode()).hexdigest()
         self._clock = clock
         self._wrong: OrderedDict[str, deque[float]] = OrderedDict()
 
@@ -74,6 +87,30 @@ class Access:
         while wrong and wrong[0] < since:
             wrong.popleft()
         return wrong
+
+
+def kept_token(path: str) -> str:
+    """The token of a file; a new one is written where there is none, for this user alone.
+
+    Raises
+    ------
+    InputError
+        The file holds something else, or can't be read or written.
+    """
+    file = Path(path)
+    try:
+        if not file.exists():
+            with open(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as new:
+                new.write(secrets.token_urlsafe(16) + "\n")
+        token = file.read_text(encoding="ascii").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not a token"
+        raise InputError(f"--token-file {path}: {reason}; name a new file") from None
+    if not re.fullmatch(r"[A-Za-z0-9_-]{22,128}", token):
+        raise InputError(
+            f"--token-file {path}: not a token (22 to 128 letters, digits, - or _); name a new file"
+        )
+    return token
 
 
 def _same(given: str, wanted: str) -> bool:

@@ -37,6 +37,19 @@ export class Bench {
     (open ? by("bench-title") : by("slider")).focus();
   }
 
+  /** Another preset sounds: the next opening begins with that. */
+  forget() {
+    if (!by("bench").hidden || this.sides === null) return;
+    this.sides = null;
+    by("bench-preset").replaceChildren();
+  }
+
+  /** Feel another preset by its name, without the bench's being open. */
+  async use(name) {
+    if (this.sides === null) await this.begin();
+    await this.load(name);
+  }
+
   async begin() {
     const [{ preset, parameters }, { bundled, own }] = await Promise.all([
       json("data/preset"), json("data/presets"),

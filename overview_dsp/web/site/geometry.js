@@ -7,8 +7,8 @@ const RIM = 16; // about the disk: the events on it
 const TRACE = 84; // a trace with its label
 
 /**
- * Boxes of the curve, the disk and the trace in a picture of `width` by `height`: the disk below the
- * curve, or beside it where the picture is wide. `short`: the screen's shorter side; `em`: how much
+ * Boxes of the curve, the disk and the trace in a picture of `width` by `height`: the disk below
+ * the curve, or beside it where the picture is wide. `short`: the screen's shorter side; `em`: how much
  * larger than usual text is; `still`: without what moves.
  */
 export function geometryOf({ width, height, short, em, still }) {

@@ -16,6 +16,9 @@ export class HostSound {
     this.onlatency = () => {};
     this.onshown = () => {};
     this.onstatus = () => {};
+    /** Called with the other hands that touch: [{ name, place, holding }]. */
+    this.onothers = () => {};
+    this.others = "[]";
     this.linked = "connecting";
     this.link = new Link({
       onstate: (connected, reason) => {
@@ -31,6 +34,11 @@ export class HostSound {
   tell() {
     this.onlink(this.linked);
     if (this.status !== null) this.onshown(this.status.window);
+  }
+
+  /** Whose hand this is. */
+  call(name) {
+    this.link.call(name);
   }
 
   say(text) {
@@ -76,6 +84,13 @@ export class HostSound {
         : `network ${trip.toFixed(0)} ms` +
             (sample === null ? "" : ` · ${(sample + output).toFixed(0)} ms to sound`),
     );
+    const others = JSON.stringify(status.others);
+    if (others !== this.others) {
+      this.others = others;
+      const holder = status.others.find(({ holding }) => holding);
+      this.say(holder ? `${holder.name || "another hand"} holds the disk` : "at the host");
+      this.onothers(status.others);
+    }
     if (status.window.join() !== this.shown) {
       this.shown = status.window.join();
       this.onshown(status.window);

@@ -10,6 +10,7 @@ export const HELP = [
   ["X, N", "highest, lowest"],
   ["Space", "tap: to here, and let go"],
   ["Escape", "let go"],
+  ["P", "play it by itself, or pause"],
   ["+ and \u2212", "zoom"],
   ["E", "list of events"],
   ["V", "watch the film, where there is one"],
@@ -17,7 +18,8 @@ export const HELP = [
 ];
 
 /**
- * `walk`: a Walk; `shown`: a Shown; `open(name)`: events, help or film; `onfirst()` comes before each.
+ * `walk`: a Walk; `shown`: a Shown; `open(name)`: events, run, help or film; `onfirst()` comes before
+ * each.
  */
 export function listenToKeys(element, { walk, shown, open }, onfirst) {
   const keys = {
@@ -39,6 +41,7 @@ export function listenToKeys(element, { walk, shown, open }, onfirst) {
     "=": () => shown.zoom(1),
     "-": () => shown.zoom(-1),
     e: () => open("events"),
+    p: () => open("run"),
     h: () => open("help"),
     "?": () => open("help"),
     v: () => open("film"),

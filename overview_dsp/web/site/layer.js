@@ -15,7 +15,6 @@ const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 
 const BETWEEN = 30; // px at least from one label to the next
 
 export function drawLayer(c, g, view, info, colours) {
-  c.clearRect(0, 0, g.width, g.height);
   drawGaps(c, g, view, colours);
   drawCurve(c, g, view, colours);
   if (info.series) drawValues(c, g, view, colours);
@@ -76,35 +75,36 @@ export function resistanceAt(view, place) {
 
 function drawCurve(c, g, view, colours) {
   const last = view.level.length - 1;
-  const course = new Path2D();
-  view.level.forEach((level, i) => course.lineTo(g.x(i / last), g.y(level)));
-  const area = new Path2D(course);
-  area.lineTo(g.right, g.bottom);
-  area.lineTo(g.left, g.bottom);
+  const course = () => {
+    c.beginPath();
+    view.level.forEach((level, i) => c.lineTo(g.x(i / last), g.y(level)));
+  };
+  course();
+  c.lineTo(g.right, g.bottom);
+  c.lineTo(g.left, g.bottom);
   c.fillStyle = colours.fill;
-  c.fill(area);
+  c.fill();
+  course();
   c.strokeStyle = colours.curve;
   c.lineWidth = 1.75;
-  c.lineJoin = "round";
-  c.stroke(course);
+  c.stroke();
 }
 
+/** Hatched, each line cut at the gap's sides. */
 function drawGaps(c, g, view, colours) {
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
+  c.beginPath();
   for (const [from, to] of view.gaps) {
-    c.save();
-    c.beginPath();
-    c.rect(g.x(from), g.top, g.x(to) - g.x(from), g.bottom - g.top);
-    c.clip();
-    c.beginPath();
-    for (let x = g.x(from) - (g.bottom - g.top); x < g.x(to); x += 8) {
-      c.moveTo(x, g.bottom);
-      c.lineTo(x + g.bottom - g.top, g.top);
+    const [left, right] = [g.x(from), g.x(to)];
+    for (let x = left - (g.bottom - g.top); x < right; x += 8) {
+      const start = Math.max(x, left);
+      const end = Math.min(x + g.bottom - g.top, right);
+      c.moveTo(start, g.bottom - (start - x));
+      c.lineTo(end, g.bottom - (end - x));
     }
-    c.stroke();
-    c.restore();
   }
+  c.stroke();
 }
 
 function drawAxis(c, g, view, info, colours) {
@@ -166,7 +166,7 @@ function drawEvent(c, g, view, event, info, colours) {
   drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
 }
 
-/** The first word of a goal's label, its score, above it: the final one first, where there is room. */
+/** The first word of a goal's label, its score, above it: the last first, where there is room. */
 function drawLabels(c, g, view, colours) {
   c.font = fontOf(g, 600);
   c.fillStyle = colours.ink;

@@ -18,6 +18,7 @@ export class Link {
 
   /** `onstate(connected, reason)`, `onstatus(status)` and `onreleased(why)` are called. */
   constructor({ onstate, onstatus, onreleased }) {
+    this.name = "";
     this.told = { onstate, onstatus, onreleased };
     this.#open();
     setInterval(() => this.#repeat(), REPEAT_MS / 2);
@@ -37,6 +38,12 @@ export class Link {
 
   show(startS, endS) {
     this.#send({ show: [startS, endS] });
+  }
+
+  /** Say whose hand this is, now and whenever it connects. */
+  call(name) {
+    this.name = name;
+    this.#send({ name });
   }
 
   #repeat() {
@@ -64,6 +71,7 @@ export class Link {
     this.#socket = socket;
     socket.onopen = () => {
       this.#refused = -Infinity;
+      if (this.name) this.#send({ name: this.name });
       this.told.onstate(true, "");
     };
     socket.onmessage = ({ data }) => {

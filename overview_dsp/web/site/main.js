@@ -1,18 +1,21 @@
-// Opens the timeline and the sound, and puts the page together.
+// First the picture and its words, then everything that it is felt with.
 
 import { Data } from "./data.js";
-import { HostSound } from "./host_sound.js";
-import { keepOffline } from "./offline.js";
-import { Page } from "./page.js";
-import { Sound } from "./sound.js";
+import { Picture } from "./picture.js";
+import { firstPart } from "./windows.js";
+
+const by = (id) => document.getElementById(id);
 
 try {
   const data = await Data.open();
-  const { server } = data.info;
-  const page = new Page(data, server?.audio === "host" ? new HostSound() : await Sound.open(data));
-  await page.begin();
-  window.overview = page;
-  if (!server) keepOffline();
+  const { info } = data;
+  by("title").textContent = info.title;
+  document.title = `${info.title}: overView`;
+  const picture = new Picture(by("canvas"), by("trace"), info);
+  const view = await data.view(firstPart(info));
+  picture.show(view);
+  const { begin } = await import("./page.js");
+  await begin(data, picture, view);
 } catch (error) {
-  document.getElementById("fault").textContent = `The page can't begin: ${error.message}`;
+  by("fault").textContent = `The page can't begin: ${error.message}`;
 }

@@ -38,13 +38,15 @@ export class Moving {
     this.put("cursor", `translateX(${x.toFixed(1)}px)`);
     this.put("dot", `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`);
     // as large as the friction under it
-    this.put("halo", `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) scale(${(0.4 + 0.6 * grip).toFixed(2)})`);
+    const size = (0.4 + 0.6 * grip).toFixed(2);
+    this.put("halo", `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) scale(${size})`);
     this.visible("finger", touching);
     this.visible("pull", touching);
     if (touching) {
       const to = g.x(hand);
       this.put("finger", `translateX(${to.toFixed(1)}px)`);
-      this.put("pull", `translateX(${Math.min(x, to).toFixed(1)}px) scaleX(${Math.abs(to - x).toFixed(1)})`);
+      const width = Math.abs(to - x).toFixed(1);
+      this.put("pull", `translateX(${Math.min(x, to).toFixed(1)}px) scaleX(${width})`);
     }
     if (g.disk === null) return;
     this.put("needle", `rotate(${degrees(cursor)})`);

@@ -1,16 +1,19 @@
 // The page: data, sound, hand and picture put together, and what a person does with them.
 
 import { tellAbout } from "./about.js";
+import { readAddress } from "./address.js";
 import { EventList } from "./event_list.js";
 import { Frames } from "./frames.js";
 import { Hand } from "./hand.js";
 import { HostSound } from "./host_sound.js";
 import { HELP, listenToKeys } from "./keys.js";
-import { Picture } from "./picture.js";
+import { keepOffline } from "./offline.js";
+import { Playback } from "./playback.js";
 import { Served } from "./served.js";
 import { bindSettings, keepSettings, loadSettings } from "./settings.js";
 import { Shown } from "./shown.js";
 import { Slider } from "./slider.js";
+import { Sound } from "./sound.js";
 import { Speech } from "./speech.js";
 import { Strokes } from "./strokes.js";
 import { listenToTouch } from "./touch.js";
@@ -23,7 +26,7 @@ import { eventAt, eventPassed, eventText } from "./words.js";
 const by = (id) => document.getElementById(id);
 
 export class Page {
-  constructor(data, sound) {
+  constructor(data, picture, sound) {
     this.data = data;
     this.info = data.info;
     this.sound = sound;
@@ -33,18 +36,23 @@ export class Page {
       new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
     );
     this.hand.cursor = () => (this.meters === null ? null : this.cursor);
-    this.picture = new Picture(by("canvas"), by("trace"), this.info);
+    this.picture = picture;
     const told = ["slider", "clock", "value", "event", "summary"];
     this.slider = new Slider(Object.fromEntries(told.map((id) => [id, by(id)])));
     this.speech = new Speech();
     this.motor = new Motor();
     this.twist = new Twist(this.hand, this.settings.start);
+    this.twist.onsilent = (line) => {
+      this.toggleTwist();
+      this.fault(line);
+    };
     this.shown = new Shown({
       data, sound, hand: this.hand, picture: this.picture,
       onshow: () => this.wake(), onfault: (line) => this.fault(line),
     });
     this.walk = new Walk(this.hand, this.shown, this.speech, this.info);
     this.frames = new Frames(sound, () => this.draw(), (told) => this.take(told));
+    this.playback = new Playback(this);
     this.served = null;
     this.meters = null;
     this.cursor = 0;
@@ -52,17 +60,26 @@ export class Page {
     this.begun = false;
   }
 
-  async begin() {
-    by("title").textContent = this.info.title;
-    document.title = `${this.info.title}: overView`;
+  begin(view) {
     document.documentElement.classList.toggle("host", this.atHost);
-    this.apply();
     const { windows, duration_s, server } = this.info;
-    const whole = [0, duration_s];
-    const first = partBetween(windows, server?.window ?? whole);
-    await this.shown.begin(first, this.atHost ? first : partBetween(windows, whole));
+    const under = this.atHost ? view : partBetween(windows, [0, duration_s]);
+    this.shown.begin(view, under).catch((error) => this.fault(error.message));
+    this.apply();
     if (server) this.served = new Served(this, server);
     this.listen();
+    this.wake();
+  }
+
+  /** Fetch the sound, saying so; then what the address asks for. */
+  async load() {
+    const hint = by("hint").textContent;
+    if (!this.atHost) {
+      by("hint").textContent = "The sound is loading…";
+      await this.sound.load();
+    }
+    by("hint").textContent = hint;
+    await this.playback.follow(readAddress());
     this.wake();
   }
 
@@ -96,6 +113,12 @@ export class Page {
     return this.hand.holder === "keys" ? this.place : this.cursor;
   }
 
+  /** The place of a moment (s) in the window that is shown, 0 to 1. */
+  placeAt(moment) {
+    const { start_s, end_s } = this.view;
+    return Math.min(Math.max((moment - start_s) / (end_s - start_s), 0), 1);
+  }
+
   goTo(event) {
     by("slider").focus();
     this.last = event;
@@ -104,7 +127,8 @@ export class Page {
 
   /** Open the list of events, the help or the film. */
   open(name) {
-    if (name === "events") this.list.open(this.view);
+    if (name === "run") this.playback.toggle();
+    else if (name === "events") this.list.open(this.view);
     else if (name === "help") by("help").showModal();
     else this.served?.watch(this.felt);
   }
@@ -120,9 +144,9 @@ export class Page {
     const { shown, walk } = this;
     const onfirst = () => this.start();
     listenToTouch(element, this.hand, {
-      placeOf: (x) => this.picture.placeOf(x),
+      placeOf: (event, first) => this.picture.placeUnder(event, first),
       ontap: (x, y) => this.tapped(x, y),
-      onpinch: (factor, place) => shown.zoom(factor > 1 ? 1 : -1, place),
+      onpinch: (factor, x) => shown.zoom(factor > 1 ? 1 : -1, this.picture.placeOf(x)),
       onfirst,
     });
     const watch = this.film === null ? null : (event) => this.served.watch(event);
@@ -144,6 +168,7 @@ export class Page {
     click("previous", () => walk.event(-1));
     click("next", () => walk.event(1));
     click("tap", () => walk.tap());
+    click("run", () => this.playback.toggle());
     click("list", () => this.open("events"));
     by("twist").addEventListener("click", () => this.toggleTwist());
     by("in").addEventListener("click", () => shown.zoom(1));
@@ -151,7 +176,8 @@ export class Page {
     by("earlier").addEventListener("click", () => shown.beside(-1));
     by("later").addEventListener("click", () => shown.beside(1));
     by("settings").addEventListener("click", () => by("dialog").showModal());
-    by("keys").replaceChildren(...HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]));
+    const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
+    by("keys").replaceChildren(...terms);
     by("calibrate").addEventListener("click", () => this.calibrate());
     bindSettings(by("dialog").querySelector("form"), this.settings, () => this.apply());
     document.addEventListener("visibilitychange", () => {
@@ -186,11 +212,12 @@ export class Page {
       this.begun = true;
       navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
     }
-    by("hint").classList.add("gone");
+    if (this.sound.running || this.sound.node) by("hint").classList.add("gone");
     this.wake();
   }
 
   leave() {
+    this.playback.player.pause();
     this.hand.releaseAll();
     this.motor.rest();
     this.speech.still();
@@ -229,6 +256,8 @@ export class Page {
     this.sound.route(felt);
     this.sound.volume(clicks ? this.gain : 0, vibration ? this.gain : 0);
     if (!vibration || felt !== "motor") this.motor.rest();
+    if (this.atHost) this.sound.call(this.settings.name.slice(0, 40));
+    this.playback.player.loop = this.settings.loop;
     this.speech.on = speech;
     if (!speech) this.speech.still();
     document.documentElement.classList.toggle("contrast", contrast);
@@ -281,6 +310,17 @@ export class Page {
     this.picture.draw({ cursor: this.cursor, hand: this.place, touching });
     this.slider.show(this.view, this.place, this.cursor, this.info);
   }
+}
+
+/** The page over a picture that is there already, as `window.overview`. */
+export async function begin(data, picture, view) {
+  const { server } = data.info;
+  const sound = server?.audio === "host" ? new HostSound() : new Sound(data);
+  const page = new Page(data, picture, sound);
+  page.begin(view);
+  window.overview = page;
+  await page.load();
+  if (!server) keepOffline();
 }
 
 function term(name, text) {

@@ -1,8 +1,9 @@
 // The picture: a layer that stands still, what moves over it, and the trace on a canvas of its own.
 
-import { geometryOf } from "./geometry.js";
+import { geometryOf, isOnDisk, placeTurned } from "./geometry.js";
 import { drawLayer, isDetail, levelAt } from "./layer.js";
 import { Moving } from "./moving.js";
+import { SvgContext } from "./svg.js";
 import { Trace } from "./trace.js";
 
 const COLOURS = ["paper", "ink", "soft", "line", "curve", "fill", "disk", "disk-mark", "hand",
@@ -19,13 +20,15 @@ export function coloursOf(element) {
 }
 
 export class Picture {
-  /** `layer` and `trace` are canvases. */
+  /** `layer` is an SVG, `trace` a canvas. */
   constructor(layer, trace, info) {
     this.layer = layer;
     this.info = info;
     this.moving = new Moving();
     this.trace = new Trace(trace, info.full_torque);
     this.still = false;
+    this.turning = false; // whether a finger turns the disk
+    this.turned = 0;
     this.view = null;
     this.resize();
   }
@@ -35,14 +38,11 @@ export class Picture {
     const { left, top, width, height } = layer.getBoundingClientRect();
     this.left = left; // asked for now, since at every move it would cost a layout
     this.top = top;
-    this.scale = Math.min(window.devicePixelRatio || 1, 3);
-    layer.width = Math.round(width * this.scale);
-    layer.height = Math.round(height * this.scale);
     const em = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
     const short = Math.min(window.innerWidth, window.innerHeight);
     this.geometry = geometryOf({ width, height, short, em, still: this.still });
     this.moving.place(this.geometry);
-    this.trace.place(this.geometry.trace, this.scale);
+    this.trace.place(this.geometry.trace, window.devicePixelRatio || 1);
     this.redraw();
   }
 
@@ -50,9 +50,9 @@ export class Picture {
   redraw() {
     this.colours = coloursOf(this.layer);
     if (!this.view || this.geometry.width === 0) return;
-    const c = this.layer.getContext("2d");
-    c.setTransform(this.scale, 0, 0, this.scale, 0, 0);
+    const c = new SvgContext(this.layer);
     drawLayer(c, this.geometry, this.view, this.info, this.colours);
+    c.show();
   }
 
   show(view) {
@@ -65,6 +65,17 @@ export class Picture {
     if (!this.view || this.geometry.width === 0) return;
     this.moving.show(this.geometry, this.view, state, this.info);
     this.trace.draw(this.colours);
+  }
+
+  /** The place that a pointer means: over the curve, or turning the disk if it came down there. */
+  placeUnder({ clientX, clientY }, first = false) {
+    const x = clientX - this.left;
+    const y = clientY - this.top;
+    if (first) this.turning = isOnDisk(this.geometry, x, y);
+    if (!this.turning) return this.geometry.place(x);
+    const last = first ? (x < this.geometry.disk.x ? 0 : 1) : this.turned;
+    this.turned = placeTurned(this.geometry.disk, x, y, last);
+    return this.turned;
   }
 
   placeOf(clientX) {

@@ -3,6 +3,7 @@
 import { Bench } from "./bench.js";
 import { Film } from "./film.js";
 import { Live } from "./live.js";
+import { PresetLink } from "./preset_link.js";
 import { eventText, momentText, secondsAt } from "./words.js";
 
 const by = (id) => document.getElementById(id);
@@ -20,6 +21,7 @@ export class Served {
       by("dialog").close();
       this.bench.toggle(true);
     });
+    this.presets = new PresetLink(page);
     if (page.atHost) this.listenToHost();
     this.live = server.live ? new Live(page, server.live) : null;
   }
@@ -33,7 +35,22 @@ export class Served {
     sound.onstatus = ({ cursor }) => {
       if (Math.abs(cursor - page.cursor) > 1e-4) page.wake();
     };
+    sound.onothers = (others) => this.showOthers(others);
+    sound.call(page.settings.name);
     sound.tell();
+  }
+
+  /** The other hands' fingers over the curve, each with its name. */
+  showOthers(others) {
+    const { geometry } = this.page.picture;
+    by("others").replaceChildren(...others.map(({ name, place, holding }) => {
+      const finger = document.createElement("b");
+      finger.textContent = name || "another";
+      finger.className = holding ? "holding" : "";
+      finger.style.transform = `translateX(${geometry.x(place).toFixed(1)}px)`;
+      finger.style.top = `${geometry.top - 6}px`;
+      return finger;
+    }));
   }
 
   /** Play the film from a little before an event, or where the disk is. */

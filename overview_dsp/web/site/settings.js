@@ -5,11 +5,14 @@ const KEY = "overview";
 const motor = "vibrate" in navigator && matchMedia("(pointer: coarse)").matches;
 
 const FIRST = {
-  felt: motor ? "motor" : "tactor",
+  felt: motor ? "motor" : "ears",
   clicks: true,
   vibration: true,
   speech: false,
   volume: 0, // dB
+  sweep: 10, // s that Play takes
+  loop: false,
+  name: navigator.userAgent.match(/iPhone|iPad|Android|Windows|Macintosh|Linux/)?.[0] ?? "",
   contrast: matchMedia("(prefers-contrast: more)").matches,
   still: matchMedia("(prefers-reduced-motion: reduce)").matches,
   start: 0, // roll at the timeline's start, rad
@@ -48,7 +51,7 @@ export function bindSettings(form, settings, onchange) {
     const { name } = target;
     if (!(name in settings)) return;
     if (target.type === "checkbox") settings[name] = target.checked;
-    else settings[name] = target.type === "range" ? Number(target.value) : target.value;
+    else settings[name] = typeof settings[name] === "number" ? Number(target.value) : target.value;
     keepSettings(settings);
     onchange(name);
   });

@@ -28,10 +28,12 @@ export class Shown {
     this.wheeled = 0;
   }
 
-  /** Put the first part there; the sound begins with `under`. */
-  begin(first, under) {
-    this.under = under;
-    return this.go(first);
+  /** The first view is there; the sound begins with the part `under`, or soon goes over to it. */
+  async begin(view, under) {
+    this.under = view;
+    this.take(view);
+    this.tell();
+    if (!isSame(view, under)) (await this.sound.show(view))();
   }
 
   /** The moment under the hand, s. */

@@ -14,27 +14,34 @@ const ROUTES = {
 };
 
 export class Sound {
-  /** Open it, silent until `start`; the memory is fetched by `data`. */
-  static async open(data) {
-    const sound = new Sound();
-    sound.data = data;
+  /** Silent until `load` has fetched the kernel and `start` was called; what comes first is kept. */
+  constructor(data) {
+    this.data = data;
     // iPhones: as music, so that the silent switch doesn't still it
     if (navigator.audioSession) navigator.audioSession.type = "playback";
     const { rates } = data.info;
-    let context = new AudioContext({ latencyHint: "interactive" });
-    if (!rates.includes(context.sampleRate)) {
-      await context.close();
-      context = new AudioContext({ latencyHint: "interactive", sampleRate: rates[0] });
+    this.context = new AudioContext({ latencyHint: "interactive" });
+    if (!rates.includes(this.context.sampleRate)) {
+      this.context.close();
+      this.context = new AudioContext({ latencyHint: "interactive", sampleRate: rates[0] });
     }
-    sound.context = context;
-    sound.clock = new SampleClock(context.sampleRate);
-    sound.node = await openKernel(context, await data.memory(context.sampleRate));
-    sound.wire();
-    return sound;
+    this.clock = new SampleClock(this.context.sampleRate);
+    this.node = null;
+    this.felt = "ears";
+    this.gain = [1, 1]; // of click and tactor
+    this.held = null; // where a finger holds already
+    this.loaded = null; // a promise, once it loads
   }
 
-  wire() {
-    const { context, node } = this;
+  /** Fetch the kernel and its memory; the promise is of when they are there. */
+  load() {
+    this.loaded ??= this.open();
+    return this.loaded;
+  }
+
+  async open() {
+    const { context } = this;
+    const node = await openKernel(context, await this.data.memory(context.sampleRate));
     const split = context.createChannelSplitter(2);
     const merge = context.createChannelMerger(2);
     node.connect(split);
@@ -46,9 +53,12 @@ export class Sound {
         signal.push(gain);
       }
     });
-    this.route("tactor", true);
     merge.connect(context.destination);
     this.end = merge;
+    this.node = node;
+    this.route(this.felt, true);
+    this.volume(...this.gain);
+    if (this.held !== null) this.control(this.held, true, -1);
   }
 
   /** In a touch or a key: only then a browser lets a page sound. */
@@ -57,15 +67,18 @@ export class Sound {
   }
 
   get running() {
-    return this.context.state === "running";
+    return this.node !== null && this.context.state === "running";
   }
 
   control(place, touching, sample) {
-    this.node.control(place * Math.PI, touching, "touch", sample);
+    if (this.node === null) this.held = touching ? place : null;
+    else this.node.control(place * Math.PI, touching, "touch", sample);
   }
 
   /** Where the signals go: tactor, motor or ears. */
   route(felt, atOnce = false) {
+    this.felt = felt;
+    if (this.node === null) return;
     for (const [signal, levels] of Object.entries(ROUTES[felt])) {
       levels.forEach((level, side) => {
         const { gain } = this.gains[signal][side];
@@ -77,17 +90,20 @@ export class Sound {
 
   /** Gains of both, linear. */
   volume(click, tactor) {
-    this.node.output({ gain: click }, { gain: tactor });
+    this.gain = [click, tactor];
+    this.node?.output({ gain: click }, { gain: tactor });
   }
 
   /** Fetch what it takes to put a part under the hand; call the answer to do so. */
   async show(part) {
+    await this.load();
     const bytes = await this.data.change(part, this.context.sampleRate);
     return () => this.node.change(bytes);
   }
 
   /** Go from one preset to another; `part` has the surface, null if it stays. */
   async feel(before, after, part) {
+    await this.load();
     this.node.change(await this.data.feel(before, after, part, this.context.sampleRate));
   }
 

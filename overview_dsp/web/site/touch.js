@@ -2,11 +2,13 @@
 
 const TAP_MS = 250;
 const TAP_PX = 10;
+const PINCH = 1.8; // a level of zoom is three times as close: about as much as fingers spread
 
 /**
- * `placeOf(clientX)` is the place (0 to 1) under a pointer; `ontap(x, y)` is called after a short touch
- * and says whether it meant something else than a step to there; `onpinch(factor, place)` is called when
- * two fingers have spread or closed, `onfirst()` at every touch, in which sound may be started.
+ * `placeOf(event, first)` is the place (0 to 1) of a pointer, `first` where it came down;
+ * `ontap(x, y)` is called after a short touch and says whether it meant something else than a step
+ * to there; `onpinch(factor, x)` when two fingers have spread or closed about x; `onfirst()` at
+ * every touch, in which sound may be started.
  */
 export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst }) {
   const fingers = new Map();
@@ -20,7 +22,7 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
     fingers.set(event.pointerId, event);
     if (fingers.size === 1) {
       down = { x: event.clientX, y: event.clientY, time: event.timeStamp, tap: true };
-      hand.hold("touch", placeOf(event.clientX), event.timeStamp);
+      hand.hold("touch", placeOf(event, true), event.timeStamp);
     } else if (fingers.size === 2) {
       down = null;
       hand.release("touch", event.timeStamp);
@@ -35,14 +37,14 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
       if (Math.hypot(event.clientX - down.x, event.clientY - down.y) > TAP_PX) down.tap = false;
       const seen = event.getCoalescedEvents?.() ?? [];
       for (const one of seen.length > 0 ? seen : [event]) {
-        hand.hold("touch", placeOf(one.clientX), one.timeStamp);
+        hand.hold("touch", placeOf(one), one.timeStamp);
       }
     } else if (fingers.size === 2) {
       const now = distance(fingers);
       const factor = now / Math.max(spread, 1);
-      if (factor > 1.5 || factor < 1 / 1.5) {
+      if (factor > PINCH || factor < 1 / PINCH) {
         const [a, b] = [...fingers.values()];
-        onpinch(factor, placeOf((a.clientX + b.clientX) / 2));
+        onpinch(factor, (a.clientX + b.clientX) / 2);
         spread = now;
       }
     }

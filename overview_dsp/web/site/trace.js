@@ -13,6 +13,7 @@ export class Trace {
     this.at = 0;
     this.box = null;
     this.fresh = true;
+    this.turn = false;
   }
 
   /** Lay it out in a box of the picture, or (null) not at all. */
@@ -49,7 +50,8 @@ export class Trace {
   /** Drawn the newest at the right. */
   draw(colours) {
     const { c, box, canvas } = this;
-    if (box === null || !this.fresh) return;
+    this.turn = !this.turn; // every second frame: nobody reads a torque 60 times a second
+    if (box === null || !this.fresh || this.turn) return;
     this.fresh = false;
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, canvas.width, canvas.height);

@@ -4,6 +4,7 @@
 // whole timeline.
 
 const UPRIGHT = 0.25; // held on end, gravity says nothing about the roll
+const SILENT_MS = 1500; // a sensor tells sixty times a second
 const RAD = Math.PI / 180;
 
 /** Roll in rad, -pi to pi, 0 face up; NaN where the phone stands on end. */
@@ -26,6 +27,9 @@ export class Twist {
     this.start = start;
     this.roll = NaN;
     this.on = false;
+    this.told = false; // whether a sensor has said anything
+    /** Called with a line where none does. */
+    this.onsilent = () => {};
     this.heard = (event) => this.turn(event);
     this.lock = null; // on the screen: a page behind a locked one gets no motion
     document.addEventListener("visibilitychange", () => this.keepAwake());
@@ -50,8 +54,13 @@ export class Twist {
       throw new Error("motion was not allowed; allow it in the browser's settings for this page");
     }
     this.on = true;
+    this.told = false;
     window.addEventListener("deviceorientation", this.heard);
     this.keepAwake();
+    clearTimeout(this.silent);
+    this.silent = setTimeout(() => {
+      if (this.on && !this.told) this.onsilent("this device tells no motion: drag instead");
+    }, SILENT_MS);
   }
 
   end() {
@@ -63,6 +72,7 @@ export class Twist {
 
   turn({ beta, gamma, timeStamp }) {
     if (beta === null || gamma === null) return;
+    this.told = true;
     const roll = rollOf(beta, gamma);
     if (Number.isNaN(roll)) return;
     this.roll = roll;

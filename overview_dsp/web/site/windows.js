@@ -48,3 +48,8 @@ export function partBeside(windows, part, direction) {
 export function levels(windows) {
   return windows.at(-1).level;
 }
+
+/** The part that is shown first: a server's, or the whole. */
+export function firstPart({ windows, duration_s, server }) {
+  return partBetween(windows, server?.window ?? [0, duration_s]);
+}

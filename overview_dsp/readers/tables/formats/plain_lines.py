@@ -43,12 +43,16 @@ def marks_of(block: str, separator: str, width: int, comments: bool) -> NDArray[
     data = np.frombuffer(block.encode("ascii"), np.uint8)
     ends = data == _NEWLINE
     marks = np.flatnonzero(ends | (data == ord(separator)))
-    if not len(marks) or len(marks) % width:
+    rows, left = divmod(len(marks), width)
+    if (
+        not rows
+        or left
+        or np.count_nonzero(ends) != rows
+        or not ends[marks[width - 1 :: width]].all()
+    ):
         return None
-    lines = ends[marks].reshape(-1, width)
-    if lines[:, :-1].any() or not lines[:, -1].all():
-        return None
-    return marks if np.diff(marks, prepend=-1).max() <= LONGEST_FIELD else None
+    longest = max(int(marks[0]), int((marks[1:] - marks[:-1]).max(initial=0)))
+    return marks if longest <= LONGEST_FIELD else None
 
 
 def cells_of(

@@ -1,0 +1,117 @@
+/* overView DSP: the voice in C. Made by tools/build_c.py; kernel.c is the other half.
+
+   A voice is a memory of OVERVIEW_MEMORY_BYTES (8-byte aligned, zeros to begin with) that an image
+   is loaded into: a timeline and a preset, as `overview export --to c` writes them. The same events
+   give the same samples as `ov.render`, bit for bit, for blocks of any size, at any sample rate.
+
+   Nothing is allocated and nothing locked. overview_process belongs to the audio thread;
+   overview_control and overview_change to one thread each, whichever; the rest is called while no
+   other function runs on that memory. Little-endian machines only. */
+#ifndef OVERVIEW_H
+#define OVERVIEW_H
+#include <stdint.h>
+#include <string.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define OVERVIEW_MEMORY_BYTES INT64_C(20588176)
+#define OVERVIEW_DIGEST INT64_C(8854006292618714911) /* of the layout: an image begins with it */
+#define OVERVIEW_AT_ONCE (-1)
+
+enum { OVERVIEW_DONE = 0, OVERVIEW_REFUSED = -1 };
+
+/* Whose hand it is; the last to touch holds the disk. */
+enum { OVERVIEW_TOUCH, OVERVIEW_TWIST, OVERVIEW_SERIAL, OVERVIEW_OSC, OVERVIEW_MIDI, OVERVIEW_REMOTE };
+
+/* What a person sets: numbers for overview_change, in the unit of the table below. */
+enum {
+    OVERVIEW_DISK_INERTIA,
+    OVERVIEW_DISK_K1,
+    OVERVIEW_DISK_K2,
+    OVERVIEW_DISK_CATCH_UP,
+    OVERVIEW_DISK_UNFOLD_S,
+    OVERVIEW_DISK_RELEASE,
+    OVERVIEW_INPUT_SMOOTHING_MS,
+    OVERVIEW_TACTOR_FULL_TORQUE_MNM,
+    OVERVIEW_TACTOR_COMPRESSION,
+    OVERVIEW_TACTOR_THRESHOLD_DB,
+    OVERVIEW_TACTOR_RISE_MS,
+    OVERVIEW_TACTOR_DECAY_MS,
+    OVERVIEW_TACTOR_FREQUENCY_HZ,
+    OVERVIEW_TACTOR_GAIN_DB,
+    OVERVIEW_TACTOR_MUTE,
+    OVERVIEW_CLICK_FULL_TORQUE_MNM,
+    OVERVIEW_CLICK_COMPRESSION,
+    OVERVIEW_CLICK_GAIN_DB,
+    OVERVIEW_CLICK_MUTE,
+    OVERVIEW_TEXTURE_GAIN_DB,
+    OVERVIEW_TEXTURE_BRIGHTNESS_HZ,
+    OVERVIEW_OUTPUT_CEILING_DB,
+    OVERVIEW_PARAMETERS = 22
+};
+typedef struct {
+    const char *id, *unit; /* as in a preset's file; "" for a switch, 0 or 1 */
+    double lowest, highest;
+} overview_parameter;
+extern const overview_parameter overview_parameters[OVERVIEW_PARAMETERS];
+
+/* Begin with an image of `bytes` bytes; overview_prepare comes next. OVERVIEW_REFUSED if it is
+   damaged, or of another layout: then the memory is all zero, or untouched. */
+int32_t overview_load(void *memory, const void *image, int64_t bytes);
+
+/* As new, at a sample rate in Hz, 1000 to 768000 and above 1/0.45 of the carrier's frequency. */
+int32_t overview_prepare(void *memory, double sample_rate);
+
+/* As new, with the parameters of the moment; events that wait are dropped. */
+int32_t overview_reset(void *memory);
+
+/* A hand's event: theta2 in rad (0 = start of the timeline, pi = its end), touching 0 or 1, at a
+   sample counted from the last reset or OVERVIEW_AT_ONCE. OVERVIEW_REFUSED: 4096 wait already. */
+int32_t overview_control(
+    void *memory, int32_t source, int64_t sample_time, double theta2, int32_t touching);
+
+/* Set a parameter, which glides for 20 ms. OVERVIEW_REFUSED: out of its range, or too many wait
+   (then it is set with the next one that finds room). */
+int32_t overview_change(void *memory, int32_t parameter, double value, int64_t sample_time);
+
+/* Overwrite the next block: `frames` of `channels` interleaved floats; clicks on channel 0, the
+   tactor on channel 1, the others silent. OVERVIEW_REFUSED with fewer than two channels. */
+int32_t overview_process(void *memory, float *out, int64_t frames, int32_t channels);
+
+/* Columns to look at, as of the last block. */
+enum {
+    OVERVIEW_PARAMETER = 136, /* a number each: the values of the parameters, in their order */
+    OVERVIEW_CLOCK = 225, /* count: samples since the reset */
+    OVERVIEW_M_BLOCKS = 5154,
+    OVERVIEW_M_LATE = 5155,
+    OVERVIEW_M_REJECTED = 5156,
+    OVERVIEW_M_CLAMPED = 5157,
+    OVERVIEW_M_RESETS = 5158,
+    OVERVIEW_M_LIMITED = 5159,
+    OVERVIEW_M_STRIKES = 5160,
+    OVERVIEW_M_PEAK_CLICK = 5161,
+    OVERVIEW_M_PEAK_TACTOR = 5162,
+    OVERVIEW_M_TORQUE = 5163,
+    OVERVIEW_M_ENVELOPE = 5164,
+    OVERVIEW_M_FRICTION = 5165,
+    OVERVIEW_M_SILENT = 5166,
+    OVERVIEW_M_STILL = 5167,
+    OVERVIEW_M_IMPULSE = 5168,
+    OVERVIEW_M_SUMMED = 5169,
+};
+static inline int64_t overview_count(const void *memory, int32_t column) {
+    int64_t x;
+    memcpy(&x, (const char *)memory + 8 * column, 8);
+    return x;
+}
+static inline double overview_number(const void *memory, int32_t column) {
+    double x;
+    memcpy(&x, (const char *)memory + 8 * column, 8);
+    return x;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,212 @@
+"""Parameters become coefficients: what a person sets, turned into what the kernels multiply by.
+
+The memory block holds the parameters themselves, so that whoever has a block (an engine, a page, a
+plugin) can go to another sample rate or change a parameter, with the same bits. Every exponential
+and sine here is the kernels' own.
+
+Thread: any; audio too, where nothing else changes parameters meanwhile.
+"""
+
+from __future__ import annotations
+
+import math
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.clutch import OFF
+from overview_dsp.kernels.compiling import entry_point, inlined, outlined
+from overview_dsp.kernels.dc_block import CORNER_HZ
+from overview_dsp.kernels.decibels import db_to_gain
+from overview_dsp.kernels.elementary import ROUND, exp, sin_turns
+from overview_dsp.kernels.ordering import load_acquire, store_release
+
+CARRIER_LIMIT = 0.45  # the carrier's frequency stays below this part of the sample rate
+MODE_LIMIT = 0.49  # modes above this part of the sample rate are left out: they would fold back
+RING_DB = 160.0  # a click is exactly zero once it has fallen by this much
+GLIDE_S = 0.02  # how long a parameter takes to reach a new value
+FADE_S = 0.03  # how long one surface takes to give way to another
+APPROACH_S = 0.2  # memory of the arriving disk's speed: it may stick that long
+GRAIN_S = 0.05  # time constant of the grain's level: many small contacts don't start at once
+PACE_S = 0.08  # time constant of the hand's pace, behind the input smoother
+PACE_LEAST = 0.02  # timelines a second: slower, a finger rests (3.6 degrees a second)
+PACE_MOST = 6.0  # faster, the input jumps
+FOREVER = 1 << 40  # samples
+LOG_1000 = 6.907755278982137  # of a fall by 60 dB
+MILLIWATT = 1e-3
+WHITE = 3.0  # 1 / the variance of white noise in -1 to 1
+USUAL_RATE = 48_000.0  # Hz
+
+
+@inlined
+def one_pole(time_constant_s, sample_rate):
+    """Coefficient a of y += a * (x - y) with that time constant."""
+    return 1.0 - exp(-1.0 / (time_constant_s * sample_rate))
+
+
+@outlined
+def derive_into(f64, to):
+    """Every gliding coefficient, into the `COEFFS` columns from `to` on (its own: `COEFF` = 0)."""
+    sample_rate = f64[layout.S_SAMPLE_RATE]
+    dt = 1.0 / sample_rate
+    inertia = f64[layout.PARAM_DISK_INERTIA]
+    k1 = f64[layout.PARAM_DISK_K1]
+    k2 = f64[layout.PARAM_DISK_K2]
+    to_theta1 = math.pi / layout.CELLS * (k2 / (k1 + k2))
+    f64[to + layout.C_SPRING_HELD] = (k1 + k2) / inertia * dt * dt
+    f64[to + layout.C_SPRING_FREE] = k1 / inertia * dt * dt
+    f64[to + layout.C_INERTIA] = inertia / dt
+    f64[to + layout.C_THETA] = to_theta1
+    f64[to + layout.C_OMEGA] = to_theta1 * sample_rate
+    f64[to + layout.C_SMOOTH] = one_pole(f64[layout.PARAM_INPUT_SMOOTHING_MS] * 1e-3, sample_rate)
+    f64[to + layout.C_TORQUE] = 1e3 / f64[layout.PARAM_TACTOR_FULL_TORQUE_MNM]
+    f64[to + layout.C_GATE] = db_to_gain(f64[layout.PARAM_TACTOR_THRESHOLD_DB])
+    f64[to + layout.C_EXPONENT] = f64[layout.PARAM_TACTOR_COMPRESSION]
+    f64[to + layout.C_DECAY] = one_pole(f64[layout.PARAM_TACTOR_DECAY_MS] * 1e-3, sample_rate)
+    f64[to + layout.C_RISE] = one_pole(f64[layout.PARAM_TACTOR_RISE_MS] * 1e-3, sample_rate)
+    f64[to + layout.C_CARRIER] = f64[layout.PARAM_TACTOR_FREQUENCY_HZ] * dt
+    tactor = db_to_gain(f64[layout.PARAM_TACTOR_GAIN_DB])
+    f64[to + layout.C_TACTOR_GAIN] = 0.0 if f64[layout.PARAM_TACTOR_MUTE] > 0.0 else tactor
+    click = db_to_gain(f64[layout.PARAM_CLICK_GAIN_DB])
+    f64[to + layout.C_CLICK_GAIN] = 0.0 if f64[layout.PARAM_CLICK_MUTE] > 0.0 else click
+    f64[to + layout.C_STRIKE_TORQUE] = 1e3 / f64[layout.PARAM_CLICK_FULL_TORQUE_MNM]
+    f64[to + layout.C_STRIKE_EXPONENT] = f64[layout.PARAM_CLICK_COMPRESSION]
+    # white noise has its power in half the sample rate, the grain's low-pass keeps a fixed band
+    grain = math.sqrt(WHITE * sample_rate / USUAL_RATE) / math.sqrt(MILLIWATT)
+    f64[to + layout.C_TEXTURE_GAIN] = db_to_gain(f64[layout.PARAM_TEXTURE_GAIN_DB]) * grain
+    brightness = f64[layout.PARAM_TEXTURE_BRIGHTNESS_HZ]
+    f64[to + layout.C_TEXTURE_CUTOFF] = 2.0 * math.pi * brightness * dt
+    f64[to + layout.C_CEILING] = db_to_gain(f64[layout.PARAM_OUTPUT_CEILING_DB])
+    f64[to + layout.C_GRAIN] = one_pole(GRAIN_S, sample_rate)
+    f64[to + layout.C_FORGET] = exp(-dt / APPROACH_S)
+    catch_up = f64[layout.PARAM_DISK_CATCH_UP]
+    f64[to + layout.C_CATCH] = catch_up / ((k1 + k2) * dt) if catch_up > 0.0 else OFF
+    unfold_s = f64[layout.PARAM_DISK_UNFOLD_S]
+    f64[to + layout.C_UNFOLD] = dt / unfold_s if unfold_s > 0.0 else PACE_MOST * dt
+    f64[to + layout.C_PACE] = one_pole(PACE_S, sample_rate)
+    f64[to + layout.C_PACE_LEAST] = PACE_LEAST * layout.CELLS * dt
+    f64[to + layout.C_PACE_MOST] = PACE_MOST * layout.CELLS * dt
+    f64[to + layout.C_DC_POLE] = exp(-2.0 * math.pi * CORNER_HZ * dt)
+
+
+@inlined
+def derive_mode(f64, mode, turns, decay, gain_db):
+    """A modal resonator's columns, from `mode` on: its turns and ln of the decay a sample."""
+    for n in range(layout.PHASES + 1):
+        radius = exp(float(n) * decay)
+        re = radius * sin_turns(float(n) * turns + 0.25)
+        im = radius * sin_turns(float(n) * turns)
+        if n < layout.PHASES:
+            # twice over, so that they can be read from any of them on
+            f64[mode + layout.MODE_RE + n] = re
+            f64[mode + layout.MODE_RE + layout.PHASES + n] = re
+            f64[mode + layout.MODE_IM + n] = im
+            f64[mode + layout.MODE_IM + layout.PHASES + n] = im
+        else:
+            f64[mode + layout.MODE_COS] = re
+            f64[mode + layout.MODE_SIN] = im
+    f64[mode + layout.MODE_TURNS] = turns
+    f64[mode + layout.MODE_DECAY] = decay
+    f64[mode + layout.MODE_GAIN] = db_to_gain(gain_db)
+
+
+@inlined
+def rounded_up(x):
+    """The least whole number that is not below x >= 0; `FOREVER` if that is more, or x is NaN."""
+    if not x < FOREVER:
+        return FOREVER
+    whole = int(x)
+    return whole + 1 if float(whole) < x else whole
+
+
+@entry_point
+def derive_clicks(f64, i64, slot):
+    """The modes of a surface's kinds, from the clicks they are given.
+
+    Parameters
+    ----------
+    f64, i64 : float64, int64 [layout.SURFACES + layout.SLOT_SIZE or more]
+        The memory block, seen two ways.
+    slot : int64
+        Where the surface begins.
+    """
+    sample_rate = f64[layout.S_SAMPLE_RATE]
+    for kind in range(layout.BANKS):
+        heard = 0
+        longest = 0
+        for number in range(i64[slot + layout.KIND_CLICK + kind]):
+            click = kind * layout.MAX_MODES + number
+            given = slot + layout.CLICKS + click * layout.CLICK_SIZE
+            turns = f64[given + layout.CLICK_FREQUENCY_HZ] / sample_rate
+            if not 0.0 < turns <= MODE_LIMIT:
+                continue
+            decay_ms = f64[given + layout.CLICK_DECAY_MS]
+            decay = -LOG_1000 / (decay_ms * 1e-3 * sample_rate)
+            mode = kind * layout.MAX_MODES + heard
+            mode = slot + layout.MODES + mode * layout.MODE_SIZE
+            derive_mode(f64, mode, turns, decay, f64[given + layout.CLICK_GAIN_DB])
+            longest = max(longest, rounded_up(RING_DB / 60.0 * decay_ms * 1e-3 * sample_rate))
+            heard += 1
+        i64[slot + layout.KIND_MODES + kind] = heard
+        i64[slot + layout.KIND_RING + kind] = longest
+
+
+@entry_point
+def derive(f64, i64):
+    """The coefficients of the parameters and the sample rate, as they are after a `reset`.
+
+    Parameters
+    ----------
+    f64, i64 : float64, int64 [layout.SET_UP or more]
+        The memory block, seen two ways.
+    """
+    derive_into(f64, layout.COEFF)
+    for i in range(layout.COEFFS):
+        f64[layout.ASKED + i] = f64[layout.COEFF + i]
+        i64[layout.GLIDE_LEFT + i] = 0
+    i64[layout.S_GLIDE] = int(GLIDE_S * f64[layout.S_SAMPLE_RATE] + ROUND - ROUND)
+    i64[layout.S_FADE] = int(FADE_S * f64[layout.S_SAMPLE_RATE] + ROUND - ROUND)
+    i64[layout.S_RELEASE_RETURNS] = int(f64[layout.PARAM_DISK_RELEASE])
+    i64[layout.ASKED_RETURNS] = i64[layout.S_RELEASE_RETURNS]
+
+
+@inlined
+def push_change(f64, i64, at, stamp, what, value):
+    """Write a parameter event as entry number `at` of the host's ring, not yet published."""
+    at = at % layout.HOST_RING
+    i64[layout.HOST_TIME + at] = stamp
+    i64[layout.HOST_WHAT + at] = what
+    f64[layout.HOST_VALUE + at] = value
+
+
+@entry_point
+def push_parameters(f64, i64, stamp):
+    """Push what the parameters ask for anew: glides that begin together; whether all fitted.
+
+    What didn't fit is asked for by the next call.
+
+    Parameters
+    ----------
+    f64, i64 : float64, int64 [layout.TOTAL]
+        The memory block, seen two ways.
+    stamp : int64
+        When, in samples since reset; -1 is as soon as possible.
+
+    Thread: the one that changes parameters.
+    """
+    derive_into(f64, layout.DERIVED)
+    written = i64[layout.HOST_WRITTEN]
+    waiting = written - load_acquire(i64, layout.HOST_READ)
+    if waiting + layout.COEFFS + 1 > layout.HOST_RING:
+        return False
+    at = written
+    for i in range(layout.COEFFS):
+        if f64[layout.DERIVED + i] != f64[layout.ASKED + i]:
+            f64[layout.ASKED + i] = f64[layout.DERIVED + i]
+            push_change(f64, i64, at, stamp, i, f64[layout.DERIVED + i])
+            at += 1
+    returns = int(f64[layout.PARAM_DISK_RELEASE])
+    if returns != i64[layout.ASKED_RETURNS]:
+        i64[layout.ASKED_RETURNS] = returns
+        push_change(f64, i64, at, stamp, layout.COMMAND_RELEASE_RETURNS, float(returns))
+        at += 1
+    store_release(i64, layout.HOST_WRITTEN, at)
+    return True

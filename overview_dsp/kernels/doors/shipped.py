@@ -1,0 +1,125 @@
+"""The kernels' functions that Python calls and audio streams run, on plain pointers.
+
+`tools/build_objects.py` makes machine code of them, `kernels/shipped.py` calls it. `NAMES` are the
+functions, each with its signature. Memory is that of `kernels.layout`, or the beginning of one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from numba import types
+
+from overview_dsp.kernels import block, derive, layout, ordering
+from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels.device import actuator, derive_actuator, output_stage
+from overview_dsp.kernels.device.callback import SIGNATURE, callback
+
+carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
+
+
+def process(memory, out, frames, channels, trace, traced):
+    """`block.process`."""
+    f64 = carray(memory, (layout.TOTAL,), np.float64)
+    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    u64 = carray(memory, (layout.TOTAL,), np.uint64)
+    samples = carray(out, (frames * channels,), np.float32)
+    table = carray(trace, (frames * layout.TRACE,), np.float64)
+    block.process(f64, i64, u64, samples, frames, channels, table, traced != 0)
+    return 0
+
+
+def reset(memory):
+    """`block.reset`."""
+    f64 = carray(memory, (layout.TOTAL,), np.float64)
+    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    u64 = carray(memory, (layout.TOTAL,), np.uint64)
+    block.reset(f64, i64, u64)
+    return 0
+
+
+def tactor_stage(memory, torque, out, frames):
+    """`block.tactor_stage`."""
+    f64 = carray(memory, (layout.TOTAL,), np.float64)
+    given = carray(torque, (frames,), np.float64)
+    block.tactor_stage(f64, given, carray(out, (frames,), np.float32))
+    return 0
+
+
+def derive_coefficients(memory):
+    """`derive.derive`."""
+    f64 = carray(memory, (layout.SET_UP,), np.float64)
+    i64 = carray(memory, (layout.SET_UP,), np.int64)
+    derive.derive(f64, i64)
+    return 0
+
+
+def derive_clicks(memory, slot):
+    """`derive.derive_clicks`."""
+    f64 = carray(memory, (layout.TOTAL,), np.float64)
+    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    derive.derive_clicks(f64, i64, slot)
+    return 0
+
+
+def derive_drive(memory, at, sample_rate):
+    """`derive_actuator.derive_actuator`."""
+    f64 = carray(memory, (at + layout.ACT_SIZE,), np.float64)
+    derive_actuator.derive_actuator(f64, at, sample_rate)
+    return 0
+
+
+def drive_block(memory, at, out, frames, channels, channel):
+    """`actuator.drive_block`."""
+    f64 = carray(memory, (at + layout.ACT_SIZE,), np.float64)
+    i64 = carray(memory, (at + layout.ACT_SIZE,), np.int64)
+    samples = carray(out, (frames * channels,), np.float32)
+    actuator.drive_block(f64, i64, at, samples, frames, channels, channel)
+    return 0
+
+
+def finish_block(memory, out, frames, channels):
+    """`output_stage.finish_block`."""
+    f64 = carray(memory, (layout.TOTAL,), np.float64)
+    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    samples = carray(out, (frames * channels,), np.float32)
+    return 1 if output_stage.finish_block(f64, i64, samples, frames, channels) else 0
+
+
+def push(memory, source, stamp, theta2, touching):
+    """`control.push_control`."""
+    f64 = carray(memory, (layout.TOTAL,), np.float64)
+    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    return 1 if push_control(f64, i64, source, stamp, theta2, touching != 0) else 0
+
+
+def acquired(memory, at):
+    """`ordering.acquired`."""
+    return ordering.acquired(carray(memory, (layout.TOTAL,), np.int64), at)
+
+
+def publish(memory, at, value):
+    """`ordering.publish`."""
+    ordering.publish(carray(memory, (layout.TOTAL,), np.int64), at, value)
+    return 0
+
+
+_pointer, _int, _number = types.voidptr, types.int64, types.float64
+_int64: Any = types.int64
+_int32: Any = types.int32
+NAMES: dict[str, tuple[Any, Any]] = {
+    "process": (process, _int32(_pointer, _pointer, _int, _int, _pointer, _int)),
+    "reset": (reset, _int32(_pointer)),
+    "tactor_stage": (tactor_stage, _int32(_pointer, _pointer, _pointer, _int)),
+    "derive": (derive_coefficients, _int32(_pointer)),
+    "derive_clicks": (derive_clicks, _int32(_pointer, _int)),
+    "derive_actuator": (derive_drive, _int32(_pointer, _int, _number)),
+    "drive_block": (drive_block, _int32(_pointer, _int, _pointer, _int, _int, _int)),
+    "finish_block": (finish_block, _int32(_pointer, _pointer, _int, _int)),
+    "push_control": (push, _int32(_pointer, _int, _int, _number, _int)),
+    "acquired": (acquired, _int64(_pointer, _int)),
+    "publish": (publish, _int32(_pointer, _int, _int)),
+    "callback": (callback, SIGNATURE),
+}

@@ -1,0 +1,118 @@
+"""A memory block from encoded bytes (`export/browser_memory.py` describes and writes them).
+
+Bytes that aren't an image of this layout are refused before a column is written. What the kernels
+use as an index is checked afterwards, so that no bytes, however made, lead outside the block.
+
+Thread: main.
+"""
+
+from __future__ import annotations
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.compiling import NOT_NEGATIVE, inlined, outlined
+
+HEAD = 5  # columns before the pairs
+WHOLE, CHANGE = range(2)  # kinds
+FILL, DATA, TABLE, INTEGRAL = range(4)  # how a run is written
+INTEGRAL_FROM_TABLE = layout.SLOT_INTEGRAL - layout.SLOT_TABLE
+LOW = 0xFFFFFFFF  # of a column's two halves
+
+
+@inlined
+def values_of(how, count):
+    """How many values a run has for its columns."""
+    if how == FILL:
+        return 1
+    if how == INTEGRAL:
+        return 0
+    return count if how == DATA else count // 2
+
+
+@outlined
+def is_image(words, columns, digest):
+    """Whether `columns` columns are a whole memory block of the layout with that digest."""
+    if columns < HEAD or words[0] != digest or words[1] != WHOLE:
+        return False
+    covered = 0
+    at = HEAD
+    while at < columns:
+        how = words[at & NOT_NEGATIVE] & LOW
+        count = words[at & NOT_NEGATIVE] >> 32
+        if how > INTEGRAL or count <= 0 or count > layout.TOTAL - covered:
+            return False
+        if how == TABLE and count & 1 == 1:
+            return False
+        # it reads the table that lies before it
+        if how == INTEGRAL and (covered < INTEGRAL_FROM_TABLE or 2 * count > INTEGRAL_FROM_TABLE):
+            return False
+        covered += count
+        at += 1 + values_of(how, count)
+    return at == columns and covered == layout.TOTAL
+
+
+@outlined
+def decode(words, values, columns, f64, i64):
+    """Write the runs of an image, seen as int64 and float64, into a memory block."""
+    at = HEAD
+    to = 0
+    while at < columns:
+        how = words[at & NOT_NEGATIVE] & LOW
+        count = words[at & NOT_NEGATIVE] >> 32
+        data = (at + 1) & NOT_NEGATIVE
+        if how == FILL:
+            for n in range(count):
+                i64[to + n] = words[data]
+        elif how == DATA:
+            for n in range(count):
+                i64[to + n] = words[data + n]
+        elif how == TABLE:
+            points = count // 2
+            for n in range(points):
+                f64[to + 2 * n] = values[data + n]
+                last = n + 1 == points
+                f64[to + 2 * n + 1] = 0.0 if last else values[data + n + 1] - values[data + n]
+        else:
+            table = to - INTEGRAL_FROM_TABLE
+            f64[to] = 0.0
+            for n in range(1, count):
+                mean = 0.5 * (f64[table + 2 * n] + f64[table + 2 * n - 2])
+                f64[to + n] = f64[to + n - 1] + mean
+        to += count
+        at += 1 + values_of(how, count)
+
+
+@inlined
+def leads_nowhere_else(i64, slot):
+    """Whether every index in a surface stays within it."""
+    events = i64[slot + layout.SLOT_EVENTS]
+    if events < 0 or events > layout.MAX_EVENTS:
+        return False
+    sound = True
+    for n in range(events):
+        lower = i64[slot + layout.SLOT_LOWER_EVENT + n]
+        upper = i64[slot + layout.SLOT_UPPER_EVENT + n]
+        kind = i64[slot + layout.SLOT_KIND + n]
+        sound = sound and 0 <= lower < events and 0 <= upper < events and 0 <= kind < layout.BANKS
+    for n in range(layout.CELLS + 1):
+        sound = sound and -1 <= i64[slot + layout.SLOT_OWNER + n] < max(events, 1)
+    for kind in range(layout.BANKS):
+        sound = sound and 0 <= i64[slot + layout.KIND_CLICK + kind] <= layout.MAX_MODES
+    return sound
+
+
+@inlined
+def is_sound(f64, i64):
+    """Whether a decoded block can be played: its indices, and friction that is finite and > 0."""
+    active = i64[layout.ACTIVE_SLOT]
+    if active < 0 or active >= layout.SLOTS:
+        return False
+    for number in range(layout.SLOTS):
+        if not leads_nowhere_else(i64, layout.SURFACES + number * layout.SLOT_SIZE):
+            return False
+    table = layout.SURFACES + active * layout.SLOT_SIZE + layout.SLOT_TABLE
+    total = 0.0
+    least = 1.0
+    for n in range(layout.CELLS + 1):
+        total = total + f64[table + 2 * n]
+        least = min(least, f64[table + 2 * n])
+    return total - total == 0.0 and least > 0.0

@@ -1,0 +1,156 @@
+"""Machine code that comes with the package, made beforehand from these very sources.
+
+Loading it takes milliseconds where compiling takes 10 to 40 s. It is used on the processors that it
+was made for, and only while it is what the sources give (`objects/objects.json` has their digest);
+otherwise, and where `OVERVIEW_JIT` is set, numba compiles them as before, with the same bits.
+
+Thread: main (loading), as the kernel says (what is loaded).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import platform
+import sys
+from collections.abc import Callable, Mapping
+from functools import cache
+from importlib import resources
+from types import SimpleNamespace
+from typing import Any
+
+import cffi
+import llvmlite.binding as llvm
+
+from overview_dsp.kernels.compiling import runs_as_python, sources_digest
+
+FORCED = "OVERVIEW_JIT"
+"""The environment variable that has numba compile everything."""
+
+X86_64_V2 = frozenset(("cx16", "popcnt", "sse3", "sse4.1", "sse4.2", "ssse3"))
+X86_64_V3 = X86_64_V2 | {"avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}
+CHOICES: Mapping[tuple[str, str], tuple[tuple[str, frozenset[str]], ...]] = {
+    ("linux", "x86_64"): (
+        ("linux-x86-64-v3", X86_64_V3),
+        ("linux-x86-64-v2", X86_64_V2),
+    ),
+    ("linux", "aarch64"): (("linux-aarch64", frozenset()),),
+}
+"""By system and processor: names of objects, the best first, and the features that each needs."""
+
+_DECLARED = {
+    "process": "int32_t(*)(void *, void *, int64_t, int64_t, void *, int64_t)",
+    "reset": "int32_t(*)(void *)",
+    "tactor_stage": "int32_t(*)(void *, void *, void *, int64_t)",
+    "derive": "int32_t(*)(void *)",
+    "derive_clicks": "int32_t(*)(void *, int64_t)",
+    "derive_actuator": "int32_t(*)(void *, int64_t, double)",
+    "drive_block": "int32_t(*)(void *, int64_t, void *, int64_t, int64_t, int64_t)",
+    "finish_block": "int32_t(*)(void *, void *, int64_t, int64_t)",
+    "push_control": "int32_t(*)(void *, int64_t, int64_t, double, int64_t)",
+    "acquired": "int64_t(*)(void *, int64_t)",
+    "publish": "int32_t(*)(void *, int64_t, int64_t)",
+}
+"""As `doors/shipped.py` has them."""
+
+KERNELS = frozenset((*_DECLARED, "callback"))
+"""The kernels that there is machine code of."""
+
+
+def manifest() -> dict[str, Any]:
+    """What the objects are made from: `kernels` (the sources' digest) and `toolchain`."""
+    text = (_folder() / "objects.json").read_text(encoding="utf-8")
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+def is_outdated() -> bool:
+    """Whether the sources have changed since the machine code was made of them."""
+    return bool(manifest()["kernels"] != sources_digest())
+
+
+@cache
+def usable() -> str | None:
+    """The object for this processor, by its name, or None: then numba compiles."""
+    if runs_as_python() or os.environ.get(FORCED) or is_outdated():
+        return None
+    choices = CHOICES.get((sys.platform, platform.machine()), ())
+    features = llvm.get_host_cpu_features() if choices else {}
+    for name, needed in choices:
+        if all(features.get(feature) for feature in needed):
+            return name
+    return None
+
+
+def shipped_door(kernel: str) -> Callable[..., Any] | None:
+    """A kernel, to be called as numba's is, from the machine code that came with the package."""
+    if kernel not in _DECLARED or usable() is None:
+        return None
+    ffi = cffi.FFI()
+    call = ffi.cast(_DECLARED[kernel], _address(kernel))
+    return _DOORS[kernel](call, ffi.from_buffer)
+
+
+def shipped_callback() -> Any:
+    """The native callback as numba's is (`.address`, `.ctypes`), or None."""
+    if usable() is None:
+        return None
+    at = _address("callback")
+    pointer, count = ctypes.c_void_p, ctypes.c_ulong
+    kind = ctypes.CFUNCTYPE(ctypes.c_int, pointer, pointer, count, pointer, count, pointer)
+    return SimpleNamespace(address=at, ctypes=kind(at))
+
+
+def _address(name: str) -> int:
+    return int(_loaded().get_function_address(name))
+
+
+@cache
+def _loaded() -> Any:
+    """The engine that holds the machine code, for as long as the process lives."""
+    name = usable()
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    content = (_folder() / f"{name}.o").read_bytes()
+    engine.add_object_file(llvm.ObjectFileRef.from_data(content))
+    engine.finalize_object()
+    return engine
+
+
+def _folder() -> Any:
+    return resources.files("overview_dsp.kernels") / "objects"
+
+
+# a kernel's arrays of one memory are views of the first
+_DOORS: dict[str, Callable[[Any, Any], Callable[..., Any]]] = {
+    "process": lambda call, at: (
+        lambda f64, i64, u64, out, frames, channels, trace, traced: call(
+            at(f64), at(out), frames, channels, at(trace), traced
+        )
+    ),
+    "reset": lambda call, at: lambda f64, i64, u64: call(at(f64)),
+    "tactor_stage": lambda call, at: (
+        lambda f64, torque, out: call(at(f64), at(torque), at(out), len(torque))
+    ),
+    "derive": lambda call, at: lambda f64, i64: call(at(f64)),
+    "derive_clicks": lambda call, at: lambda f64, i64, slot: call(at(f64), slot),
+    "derive_actuator": lambda call, at: lambda f64, start, rate: call(at(f64), start, rate),
+    "drive_block": lambda call, at: (
+        lambda f64, i64, start, out, frames, channels, channel: call(
+            at(f64), start, at(out), frames, channels, channel
+        )
+    ),
+    "finish_block": lambda call, at: (
+        lambda f64, i64, out, frames, channels: call(at(f64), at(out), frames, channels) != 0
+    ),
+    "push_control": lambda call, at: (
+        lambda f64, i64, source, stamp, theta2, touching: (
+            call(at(f64), source, stamp, theta2, touching) != 0
+        )
+    ),
+    "acquired": lambda call, at: lambda i64, column: call(at(i64), column),
+    "publish": lambda call, at: lambda i64, column, value: call(at(i64), column, value),
+}

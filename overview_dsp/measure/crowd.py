@@ -1,0 +1,473 @@
+"""Each event measured where it lies, in its crowd: on real timelines, at every speed.
+
+A feel report on a made-up timeline says what a kind is like by itself. In a match a foul lies
+beside a card, a goal throws the disk over what follows it. Here every event of every timeline is
+measured in each stroke:
+
+- *level*: highest RMS over 10 ms while the disk is on it, as in `measure.report`;
+- *missed*: the disk never met it; *masked*: it is less than a step above what is no event;
+- *lost*: it strikes within 30 ms of one with more friction, which is felt in its place;
+- *lag*: from its click to its knock (the highest of the vibration on it), ms.
+
+Kinds are in an order of importance, the target's or that of their friction; it is kept where each
+kind's median is a step above the next one's.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.actuators.sensitivity import pacinian_db
+from overview_dsp.gestures import Gesture
+from overview_dsp.measure.felt import Stroke, passages, stroke_feel, strokes
+from overview_dsp.measure.report import GESTURES, MERGED_S, STEP_DB
+from overview_dsp.presets.model import Preset
+from overview_dsp.public.reprs import counted, short
+from overview_dsp.rendering.offline import Result, render
+from overview_dsp.timeline import Timeline
+
+KNOCK_AFTER_S = 0.020
+"""A tactor is at its highest so long after the disk has left a narrow event, at most."""
+
+LOW, HIGH = 10.0, 90.0
+"""The spread of a kind's levels, percentiles."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Events:
+    """The events of one stroke over one timeline, row by row."""
+
+    kind: NDArray[np.str_]
+    level_db: NDArray[np.float64]
+    free_db: float
+    release: NDArray[np.float64]
+    lag_ms: NDArray[np.float64]
+    lost_to: NDArray[np.str_]  # the kind of the event that is felt in its place, or ""
+
+    @property
+    def masked(self) -> NDArray[np.bool_]:
+        """Which are less than a step above what is no event."""
+        return np.asarray(self.level_db < self.free_db + STEP_DB)
+
+
+@dataclass(frozen=True)
+class CrowdKind:
+    """A kind of event in a stroke, over all timelines.
+
+    Attributes
+    ----------
+    kind : str
+        Its name.
+    events, missed, masked, lost : int
+        How many there are; of these never met, less than a step above the rest, and drowned by one
+        with more friction within 30 ms.
+    level_db, low_db, high_db : float
+        Median, and the tenth and ninetieth percentile of the levels of those met, dB of full scale.
+    lag_ms : float
+        Median distance of click and knock, ms; NaN where none clicked.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
+    >>> goal = report.strokes[0].kind("goal")
+    >>> goal.events, goal.missed, goal.low_db <= goal.level_db
+    (5, 0, True)
+    """
+
+    kind: str
+    events: int
+    missed: int
+    masked: int
+    lost: int
+    level_db: float
+    low_db: float
+    high_db: float
+    lag_ms: float
+
+    def __repr__(self) -> str:
+        return (
+            f"<CrowdKind {short(self.kind)}: {counted(self.events, 'event')}, "
+            f"{self.level_db:.1f} dB>"
+        )
+
+
+@dataclass(frozen=True)
+class CrowdStroke:
+    """A stroke over all timelines.
+
+    Attributes
+    ----------
+    name : str
+        `slow`, `slow recoil`, ..., `tap`, `tap recoil`.
+    event_free_db : float
+        Median level outside all events, dB of full scale.
+    kinds : tuple of CrowdKind
+        In the order of importance.
+    gaps : tuple of (str, str, float)
+        Each kind, the next one, and the just noticeable steps from one's median to the other's.
+    lost : tuple of (str, str, int)
+        A kind, the kind that is felt in its place, and how often.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
+    >>> [stroke.name for stroke in report.strokes]
+    ['fast', 'fast recoil']
+    """
+
+    name: str
+    event_free_db: float
+    kinds: tuple[CrowdKind, ...]
+    gaps: tuple[tuple[str, str, float], ...]
+    lost: tuple[tuple[str, str, int], ...]
+
+    def kind(self, name: str) -> CrowdKind:
+        """Find a kind by its name.
+
+        Parameters
+        ----------
+        name : str
+            Of a kind that the timelines have.
+
+        Returns
+        -------
+        CrowdKind
+            That one.
+
+        Raises
+        ------
+        StopIteration
+            There is none.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
+        >>> report.strokes[0].kind("foul").kind
+        'foul'
+        """
+        return next(one for one in self.kinds if one.kind == name)
+
+    def __repr__(self) -> str:
+        return f"<CrowdStroke {short(self.name)}: {counted(len(self.kinds), 'kind')}>"
+
+
+@dataclass(frozen=True)
+class CrowdReport:
+    """How the events of real timelines feel where they lie.
+
+    Attributes
+    ----------
+    preset : str
+        Its name.
+    timelines : tuple of str
+        Their titles.
+    strokes : tuple of CrowdStroke
+        Each gesture's way out, and its recoil.
+
+    See Also
+    --------
+    crowd_report : Makes one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
+    >>> report.preset, len(report.timelines)
+    ('football', 1)
+    """
+
+    preset: str
+    timelines: tuple[str, ...]
+    strokes: tuple[CrowdStroke, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Make plain data of it; what was not felt is None.
+
+        Returns
+        -------
+        dict
+            Of texts, numbers and lists, for JSON.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
+        >>> sorted(report.to_json())
+        ['preset', 'strokes', 'timelines']
+        """
+        return {
+            "preset": self.preset,
+            "timelines": list(self.timelines),
+            "strokes": [
+                {
+                    "name": stroke.name,
+                    "event_free_db": _rounded(stroke.event_free_db),
+                    "kinds": [
+                        {key: _rounded(value) for key, value in vars(kind).items()}
+                        for kind in stroke.kinds
+                    ],
+                    "gaps": [[a, b, _rounded(steps)] for a, b, steps in stroke.gaps],
+                    "lost": [list(one) for one in stroke.lost],
+                }
+                for stroke in self.strokes
+            ],
+        }
+
+    def table(self) -> str:
+        """Write the report as text: a block a stroke.
+
+        Returns
+        -------
+        str
+            Of many lines.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
+        >>> report.table().splitlines()[0]
+        'football, each event where it lies: 1 timeline'
+        """
+        lines = [
+            f"{self.preset}, each event where it lies: {counted(len(self.timelines), 'timeline')}",
+            f"{'':<24}{'events':>7}{'missed':>8}{'masked':>8}{'lost':>6}{'level':>8}"
+            f"{'10 to 90 %':>18}{'lag':>6}",
+            f"{'':<24}{'':>7}{'':>8}{'':>8}{'':>6}{'dB':>8}{'dB':>18}{'ms':>6}",
+        ]
+        for stroke in self.strokes:
+            lines.append(f"{stroke.name}: {stroke.event_free_db:.1f} dB between the events")
+            lines += [
+                f"  {one.kind[:22]:<22}{one.events:>7}{one.missed:>8}{one.masked:>8}{one.lost:>6}"
+                f"{_cell(one.level_db):>8}{_cell(one.low_db) + ' .. ' + _cell(one.high_db):>18}"
+                f"{_cell(one.lag_ms, 0):>6}"
+                for one in stroke.kinds
+            ]
+            steps = "; ".join(f"{a} > {b} by {gap:.1f}" for a, b, gap in stroke.gaps)
+            if steps:
+                lines.append(f"  steps: {steps}")
+            if stroke.lost:
+                lost = ", ".join(f"{kind} beside {other}: {n}" for kind, other, n in stroke.lost)
+                lines.append(f"  lost: {lost}")
+        return "\n".join(lines)
+
+    def warnings(self) -> list[str]:
+        """List where the order of importance isn't kept, and what is missed.
+
+        Returns
+        -------
+        list of str
+            A line each.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
+        >>> all(isinstance(line, str) for line in report.warnings())
+        True
+        """
+        lines = []
+        pairs: dict[tuple[str, str], list[str]] = {}
+        for stroke in self.strokes:
+            for first, second, steps in stroke.gaps:
+                if not steps >= 1.0:  # NaN too
+                    pairs.setdefault((first, second), []).append(f"{stroke.name} ({steps:.1f})")
+        for (first, second), where in pairs.items():
+            lines.append(
+                f"{first} is less than a step above {second} in {', '.join(where)}: move their "
+                "heights apart, or overview presets tune"
+            )
+        for stroke in self.strokes:
+            missed = [f"{one.missed} {one.kind}" for one in stroke.kinds if one.missed]
+            if missed:
+                lines.append(f"never met in {stroke.name}: {', '.join(missed)}")
+        return lines
+
+    def __repr__(self) -> str:
+        return (
+            f"<CrowdReport: {short(self.preset)} on {counted(len(self.timelines), 'timeline')}, "
+            f"{counted(len(self.strokes), 'stroke')}>"
+        )
+
+
+def crowd_report(
+    preset: Preset,
+    timelines: Sequence[Timeline],
+    gestures: Mapping[str, Gesture] = GESTURES,
+    target: Sequence[str] = (),
+    sample_rate: float = 16_000,
+    recoils: bool = True,
+    progress: Callable[[float], None] = lambda part: None,
+) -> CrowdReport:
+    """Measure each event of real timelines where it lies.
+
+    Parameters
+    ----------
+    preset : Preset
+        What is to be felt.
+    timelines : sequence of Timeline
+        With events; what is said of a kind is said over all of them.
+    gestures : mapping of str to Gesture
+        By name; slow, medium and fast sweeps and a tap if left out.
+    target : sequence of str
+        Kinds, the most important first; the others follow by their friction.
+    sample_rate : float
+        Hz. The disk and its vibration are the same at any.
+    recoils : bool
+        Whether the hand lets go, and the way back is measured too.
+    progress : callable
+        Called with the part done, 0 to 1.
+
+    Returns
+    -------
+    CrowdReport
+        Per stroke and kind: medians, spreads, what is missed, masked and lost, and the order.
+
+    Raises
+    ------
+    InputError
+        As `render`.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
+    >>> all(kind.missed == 0 for kind in report.strokes[0].kinds)
+    True
+    """
+    found: dict[str, list[_Events]] = {}
+    for done, (name, gesture) in enumerate(gestures.items()):
+        for k, timeline in enumerate(timelines):
+            result = render(
+                timeline, preset, gesture, sample_rate, tail="rest" if recoils else "none"
+            )
+            for stroke in strokes(result.trace.touching, result.trace.cursor):
+                if stroke.name == "out" or recoils:
+                    way = name if stroke.name == "out" else f"{name} {stroke.name}"
+                    found.setdefault(way, []).append(_measured(stroke, result))
+            progress((done + (k + 1) / len(timelines)) / len(gestures))
+    order = _order(target, [one for events in found.values() for one in events])
+    return CrowdReport(
+        preset.name,
+        tuple(timeline.title for timeline in timelines),
+        tuple(_stroke(name, events, order) for name, events in found.items()),
+    )
+
+
+def _measured(stroke: Stroke, result: Result) -> _Events:
+    surface, rate = result.engine.surface, result.sample_rate
+    felt = stroke_feel(stroke, surface, result.trace, result.samples[:, 1], rate)
+    weight = pacinian_db(result.engine.preset.number("tactor.frequency_hz"))
+    names = np.array(surface.kind_names)[surface.kind]
+    count = len(surface.position)
+    struck = np.full(count, np.nan)
+    row_of = {int(event): row for row, event in enumerate(surface.event)}
+    passed = result.strikes.of_events()
+    for time_s, event in zip(passed.time_s, passed.event, strict=True):
+        if stroke.start <= time_s * rate < stroke.stop:
+            struck[row_of[int(event)]] = time_s
+    envelope = result.trace.envelope[stroke.start : stroke.stop]
+    cursor = result.trace.cursor[stroke.start : stroke.stop]
+    knock = np.full(count, np.nan)
+    for row, first, last in zip(*passages(surface, cursor), strict=True):
+        on = envelope[first : last + 1 + round(KNOCK_AFTER_S * rate)]
+        knock[row] = (stroke.start + first + int(np.argmax(on))) / rate
+    return _Events(
+        names,
+        felt.event_db + weight,
+        felt.event_free_db + weight,
+        surface.release,
+        1000.0 * np.abs(knock - struck),
+        _lost(struck, surface.release, names),
+    )
+
+
+def _lost(
+    struck: NDArray[np.float64], release: NDArray[np.float64], names: NDArray[np.str_]
+) -> NDArray[np.str_]:
+    """For each event, the kind of the strongest one within 30 ms with more friction, or ""."""
+    found = np.full(len(struck), "", dtype=names.dtype if len(names) else "U1")
+    order = np.argsort(struck)
+    order = order[np.isfinite(struck[order])]
+    times = struck[order]
+    first = np.searchsorted(times, times - MERGED_S, side="right")
+    last = np.searchsorted(times, times + MERGED_S)
+    for k, row in enumerate(order):
+        near = order[first[k] : last[k]]
+        other = near[np.argmax(release[near])]
+        if release[other] > release[row]:
+            found[row] = names[other]
+    return found
+
+
+def _order(target: Sequence[str], events: Sequence[_Events]) -> list[str]:
+    """Kinds by importance: the target's, then by the friction that lets go."""
+    release: dict[str, list[float]] = {}
+    for one in events:
+        for kind, value in zip(one.kind.tolist(), one.release.tolist(), strict=True):
+            release.setdefault(kind, []).append(value)
+    rest = sorted(release, key=lambda kind: -float(np.median(release[kind])))
+    return [*target, *(kind for kind in rest if kind not in target)]
+
+
+def _stroke(name: str, events: Sequence[_Events], order: Sequence[str]) -> CrowdStroke:
+    kind, level, lag, lost_to, masked = (
+        np.concatenate([getattr(one, column) for one in events])
+        for column in ("kind", "level_db", "lag_ms", "lost_to", "masked")
+    )
+    kinds = []
+    for wanted in order:
+        rows = kind == wanted
+        met = level[rows][np.isfinite(level[rows])]
+        low, middle, high = np.percentile(met, [LOW, 50.0, HIGH]) if len(met) else [math.nan] * 3
+        lags = lag[rows][np.isfinite(lag[rows])]
+        if rows.any():
+            kinds.append(
+                CrowdKind(
+                    wanted,
+                    int(rows.sum()),
+                    int(rows.sum()) - len(met),
+                    int(masked[rows].sum()),
+                    int((lost_to[rows] != "").sum()),
+                    float(middle),
+                    float(low),
+                    float(high),
+                    float(np.median(lags)) if len(lags) else math.nan,
+                )
+            )
+    gaps = tuple(
+        (one.kind, other.kind, (one.level_db - other.level_db) / STEP_DB)
+        for one, other in itertools.pairwise(kinds)
+    )
+    pairs = Counter((a, b) for a, b in zip(kind.tolist(), lost_to.tolist(), strict=True) if b)
+    lost = tuple((a, b, n) for (a, b), n in pairs.most_common())
+    free = float(np.median([one.free_db for one in events]))
+    return CrowdStroke(name, free, tuple(kinds), gaps, lost)
+
+
+def _cell(value: float, digits: int = 1) -> str:
+    return f"{value:.{digits}f}" if math.isfinite(value) else "-"
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return round(value, 3) if math.isfinite(value) else None
+    return value

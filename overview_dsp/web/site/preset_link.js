@@ -1,0 +1,32 @@
+// The served preset's file: saved on the desk, felt here. The browser connects again by itself.
+
+const known = (preset) => JSON.stringify(preset);
+
+export class PresetLink {
+  constructor(page) {
+    this.page = page;
+    this.sounding = null; // the preset of the files, as it was told last
+    this.source = new EventSource(new URL("preset/changes", import.meta.url));
+    this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
+    this.source.addEventListener("refused", ({ data }) => page.fault(JSON.parse(data)));
+  }
+
+  async take(after) {
+    const before = this.sounding;
+    this.sounding = after;
+    if (before === null || known(before) === known(after)) return;
+    const { page } = this;
+    try {
+      if (page.atHost) {
+        page.data.preset = after;
+        page.shown.drawAgain();
+      } else {
+        await page.feel(page.data.preset ?? before, after, true);
+      }
+      page.bench.forget();
+      page.fault("");
+    } catch (error) {
+      page.fault(error.message);
+    }
+  }
+}

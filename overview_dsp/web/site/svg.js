@@ -1,0 +1,86 @@
+// What stands still is drawn into an SVG, with the few methods of a canvas that it takes: a canvas
+// of the screen's size would be handed to the compositor again with every frame.
+
+const round = (number) => Math.round(number * 100) / 100;
+const ANCHOR = { left: "start", center: "middle", right: "end" };
+const BASELINE = { top: 0.8, alphabetic: 0, bottom: -0.22 }; // of the size, below the point
+const measuring = document.createElement("canvas").getContext("2d");
+
+export class SvgContext {
+  constructor(svg) {
+    this.svg = svg;
+    this.made = document.createDocumentFragment();
+    this.d = "";
+  }
+
+  /** Show what was drawn since it was made, in place of what was there. */
+  show() {
+    this.svg.replaceChildren(this.made);
+  }
+
+  beginPath() {
+    this.d = "";
+  }
+
+  moveTo(x, y) {
+    this.d += `M${round(x)} ${round(y)}`;
+  }
+
+  lineTo(x, y) {
+    this.d += `${this.d ? "L" : "M"}${round(x)} ${round(y)}`;
+  }
+
+  closePath() {
+    this.d += "Z";
+  }
+
+  arc(x, y, r, from, to) {
+    const at = (angle) => `${round(x + r * Math.cos(angle))} ${round(y + r * Math.sin(angle))}`;
+    const middle = (from + to) / 2; // a whole turn ends where it began
+    this.d += `M${at(from)}`;
+    for (const end of [middle, to]) this.d += `A${round(r)} ${round(r)} 0 0 1 ${at(end)}`;
+  }
+
+  stroke() {
+    this.add("path", {
+      d: this.d, fill: "none", stroke: this.strokeStyle, "stroke-width": this.lineWidth,
+      "stroke-linejoin": "round",
+    });
+  }
+
+  fill() {
+    this.add("path", { d: this.d, fill: this.fillStyle });
+  }
+
+  measureText(text) {
+    measuring.font = this.font;
+    return measuring.measureText(text);
+  }
+
+  fillText(text, x, y) {
+    this.text(text, x, y, { fill: this.fillStyle });
+  }
+
+  /** The rim of a text that is filled afterwards. */
+  strokeText(text, x, y) {
+    const rim = { fill: "none", stroke: this.strokeStyle, "stroke-width": this.lineWidth };
+    this.text(text, x, y, { ...rim, "stroke-linejoin": "round" });
+  }
+
+  text(text, x, y, look) {
+    const [, weight, size] = this.font.match(/^(\d+) ([\d.]+)px/);
+    const down = BASELINE[this.textBaseline] * Number(size);
+    const element = this.add("text", {
+      x: round(x), y: round(y + down), "font-size": size, "font-weight": weight,
+      "text-anchor": ANCHOR[this.textAlign], ...look,
+    });
+    element.textContent = text;
+  }
+
+  add(name, attributes) {
+    const element = document.createElementNS(this.svg.namespaceURI, name);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    this.made.append(element);
+    return element;
+  }
+}

@@ -1,0 +1,131 @@
+"""The page plays by itself: by its button, and as an address asks."""
+
+from __future__ import annotations
+
+import contextlib
+
+import pytest
+
+from tests.web.driving import PHONE, at, until
+from tests.web.exported import opened_host
+
+
+@contextlib.contextmanager
+def cold(chromium, site, fragment="", **given):
+    """A page that nobody has touched."""
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport=PHONE, has_touch=True, **given)
+        page = context.new_page()
+        faults: list[str] = []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto(f"{host.url}#{fragment}")
+        until(page, "p.view")
+        yield page
+        context.close()
+        assert faults == []
+
+
+def test_play_sweeps_by_itself_pauses_and_goes_on(chromium, site):
+    with cold(chromium, site) as page:
+        page.evaluate("overview.settings.sweep = 5")
+        page.click("#run")
+        until(page, "p.hand.holder === 'play' && p.cursor > 0.2 && p.meters.strikes > 3")
+        page.click("#run")
+        paused = page.evaluate("overview.playback.player.done")
+        assert page.text_content("#run") == "Play"
+        until(page, "p.cursor < 0.05")
+        page.click("#run")
+        until(page, f"p.hand.holder === 'play' && p.place > {paused} / 5")
+        until(page, "p.cursor > 0.97")
+        until(page, "p.hand.holder === null && p.cursor < 0.01")
+        assert page.text_content("#fault") == ""
+
+
+def test_a_finger_takes_the_disk_from_play(chromium, site):
+    with cold(chromium, site) as page:
+        page.click("#run")
+        until(page, "p.hand.holder === 'play' && p.cursor > 0.05")
+        page.mouse.move(*at(page, 0.5))
+        page.mouse.down()
+        until(page, "!p.playback.player.playing && p.hand.holder === 'touch'")
+        page.mouse.up()
+        until(page, "p.cursor < 0.01")
+
+
+def test_a_link_plays_what_it_says_after_one_touch_anywhere(chromium, site):
+    with cold(chromium, site, "play=sweep:4:0.2:0.8") as page:
+        until(page, "!document.getElementById('start').hidden")
+        page.touchscreen.tap(30, 500)
+        until(page, "p.hand.holder === 'play' && p.meters?.touching === 1")
+        assert page.evaluate("overview.playback.player.gesture") == {
+            "name": "sweep", "seconds": 4, "from": 0.2, "to": 0.8,
+        }  # fmt: skip
+        assert not page.is_visible("#start")
+        until(page, "p.cursor > 0.78")
+        until(page, "p.hand.holder === null")
+
+
+@pytest.mark.parametrize(
+    ("fragment", "says"),
+    [
+        ("at=goal:2", "37:30, goal, 2-1 Griezmann"),
+        ("at=own_goal", "17:30, 1-0 own goal"),
+        ("at=67:30", "67:30, goal, 4-1"),
+        ("window=3000:4500&at=goal:1", "goal"),
+    ],
+)
+def test_a_link_goes_to_a_place(chromium, site, fragment, says):
+    with cold(chromium, site, fragment) as page:
+        until(page, "p.hand.holder === 'keys'")
+        until(page, f"document.getElementById('slider').ariaValueText.includes('{says}')")
+
+
+@pytest.mark.parametrize("fragment", ["at=goal:99", "at=nothing", "play=sweep:0", "play=dance"])
+def test_a_link_that_means_nothing_says_so_and_the_page_works(chromium, site, fragment):
+    with cold(chromium, site, fragment) as page:
+        until(page, "document.getElementById('fault').textContent !== ''")
+        assert fragment.partition("=")[2] in page.text_content("#fault")
+        page.mouse.move(*at(page, 0.3))
+        page.mouse.down()
+        until(page, "Math.abs(p.cursor - 0.3) < 0.01")
+
+
+def test_share_gives_this_place_as_a_link(chromium, site):
+    with cold(chromium, site, permissions=["clipboard-read", "clipboard-write"]) as page:
+        page.evaluate("""() => {
+            window.shared = [];
+            navigator.share = async (what) => { shared.push(what); };
+        }""")
+        page.focus("#slider")
+        for _ in range(5):
+            page.keyboard.press("]")
+        named = page.evaluate("[overview.felt.kind, overview.felt.time_s]")
+        page.click("#settings")
+        page.click("#share")
+        until(page, "shared.length === 1")
+        link = page.evaluate("shared[0].url")
+        page.goto("about:blank")
+        page.goto(link)
+        until(page, "p.view && p.hand.holder === 'keys'")
+        assert page.evaluate("[overview.felt.kind, overview.felt.time_s]") == named
+        until(page, "!document.getElementById('start').hidden")  # and it plays
+
+
+def test_picture_and_words_are_there_before_the_sound(chromium, site):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport=PHONE)
+        page = context.new_page()
+        held: list = []
+        page.route("**/kernel.wasm", lambda route: held.append(route))
+        page.goto(host.url)
+        until(page, "p.view && document.querySelectorAll('#canvas path').length > 30")
+        until(page, "document.getElementById('hint').textContent.includes('loading')")
+        assert "0:00 to 98:00" in page.text_content("#window")
+        page.mouse.move(*at(page, 0.4))
+        page.mouse.down()  # a finger that is there already is felt once the sound is
+        while not held:
+            page.wait_for_timeout(20)
+        assert page.evaluate("overview.sound.node") is None
+        held[0].continue_()
+        until(page, "p.meters?.touching === 1 && Math.abs(p.cursor - 0.4) < 0.01")
+        context.close()

@@ -1,0 +1,208 @@
+"""Build the kernel as C: `kernel.c` and `overview.h` in `overview_dsp/export/c/`.
+
+python tools/build_c.py [FOLDER]
+
+numba's LLVM IR of `overview_dsp.kernels.doors.c` is optimised for a processor without vector
+registers, so that what is left is plain, and written down as C99 (ir_to_c.py). The same tool-chain
+(named in kernel.c) gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import sys
+from pathlib import Path
+
+from ir_to_c import translated
+from kernel_ir import ROOT, machine_for, module_for, unoptimised, written_out
+
+OUT = ROOT / "overview_dsp" / "export" / "c"
+SCALAR = {"cpu": "generic-rv64", "features": "+d"}
+
+HEADER = """\
+/* overView DSP: the voice in C. Made by tools/build_c.py; kernel.c is the other half.
+
+   A voice is a memory of OVERVIEW_MEMORY_BYTES (8-byte aligned, zeros to begin with) that an image
+   is loaded into: a timeline and a preset, as `overview export --to c` writes them. The same events
+   give the same samples as `ov.render`, bit for bit, for blocks of any size, at any sample rate.
+
+   Nothing is allocated and nothing locked. overview_process belongs to the audio thread;
+   overview_control and overview_change to one thread each, whichever; the rest is called while no
+   other function runs on that memory. Little-endian machines only. */
+#ifndef OVERVIEW_H
+#define OVERVIEW_H
+#include <stdint.h>
+#include <string.h>
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
+#define OVERVIEW_MEMORY_BYTES INT64_C({bytes})
+#define OVERVIEW_DIGEST INT64_C({digest}) /* of the layout: an image begins with it */
+#define OVERVIEW_AT_ONCE (-1)
+
+enum {{ OVERVIEW_DONE = 0, OVERVIEW_REFUSED = -1 }};
+
+/* Whose hand it is; the last to touch holds the disk. */
+enum {{ {sources} }};
+
+/* What a person sets: numbers for overview_change, in the unit of the table below. */
+enum {{
+{parameters}    OVERVIEW_PARAMETERS = {count}
+}};
+typedef struct {{
+    const char *id, *unit; /* as in a preset's file; "" for a switch, 0 or 1 */
+    double lowest, highest;
+}} overview_parameter;
+extern const overview_parameter overview_parameters[OVERVIEW_PARAMETERS];
+
+/* Begin with an image of `bytes` bytes; overview_prepare comes next. OVERVIEW_REFUSED if it is
+   damaged, or of another layout: then the memory is all zero, or untouched. */
+int32_t overview_load(void *memory, const void *image, int64_t bytes);
+
+/* As new, at a sample rate in Hz, 1000 to 768000 and above 1/0.45 of the carrier's frequency. */
+int32_t overview_prepare(void *memory, double sample_rate);
+
+/* As new, with the parameters of the moment; events that wait are dropped. */
+int32_t overview_reset(void *memory);
+
+/* A hand's event: theta2 in rad (0 = start of the timeline, pi = its end), touching 0 or 1, at a
+   sample counted from the last reset or OVERVIEW_AT_ONCE. OVERVIEW_REFUSED: {ring} wait already. */
+int32_t overview_control(
+    void *memory, int32_t source, int64_t sample_time, double theta2, int32_t touching);
+
+/* Set a parameter, which glides for 20 ms. OVERVIEW_REFUSED: out of its range, or too many wait
+   (then it is set with the next one that finds room). */
+int32_t overview_change(void *memory, int32_t parameter, double value, int64_t sample_time);
+
+/* Overwrite the next block: `frames` of `channels` interleaved floats; clicks on channel 0, the
+   tactor on channel 1, the others silent. OVERVIEW_REFUSED with fewer than two channels. */
+int32_t overview_process(void *memory, float *out, int64_t frames, int32_t channels);
+
+/* Columns to look at, as of the last block. */
+enum {{
+    OVERVIEW_PARAMETER = {params}, /* a number each: the values of the parameters, in their order */
+{meters}}};
+static inline int64_t overview_count(const void *memory, int32_t column) {{
+    int64_t x;
+    memcpy(&x, (const char *)memory + 8 * column, 8);
+    return x;
+}}
+static inline double overview_number(const void *memory, int32_t column) {{
+    double x;
+    memcpy(&x, (const char *)memory + 8 * column, 8);
+    return x;
+}}
+
+#ifdef __cplusplus
+}}
+#endif
+#endif
+"""
+
+KERNEL = """\
+/* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
+   kernels {digest}
+   {toolchain} */
+"""
+
+TAIL = """
+#include "overview.h"
+
+const overview_parameter overview_parameters[OVERVIEW_PARAMETERS] = {{
+{rows}}};
+
+int32_t overview_load(void *memory, const void *image, int64_t bytes) {{
+    return (int32_t)ov_load((unsigned char *)memory, (unsigned char *)image, (uint64_t)bytes,
+                            (uint64_t)OVERVIEW_DIGEST);
+}}
+
+int32_t overview_prepare(void *memory, double sample_rate) {{
+    return (int32_t)ov_prepare((unsigned char *)memory, sample_rate);
+}}
+
+int32_t overview_reset(void *memory) {{ return (int32_t)ov_reset((unsigned char *)memory); }}
+
+int32_t overview_control(
+    void *memory, int32_t source, int64_t sample_time, double theta2, int32_t touching) {{
+    return (int32_t)ov_control((unsigned char *)memory, (uint32_t)source, (uint64_t)sample_time,
+                               theta2, (uint32_t)touching);
+}}
+
+int32_t overview_change(void *memory, int32_t parameter, double value, int64_t sample_time) {{
+    if (parameter < 0 || parameter >= OVERVIEW_PARAMETERS
+        || !(value >= overview_parameters[parameter].lowest
+             && value <= overview_parameters[parameter].highest)) return OVERVIEW_REFUSED;
+    return (int32_t)ov_change((unsigned char *)memory, (uint32_t)parameter, value,
+                              (uint64_t)sample_time);
+}}
+
+int32_t overview_process(void *memory, float *out, int64_t frames, int32_t channels) {{
+    return (int32_t)ov_process((unsigned char *)memory, (unsigned char *)out, (uint64_t)frames,
+                               (uint32_t)channels);
+}}
+"""
+
+
+def main(folder: Path) -> None:
+    with unoptimised():
+        from overview_dsp.kernels.compiling import sources_digest
+        from overview_dsp.kernels.doors.c import NAMES
+
+        module = module_for(written_out(NAMES), machine_for("riscv64-unknown-linux-gnu", **SCALAR))
+        entries = {name: name.replace("overview_", "ov_") for name in NAMES}
+        head = KERNEL.format(digest=sources_digest(), toolchain=toolchain())
+        kernel = head + translated(str(module), entries) + TAIL.format(rows=rows())
+        header = HEADER.format(**header_numbers())
+    for name, text in (("kernel.c", kernel), ("overview.h", header)):
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        print(f"{folder / name}: {len(text)} bytes")
+
+
+def toolchain() -> str:
+    return ", ".join(f"{part} {importlib.metadata.version(part)}" for part in ("numba", "llvmlite"))
+
+
+def parameter_ids() -> list[str]:
+    """The parameters' ids, in the order of their columns."""
+    from overview_dsp.kernels import layout
+    from overview_dsp.presets.parameters import PARAMETERS
+
+    columns = {f"PARAM_{id.upper().replace('.', '_')}": id for id in PARAMETERS}
+    found = {getattr(layout, name): id for name, id in columns.items() if hasattr(layout, name)}
+    return [found[column] for column in sorted(found)]
+
+
+def rows() -> str:
+    from overview_dsp.presets.parameters import PARAMETERS
+
+    lines = []
+    for id in parameter_ids():
+        known = PARAMETERS[id]
+        low, high = (known.low, known.high) if isinstance(known.default, float) else (0.0, 1.0)
+        lines.append(f'    {{"{id}", "{known.unit}", {low!r}, {high!r}}},\n')
+    return "".join(lines)
+
+
+def header_numbers() -> dict[str, object]:
+    from overview_dsp.export.browser_memory import layout_digest
+    from overview_dsp.gestures import SOURCES
+    from overview_dsp.kernels import layout
+
+    names = [id.upper().replace(".", "_") for id in parameter_ids()]
+    meters = [name for name in vars(layout) if name.startswith("M_")]
+    return {
+        "bytes": 8 * layout.TOTAL,
+        "digest": int.from_bytes(layout_digest(), "little", signed=True),
+        "sources": ", ".join(f"OVERVIEW_{name.upper()}" for name in SOURCES),
+        "parameters": "".join(f"    OVERVIEW_{name},\n" for name in names),
+        "count": len(names),
+        "ring": layout.RING,
+        "params": layout.PARAMS,
+        "meters": f"    OVERVIEW_CLOCK = {layout.CLOCK}, /* count: samples since the reset */\n"
+        + "".join(f"    OVERVIEW_{name} = {getattr(layout, name)},\n" for name in meters),
+    }
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else OUT)

@@ -1,0 +1,68 @@
+"""Build the kernels' machine code: `overview_dsp/kernels/objects/`.
+
+python tools/build_objects.py [FOLDER]
+
+numba's LLVM IR of `overview_dsp.kernels.doors.shipped` is compiled for each of TARGETS by the LLVM
+inside llvmlite, which also loads it (`kernels/shipped.py`). `objects.json` says which sources and
+which tool-chain they are of; the same ones give the same bytes.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from kernel_ir import ROOT, machine_for, module_for, unoptimised, written_out
+
+OUT = ROOT / "overview_dsp" / "kernels" / "objects"
+TARGETS = {
+    "linux-x86-64-v2": ("x86_64-unknown-linux-gnu", "x86-64-v2"),
+    "linux-x86-64-v3": ("x86_64-unknown-linux-gnu", "x86-64-v3"),
+    "linux-aarch64": ("aarch64-unknown-linux-gnu", "generic"),
+}
+# what a process has in any case: the clock, and what LLVM makes of loops and of math.sqrt
+ALLOWED = {"clock_gettime", "memset", "memcpy", "memmove", "sqrt"}
+
+
+def main(folder: Path) -> None:
+    folder.mkdir(exist_ok=True)
+    with unoptimised():
+        from overview_dsp.kernels.compiling import sources_digest
+        from overview_dsp.kernels.doors.shipped import NAMES
+
+        texts = written_out(NAMES)
+        for name, (triple, cpu) in TARGETS.items():
+            machine = machine_for(triple, cpu=cpu, reloc="pic")
+            module = module_for(texts, machine, vectors=True)
+            check(module, name)
+            out = folder / f"{name}.o"
+            out.write_bytes(machine.emit_object(module))
+            print(f"{out}: {out.stat().st_size} bytes")
+        made_from = {"kernels": sources_digest(), "toolchain": toolchain()}
+    text = json.dumps(made_from, indent=1) + "\n"
+    (folder / "objects.json").write_text(text, encoding="utf-8", newline="\n")
+
+
+def toolchain() -> dict[str, str]:
+    return {part: importlib.metadata.version(part) for part in ("numba", "llvmlite")}
+
+
+def check(module: Any, name: str) -> None:
+    """Nothing of numba's own may be called: a loader has no such thing."""
+    called = {
+        function.name
+        for function in module.functions
+        if function.is_declaration and not function.name.startswith("llvm.")
+    }
+    if not called <= ALLOWED:
+        sys.exit(f"{name} calls {', '.join(sorted(called - ALLOWED))}")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        main(Path(sys.argv[1]))
+    else:
+        main(OUT)
