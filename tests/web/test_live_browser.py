@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
+import threading
 import time
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.web.published import Published
 from tests.live.stepped_session import event
 from tests.web.driving import at, until
 from tests.web.serving import served
@@ -63,3 +68,31 @@ def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
         live.append(events=[event(900, "goal", "1-0 Parris")], clock_s=905.0)
         until(tab, kinds("goal"))
         assert wrong == []
+
+
+def test_a_folder_that_is_replaced_is_followed_by_asking_for_it(live, chromium, tmp_path):
+    folder = tmp_path / "site"
+    published = Published(live, ov.load_preset("football"), folder, print, every_s=0.2)
+    with hosted(folder) as address:
+        tab = chromium.new_page()
+        tab.goto(address)
+        until(tab, f"p.view && p.live && {kinds('foul')}")
+        live.append(events=[event(900, "goal", "1-0 Parris")], clock_s=905.0)
+        until(tab, kinds("goal"))
+        says(tab, "live", "data until 15:05.0")
+        tab.mouse.click(*at(tab, 0.5))
+        until(tab, "p.cursor > 0.4")
+        tab.close()
+    published.close()
+
+
+@contextlib.contextmanager
+def hosted(folder):
+    """A web host of a folder."""
+    handler = functools.partial(SimpleHTTPRequestHandler, directory=folder)
+    handler.log_message = lambda *arguments: None
+    server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}/"
+    server.shutdown()
+    server.server_close()
