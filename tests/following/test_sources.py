@@ -247,6 +247,22 @@ def test_a_source_that_cannot_be_read_says_so_and_ends(follow, tmp_path):
     busy.kill()
 
 
+def test_silence_is_said_once_and_how_far_the_data_reach(follow, monkeypatch, tmp_path):
+    monkeypatch.setattr(follower_module, "SILENT_S", 0.2)
+    path = tmp_path / "m.feed"
+    path.write_text('{"event": {"time_s": 3780, "kind": "foul"}}\n')
+    one = follow(path)
+    said = []
+    assert wait_until(lambda: bool(said.extend(one.take_messages()) or said))
+    for _ in range(5):
+        said += one.take_messages()
+    assert said == [f"{path}: silent; data until 1:03:00.0"]
+    with open(path, "a") as file:
+        file.write('{"end": 5700}\n')
+    assert wait_until(lambda: one.live.ended)
+    assert one.words == "the end, data until 1:03:00.0"
+
+
 @pytest.fixture(scope="module")
 def crowd_file(tmp_path_factory):
     """A minute and a half of murmur with two cheers and a whistle."""
