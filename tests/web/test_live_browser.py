@@ -6,11 +6,13 @@ import contextlib
 import functools
 import threading
 import time
+import wave
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.web.media import open_media
 from overview_dsp.web.published import Published
 from tests.live.stepped_session import event
 from tests.web.driving import at, until
@@ -84,6 +86,30 @@ def test_a_folder_that_is_replaced_is_followed_by_asking_for_it(live, chromium, 
         until(tab, "p.cursor > 0.4")
         tab.close()
     published.close()
+
+
+def test_a_film_that_is_still_recorded_is_watched_where_it_has_come_to(live, chromium, tmp_path):
+    film = tmp_path / "match.wav"
+
+    def record(seconds):
+        with wave.open(str(film), "wb") as file:
+            file.setparams((1, 2, 8000, 0, "NONE", ""))
+            file.writeframes(bytes(2 * 8000 * seconds))
+
+    record(8)
+    media = open_media(str(film), -295.0)
+    with (
+        served(live.felt(), plays=False, live=live, media=media) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.view && p.film")
+        tab.evaluate("overview.film.play(301, 'the foul').catch(() => {})")
+        until(tab, "p.film.video.currentTime > 0.9")
+        tab.evaluate("document.getElementById('film').close()")
+        record(60)
+        tab.evaluate("overview.film.play(340, 'later').catch(() => {})")
+        until(tab, "p.film.video.currentTime > 39.9")
+        assert wrong == []
 
 
 @contextlib.contextmanager
