@@ -7,7 +7,6 @@ import { Frames } from "./frames.js";
 import { Hand } from "./hand.js";
 import { HostSound } from "./host_sound.js";
 import { HELP, listenToKeys } from "./keys.js";
-import { Live } from "./live.js";
 import { keepOffline } from "./offline.js";
 import { Playback } from "./playback.js";
 import { Served } from "./served.js";
@@ -80,7 +79,10 @@ export class Page {
       await this.sound.load();
     }
     by("hint").textContent = hint;
-    if (this.info.live) this.live = new Live(this, this.info.live);
+    if (this.info.live) {
+      const { Live } = await import("./live.js");
+      this.live = new Live(this, this.info.live);
+    }
     await this.playback.follow(readAddress());
     this.wake();
   }
