@@ -7,6 +7,9 @@ import math
 HALF_TURN = math.pi
 """The input angle of the whole timeline, rad (the paper's 180 degrees)."""
 
+DAYS_FROM_S = 2 * 86_400.0
+"""A span as long as this is told in days."""
+
 
 def gain_to_db(gain: float) -> float:
     """Level in dB of an amplitude ratio; minus infinity for 0."""
@@ -21,3 +24,8 @@ def clock_text(seconds: float) -> str:
     hours, minutes = divmod(minutes, 60)
     rest = f"{tenths // 10:02d}.{tenths % 10}"
     return f"{sign}{hours}:{minutes:02d}:{rest}" if hours else f"{sign}{minutes}:{rest}"
+
+
+def span_text(seconds: float) -> str:
+    """Return a duration for a person: `1:37:30.5`, or days where there are many."""
+    return f"{seconds / 86_400.0:.6g} days" if seconds >= DAYS_FROM_S else clock_text(seconds)

@@ -71,7 +71,7 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
     from overview_dsp.files.atomic import require_writable
     from overview_dsp.readers import save_timeline
     from overview_dsp.readers.events_csv import save_events
-    from overview_dsp.units import clock_text
+    from overview_dsp.units import span_text
 
     suffix = Path(out).suffix.lower()
     if suffix not in (".json", ".csv"):
@@ -99,7 +99,7 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
         return
     left = f", {points} points of the curve left behind" if points > kept else ""
     click.echo(
-        f"{out}: {data.title or '(no title)'}, {clock_text(data.duration_s)}, "
+        f"{out}: {data.title or '(no title)'}, {span_text(data.duration_s)}, "
         f"{len(data.events)} events, {kept} points{left}"
     )
 

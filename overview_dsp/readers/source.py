@@ -26,7 +26,10 @@ four times that in memory, parsed several times."""
 HEAD_BYTES = 65_536
 """How much of a file the readers see before one of them claims it."""
 
-_CLOCKED = re.compile(r"\[\d+:\d", re.ASCII)
+_STAMPED = re.compile(
+    r"\[(\d+:\d|\d{1,4}([./-])\d{1,2}\2\d|\d\d/[A-Z]|(?!NaN|Inf)[A-Z][A-Za-z]+[ \]])", re.ASCII
+)
+"""What a chapter (`[0:12]`) or a line of a log (`[03.05.24, 18:20]`, `[Wed Oct`) begins with."""
 
 UNNAMED = "unnamed"
 """The name of a file that stands for data without one."""
@@ -257,8 +260,8 @@ class Source:
         """True if the file is text whose first character is a bracket JSON begins with."""
         if self.head_text is None:
             return False
-        begins = self.head_text.lstrip()[:8]
-        return begins[:1] in ("{", "[") and not _CLOCKED.match(begins)  # [0:12] is a chapter
+        begins = self.head_text.lstrip()[:16]
+        return begins[:1] in ("{", "[") and not _STAMPED.match(begins)
 
     @cached_property
     def text(self) -> str:

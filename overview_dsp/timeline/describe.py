@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.timeline.model import Event, Timeline
-from overview_dsp.units import clock_text
+from overview_dsp.units import DAYS_FROM_S, clock_text, span_text
 
 _GAPS_SHOWN = 5
-_LONG_S = 2 * 86_400.0
 
 
 def describe(timeline: Timeline, *, events: bool = False) -> str:
@@ -96,16 +95,11 @@ def _counts(events: tuple[Event, ...]) -> dict[str, int]:
     return dict(Counter(event.kind for event in events))
 
 
-def span_text(seconds: float) -> str:
-    """Return a duration for a person: `1:37:30.5`, or days where there are many."""
-    return f"{seconds / 86_400.0:.6g} days" if seconds >= _LONG_S else clock_text(seconds)
-
-
 def _moment(timeline: Timeline, time_s: float) -> str:
     if timeline.start is None:
         return clock_text(time_s)
     moment = timeline.start + timedelta(seconds=time_s)
-    whole_days = timeline.duration_s >= 30 * _LONG_S and moment.time() == timeline.start.time()
+    whole_days = timeline.duration_s >= 30 * DAYS_FROM_S and moment.time() == timeline.start.time()
     return moment.date().isoformat() if whole_days else moment.isoformat(" ", "seconds")
 
 

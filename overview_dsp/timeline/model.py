@@ -26,7 +26,7 @@ from overview_dsp.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.timeline.match_minutes import Half, halves_of
 from overview_dsp.timeline.page import timeline_page
 from overview_dsp.timeline.ticks import part_ticks
-from overview_dsp.units import clock_text
+from overview_dsp.units import clock_text, span_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -542,7 +542,7 @@ class Timeline:
         return halves_of(self.events)
 
     def __repr__(self) -> str:
-        parts = [clock_text(self.duration_s), counted(len(self.events), "event")]
+        parts = [span_text(self.duration_s), counted(len(self.events), "event")]
         if self.intensity is not None:
             parts.append(f"a curve of {counted(self.intensity.count, 'point')}")
         if self.gaps:

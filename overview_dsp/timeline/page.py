@@ -9,7 +9,7 @@ import numpy as np
 
 from overview_dsp.public.reprs import counted
 from overview_dsp.timeline.gaps import in_gap
-from overview_dsp.units import clock_text
+from overview_dsp.units import span_text
 
 if TYPE_CHECKING:
     from overview_dsp.timeline.model import Timeline
@@ -24,7 +24,7 @@ def timeline_page(timeline: Timeline) -> str:
     kinds = [f"{html.escape(kind)} {count}" for kind, count in timeline.kinds().items()]
     more = [f"{len(kinds) - _KINDS} more kinds"] if len(kinds) > _KINDS else []
     begin = f" from {timeline.moment_text(0.0)}" if timeline.start is not None else ""
-    parts = [f"{clock_text(timeline.duration_s)}{begin}"]
+    parts = [f"{span_text(timeline.duration_s)}{begin}"]
     if timeline.gaps:
         parts.append(counted(len(timeline.gaps), "gap"))
     words = "; ".join([*parts, ", ".join([*kinds[:_KINDS], *more]) or "no events"])

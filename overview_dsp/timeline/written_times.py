@@ -64,6 +64,8 @@ _NAMED = tuple(
         rf"(?P<y>\d{{4}})[-/ ]?{_MONTH}",
     )
 )
+_QUARTER_FIRST = re.compile(r"([Qq][1-4])[-/ ]?(\d{4})", re.ASCII)
+_WEEK = re.compile(r"(?P<y>\d{4})[-/ ]?[Ww](?P<w>\d{2})", re.ASCII)
 _PERIOD = re.compile(r"(?P<y>\d{4})[-\s]?(?:Q(?P<q>[1-4])|M(?P<m>\d{1,2}))", re.ASCII | re.I)
 _YEAR_MONTH = re.compile(r"(?P<y>\d{4})(?P<m>\d{2})", re.ASCII)
 CLOCK = re.compile(
@@ -114,8 +116,15 @@ def month_named(text: str) -> Moment | None:
 
 
 def period(text: str) -> Moment | None:
-    """`2012Q3`, `2012-M09`: the beginning of it."""
-    found = _PERIOD.fullmatch(text)
+    """`2012Q3`, `Q3 2012`, `2012-M09`, `2012-W38`: the beginning of it."""
+    week = _WEEK.fullmatch(text)
+    if week is not None:
+        try:
+            monday = date.fromisocalendar(int(week["y"]), int(week["w"]), 1)
+        except ValueError:
+            return None
+        return iso(monday.isoformat())
+    found = _PERIOD.fullmatch(_QUARTER_FIRST.sub(r"\2\1", text))
     if found is None:
         return None
     month = int(found["m"]) if found["m"] else 3 * int(found["q"]) - 2
@@ -151,7 +160,7 @@ WAYS: dict[str, Callable[[str], Moment | None]] = {
     "dmy": day_first,
     "mdy": month_first,
     "month names": month_named,
-    "quarters or months": period,
+    "quarters, months or weeks": period,
     "yyyymm": year_month,
 }
 """Ways of writing a date, by the name shown to a person."""

@@ -131,6 +131,16 @@ def test_a_length_is_taken_and_has_to_reach_to_the_last_event(tmp_path: Path) ->
         load(tmp_path, "start,what\n0:00,a\n0:00,b\n")
 
 
+def test_markers_by_measures_and_beats_are_refused_with_the_fix(tmp_path: Path) -> None:
+    path = tmp_path / "markers.csv"
+    path.write_text("#,Name,Start\nM1,intro,1.1.00\nM2,verse,5.1.00\n")
+    with pytest.raises(InputError) as refused:
+        load_timeline(path)
+    first, second = str(refused.value).splitlines()
+    assert "measures and beats ('1.1.00')" in first
+    assert "ruler" in second
+
+
 def test_rows_without_a_time_and_repeated_rows_are_said(tmp_path: Path) -> None:
     timeline = load(tmp_path, "start,what\n0:10,a\n,b\n0:10,a\n0:50,c\n")
     assert len(timeline.events) == 2

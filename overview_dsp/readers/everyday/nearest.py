@@ -9,6 +9,7 @@ from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.formats import csv
 from overview_dsp.readers.tables.formats.json import is_single, shapes_in
+from overview_dsp.readers.tables.formats.logs import is_log
 from overview_dsp.readers.tables.table import Column, listed
 from overview_dsp.readers.tables.time_format import detected_format
 from overview_dsp.timeline import checks
@@ -44,6 +45,8 @@ def fix_of(source: Source) -> str:
             return words
     if not begins:
         return f"{_EVENT_LIST}; its first row names the columns time and event"
+    if is_log(source):
+        return "nearest: a log; its lines are counted with map='count' (--map count)"
     found = _json_table(source) if source.looks_like_json else _text_table(source)
     if found is None:
         shape = (

@@ -38,6 +38,7 @@ from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Timeline
 
 _HEAD = 200
+_BEATS = re.compile(r"\s*\d+\.\d+\.\d\d\s*")
 _CHAPTER = re.compile(
     r"\s*[\[(]?(\d{1,3}(?::\d{2}){1,2}(?:[.,]\d{1,3})?)(?![\d:])[\])]?[\s,;\-–—:|]+(\S.*)"
 )
@@ -79,11 +80,22 @@ def read(source: Source, options: LoadOptions) -> Timeline:
 def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
     head = first_rows(table, _HEAD)
     roles = roles_of(table.columns, head, options)
+    _refuse_beats(table, head[roles.time])
     choice = TimeChoice(
         (roles.time,) if roles.clock is None else (roles.time, roles.clock), roles.format, " "
     )
     choice = settled(table, choice)
     return _Reader(table, roles, choice).timeline(title, options.duration_s)
+
+
+def _refuse_beats(table: Table, cells: Sequence[Any]) -> None:
+    """Refuse REAPER's list of markers by measures and beats, which would pass for dates."""
+    texts = [cell for cell in cells if isinstance(cell, str) and cell.strip()]
+    if table.columns[0].header == "#" and texts and all(map(_BEATS.fullmatch, texts)):
+        raise InputError(
+            f"markers by measures and beats ({checks.shown(texts[0])}), which are no times",
+            "set REAPER's ruler to minutes and seconds, and export them again",
+        )
 
 
 def _has_table(source: Source) -> bool:

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from overview_dsp.readers.tables.table import Cells, Column
 
+_OF_DAY = "hh:mm"
+"""The unit of clocks of the day."""
+
 _SECOND = np.timedelta64(1, "s")
 
 
@@ -26,7 +29,7 @@ class Given:
     offset_min
         For datetimes with a zone, which are UTC in `cells`: its offset at the first of them, min.
     unit
-        What the type says of the unit: `s` of time spans.
+        What the type says of the unit: `s` of time spans, `hh:mm` of clocks of the day.
     """
 
     cells: Cells
@@ -35,6 +38,8 @@ class Given:
 
     def column(self, header: object) -> Column:
         """Return the column's description under this header."""
+        if self.unit == _OF_DAY:  # the header says it too, as that of a file would
+            return Column.of(f"{header} ({_OF_DAY})")
         found = Column.of(str(header), self.unit)
         if self.offset_min is None:
             return found
@@ -77,7 +82,8 @@ def of_list(values: list[Any]) -> Given:
     if all(issubclass(kind, dt.timedelta) for kind in kinds):
         seconds = [np.nan if v is None else v.total_seconds() for v in values]
         return Given(np.array(seconds), unit="s")
-    return Given([_single(value) for value in values])
+    of_day = all(issubclass(kind, dt.time) for kind in kinds)
+    return Given([_single(value) for value in values], unit=_OF_DAY if of_day else "")
 
 
 def _numbers(values: list[Any], kinds: set[type]) -> Given:

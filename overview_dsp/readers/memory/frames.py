@@ -42,6 +42,7 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, Given]]]:
         raise InputError(f"{what} isn't computed yet; give what its collect() returns")
     if hasattr(frame, "get_level_values"):  # an index by itself
         return library, _index(frame) or [("value", _of_index(frame))]
+    frame = _one_header_a_column(frame)
     try:
         known: Any = nw.from_native(frame, eager_only=True, allow_series=True)
         if isinstance(known, nw.Series):
@@ -55,6 +56,17 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, Given]]]:
         raise InputError(f"{what} can't be read as a table ({reason})") from error
     index = nw.maybe_get_index(known)
     return library, [*_index(index), *columns]
+
+
+def _one_header_a_column(frame: Any) -> Any:
+    """Join headers of several levels (`Close`, `AAPL`), but for levels that are the same in all."""
+    headers: Any = getattr(frame, "columns", None)
+    if getattr(headers, "nlevels", 1) == 1:
+        return frame
+    rows = [tuple(map(str, header)) for header in headers]
+    told = [level for level in range(headers.nlevels) if len({row[level] for row in rows}) > 1]
+    joined = [" ".join(filter(None, (row[level] for level in told or [0]))) for row in rows]
+    return frame.set_axis(joined, axis="columns")
 
 
 def _index(index: Any) -> list[tuple[str, Given]]:

@@ -30,6 +30,15 @@ Cells = list[Any] | NDArray[Any]
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[(\[]\s*([^()\[\]]{1,24}?)\s*[)\]]\s*", re.DOTALL)
 
+_LAST_WORDS = {
+    "celsius": "°C", "degc": "°C", "fahrenheit": "°F", "degf": "°F", "kelvin": "K", "mm": "mm",
+    "cm": "cm", "km": "km", "kmh": "km/h", "kph": "km/h", "mph": "mph", "kg": "kg", "hpa": "hPa",
+    "mbar": "mbar", "watts": "W", "kw": "kW", "kwh": "kWh", "mwh": "MWh", "volts": "V",
+    "bpm": "bpm", "rpm": "rpm", "hz": "Hz", "khz": "kHz", "db": "dB", "lufs": "LUFS", "lux": "lux",
+    "ppm": "ppm", "pct": "%", "percent": "%",
+}  # fmt: skip
+"""Units that a header may end with (`rain_mm`), none of time nor money."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -40,7 +49,8 @@ class Column:
     header
         As the file has it, without the blanks around it.
     name, unit
-        `temp_max` and `°C` of `temp_max (°C)`; the unit is empty where the header has none.
+        `temp_max` and `°C` of `temp_max (°C)`, `rain_mm` and `mm` of `rain_mm`; the unit is empty
+        where the header has none.
     zoned
         Its datetimes are UTC. (Text says so itself.)
     offset_min
@@ -59,7 +69,8 @@ class Column:
         header = " ".join(header.split())
         found = _WITH_UNIT.fullmatch(header)
         if unit or found is None or not found[1]:
-            return cls(header, header, unit)
+            last = header.rpartition("_")[2].lower()
+            return cls(header, header, unit or _LAST_WORDS.get(last, ""))
         return cls(header, found[1], found[2])
 
     @property

@@ -86,7 +86,7 @@ class Format:
         names = {
             "iso": "ISO dates", "dmy": "dates d/m/y", "mdy": "dates m/d/y",
             "yyyymm": "months", "month names": "dates with names of months",
-            "quarters or months": "quarters or months",
+            "quarters, months or weeks": "quarters, months or weeks",
             "epoch": "seconds since 1970", "epoch_ms": "milliseconds since 1970",
             "epoch_us": "microseconds since 1970", "epoch_ns": "nanoseconds since 1970",
             "clock": "m:ss or h:mm:ss", "hhmm": "h:mm, the time of day", "year": "years",

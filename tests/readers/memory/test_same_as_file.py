@@ -188,6 +188,25 @@ def test_types_of_times_keep_their_moments() -> None:
     assert ov.load_timeline(np.ma.masked_equal(value, 2.0), rate=1.0).gaps == ((1.0, 3.0),)
 
 
+def test_clocks_are_times_of_day() -> None:
+    clocks = [dt.time(8 + i // 4, 15 * (i % 4)) for i in range(12)]
+    frames = ({"clock": clocks, "load": range(12)}, {"at": clocks, "what": list("abcabcabcabc")})
+    for columns in frames:
+        for data in (pl.DataFrame(columns), pd.DataFrame(columns), columns):
+            assert ov.load_timeline(data).duration_s == 2.75 * 3600.0
+
+
+def test_headers_of_two_levels_are_joined() -> None:
+    days = pd.date_range("2024-01-01", periods=9)
+    headers = [("Close", "AAPL"), ("Volume", "AAPL")]
+    values = np.arange(18.0).reshape(9, 2) + 1.0
+    frame = pd.DataFrame(values, days, pd.MultiIndex.from_tuples(headers))
+    assert ov.load_timeline(frame, value="Volume").title == "Volume"
+    headers.append(("Close", "IBM"))
+    frame = pd.DataFrame(np.c_[values, values[:, 0]], days, pd.MultiIndex.from_tuples(headers))
+    assert ov.load_timeline(frame, value="Close IBM").intensity is not None
+
+
 def test_row_numbers_are_no_times() -> None:
     series = pd.Series([1.0, 3.0, 2.0, 5.0])
     for data in (series, series[series != 3.0]):

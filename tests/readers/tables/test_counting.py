@@ -74,6 +74,13 @@ def test_the_order_of_rows_does_not_matter(order: str, tmp_path: Path) -> None:
     assert numbers(there) == numbers(here)
 
 
+def git_entry(moment: datetime) -> str:
+    return (
+        f"commit {'0af4' * 10}\nAuthor: A <a@b>\nDate:   {moment:%a %b} {moment.day} "
+        f"{moment:%H:%M:%S %Y} +0000\n\n    as of 2020-01-01 10:00\n\n"
+    )
+
+
 def test_every_shape_of_table_is_counted_alike(tmp_path: Path) -> None:
     expected = [3.0, 2.0, 0.0, 0.0, 2.0, *[0.0] * 20, 1.0]
     records = [{"when": m.isoformat(), "text": "x"} for m in MOMENTS]
@@ -86,8 +93,41 @@ def test_every_shape_of_table_is_counted_alike(tmp_path: Path) -> None:
         ("d.jsonl", "\n".join(map(json.dumps, records))),
         ("f.log", "\n".join(log)),
         ("g.log", "\n".join(web)),
+        ("h.log", "\n".join(f"[{m:%Y-%m-%d %H:%M:%S}] INFO it" for m in MOMENTS)),
+        ("i.log", "\n".join(f"{m:%Y/%m/%d %H:%M:%S} [error] it" for m in MOMENTS)),
+        ("j.log", "\n".join(f"[{m:%a %b %d %H:%M:%S}.123 {m:%Y}] [core] it" for m in MOMENTS)),
+        ("k.txt", "\n".join(f"[{m:%d.%m.%y, %H:%M:%S}] Ann: it,\nand more" for m in MOMENTS)),
+        ("m.log", "\n".join(f"{m:%b %d %H:%M:%S} host program[7]: it" for m in MOMENTS)),
+        ("n.txt", "".join(git_entry(m) for m in MOMENTS[::-1])),
     ):
         assert numbers(load_timeline(write(tmp_path, text, name), map="count:1h")) == expected, name
+
+
+def test_the_order_of_day_and_month_in_a_chat_is_found_or_given(tmp_path: Path) -> None:
+    def chat(month: int, day: int) -> Path:
+        lines = [f"{month}/{day}/24, {h}:05 PM - Ann: 1/2/2020 it" for h in (12, 1, 3)]
+        return write(tmp_path, "\n".join(lines), "chat.txt")
+
+    assert numbers(load_timeline(chat(5, 13), map="count:1h")) == [1.0, 1.0, 0.0, 1.0]
+    with pytest.raises(InputError, match="may be day/month or month/day"):
+        load_timeline(chat(5, 3), map="count:1h")
+    for order, month in (("dmy", 3), ("mdy", 5)):
+        start = load_timeline(chat(5, 3), map="count:1h", time=f"time:{order}").start
+        assert start is not None
+        assert start.month == month
+
+
+def test_times_without_a_year_go_on_after_december(tmp_path: Path) -> None:
+    path = write(tmp_path, "Dec 31 23:10:00 h: a\nDec 31 23:50:00 h: b\nJan  1 01:20:00 h: c\n")
+    timeline = load_timeline(path, map="count:1h")
+    assert numbers(timeline) == [2.0, 0.0, 1.0]
+    assert "its lines name no year: 2000 stands for the first" in timeline.notes
+
+
+def test_a_log_that_is_not_counted_is_refused_with_the_option(tmp_path: Path) -> None:
+    path = write(tmp_path, "\n".join(f"{m:%Y-%m-%d %H:%M:%S} it" for m in MOMENTS), "a.log")
+    with pytest.raises(InputError, match=r"nearest: a log; .*--map count"):
+        load_timeline(path)
 
 
 def test_an_event_list_is_counted_too(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from overview_dsp.readers import load_timeline
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.formats import csv as csv_format
 from tests.readers.tables.made import DAILY, load, noted, refusal, times, values
@@ -222,3 +223,15 @@ def test_what_is_no_series_is_left_to_others(tmp_path: Path, text: str) -> None:
     path = tmp_path / "other.csv"
     path.write_text(text)
     assert not csv_format.sniff(Source.open(path))
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [("rain_mm", "mm"), ("Power_kW", "kW"), ("temp_celsius", "°C"), ("level", ""), ("x_ms", "")],
+)
+def test_a_header_may_end_with_its_unit(header: str, unit: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text(f"date,{header}\n2024-01-01,1\n2024-01-02,3\n2024-01-03,2\n")
+    curve = load_timeline(path).intensity
+    assert curve is not None
+    assert curve.unit == unit

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from overview_dsp.readers import load_timeline
 from tests.readers.tables.made import load, noted, refusal, times, values
 
 DAY = 86_400.0
@@ -103,3 +104,20 @@ def test_a_broken_line_of_objects_is_named(tmp_path: Path, line: str, words: str
 
 def test_deeply_nested_json_is_refused_in_one_line(tmp_path: Path) -> None:
     assert "nested too deep" in refusal(lambda: load(tmp_path, "[" * 200_000))
+
+
+def test_what_geojson_says_of_its_places_is_a_table(tmp_path: Path) -> None:
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"mag": 2.0 + i, "time": 1_704_067_200_000 + 60_000 * i, "place": "x"},
+            "geometry": {"type": "Point", "coordinates": [1.0, 2.0, 3.0]},
+        }
+        for i in range(4)
+    ]
+    path = tmp_path / "quakes.json"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    curve = load_timeline(path, value="mag").intensity
+    assert curve is not None
+    assert curve.value.tolist() == [2.0, 3.0, 4.0, 5.0]
+    assert load_timeline(path, map="count:1min").duration_s == 240.0

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from overview_dsp.errors import InputError
 from overview_dsp.readers import load_timeline
 from overview_dsp.readers.tables.formats.tracks import EARTH_M
+from overview_dsp.timeline.ticks import KINDS as TICKS
 from tests.readers.outcome import timeline_or_one_line
 
 DEGREES = 10.0 / EARTH_M * 180.0 / math.pi
@@ -65,6 +66,11 @@ def test_a_gpx_is_its_speed(encoding: str, tmp_path: Path) -> None:
     assert timeline.intensity is not None
     assert timeline.intensity.unit == "km/h"
     assert np.allclose(timeline.intensity.value, 36.0, atol=0.01)  # 10 m a second
+
+
+def test_a_steady_pace_has_no_turning_points(tmp_path: Path) -> None:
+    timeline = load_timeline(write(tmp_path, gpx(step=1e-4)))
+    assert set(timeline.kinds()) <= set(TICKS)
 
 
 def test_what_else_is_known_can_be_named(tmp_path: Path) -> None:

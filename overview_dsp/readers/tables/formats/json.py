@@ -124,6 +124,10 @@ def is_single(value: Any) -> bool:
 
 def _shapes(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterator[Shape]:
     found = None
+    features = value.get("features") if isinstance(value, dict) else None
+    if isinstance(features, list) and value.get("type") == "FeatureCollection":
+        value = [_properties(feature) for feature in features]  # GeoJSON
+        place = f"{place}.features" if place else "features"
     if isinstance(value, list) and value:
         found = _record_list(value) or _row_list(value)
     elif isinstance(value, dict):
@@ -142,6 +146,10 @@ def _shapes(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterat
         for i, item in enumerate(value[:_MAX_ENTRIES]):
             if isinstance(item, dict | list):
                 yield from _shapes(item, f"{place}[{i}]", depth + 1, {})
+
+
+def _properties(feature: object) -> object:
+    return feature.get("properties") if isinstance(feature, dict) else feature
 
 
 def _units(value: dict[str, Any], key: str) -> dict[str, str]:

@@ -192,5 +192,7 @@ def _speed(time_s: Floats, lat: Floats, lon: Floats, distance: Floats) -> Floats
     way = np.where(np.isnan(gone) | (gone < 0.0), way, gone)
     with np.errstate(divide="ignore", invalid="ignore"):
         speed = np.where(step_s > 0.0, 3.6 * way / step_s, np.nan)
+    # finer than a receiver knows it, rounding alone would make turning points of a steady pace
+    speed = np.round(speed, 3)
     # the first point stands still with the second
     return np.concatenate((speed[:1], speed))
