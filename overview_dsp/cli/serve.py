@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import time
+from contextlib import ExitStack
 from typing import Any
 
 import click
 
-from overview_dsp.cli.common import part_of, window_options
+from overview_dsp.cli.common import note, part_of, window_options
 from overview_dsp.cli.live_session import (
     ended_by_signals,
     exit_if_stopped,
@@ -47,6 +48,8 @@ LOOK_EVERY_S = 0.1
 @click.option("--media", metavar="FILE", help="A film or recording of it, to play from a moment.")
 @click.option("--media-offset", type=float, default=0.0, show_default=True, metavar="S",
               help="Where in it the timeline's time 0 is.")  # fmt: skip
+@click.option("--publish", metavar="DIR", help="With --follow: keep a folder up with it too, for "
+              "any web host.")  # fmt: skip
 @click.option("--seconds", type=float, callback=seconds_given, help="Stop after so long.")
 @click.option("--json", "as_json", is_flag=True, help="The address as a line of JSON.")
 @server_options
@@ -61,6 +64,7 @@ def command(
     zoom_to: str | None,
     media: str | None,
     media_offset: float,
+    publish: str | None,
     seconds: float | None,
     as_json: bool,
     server: dict[str, Any],
@@ -73,7 +77,12 @@ def command(
     has the printed address may use it. With --audio host the page is the hand, and the disk is
     heard and felt here: the options from --device on are those of `overview play`.
     """
-    with followed(timeline, following, load) as growth:
+    with ExitStack() as stack:
+        growth = stack.enter_context(followed(timeline, following, load))
+        if publish is not None and growth is None:
+            raise click.UsageError(
+                "--publish is for --follow; overview export --to web has the rest"
+            )
         data = open_growing(timeline, load, growth)
         part = part_of(data, window, zoom_to)
         if part is not None and window and growth is None:
@@ -96,6 +105,11 @@ def command(
             media=film,
             live=None if growth is None else growth.live,
         )
+        if publish is not None and growth is not None:
+            from overview_dsp.presets.library import load_preset
+            from overview_dsp.web.published import Published
+
+            stack.callback(Published(growth.live, load_preset(name), publish, note).close)
         if audio == "host":
             from overview_dsp.web.session import HostSession
 

@@ -43,6 +43,9 @@ EXTRA_TIME = 0.05
 """By which part of the expected length it is extended, again and again, when play goes on: half an
 hour for a day, five minutes for a match, so that the map changes rarely."""
 
+ROOM = 0.03
+"""How much of the future lies behind what has just happened, at least, as a part of what has."""
+
 SHORTEST_S = 1.0
 """What has only just begun is at least so long."""
 
@@ -149,6 +152,7 @@ class LiveTimeline:
         self._revision = 0
         self._changes: deque[Change] = deque(maxlen=MAX_CHANGES)
         self._made: tuple[int, Timeline] | None = None
+        self._felt: tuple[Timeline, Timeline] | None = None
 
     # --- what comes -----------------------------------------------------------------------------
 
@@ -554,6 +558,35 @@ class LiveTimeline:
             if self._made is None or self._made[0] != self._revision:
                 self._made = (self._revision, self._build())
             return self._made[1]
+
+    def felt(self) -> Timeline:
+        """Give the timeline as it is laid under a hand: as `snapshot`, with room behind now.
+
+        What has just happened lies at the very end of `snapshot` where that is so far, and a disk
+        only meets what it can pass. So 3 % of future lie behind it, until it is over.
+
+        Returns
+        -------
+        Timeline
+            The same object until something changes.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> live = ov.LiveTimeline(map="so far")
+        >>> live.append(events=[ov.Event(1000.0, "goal")])
+        >>> live.felt().duration_s, live.felt().until_s
+        (1030.0, 1000.0)
+        """
+        with self._lock:
+            shown = self.snapshot()
+            now = self.now_s
+            if self.ended or now == 0.0 or shown.duration_s >= now * (1.0 + ROOM):
+                return shown
+            if self._felt is None or self._felt[0] is not shown:
+                room = replace(shown, duration_s=now * (1.0 + ROOM), until_s=now)
+                self._felt = (shown, room)
+            return self._felt[1]
 
     def changes_since(self, revision: int) -> tuple[Change, ...]:
         """Look up which events came and which were taken back.

@@ -89,24 +89,28 @@ class Http:
             raise InputError(f"{self.name}: {error}") from None
 
     def _events(self, answer: Any) -> Iterator[Came]:
-        """The data of server-sent events (WHATWG HTML, 9.2), a line of a feed each."""
-        line = b""
+        """The data of server-sent events (WHATWG HTML, 9.2), a line of a feed each.
+
+        An event counts when it is whole: one that is cut off is asked for again by the last id.
+        """
+        line, data = b"", b""
+        name: str | None = None
         try:
             _set_timeout(answer, SILENT_S)
             while part := answer.readline(CHUNK_BYTES):
-                line += part
-                if not line.endswith(b"\n"):
-                    if line.startswith(b"data:"):  # too long for a line, which its reader says
-                        yield line[5:].lstrip(b" ")
-                        line = b"data:"
+                # the rest of what is too long for a line isn't kept: its reader says so
+                line = (line + part.rstrip(b"\r\n"))[: MAX_LINE_BYTES + 16]
+                if not part.endswith(b"\n"):
                     continue
-                field, _, value = line.rstrip(b"\r\n").partition(b":")
-                value = value.removeprefix(b" ")
-                line = b""
+                field, _, value = line.partition(b":")
+                value, line = value.removeprefix(b" "), b""
                 if field == b"data":
-                    yield value + b"\n"
-                elif field == b"id" and len(value) < MAX_LINE_BYTES:
-                    self._last_id = value.decode("latin-1")
+                    data = (data + value + b"\n")[:MAX_BYTES]
+                elif field == b"id" and len(value) < 256:
+                    name = value.decode("latin-1")
+                elif not field and not value:
+                    yield data
+                    self._last_id, data = name or self._last_id, b""
                 else:
                     yield b""
         except (OSError, http.client.HTTPException) as error:

@@ -4,7 +4,7 @@ Loading it takes milliseconds where compiling takes 10 to 40 s. It is used on th
 was made for, and only while it is what the sources give (`objects/objects.json` has their digest);
 otherwise, and where `OVERVIEW_JIT` is set, numba compiles them as before, with the same bits.
 
-Thread: main (loading), as the kernel says (what is loaded).
+Thread: any (loading), as the kernel says (what is loaded).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import json
 import os
 import platform
 import sys
+import threading
 from collections.abc import Callable, Mapping
 from functools import cache
 from importlib import resources
@@ -53,6 +54,8 @@ _DECLARED = {
     "publish": "int32_t(*)(void *, int64_t, int64_t)",
 }
 """As `doors/shipped.py` has them."""
+
+_LOADING = threading.Lock()
 
 KERNELS = frozenset((*_DECLARED, "callback"))
 """The kernels that there is machine code of."""
@@ -103,7 +106,9 @@ def shipped_callback() -> Any:
 
 
 def _address(name: str) -> int:
-    return int(_loaded().get_function_address(name))
+    # two threads that load at once would each have an engine, and a cache keeps but one of them
+    with _LOADING:
+        return int(_loaded().get_function_address(name))
 
 
 @cache

@@ -109,7 +109,7 @@ class Growing:
         keeps = self._held_since is not None and now - self._held_since < after_s
         if keeps or now < self._next:
             return
-        snapshot = self.live.snapshot()
+        snapshot = self.live.felt()
         if snapshot is not self._under_hand.timeline or self._put_back:
             if not self._under_hand.grow(snapshot):
                 return  # two surfaces fade already
@@ -196,7 +196,7 @@ class Growing:
             self._pattern = (since, False)
         if hands or now >= since + LASTS_S:
             self._pattern = None
-            self._put_back = not self._under_hand.grow(self.live.snapshot())
+            self._put_back = not self._under_hand.grow(self.live.felt())
 
 
 def _strength(preset: Preset, event: Event) -> float:

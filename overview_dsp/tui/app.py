@@ -143,7 +143,8 @@ class PlayApp(App[None]):
         peaks = self._peaks
         peaks[:] = max(peaks[0], status.peak_click), max(peaks[1], status.peak_tactor)
         if self._polls % METERS_EVERY == 0:
-            words = "" if source is None else source.words
+            told = ("" if source is None else source.words, status.following or "")
+            words = "; ".join(part for part in told if part)
             shown = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
             self._meters.show(shown, place_words(self._player, status.cursor), words)
             peaks[:] = 0.0, 0.0

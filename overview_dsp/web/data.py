@@ -13,8 +13,7 @@
 `GET /live/...` of a timeline that grows are `live_data`'s.
 
 ``server`` of ``data/timeline.json`` is ``{"audio": "here" or "host", "window": [start_s, end_s],
-"media": {"url", "type", "offset_s"} or null}``: what sounds, the first window, the film; of one
-that grows ``"live": {"levels", "version"}`` too (`live_data`). A page
+"media": {"url", "type", "offset_s"} or null}``: what sounds, the first window, the film. A page
 that is opened again is felt by the preset's file as it is then.
 
 Bad input is 400 and one line. What takes long is done one after the other, in a thread: a page
@@ -92,7 +91,7 @@ def data_routes(
         return preset_named(name)
 
     def now() -> Timeline:
-        return timeline if live is None else live.snapshot()
+        return timeline if live is None else live.felt()
 
     def made() -> SiteContent:
         version = None if live is None else live.revision
@@ -102,13 +101,12 @@ def data_routes(
             "window": list(first or (0.0, present.duration_s)),
             "media": None if media is None else media.describe(),
         }
-        if live is not None:
-            server["live"] = {"levels": LEVELS, "version": version}
         return SiteContent(
             present,
             load_preset(preset),
             levels=LEVELS,
             server=server,
+            live=None if live is None else {"levels": LEVELS, "version": version},
         )
 
     content = made()

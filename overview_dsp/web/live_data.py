@@ -6,8 +6,8 @@
 | `GET /live/update?since=V&rate=HZ` | what a page with version V lacks; V -1: it has none yet |
 
 A notice is ``{"version", "now_s", "duration_s", "ended", "words", "news": [{"what": "added" or
-"retracted", "kind", "label", "time_s", "pulse"}]}``. A page that slept is told the news since the
-version that it knew (`Last-Event-ID`).
+"retracted", "kind", "label", "time_s", "pulse", "version"}]}``. A page that slept is
+told the news since the version that it knew (`Last-Event-ID`).
 
 An update is uint32 n, n bytes of JSON ``{"version", "info", "view", "rate", "bytes"}`` (`info` what
 has changed of ``data/timeline.json``, `view` as ``data/window-0.json``), blanks up to a multiple of
@@ -63,7 +63,7 @@ class LiveData:
         self._live = live
         self._preset = preset
         self.version = live.revision
-        self.timeline: Timeline = live.snapshot()
+        self.timeline: Timeline = live.felt()
         self._told = asyncio.Event()
         self._ticking: asyncio.Task[None] | None = None
         self._pages = 0
@@ -85,6 +85,7 @@ class LiveData:
                 "label": change.event.label,
                 "time_s": change.event.time_s,
                 "pulse": list(pulse_of(change.event.kind, preset)),
+                "version": change.revision,
             }
             for change in self._live.changes_since(since)
             if change.revision <= self.version
@@ -137,7 +138,7 @@ class LiveData:
         """Look whether there is a new version, as long as there are pages."""
         while True:
             if self._live.revision != self.version:
-                await run_in_threadpool(self._take)
+                await run_in_threadpool(self.take)
                 told, self._told = self._told, asyncio.Event()
                 told.set()
                 await asyncio.sleep(TELL_EVERY_S)
@@ -145,11 +146,11 @@ class LiveData:
             if not self._pages:
                 return
 
-    def _take(self) -> None:
-        """The present revision is the version."""
+    def take(self) -> None:
+        """Make the present revision the version."""
         revision = self._live.revision
         # what comes in between is in the timeline already, and news of the next version
-        self.version, self.timeline = revision, self._live.snapshot()
+        self.version, self.timeline = revision, self._live.felt()
 
     # --- updates ----------------------------------------------------------------------------------
 
@@ -162,15 +163,16 @@ class LiveData:
         if rate != none and not lowest <= rate <= highest:
             return PlainTextResponse("update?since=VERSION&rate=HZ\n", 400)
         if not self._pages and self._live.revision != self.version:  # nobody looks
-            await run_in_threadpool(self._take)
+            await run_in_threadpool(self.take)
         made = self._updates.get((since, self.version, rate))
         if made is None:
-            made = await run_in_threadpool(self._make, since, rate)
+            made = await run_in_threadpool(self.update, since, rate)
         return Response(
             made, media_type="application/octet-stream", headers={"cache-control": "no-store"}
         )
 
-    def _make(self, since: int, rate: int) -> bytes:
+    def update(self, since: int, rate: int) -> bytes:
+        """Make the bytes of an update to the present version; rate in Hz."""
         with self._making:
             version, timeline, preset = self.version, self.timeline, self._preset()
             key = (since, version, rate)

@@ -37,6 +37,8 @@ class SiteContent:
         What the tactor's signal drives.
     server
         What a page that is served may ask of its server (`data`); None in a folder.
+    live
+        How the page of a timeline that grows hears of it (`live_data`, `published`).
     """
 
     def __init__(
@@ -48,13 +50,14 @@ class SiteContent:
         seed: int = 0,
         actuator: Actuator | None = None,
         server: dict[str, Any] | None = None,
+        live: dict[str, Any] | None = None,
     ) -> None:
         self.preset = preset
         self.parts = site_windows(timeline, levels)
         self.timeline = timeline
         self._seed = seed
         self._actuator = actuator
-        self._server = server
+        self._server, self._live = server, live
         self._files: dict[str, Callable[[], bytes]] = {"data/timeline.json": self._timeline_file}
         # what belongs to one window is asked for together
         self._surface = lru_cache(maxsize=1)(self._build)
@@ -88,7 +91,7 @@ class SiteContent:
 
     def _timeline_file(self) -> bytes:
         content = timeline_json(self.timeline, self.preset, self.parts, RATES)
-        return _json({**content, "server": self._server})
+        return _json({**content, "server": self._server, "live": self._live})
 
     def _window(self, i: int) -> bytes:
         shown, surface = self._surface(i)

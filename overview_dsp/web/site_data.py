@@ -8,7 +8,8 @@
      "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6,
                         "pulse": [on ms, off ms, on ms]}, ...},
      "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...],
-     "server": null in a folder, else what `data` says}
+     "server": null in a folder, else what `data` says,
+     "live": null, or {"levels", "version"} of a timeline that grows; in a folder "poll_s" too}
 
 ``data/window-N.json``, places being 0 to 1 in that window::
 

@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable
+from typing import Any
 
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.files.atomic import whole_folder
@@ -32,6 +33,7 @@ def write_site(
     seed: int = 0,
     actuator: Actuator | None = None,
     progress: Callable[[float], None] | None = None,
+    live: dict[str, Any] | None = None,
 ) -> int:
     """Write the folder, whole or not at all; its size in bytes.
 
@@ -43,13 +45,15 @@ def write_site(
         How many times the page can zoom, 0 to 3.
     actuator
         What the tactor's signal drives.
+    live
+        What the page is told of a timeline that grows (`published`).
 
     Raises
     ------
     InputError
         The folder can't be written or holds other files; a surface that can't be made.
     """
-    content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator)
+    content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator, live=live)
 
     def front(file: bytes) -> bytes:
         return front_page(file.decode(), timeline).encode()

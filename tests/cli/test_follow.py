@@ -53,23 +53,23 @@ def test_what_cannot_be_followed_is_one_line(words, named, tmp_path, monkeypatch
 
 def test_a_match_that_is_told_is_played_taken_and_rendered_again(tmp_path):
     take = tmp_path / "take.csv"
-    feed = subprocess.Popen(
-        [sys.executable, "-m", "overview_dsp", "feed", MATCH, "--speed", "1500"],
-        stdout=subprocess.PIPE,
-        env=environment(),
-    )
     hand = tmp_path / "hand.csv"
     ov.save_gesture(ov.tap(0.5, 0.5) + ov.pause(1.0) + ov.tap(0.9, 0.5) + ov.pause(4.0), hand)
-    played = subprocess.run(
+    lines = overview("feed", MATCH, "--speed", "inf").out.splitlines(keepends=True)
+    goals = [n for n, line in enumerate(lines) if '"kind": "goal"' in line]
+    played = subprocess.Popen(
         [sys.executable, "-m", "overview_dsp", "play", "--follow", "-", "--device", "none",
          "--json", "--map", "so-far", "--record", str(take), "--input", str(hand)],
-        stdin=feed.stdout, capture_output=True, text=True, env=environment(), check=True,
-        timeout=300,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=environment(),
     )  # fmt: skip
-    feed.wait()
-    assert "new: goal" in played.stderr
-    lines = [json.loads(line) for line in played.stdout.splitlines()]
-    assert any("data until" in line.get("following", "") for line in lines)
+    played.stdin.write("".join(lines[: goals[0]]))
+    played.stdin.flush()
+    first = json.loads(played.stdout.readline())  # it plays: what comes now is new
+    assert first["following"].startswith("data until")
+    said = played.communicate("".join(lines[goals[0] :]), timeout=300)[1]
+    assert played.returncode == 0
+    assert "new: goal" in said
     changes = json.loads(take.with_suffix(".json").read_text())["changes"]
     assert any("timeline" in change for change in changes)
     on = take.with_suffix(".timeline.json")

@@ -70,7 +70,11 @@ class FeedServer:
                     self.wfile.write(b": alive\n\n")
                     for n in range(sent, outer.told):
                         data = outer.lines[n].rstrip()
-                        self.wfile.write(f"id: {n + 1}\ndata: {data}\n\n".encode())
+                        told = f"id: {n + 1}\ndata: {data}\n\n".encode()
+                        if outer.killed.is_set():  # in the middle of an event
+                            self.wfile.write(told[: n % len(told)])
+                            return
+                        self.wfile.write(told)
                     sent = outer.told
                     time.sleep(0.01)
 

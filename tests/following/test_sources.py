@@ -7,6 +7,7 @@ import itertools
 import os
 import random
 import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.following import follower as follower_module
 from overview_dsp.following import net, sources
-from overview_dsp.following.feed_lines import encode_line
+from overview_dsp.following.feed_lines import encode_line, take_line
 from overview_dsp.following.follower import Follower
 from overview_dsp.live.follow_source import source_named
 from tests.following.feeds import lines_of
@@ -181,6 +182,37 @@ def test_a_server_that_is_killed_twenty_times_loses_nothing_and_tells_nothing_tw
     server.kill()
 
 
+def test_an_event_that_is_cut_off_after_its_id_is_asked_for_again(follow, told, match):
+    """The server cuts every answer, each at another byte."""
+    lines = told[:40]
+    whole = [f"id: {n + 1}\ndata: {line.rstrip()}\n\n".encode() for n, line in enumerate(lines)]
+
+    class Cutting(BaseHTTPRequestHandler):
+        count = 0
+
+        def log_message(self, *arguments):
+            pass
+
+        def do_GET(self):
+            since = int(self.headers.get("Last-Event-ID", 0))
+            self.send_response(200)
+            self.send_header("Content-Type", "text/event-stream")
+            self.end_headers()
+            rest = b"".join(whole[since:])
+            Cutting.count += 1
+            self.wfile.write(rest[: 60 + 7 * Cutting.count])
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Cutting)
+    threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
+    one = follow(f"http://127.0.0.1:{server.server_port}/")
+    known = ov.LiveTimeline()
+    for line in lines:
+        take_line(known, line)
+    assert wait_until(lambda: one.live.felt() == known.felt())
+    server.shutdown()
+    server.server_close()
+
+
 def test_a_websocket_is_followed_through_messages_of_one_and_of_many_lines(follow, told, match):
     serve = pytest.importorskip("websockets.sync.server").serve
 
@@ -245,6 +277,22 @@ def test_a_source_that_cannot_be_read_says_so_and_ends(follow, tmp_path):
     assert wait_until(lambda: two.lost == 1)
     assert "503" in two.take_messages()[0]
     busy.kill()
+
+
+def test_silence_is_said_once_and_how_far_the_data_reach(follow, monkeypatch, tmp_path):
+    monkeypatch.setattr(follower_module, "SILENT_S", 0.2)
+    path = tmp_path / "m.feed"
+    path.write_text('{"event": {"time_s": 3780, "kind": "foul"}}\n')
+    one = follow(path)
+    said = []
+    assert wait_until(lambda: bool(said.extend(one.take_messages()) or said))
+    for _ in range(5):
+        said += one.take_messages()
+    assert said == [f"{path}: silent; data until 1:03:00.0"]
+    with open(path, "a") as file:
+        file.write('{"end": 5700}\n')
+    assert wait_until(lambda: one.live.ended)
+    assert one.words == "the end, data until 1:03:00.0"
 
 
 @pytest.fixture(scope="module")

@@ -66,7 +66,7 @@ class Session:
             live, **{k: keywords.pop(k) for k in ("after_s", "tell") if k in keywords}
         )
         self.player = Player(
-            live.snapshot(),
+            live.felt(),
             PresetWatch(preset),
             self._open,
             OutputSettings(),

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
+import threading
 import time
+import wave
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.web.media import open_media
+from overview_dsp.web.published import Published
 from tests.live.stepped_session import event
 from tests.web.driving import at, until
 from tests.web.serving import served
@@ -26,7 +33,7 @@ def kinds(word):
 
 def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
     with (
-        served(live.snapshot(), plays=False, live=live) as server,
+        served(live.felt(), plays=False, live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, f"p.view && {kinds('foul')}")
@@ -44,7 +51,7 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
         tab.mouse.up()
         until(tab, kinds("red_card"))
         live.map = "so far"
-        until(tab, "p.view.end_s === 1000")
+        until(tab, "p.view.end_s === 1030")
         live.retract(event(900, "goal", "1-0 Parris"))
         until(tab, f"!{kinds('goal')}")
         says(tab, "live", "taken back: ")
@@ -56,10 +63,62 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
 
 def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
     with (
-        served(live.snapshot(), live=live) as server,
+        served(live.felt(), live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view")
         live.append(events=[event(900, "goal", "1-0 Parris")], clock_s=905.0)
         until(tab, kinds("goal"))
         assert wrong == []
+
+
+def test_a_folder_that_is_replaced_is_followed_by_asking_for_it(live, chromium, tmp_path):
+    folder = tmp_path / "site"
+    published = Published(live, ov.load_preset("football"), folder, print, every_s=0.2)
+    with hosted(folder) as address:
+        tab = chromium.new_page()
+        tab.goto(address)
+        until(tab, f"p.view && p.live && {kinds('foul')}")
+        live.append(events=[event(900, "goal", "1-0 Parris")], clock_s=905.0)
+        until(tab, kinds("goal"))
+        says(tab, "live", "data until 15:05.0")
+        tab.mouse.click(*at(tab, 0.5))
+        until(tab, "p.cursor > 0.4")
+        tab.close()
+    published.close()
+
+
+def test_a_film_that_is_still_recorded_is_watched_where_it_has_come_to(live, chromium, tmp_path):
+    film = tmp_path / "match.wav"
+
+    def record(seconds):
+        with wave.open(str(film), "wb") as file:
+            file.setparams((1, 2, 8000, 0, "NONE", ""))
+            file.writeframes(bytes(2 * 8000 * seconds))
+
+    record(8)
+    media = open_media(str(film), -295.0)
+    with (
+        served(live.felt(), plays=False, live=live, media=media) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.view && p.film")
+        tab.evaluate("overview.film.play(301, 'the foul').catch(() => {})")
+        until(tab, "p.film.video.currentTime > 0.9")
+        tab.evaluate("document.getElementById('film').close()")
+        record(60)
+        tab.evaluate("overview.film.play(340, 'later').catch(() => {})")
+        until(tab, "p.film.video.currentTime > 39.9")
+        assert wrong == []
+
+
+@contextlib.contextmanager
+def hosted(folder):
+    """A web host of a folder."""
+    handler = functools.partial(SimpleHTTPRequestHandler, directory=folder)
+    handler.log_message = lambda *arguments: None
+    server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}/"
+    server.shutdown()
+    server.server_close()

@@ -14,6 +14,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.surface.build import build_surface
+from overview_dsp.web.published import OLD, Published
 from overview_dsp.web.site_sound import window_bytes
 from tests.live.stepped_session import event
 from tests.web.serving import served
@@ -81,7 +82,7 @@ def live():
 
 @pytest.fixture
 def server(live):
-    with served(live.snapshot(), plays=False, live=live) as server:
+    with served(live.felt(), plays=False, live=live) as server:
         yield server
 
 
@@ -104,7 +105,7 @@ def test_what_is_new_is_told_in_a_line_and_fetched_as_the_surface_of_the_moment(
         assert len(patch) < len(mine) / 2
         mine = patched(mine, patch, second["bytes"])
         preset = ov.load_preset("football")
-        assert mine == window_bytes(build_surface(live.snapshot(), preset), preset, 48_000)
+        assert mine == window_bytes(build_surface(live.felt(), preset), preset, 48_000)
         live.retract("no such id")
         live.retract(event(900, "goal", "1-0"))
         page.until(lambda one: any(news["what"] == "retracted" for news in one["news"]))
@@ -122,7 +123,7 @@ def test_a_page_that_slept_is_told_the_news_that_it_lacks(server, live):
     assert [one["label"] for one in told["news"]] == ["1-0", "2-0", "3-0"]
     page.close()
     with server.client() as client:
-        known = client.get("/data/timeline.json").json()["server"]["live"]
+        known = client.get("/data/timeline.json").json()["live"]
     assert known["levels"] == 4
     fresh = Listening(server, since=known["version"])  # nothing is new to it
     live.append(events=[event(990, "goal", "4-0")])
@@ -134,7 +135,7 @@ def test_windows_and_the_first_files_are_of_the_timeline_as_it_is(server, live):
     with server.client(Origin=server.origin) as client:
         live.map = "so far"
         live.append(clock_s=1000.0, events=[event(950, "goal", "x")])
-        assert client.get("/data/timeline.json").json()["duration_s"] == 1000.0
+        assert client.get("/data/timeline.json").json()["duration_s"] == 1030.0
         window = {"window": [900.0, 1000.0]}
         shown = client.post("/data/window", content=json.dumps(window)).json()
         assert "goal" in [one["kind"] for one in shown["events"]]
@@ -158,3 +159,38 @@ def test_more_pages_are_told_than_an_ordinary_server_has(server, live):
     for page in pages:
         page.until(lambda one: one["news"])
         page.close()
+
+
+def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
+    notes = []
+    folder = tmp_path / "site"
+    football = ov.load_preset("football")
+    published = Published(live, football, folder, notes.append, every_s=0.02)
+    try:
+        told = json.loads((folder / "data" / "timeline.json").read_bytes())
+        assert told["live"] == {"levels": 0, "version": live.revision, "poll_s": 0.02}
+        assert told["server"] is None
+        for n in range(8):
+            live.append(events=[event(900 + n, "goal", f"{n}-0")], clock_s=910.0 + n)
+            end = time.monotonic() + 30.0
+            now = {}
+            while now.get("version") != live.revision:
+                assert time.monotonic() < end
+                time.sleep(0.01)
+                now = json.loads((folder / "live" / "now.json").read_bytes())
+                # whatever it names is there
+                assert (folder / "live" / f"{now['version']}-44100.update").stat().st_size > 5e5
+        assert [one["label"] for one in now["news"] if one["kind"] == "goal"][-1] == "7-0"
+        kept = {path.name for path in (folder / "live").iterdir()}
+        assert f"{now['version']}-48000.update" in kept
+        assert len(kept) == 1 + 2 * (OLD + 1)
+        content = (folder / "live" / f"{now['version']}-48000.update").read_bytes()
+        (length,) = struct.unpack("<I", content[:4])
+        view = json.loads(content[4 : 4 + length])
+        surface = build_surface(live.felt(), football)
+        assert patched(b"", content[4 + length :], view["bytes"]) == window_bytes(
+            surface, football, 48_000
+        )
+    finally:
+        published.close()
+    assert notes == []

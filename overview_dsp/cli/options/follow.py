@@ -100,6 +100,6 @@ def followed(
 def open_growing(timeline: str | None, load: dict[str, Any], growth: Growth | None) -> Timeline:
     """The timeline as it is now, or the finished one that was named; errors as `open_timeline`."""
     if growth is not None:
-        return growth.live.snapshot()
+        return growth.live.felt()
     assert timeline is not None
     return open_timeline(timeline, load)

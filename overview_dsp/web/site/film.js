@@ -17,8 +17,11 @@ export class Film {
     const { video } = this;
     this.title.textContent = title;
     // fetched only when it is asked for; a fragment would be forgotten by some players
-    if (!video.src) video.src = new URL(this.media.url, location.href).href;
+    const url = new URL(this.media.url, location.href).href;
+    if (!video.src) video.src = url;
     const from = Math.max(0, moment + this.media.offset_s - LEAD_S);
+    // a file that grows is longer by now, which a browser only believes of another address
+    if (video.readyState > 0 && from > video.duration) video.src = `${url}?${Math.round(from)}`;
     if (video.readyState > 0) video.currentTime = from;
     else video.addEventListener("loadedmetadata", () => (video.currentTime = from), { once: true });
     this.dialog.showModal();

@@ -37,7 +37,7 @@ export function resized(bytes, length) {
 }
 
 export class Live {
-  constructor(page, { levels, version }) {
+  constructor(page, { levels, version, poll_s }) {
     this.page = page;
     this.levels = levels;
     this.have = -1; // the version of `bytes`
@@ -49,25 +49,40 @@ export class Live {
     this.line.id = "live";
     this.line.setAttribute("role", "status");
     document.getElementById("window").after(this.line);
-    // once the page listens to the hand itself
-    queueMicrotask(() => {
-      const { hand } = page;
-      const { onchange } = hand;
-      hand.onchange = () => {
-        onchange?.();
-        if (hand.holder === null) this.update();
-      };
-    });
-    this.source = new EventSource(new URL(`live/events?since=${version}`, import.meta.url));
-    this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
+    const { hand } = page;
+    const { onchange } = hand;
+    hand.onchange = () => {
+      onchange?.();
+      if (hand.holder === null) this.update();
+    };
+    this.known = version; // of the news
+    this.polls = poll_s !== undefined; // a folder: nobody there to ask for a window or a patch
+    if (this.polls) this.poll(poll_s);
+    else {
+      this.source = new EventSource(new URL(`live/events?since=${version}`, import.meta.url));
+      this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
+    }
     document.addEventListener("visibilitychange", () => this.update());
+  }
+
+  /** Ask a host for the file that it replaces. */
+  async poll(seconds) {
+    try {
+      if (!document.hidden) {
+        const told = await (await ask("live/now.json", { cache: "no-cache" })).json();
+        if (told.version !== this.told?.version) this.take(told);
+      }
+    } catch (error) {
+      this.page.fault(error.message);
+    }
+    setTimeout(() => this.poll(seconds), seconds * 1000);
   }
 
   take(told) {
     this.told = told;
     const { page } = this;
     const lines = [];
-    for (const { what, kind, label, time_s, pulse } of told.news) {
+    for (const { what, kind, label, time_s, pulse } of told.news.filter((one) => one.version > this.known)) {
       const event = { kind, label, time_s };
       const known = page.info.kinds[kind] !== undefined;
       const words = known ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
@@ -77,6 +92,7 @@ export class Live {
         page.motor.feel([pulse], 0, performance.now());
       }
     }
+    this.known = told.version;
     this.line.textContent = [told.words, ...lines.slice(-1)].join(" · ");
     if (lines.length > 0) page.speech.say(lines.at(-1));
     this.update();
@@ -103,7 +119,10 @@ export class Live {
     const { data, shown, sound } = page;
     if (!page.atHost) await sound.load(); // the change is to what it begins with
     const rate = page.atHost ? 0 : sound.context.sampleRate;
-    const answer = await ask(`live/update?since=${this.have}&rate=${rate}`);
+    const path = this.polls
+      ? `live/${this.told.version}-${rate}.update`
+      : `live/update?since=${this.have}&rate=${rate}`;
+    const answer = await ask(path);
     const told = parsed(await answer.arrayBuffer());
     const { version, info, view, patch } = told;
     if (rate > 0) this.bytes = patched(resized(this.bytes, told.bytes), patch);

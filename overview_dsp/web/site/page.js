@@ -78,6 +78,10 @@ export class Page {
       await this.sound.load();
     }
     by("hint").textContent = hint;
+    if (this.info.live) {
+      const { Live } = await import("./live.js");
+      this.live = new Live(this, this.info.live);
+    }
     await this.playback.follow(readAddress());
     this.wake();
   }

@@ -3,7 +3,6 @@
 import { Bench } from "./bench.js";
 import { by } from "./dom.js";
 import { Film } from "./film.js";
-import { Live } from "./live.js";
 import { PresetLink } from "./preset_link.js";
 import { eventText, momentText, secondsAt } from "./words.js";
 
@@ -22,7 +21,6 @@ export class Served {
     });
     this.presets = new PresetLink(page);
     if (page.atHost) this.listenToHost();
-    this.live = server.live ? new Live(page, server.live) : null;
   }
 
   listenToHost() {
