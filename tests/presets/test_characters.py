@@ -23,13 +23,17 @@ PHONE_HZ = 500.0
 
 @pytest.fixture(scope="module")
 def found():
-    """The characters of all presets on a match and on a share, by data and name."""
+    """The characters of all presets on a match, a share and a recording, by data and name."""
+    timelines = {
+        **{data: ov.load_timeline(data) for data in ("world-cup-final-2018", "made-up-share")},
+        "crowd": ov.measure.random_crowd(1),
+    }
     with warnings.catch_warnings():
         # kinds of other data are felt as the default
         warnings.filterwarnings("ignore", "preset .* has no ", ov.OverviewWarning)
         return {
-            data: {name: characters(ov.load_preset(name), ov.load_timeline(data)) for name in NAMES}
-            for data in ("world-cup-final-2018", "made-up-share")
+            data: {name: characters(ov.load_preset(name), timeline) for name in NAMES}
+            for data, timeline in timelines.items()
         }
 
 
