@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels 0ebe866060bd118d
+   kernels dbbf157e17eb7fb3
    numba 0.68.1, llvmlite 0.50.0 */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
