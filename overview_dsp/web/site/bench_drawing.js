@@ -13,7 +13,10 @@ function svg(name, attributes) {
   return made;
 }
 
-/** Where a pointer is on the drawing: which point, and how high (0 to 1). */
+/**
+ * Where a pointer is on the drawing: which point, and how high (0 to 1).
+ * @returns {[number, number]}
+ */
 function placeOf(box, { clientX, clientY }) {
   const part = Math.min(Math.max((clientX - box.left) / box.width, 0), 1);
   const level = Math.min(Math.max(1 - (clientY - box.top) / box.height, 0), 1);
@@ -79,6 +82,7 @@ export function drawingOf(kind, onchange) {
     keep();
     become([]);
   });
+  /** @type {[number, number] | null} */
   let last = null;
   pad.addEventListener("pointerdown", (event) => {
     pad.setPointerCapture(event.pointerId);
