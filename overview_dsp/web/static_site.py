@@ -16,7 +16,7 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.files.atomic import whole_folder
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
-from overview_dsp.web.assets import START, page_files
+from overview_dsp.web.assets import START, folder_files
 from overview_dsp.web.front_page import PICTURE, front_page, front_picture
 from overview_dsp.web.site_content import SiteContent
 
@@ -72,7 +72,7 @@ def write_site(
             digest.update(name.encode() + file)
             size += len(file)
 
-        for name, file in page_files().items():
+        for name, file in folder_files(live=live is not None).items():
             put(name, front(file) if name == START else file, "page")
         put(PICTURE, front_picture(timeline), "more")
         for i, name in enumerate(content.names):

@@ -6,11 +6,9 @@ import { by } from "./dom.js";
 import { EventList } from "./event_list.js";
 import { Frames } from "./frames.js";
 import { Hand } from "./hand.js";
-import { HostSound } from "./host_sound.js";
 import { HELP, listenToKeys } from "./keys.js";
 import { keepOffline } from "./offline.js";
 import { Playback } from "./playback.js";
-import { Served } from "./served.js";
 import { bindSettings, keepSettings, loadSettings } from "./settings.js";
 import { Shown } from "./shown.js";
 import { Slider } from "./slider.js";
@@ -25,11 +23,13 @@ import { partBetween } from "./windows.js";
 import { eventAt, eventPassed, eventText } from "./words.js";
 
 export class Page {
-  constructor(data, picture, sound) {
+  /** `served` makes, of a page and `info.server`, what only a server gives; null in a folder. */
+  constructor(data, picture, sound, served) {
     this.data = data;
     this.info = data.info;
     this.sound = sound;
-    this.atHost = sound instanceof HostSound;
+    this.atHost = this.info.server?.audio === "host";
+    this.makeServed = served;
     this.settings = loadSettings();
     this.hand = new Hand(
       new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
@@ -65,7 +65,7 @@ export class Page {
     const under = this.atHost ? view : partBetween(windows, [0, duration_s]);
     this.shown.begin(view, under).catch((error) => this.fault(error.message));
     this.apply();
-    if (server) this.served = new Served(this, server);
+    if (server) this.served = this.makeServed(this, server);
     this.listen();
     this.wake();
   }
@@ -318,8 +318,9 @@ export class Page {
 /** The page over a picture that is there already, as `window.overview`. */
 export async function begin(data, picture, view) {
   const { server } = data.info;
-  const sound = server?.audio === "host" ? new HostSound() : new Sound(data);
-  const page = new Page(data, picture, sound);
+  const served = server ? await import("./served.js") : null;
+  const sound = served?.hostSound(server) ?? new Sound(data);
+  const page = new Page(data, picture, sound, served?.serve);
   page.begin(view);
   /** @type {any} */ (window).overview = page;
   await page.load();
