@@ -34,6 +34,7 @@ def write_site(
     actuator: Actuator | None = None,
     progress: Callable[[float], None] | None = None,
     live: dict[str, Any] | None = None,
+    address: str | None = None,
 ) -> int:
     """Write the folder, whole or not at all; its size in bytes.
 
@@ -47,6 +48,8 @@ def write_site(
         What the tactor's signal drives.
     live
         What the page is told of a timeline that grows (`published`).
+    address
+        Where the folder will be, if that is known: ``https://example.org/match/``.
 
     Raises
     ------
@@ -56,7 +59,7 @@ def write_site(
     content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator, live=live)
 
     def front(file: bytes) -> bytes:
-        return front_page(file.decode(), timeline).encode()
+        return front_page(file.decode(), timeline, address).encode()
 
     with whole_folder(path, MARK) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
