@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -30,7 +31,7 @@ def command() -> None:
     "--to", "to", required=True, type=click.Choice(("clap",)), help="The plugin's format."
 )
 @click.option("-o", "--out", default=".", show_default=True, help="The folder it is put into.")
-@click.option("--name", help="What it is called.  [default: the timeline's title]")
+@click.option("--name", help="What it is called.  [default: TIMELINE's name]")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @window_options
 @timeline_options
@@ -53,7 +54,7 @@ def build(
 
     data = open_part(timeline, load, window, zoom_to)
     chosen = [load_preset(preset) for preset in presets or (preset_for(data, None),)]
-    made = build_plugin(data, chosen, to, out, name=name, seed=seed)
+    made = build_plugin(data, chosen, to, out, name=name or Path(timeline).stem, seed=seed)
     names = [preset.name for preset in chosen]
     if as_json:
         print_json({"format": to, "file": str(made), "presets": names})

@@ -223,9 +223,8 @@ def _bundle(called: str, slug: str, images: list[_Image]) -> Iterator[str]:
         if choices:
             yield f"static const char *const choices_{number}[] = "
             yield f"{{{', '.join(map(text, choices))}}};\n"
-        labels.append(
-            f"    {{{text(name)}, {text(section)}, {f'choices_{number}' if choices else 'NULL'}}},\n"
-        )
+        listed = f"choices_{number}" if choices else "NULL"
+        labels.append(f"    {{{text(name)}, {text(section)}, {listed}}},\n")
     yield "const bundle_label bundle_labels[OVERVIEW_PARAMETERS] = {\n"
     yield "".join(labels) + "};\n"
     for number, image in enumerate(images):
