@@ -28,7 +28,7 @@ def command() -> None:
     "[default: the one that fits the data]",
 )
 @click.option(
-    "--to", "to", required=True, type=click.Choice(("clap",)), help="The plugin's format."
+    "--to", "to", required=True, type=click.Choice(("clap", "lv2")), help="The plugin's format."
 )
 @click.option("-o", "--out", default=".", show_default=True, help="The folder it is put into.")
 @click.option("--name", help="What it is called.  [default: TIMELINE's name]")

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib.util
 import os
 import re
@@ -13,44 +12,25 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from importlib import metadata, resources
+from collections.abc import Sequence
+from importlib import resources
 from pathlib import Path
 
-from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError, shown
-from overview_dsp.export.browser_memory import encode_engine
 from overview_dsp.export.c_folder import c_sources
+from overview_dsp.export.lv2_turtle import DESCRIPTIONS, description, manifest
+from overview_dsp.export.plugin_bundle import Image, bundle_source, image_of
 from overview_dsp.files.atomic import make_folder, whole_file
-from overview_dsp.kernels import layout
 from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.timeline import Timeline
 
-PLUGIN_FORMATS = ("clap",)
+PLUGIN_FORMATS = ("clap", "lv2")
 MOST_PRESETS = 16
 """In a plugin: each takes 20 MB of memory where it is used."""
 
 _SOURCES = ("bundle.h", "voice.h")
-_OWN_SOURCES = {"clap": ("clap.h", "clap.c")}
+_OWN_SOURCES = {"clap": ("clap.h", "clap.c"), "lv2": ("lv2.h", "lv2.c")}
 _FLAGS = ("-std=c11", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
-_IMAGE_RATE = 48_000.0  # of no consequence: a voice goes to its own when it is prepared
-_UNIT_OF_KEY = re.compile(r"_(db|hz|ms|s|mnm)$")
-
-
-@dataclass(frozen=True)
-class _Image:
-    """A preset of a bundle: the name, the image, its tail in seconds, its parameters' values."""
-
-    name: str
-    data: bytes
-    tail_s: float
-    values: tuple[float, ...]
-
-    @property
-    def digest(self) -> str:
-        return hashlib.sha256(self.data).hexdigest()
 
 
 def build_plugin(
@@ -73,7 +53,7 @@ def build_plugin(
     presets : Preset or sequence of Preset
         How it is felt and heard; of several, up to 16, one is chosen in the host.
     to : str
-        The format: `"clap"`.
+        The format: `"clap"`, or `"lv2"`: a bundle with a plugin for each preset.
     folder : str or path
         Made, if need be; a plugin of this name in it is replaced.
     name : str, optional
@@ -110,7 +90,7 @@ def build_plugin(
     called = (name or timeline.title or "timeline").strip()
     slug = re.sub(r"[^a-z0-9]+", "-", called.lower()).strip("-") or "timeline"
     compiler = _compiler()
-    images = [_image(timeline, preset, seed) for preset in chosen]
+    images = [image_of(timeline, preset, seed) for preset in chosen]
     made = make_folder(folder)
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
@@ -119,21 +99,30 @@ def build_plugin(
             (work / source).write_bytes((sources / source).read_bytes())
         for source, content in c_sources("kernel.c", "overview.h").items():
             (work / source).write_bytes(content)
-        bundle = "".join(_bundle(called, slug, images))
+        bundle = "".join(bundle_source(called, slug, images))
         (work / "bundle.c").write_text(bundle, encoding="ascii")
         _compile(compiler, [f"{to}.c", "bundle.c", "kernel.c"], work, "plugin.bin")
+        if to == "lv2":
+            return _lv2_bundle(made / f"{slug}.lv2", work / "plugin.bin", called, images)
         plugin = made / f"{slug}.clap"
         with whole_file(plugin) as path:
             shutil.copyfile(work / "plugin.bin", path)
     return plugin
 
 
-def _image(timeline: Timeline, preset: Preset, seed: int) -> _Image:
-    engine = Engine(preset, timeline, seed=seed)
-    engine.prepare(_IMAGE_RATE)
-    data = encode_engine(engine)
-    values = engine.memory[layout.PARAMS : layout.PARAMS + layout.PARAMETERS]
-    return _Image(preset.name, data, engine.tail_seconds, tuple(map(float, values)))
+def _lv2_bundle(folder: Path, binary: Path, called: str, images: list[Image]) -> Path:
+    """A bundle's folder: the binary, and what hosts read before they load it."""
+    make_folder(folder)
+    library = "plugin.dll" if os.name == "nt" else "plugin.so"
+    contents = {
+        library: binary.read_bytes(),
+        DESCRIPTIONS: description(called, images).encode(),
+        "manifest.ttl": manifest(library, images).encode(),
+    }
+    for name, content in contents.items():
+        with whole_file(folder / name) as path:
+            path.write_bytes(content)
+    return folder
 
 
 def _compiler() -> list[str]:
@@ -169,75 +158,3 @@ def _compile(compiler: list[str], sources: list[str], folder: Path, target: str)
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if "error" in line] or [done.stderr]
         raise OverviewError(f"the C compiler {compiler[0]} failed: {lines[0].strip()}")
-
-
-def _quoted(text: bytes) -> str:
-    """A C string of any bytes; always three digits, so that a digit may follow."""
-    return '"' + "".join(_ESCAPED[byte] for byte in text) + '"'
-
-
-_ESCAPED = [
-    chr(byte) if 32 <= byte < 127 and byte not in b'"\\?' else f"\\{byte:03o}"
-    for byte in range(256)
-]
-
-
-def _parameters() -> list[str]:
-    """The ids of what isn't the surface's, in the memory's order."""
-    columns = [name for name in vars(layout) if name.startswith("PARAM_")]
-    columns.sort(key=lambda name: getattr(layout, name))
-    ids = {id.upper().replace(".", "_"): id for id in PARAMETERS}
-    return [ids[name.removeprefix("PARAM_")] for name in columns]
-
-
-def _label(id: str) -> tuple[str, str, tuple[str, ...]]:
-    """A parameter's name, its section, and the texts of its choices."""
-    section, _, key = id.partition(".")
-    known = PARAMETERS[id]
-    words = _UNIT_OF_KEY.sub("", key).replace("_", " ")
-    if isinstance(known.default, bool):
-        choices: tuple[str, ...] = ("off", "on")
-    else:
-        choices = tuple(map(str, known.choices))
-    return f"{section.capitalize()} {words}", section.capitalize(), choices
-
-
-def _bundle(called: str, slug: str, images: list[_Image]) -> Iterator[str]:
-    """The text of `bundle.c`."""
-
-    def text(value: str) -> str:
-        return _quoted(value.encode())
-
-    yield '#include "bundle.h"\n\n'
-    version = metadata.version("overview-dsp")
-    for what, value in (
-        ("id", f"org.overview-dsp.{slug}"),
-        ("name", called),
-        ("version", version),
-        ("description", "A timeline under the hand: clicks to hear, a vibration to feel."),
-    ):
-        yield f"const char bundle_{what}[] = {text(value)};\n"
-    labels = []
-    for number, id in enumerate(_parameters()):
-        name, section, choices = _label(id)
-        if choices:
-            yield f"static const char *const choices_{number}[] = "
-            yield f"{{{', '.join(map(text, choices))}}};\n"
-        listed = f"choices_{number}" if choices else "NULL"
-        labels.append(f"    {{{text(name)}, {text(section)}, {listed}}},\n")
-    yield "const bundle_label bundle_labels[OVERVIEW_PARAMETERS] = {\n"
-    yield "".join(labels) + "};\n"
-    for number, image in enumerate(images):
-        yield f"static const char image_{number}[] =\n"
-        for at in range(0, len(image.data), 1000):
-            yield f"    {_quoted(image.data[at : at + 1000])}\n"
-        yield ";\n"
-    yield f"const int bundle_presets_count = {len(images)};\n"
-    yield "const bundle_preset bundle_presets[] = {\n"
-    for number, image in enumerate(images):
-        values = ", ".join(value.hex() for value in image.values)
-        yield (
-            f"    {{{text(image.name)}, {text(image.digest)}, image_{number}, {len(image.data)}, "
-            f"{image.tail_s.hex()},\n     {{{values}}}}},\n"
-        )
-    yield "};\n"

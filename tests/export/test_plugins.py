@@ -334,7 +334,7 @@ def test_the_command_builds_one(host, tmp_path):
 
 def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatch):
     build = ov.export.build_plugin
-    with pytest.raises(InputError, match="no plugin format 'vst3'; it is clap"):
+    with pytest.raises(InputError, match="no plugin format 'vst3'; it is clap or lv2"):
         build(match, football, "vst3", tmp_path)
     with pytest.raises(InputError, match="1 to 16 presets, not 0"):
         build(match, [], "clap", tmp_path)

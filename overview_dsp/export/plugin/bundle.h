@@ -7,6 +7,7 @@
 
 typedef struct {
     const char *name;
+    const char *uri; /* of its LV2 plugin */
     const char *digest; /* SHA-256 of the image */
     const char *image;
     int64_t bytes;

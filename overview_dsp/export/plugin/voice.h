@@ -187,15 +187,15 @@ static void voice_switch(voice *v, int preset, int32_t at) {
     voice_start(v);
 }
 
-/* A value from frame `at` of the block on, kept to its range; NaN is no value. A preset comes with
-   its own values. The memory is told while active. */
-static void voice_set(voice *v, int which, double value, int32_t at) {
+/* Keep a value, within its range, and tell no memory; NaN is no value. A preset comes with its own
+   values. Whether there is something to tell. */
+static int voice_keep(voice *v, int which, double value) {
     int i;
-    if (value != value) return;
+    if (value != value) return 0;
     if (value < voice_lowest(which)) value = voice_lowest(which);
     if (value > voice_highest(v, which)) value = voice_highest(v, which);
     if (voice_is_choice(which)) value = (double)(int)(value + 0.5);
-    if (which == VOICE_PRESET && value == v->applied[which]) return;
+    if (which == VOICE_PRESET && value == v->applied[which]) return 0;
     v->applied[which] = value;
     atomic_store(&v->values[which], value);
     if (which == VOICE_PRESET)
@@ -203,10 +203,15 @@ static void voice_set(voice *v, int which, double value, int32_t at) {
             v->applied[i] = voice_preset(v, (int)value)->values[i - VOICE_OWN];
             atomic_store(&v->values[i], v->applied[i]);
         }
-    if (!v->memories) return;
-    if (which == VOICE_PRESET) voice_switch(v, (int)value, at);
+    return 1;
+}
+
+/* A value from frame `at` of the block on; the memory is told while active. */
+static void voice_set(voice *v, int which, double value, int32_t at) {
+    if (!voice_keep(v, which, value) || !v->memories) return;
+    if (which == VOICE_PRESET) voice_switch(v, (int)v->applied[which], at);
     else if (which < VOICE_PRESET) voice_hand(v, OVERVIEW_TOUCH, at);
-    else voice_change(v, which - VOICE_OWN, value, at);
+    else voice_change(v, which - VOICE_OWN, v->applied[which], at);
 }
 
 /* A key taps its place on the timeline, the lowest at the start; the last one pressed holds. */
