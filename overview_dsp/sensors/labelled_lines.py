@@ -103,6 +103,8 @@ def slots_of(shape: Sequence[str]) -> tuple[list[Slot], dict[str, str]]:
             silent = True
         elif word in ("w", "x", "y", "z"):
             quantity, axis = ("" if quantity == "other" else quantity), word
+        elif compound and compound["of"] in _SAME:
+            quantity, axis = _SAME[compound["of"]], compound["axis"]
         elif word in _SAME:
             quantity, nth, axis = _SAME[word], 0, ""
         elif word in _ONE_ANGLE:
@@ -110,8 +112,6 @@ def slots_of(shape: Sequence[str]) -> tuple[list[Slot], dict[str, str]]:
             quantity, axis = "angles", ""
         elif word in COLUMNS and word not in _NINE:
             quantity, nth, axis = word, 0, ""
-        elif compound and compound["of"] in _SAME:
-            quantity, axis = _SAME[compound["of"]], compound["axis"]
         else:
             quantity, nth, axis = "other", 0, ""
     return slots, units

@@ -233,7 +233,8 @@ SHAPES = (
     Shape("a gyroscope with labels", text(lambda s: xyz(s.g, "gx:{:.3f} gy:{:.3f} gz:{:.3f}")),
           DO_SAY),
     Shape("Adafruit_LIS3DH", text(lambda s: xyz(s.a / G * 4096,
-          "X:  {:.0f} \tY:  {:.0f} \tZ:  {:.0f}") + "\t\t" + xyz(s.a, "X: {:.2f} \tY: {:.2f} \tZ: {:.2f} m/s^2 "))),
+          "X:  {:.0f} \tY:  {:.0f} \tZ:  {:.0f}")
+          + "\t\t" + xyz(s.a, "X: {:.2f} \tY: {:.2f} \tZ: {:.2f} m/s^2 "))),
     Shape("Arduino Nano 33, six numbers",
           text(lambda s: joined(",", [*(s.a / G), *(s.g * RAD)], 3))),
     Shape("micro:bit accelerometer", text(lambda s: str(tuple(np.rint(1000 * s.a / G).astype(int)
