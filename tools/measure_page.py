@@ -11,17 +11,20 @@ from __future__ import annotations
 
 import statistics
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.web.assets import page_files
+from overview_dsp.web.assets import folder_files
 from overview_dsp.web.static_site import write_site
 from tests.web.browser import launched, opened_driver
 from tests.web.driving import PHONE, at, until
 from tests.web.exported import opened_host
+from tests.web.serving import served
 
 ROUNDS = 5
+SAVES = 15
 NETWORK = {
     "offline": False,
     "latency": 150,
@@ -47,6 +50,7 @@ def main() -> None:
         write_site(ov.load_timeline("world-cup-final-2018"), ov.load_preset("football"), site)
         with launched(driver) as browser, opened_host(site) as host:
             rounds = [measured(browser, host.url) for _ in range(ROUNDS)]
+            saves = saved_until_felt(browser, Path(folder))
     print("| figure | value |\n|---|---|")
     for name, unit in (
         ("first picture", "ms"),
@@ -58,8 +62,11 @@ def main() -> None:
         ("frames a second, not slowed", ""),
     ):
         print(f"| {name} | {statistics.median(one[name] for one in rounds):.1f} {unit} |")
-    total = sum(map(len, page_files().values()))
-    print(f"| all of the page's files | {total / 1e3:.0f} kB |")
+    total = sum(map(len, folder_files(live=False).values()))
+    print(f"| all of a folder's page, without its timeline | {total / 1e3:.0f} kB |")
+    middle, most = statistics.median(saves), max(saves)
+    print(f"| a preset saved on the desk, until the page's kernel has it | {middle:.0f} ms |")
+    print(f"| the longest of {SAVES} | {most:.0f} ms |")
 
 
 def measured(browser: Any, url: str) -> dict[str, float]:
@@ -101,6 +108,36 @@ def measured(browser: Any, url: str) -> dict[str, float]:
         found[name] = (after[i] - before[i]) / count * 1e3
     context.close()
     return found
+
+
+def saved_until_felt(browser: Any, folder: Path) -> list[float]:
+    """How long (ms) from each save of a preset's file until a served page's kernel is given it."""
+    preset = folder / "mine.toml"
+    text = 'schema = 2\nextends = "football"\n[tactor]\ngain_db = {}\n'
+    preset.write_text(text.format(-1))
+    timeline = ov.load_timeline("world-cup-final-2018")
+    took = []
+    with served(timeline, plays=False, preset=str(preset)) as server:
+        page = browser.new_context(viewport=PHONE).new_page()
+        page.goto(f"{server.origin}/#token={server.access.token}")
+        until(page, "p.served?.presets.sounding && p.sound.node")
+        page.evaluate("""() => {
+            const { node } = overview.sound;
+            const change = node.change.bind(node);
+            node.change = (bytes) => {
+                change(bytes);
+                window.changed = performance.timeOrigin + performance.now();
+            };
+        }""")
+        for i in range(SAVES):
+            page.evaluate("window.changed = 0")
+            began = time.time()
+            preset.write_text(text.format(-2 - i % 7))
+            until(page, "changed")
+            took.append(page.evaluate("changed") - 1e3 * began)
+            time.sleep(0.05 * (i % 4))  # not in step with the server's looks
+        page.context.close()
+    return took
 
 
 def drag(page: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,7 +53,7 @@ FIGURES = (
     "included)"
 )
 
-_SITES_OWN = {"zooms": "--zooms", "actuator": "--actuator"}
+_SITES_OWN = {"zooms": "--zooms", "actuator": "--actuator", "address": "--address"}
 
 _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 
@@ -61,7 +62,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     name="export",
     epilog="Example: overview export match.json --gesture sweep:4 --to ahap -o match.ahap",
 )
-@click.argument("timeline")
+@click.argument("timelines", metavar="TIMELINE...", nargs=-1, required=True)
 @preset_option
 @click.option("--gesture", default="sweep:4", show_default=True, help=FORMS + "; + joins parts.")
 @click.option(
@@ -91,6 +92,11 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
     type=click.IntRange(0, 3),
     help="Of a page: how often it can zoom in, by 3 each; 0.5 MB, 3, 13 and 41 MB.",
 )
+@click.option(
+    "--address",
+    help="Of a page: where its folder will be (https://example.org/match/), for its picture where "
+    "the link is shared.",
+)
 @transcript_option
 @actuator_option
 @window_options
@@ -99,7 +105,7 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 @click.pass_context
 def command(
     context: click.Context,
-    timeline: str,
+    timelines: tuple[str, ...],
     preset: str | None,
     gesture: str,
     formats: tuple[str, ...],
@@ -108,6 +114,7 @@ def command(
     tail: str,
     seed: int,
     zooms: int,
+    address: str | None,
     transcripts: tuple[str, ...],
     actuator: str | None,
     window: tuple[str, str] | None,
@@ -117,9 +124,9 @@ def command(
 ) -> None:
     """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt.
 
-    --to web writes no gesture but a folder for any web host, a page to feel TIMELINE on. --to c
-    writes a folder to compile: TIMELINE for programs and instruments without Python, with the bits
-    of `render`.
+    --to web writes no gesture but a folder for any web host, a page to feel TIMELINE on; of several
+    timelines a page that shows each and leads to its own. --to c writes a folder to compile:
+    TIMELINE for programs and instruments without Python, with the bits of `render`.
 
     An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
     and the device that plays them makes its drive.
@@ -133,16 +140,26 @@ def command(
     from overview_dsp.rendering.offline import render
     from overview_dsp.rendering.schedule import tail_of
 
-    data = open_part(timeline, load, window, zoom_to)
-    chosen = load_preset(preset_for(data, preset))
+    if len(timelines) > 1 and set(formats) != {SITE}:
+        raise InputError(
+            f"{len(timelines)} timelines ({', '.join(timelines)}): only --to {SITE} takes several; "
+            f"give one"
+        )
+    shown = []
+    for timeline in timelines:
+        data = open_part(timeline, load, window, zoom_to)
+        chosen = load_preset(preset_for(data, preset))
+        shown.append((data, chosen))
     if SOURCE in formats:
         _require_alone(context, SOURCE, formats, {**_GESTURES_OWN, **_SITES_OWN})
         _source(data, chosen, out or "voice", seed, as_json)
         return
     if SITE in formats:
         _require_alone(context, SITE, formats, _GESTURES_OWN)
-        _site(data, chosen, out or "site", zooms, seed, calibrated(actuator), as_json)
+        _site(shown, out or "site", zooms, seed, calibrated(actuator), _address(address), as_json)
         return
+    if address is not None:
+        raise InputError(f"--address is for --to {SITE}: a clip has no page; leave it out")
     movement, rest = read_gesture(gesture), tail_of(tail)
     driven = calibrated(actuator)
     if driven is not None and DRIVEN not in formats:
@@ -229,22 +246,46 @@ def _source(data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) 
     click.echo(f"to try it: make -C {out} && {out}/example {files[-1]} sweep.wav")
 
 
+def _address(given: str | None) -> str | None:
+    """A folder's address, with a slash at its end."""
+    from urllib.parse import urlsplit
+
+    from overview_dsp.errors import InputError
+
+    if given is None:
+        return None
+    try:
+        parts = urlsplit(given)
+        right = parts.scheme in ("https", "http") and bool(parts.hostname)
+    except ValueError:
+        right = False
+    if not right or parts.query or parts.fragment or re.search(r"\s", given):
+        raise InputError(
+            f"--address {given!r} is no address of a folder; one is https://example.org/match/"
+        )
+    return given.rstrip("/") + "/"
+
+
 def _site(
-    data: Timeline,
-    preset: Preset,
+    shown: list[tuple[Timeline, Preset]],
     out: str,
     zooms: int,
     seed: int,
     actuator: Actuator | None,
+    address: str | None,
     as_json: bool,
 ) -> None:
     """Write the folder and say how to open it."""
+    from overview_dsp.web.gallery import write_gallery
     from overview_dsp.web.static_site import write_site
 
     with progress_bar("writing the page") as progress:
-        size = write_site(
-            data, preset, out, levels=zooms, seed=seed, actuator=actuator, progress=progress
-        )
+        given: dict[str, Any] = {"levels": zooms, "seed": seed, "actuator": actuator}
+        given |= {"address": address, "progress": progress}
+        if len(shown) > 1:
+            size = write_gallery(shown, out, **given)
+        else:
+            size = write_site(*shown[0], out, **given)
     if as_json:
         print_json([{"format": SITE, "files": [out], "bytes": size}])
         return

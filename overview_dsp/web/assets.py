@@ -26,10 +26,21 @@ START = "index.html"
 FOLDER_ONLY = ("worker.js",)
 """Keeps a folder for use without a network; what a server sends isn't to outlive it."""
 
+SERVER_ONLY = (
+    *("served.js", "bench.js", "bench_drawing.js", "bench_rows.js", "film.js"),
+    *("preset_link.js", "host_sound.js", "link.js"),
+)
+"""What only a server's page can use: fetched there once the picture is drawn, in no folder."""
+
+LIVE_ONLY = ("live.js",)
+"""Fetched for a timeline that grows."""
+
 
 _COMMENTS = {
-    # those on lines of their own, so that nothing within a text is taken for one
-    "js": re.compile(rb"^[ \t]*(//[^\n]*|/\*\*.*?\*/)\n", re.MULTILINE | re.DOTALL),
+    # those on lines of their own, and those that end a line of code: none of these has " // "
+    "js": re.compile(
+        rb"^[ \t]*(?://[^\n]*|/\*\*.*?\*/)\n|[ \t]+// [^\n]*$", re.MULTILINE | re.DOTALL
+    ),
     "css": re.compile(rb"[ \t]*/\*.*?\*/\n?", re.DOTALL),
 }
 _INDENTED = re.compile(rb"^ +", re.MULTILINE)
@@ -51,6 +62,12 @@ def page_files() -> dict[str, bytes]:
 def _without_comments(name: str, content: bytes) -> bytes:
     comments = _COMMENTS.get(name.rpartition(".")[2])
     return content if comments is None else _INDENTED.sub(b"", comments.sub(b"", content))
+
+
+def folder_files(*, live: bool) -> dict[str, bytes]:
+    """The files of a folder by their path; `live`: of a timeline that grows."""
+    left_out = SERVER_ONLY if live else (*SERVER_ONLY, *LIVE_ONLY)
+    return {name: file for name, file in page_files().items() if name not in left_out}
 
 
 def served_paths() -> tuple[str, ...]:

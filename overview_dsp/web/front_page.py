@@ -19,25 +19,34 @@ _TITLE = "<title>overView</title>"
 _HEADING = '<h1 id="title">overView</h1>'
 
 
-def front_page(page: str, timeline: Timeline) -> str:
-    """The page's `index.html` for one timeline."""
+def front_page(page: str, timeline: Timeline, address: str | None = None) -> str:
+    """The page's `index.html` for one timeline; `address`: where its folder will be, if known."""
     title = html.escape(timeline.title)
     head = [f"<title>{title}: overView</title>"]
-    head += [
-        f'<meta property="og:{name}" content="{content}">'
-        for name, content in (
-            ("title", title),
-            ("type", "website"),
-            ("description", "A timeline to feel: friction under your finger."),
-            ("image", PICTURE),
-            ("image:width", WIDTH),
-            ("image:height", HEIGHT),
-            ("image:alt", f"{title}, drawn over time with its events"),
-        )
-    ]
-    head.append('<meta name="twitter:card" content="summary_large_image">')
+    head += sharing(timeline.title, PICTURE, address, f"{timeline.title}, drawn over time")
     head += [f'<link rel="preload" as="fetch" crossorigin href="{name}">' for name in _FIRST]
     return page.replace(_TITLE, "\n  ".join(head)).replace(_HEADING, f'<h1 id="title">{title}</h1>')
+
+
+def sharing(title: str, picture: str, address: str | None, alt: str | None = None) -> list[str]:
+    """Tags for who shows a link: many of them need a picture's whole address."""
+    told = {
+        "title": title,
+        "type": "website",
+        "description": "A timeline to feel: friction under your finger.",
+        "image": f"{address or ''}{picture}",
+        "image:width": str(WIDTH),
+        "image:height": str(HEIGHT),
+    }
+    told |= {"image:alt": alt} if alt else {}
+    told |= {"url": address} if address else {}
+    return [
+        *(
+            f'<meta property="og:{name}" content="{html.escape(content)}">'
+            for name, content in told.items()
+        ),
+        '<meta name="twitter:card" content="summary_large_image">',
+    ]
 
 
 def front_picture(timeline: Timeline) -> bytes:

@@ -3,7 +3,8 @@
 ``data/timeline.json``::
 
     {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null,
-     "series": {"unit", "decimals", "whole"} or null where a curve has no values (`values`),
+     "series": {"unit", "decimals", "whole", "hours"} or null where a curve has no
+        values (`values`),
      "full_torque": N m, "bare_friction": N m s/rad, "rates": [44100, 48000],
      "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6,
                         "pulse": [on ms, off ms, on ms]}, ...},

@@ -16,7 +16,7 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.files.atomic import whole_folder
 from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
-from overview_dsp.web.assets import START, page_files
+from overview_dsp.web.assets import START, folder_files
 from overview_dsp.web.front_page import PICTURE, front_page, front_picture
 from overview_dsp.web.site_content import SiteContent
 
@@ -34,6 +34,7 @@ def write_site(
     actuator: Actuator | None = None,
     progress: Callable[[float], None] | None = None,
     live: dict[str, Any] | None = None,
+    address: str | None = None,
 ) -> int:
     """Write the folder, whole or not at all; its size in bytes.
 
@@ -47,6 +48,8 @@ def write_site(
         What the tactor's signal drives.
     live
         What the page is told of a timeline that grows (`published`).
+    address
+        Where the folder will be, if that is known: ``https://example.org/match/``.
 
     Raises
     ------
@@ -56,7 +59,7 @@ def write_site(
     content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator, live=live)
 
     def front(file: bytes) -> bytes:
-        return front_page(file.decode(), timeline).encode()
+        return front_page(file.decode(), timeline, address).encode()
 
     with whole_folder(path, MARK) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
@@ -72,7 +75,7 @@ def write_site(
             digest.update(name.encode() + file)
             size += len(file)
 
-        for name, file in page_files().items():
+        for name, file in folder_files(live=live is not None).items():
             put(name, front(file) if name == START else file, "page")
         put(PICTURE, front_picture(timeline), "more")
         for i, name in enumerate(content.names):

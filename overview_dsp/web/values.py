@@ -34,7 +34,9 @@ def all_points(timeline: Timeline) -> bool:
 
 
 def series_json(timeline: Timeline) -> dict[str, Any] | None:
-    """How values are told: unit, decimals, whether one file has them all; None without values."""
+    """How values are told: unit, decimals, whether one file has them all, whether a date alone
+    doesn't say which; None without values.
+    """
     if timeline.intensity is None or not has_values(timeline):
         return None
     value = timeline.intensity.value
@@ -43,6 +45,7 @@ def series_json(timeline: Timeline) -> dict[str, Any] | None:
         "unit": timeline.intensity.unit,
         "decimals": _decimals(some),
         "whole": all_points(timeline),
+        "hours": _has_hours(timeline),
     }
 
 
@@ -70,6 +73,15 @@ def points_json(timeline: Timeline, start_s: float, end_s: float) -> dict[str, A
         "time_s": [_number(one) for one in times[known]],
         "value": [_number(one) for one in np.asarray(curve.value[index])[known]],
     }
+
+
+def _has_hours(timeline: Timeline) -> bool:
+    """Whether some points don't lie whole days apart."""
+    curve = timeline.intensity
+    assert curve is not None
+    index = np.unique(np.linspace(0, curve.count - 1, _SAMPLE).astype(np.int64))
+    days = np.diff(curve.points.times_of(index)) / 86_400
+    return bool((np.abs(days - np.round(days)) > 1e-3).any())
 
 
 def _nearest(timeline: Timeline, times: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -55,7 +55,7 @@ def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_pat
     assert {"data/window-5.json", "sound/0.bin", "sound/back.bin", "sound/5-44100.patch"} <= names
     for path in files:
         name = path.relative_to(tmp_path / "site").as_posix()
-        # what keeps a folder for use without a network; a picture for links, which a token guards
+        # what keeps a folder for use without a network, and its picture for who shares it
         if name in ("files.js", "worker.js", "preview.png"):
             assert page.get(f"/{name}").status_code == 404
             continue

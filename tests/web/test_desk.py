@@ -13,6 +13,7 @@ from overview_dsp.web.security.auth_token import Access, Verdict, kept_token
 from tests.cli.test_serve import MATCH, running
 from tests.web.driving import at, until
 from tests.web.serving import served
+from tests.web.test_bench import opened, slide
 from tests.web.test_served_page import connected, page_of, says
 
 
@@ -44,6 +45,27 @@ def test_a_preset_saved_on_the_desk_is_felt_on_every_page(match, chromium, own):
         own.write_text('schema = 2\nextends = "football"\n[tactor]\ngain_db = -7\n')
         until(one, "p.data.preset.values['tactor.gain_db'] === -7")
         assert one.text_content("#fault") == ""
+        assert wrong == []
+
+
+def test_an_open_bench_shows_what_the_desk_saved_and_keeps_what_was_tuned(match, chromium, own):
+    with (
+        served(match, plays=False, preset=str(own)) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.served?.presets.sounding && p.sound.node")
+        opened(tab)
+        slide(tab, "tactor", "tactor.gain_db", 1)
+        tuned = tab.evaluate("overview.bench.preset.values['tactor.gain_db']")
+        own.write_text(own.read_text().replace("-3", "-11"))
+        says(tab, "bench-told", "mine was saved on the desk: it is A, what you tuned is B")
+        until(tab, "p.data.preset.values['tactor.gain_db'] === -11 && !p.bench.busy")
+        slider = "#bench-rows input[name='tactor.gain_db']"
+        assert tab.get_attribute("#bench-a", "aria-pressed") == "true"
+        assert tab.get_attribute(slider, "aria-valuetext") == "-11 dB"
+        tab.click("#bench-b")
+        until(tab, f"p.data.preset.values['tactor.gain_db'] === {tuned} && !p.bench.busy")
+        assert tab.get_attribute(slider, "aria-valuetext") == f"{tuned:g} dB"
         assert wrong == []
 
 

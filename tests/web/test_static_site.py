@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import json
+import re
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import overview_dsp as ov
 from overview_dsp.export.browser_memory import encode_change, encode_engine
 from overview_dsp.files.atomic import whole_folder
 from overview_dsp.surface.build import build_surface
-from overview_dsp.web.assets import page_files
+from overview_dsp.web.assets import folder_files, page_files
 from overview_dsp.web.site_windows import site_windows
 from overview_dsp.web.static_site import write_site
 
@@ -21,11 +22,18 @@ from overview_dsp.web.static_site import write_site
 def test_the_page_is_light_and_fetches_nothing_from_elsewhere():
     own = page_files()
     assert sum(len(content) for content in own.values()) < 200_000
+    assert sum(len(content) for content in folder_files(live=False).values()) < 180_000
     for name, content in own.items():
         if name.endswith((".js", ".css", ".html", ".webmanifest")):
             text = content.decode()
             assert "://" not in text, name
             assert "style=" not in text, name
+
+
+def test_a_phone_gets_scripts_without_comments():
+    for name, content in page_files().items():
+        if name.endswith(".js"):
+            assert not re.search(rb"(^|\s)//\s", content), name
 
 
 def test_a_folder_is_whole_or_as_it_was(tmp_path, match, football):

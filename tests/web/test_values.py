@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from dataclasses import replace
-from datetime import timedelta
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -70,6 +70,8 @@ def test_the_value_text_is_the_datas_own_at_every_place(
             said = page.evaluate(SAID_AT, place).split(", ")
             day = timeline.start + timedelta(seconds=float(times[nearest]))
             assert said[1] == f"{day.day} {day:%B %Y}"
+            if "hourly" in name:
+                assert said[2] == f"{day:%H:%M}"
             value = float(timeline.intensity.value[nearest])
             assert said[0].replace("\u2212", "-") == f"{value:.{decimals}f}"
 
@@ -150,3 +152,25 @@ def test_decimals_are_the_datas_but_no_more_than_can_be_heard():
     assert decimals(0.0001234, 0.0004567) > 5
     match = ov.load_timeline("world-cup-final-2018")
     assert values.series_json(match) is None  # excitement that was made up is nobody's data
+
+
+@pytest.mark.parametrize(
+    ("every_s", "says", "ticks"),
+    [(3600.0, r"9 Mar 2024, 1[345]:\\d\\d", "1 Mar 2024"), (86_400.0, "9 Mar 2024", "1 Mar 2024")],
+    ids=["hourly", "daily"],
+)
+def test_the_hour_is_told_where_a_date_alone_doesnt_say_which(
+    chromium, tmp_path, every_s, says, ticks
+):
+    times = np.arange(int(20 * 86_400 / every_s)) * every_s
+    curve = ov.Intensity(times, np.sin(times / 1e5))
+    timeline = ov.Timeline("t", times[-1], intensity=curve, start=datetime(2024, 3, 1))
+    with page_of(chromium, timeline, "stocks", tmp_path / "site") as page:
+        labels = page.locator("#canvas text").all_text_contents()
+        assert any(ticks in label for label in labels)
+        assert all(":" not in label for label in labels)  # a day apart, or more
+        page.evaluate("(place) => overview.walk.to(place)", (8 * 86_400 + 14 * 3600) / times[-1])
+        told = "document.getElementById('clock').textContent"
+        until(page, f"RegExp('^{says}$').test({told})")  # where the disk has come to
+        spoken = page.get_attribute("#slider", "aria-valuetext").split(", ")
+        assert spoken[1:] == (["9 March 2024", "14:00"] if every_s < 86_400 else ["10 March 2024"])

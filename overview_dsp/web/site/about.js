@@ -5,13 +5,13 @@ import { coloursOf } from "./picture.js";
 
 const SIZE = 26; // CSS pixels of a mark
 
-/** `about` gets the sentences, `list` an item for each kind of event. */
-export function tellAbout(about, list, info) {
+/** `about` gets the sentences, each of `lists` an item for each kind of event. */
+export function tellAbout(about, lists, info) {
   about.textContent = [info.provenance, ...info.notes].filter(Boolean).join(". ");
   const colours = coloursOf(document.documentElement);
   // ticks of time explain themselves
   const kinds = Object.values(info.kinds).filter((kind) => kind.count > 0 || kind.shape !== "bar");
-  list.replaceChildren(...kinds.map((kind) => itemOf(kind, colours)));
+  for (const list of lists) list.replaceChildren(...kinds.map((kind) => itemOf(kind, colours)));
 }
 
 function itemOf({ words, shape, colour, count }, colours) {

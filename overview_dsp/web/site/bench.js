@@ -9,6 +9,7 @@ import { ask, post } from "./session.js";
 const json = async (path) => (await ask(path)).json();
 const HANDS = "twist."; // how a sensor's twist lets go: nothing of the page's
 const TAKEN = "there already";
+const isSame = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 export class Bench {
   /** `feel(before, after, surface)` makes the change sound; `surface`: whether that differs. */
@@ -38,11 +39,31 @@ export class Bench {
     (open ? by("bench-title") : by("slider")).focus();
   }
 
+  get open() {
+    return !by("bench").hidden;
+  }
+
   /** Another preset sounds: the next opening begins with that. */
   forget() {
-    if (!by("bench").hidden || this.sides === null) return;
     this.sides = null;
     by("bench-preset").replaceChildren();
+  }
+
+  /**
+   * A preset saved on the desk is felt on the side that wasn't: what was tuned here stays on its own.
+   * `sounds`: whether it does already.
+   */
+  async take(preset, sounds) {
+    if (isSame(preset, this.preset)) return;
+    if (sounds) this.sounding = structuredClone(preset);
+    const side = 1 - this.side;
+    this.sides[side] = preset;
+    const names = [...by("bench-preset").options].map(({ value }) => value);
+    if (!names.includes(preset.name)) by("bench-preset").append(new Option(preset.name));
+    await this.choose(side);
+    const [own, its] = side === 0 ? ["B", "A"] : ["A", "B"];
+    const line = `${preset.name} was saved on the desk: it is ${its}, what you tuned is ${own}`;
+    by("bench-told").textContent ||= line;
   }
 
   /** Feel another preset by its name, without the bench's being open. */
@@ -71,7 +92,7 @@ export class Bench {
     by("bench-b").setAttribute("aria-pressed", String(side === 1));
     by("bench-preset").value = this.preset.name;
     this.show();
-    this.changed();
+    return this.changed();
   }
 
   /** Begin this side from another preset. */
@@ -166,8 +187,7 @@ export class Bench {
   /** Whether the surface of two presets differs; null if nothing does. */
   differs(before, after) {
     const ids = Object.keys(after.values).filter((id) => before.values[id] !== after.values[id]);
-    const kinds = JSON.stringify(before.kinds) !== JSON.stringify(after.kinds);
-    if (kinds || ids.some((id) => this.table.get(id).surface)) return true;
+    if (!isSame(before.kinds, after.kinds) || ids.some((id) => this.table.get(id).surface)) return true;
     return ids.length > 0 || before.name !== after.name ? false : null;
   }
 

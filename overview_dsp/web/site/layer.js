@@ -4,7 +4,7 @@
 import { angleOf } from "./geometry.js";
 import { drawMark } from "./marks.js";
 import { linesOf } from "./values.js";
-import { momentText } from "./words.js";
+import { momentText, tickText } from "./words.js";
 
 const FAMILY = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
 const fontOf = (g, weight = 400) => `${weight} ${(13 * g.em).toFixed(1)}px ${FAMILY}`;
@@ -124,7 +124,7 @@ function drawAxis(c, g, view, info, colours) {
     const x = g.x((at - view.start_s) / length);
     c.moveTo(x, g.bottom + 0.5);
     c.lineTo(x, g.bottom + 6);
-    const text = momentText(at, info);
+    const text = tickText(at, info, step);
     const half = c.measureText(text).width / 2;
     c.textAlign = "left";
     c.fillText(text, Math.min(Math.max(x - half, g.left), g.right - 2 * half), g.bottom + 10);

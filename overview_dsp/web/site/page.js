@@ -6,16 +6,16 @@ import { by } from "./dom.js";
 import { EventList } from "./event_list.js";
 import { Frames } from "./frames.js";
 import { Hand } from "./hand.js";
-import { HostSound } from "./host_sound.js";
 import { HELP, listenToKeys } from "./keys.js";
 import { keepOffline } from "./offline.js";
+import { Pinch } from "./pinch.js";
 import { Playback } from "./playback.js";
-import { Served } from "./served.js";
 import { bindSettings, keepSettings, loadSettings } from "./settings.js";
 import { Shown } from "./shown.js";
 import { Slider } from "./slider.js";
 import { Sound } from "./sound.js";
 import { Speech } from "./speech.js";
+import { Strip } from "./strip.js";
 import { Strokes } from "./strokes.js";
 import { listenToTouch } from "./touch.js";
 import { Twist } from "./twist.js";
@@ -25,11 +25,13 @@ import { partBetween } from "./windows.js";
 import { eventAt, eventPassed, eventText } from "./words.js";
 
 export class Page {
-  constructor(data, picture, sound) {
+  /** `served` makes, of a page and `info.server`, what only a server gives; null in a folder. */
+  constructor(data, picture, sound, served) {
     this.data = data;
     this.info = data.info;
     this.sound = sound;
-    this.atHost = sound instanceof HostSound;
+    this.atHost = this.info.server?.audio === "host";
+    this.makeServed = served;
     this.settings = loadSettings();
     this.hand = new Hand(
       new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
@@ -47,8 +49,10 @@ export class Page {
     };
     this.shown = new Shown({
       data, sound, hand: this.hand, picture: this.picture,
-      onshow: () => this.wake(), onfault: (line) => this.fault(line),
+      onshow: () => this.seen(), onfault: (line) => this.fault(line),
     });
+    this.strip = new Strip(data, this.shown);
+    this.pinch = new Pinch(this.shown, picture, () => this.strip.whole);
     this.walk = new Walk(this.hand, this.shown, this.speech, this.info);
     this.frames = new Frames(sound, () => this.draw(), (meters) => this.take(meters));
     this.playback = new Playback(this);
@@ -65,7 +69,7 @@ export class Page {
     const under = this.atHost ? view : partBetween(windows, [0, duration_s]);
     this.shown.begin(view, under).catch((error) => this.fault(error.message));
     this.apply();
-    if (server) this.served = new Served(this, server);
+    if (server) this.served = this.makeServed(this, server);
     this.listen();
     this.wake();
   }
@@ -149,7 +153,7 @@ export class Page {
     listenToTouch(element, this.hand, {
       placeOf: (event, first) => this.picture.placeUnder(event, first),
       ontap: (x, y) => this.tapped(x, y),
-      onpinch: (factor, x) => shown.zoom(factor > 1 ? 1 : -1, this.picture.placeOf(x)),
+      onpinch: (factor, x, over) => this.pinch.to(factor, x, over),
       onfirst,
     });
     const watch = this.film === null ? null : (event) => this.served.watch(event);
@@ -193,6 +197,7 @@ export class Page {
     }).observe(by("canvas"));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
       this.picture.redraw();
+      this.strip.draw();
       this.tellAbout();
       this.wake();
     });
@@ -266,15 +271,22 @@ export class Page {
     document.documentElement.classList.toggle("contrast", contrast);
     this.picture.still = still;
     this.picture.resize();
+    this.strip.draw();
     this.tellAbout();
     this.wake();
   }
 
   tellAbout() {
-    tellAbout(by("about"), by("kinds"), this.info);
+    tellAbout(by("about"), [...document.querySelectorAll(".kinds")], this.info);
   }
 
   // --- every frame ------------------------------------------------------------------------------
+
+  /** Another window is shown. */
+  seen() {
+    this.strip.show(this.view);
+    this.wake();
+  }
 
   wake() {
     if (this.view !== null) this.frames.wake();
@@ -318,8 +330,9 @@ export class Page {
 /** The page over a picture that is there already, as `window.overview`. */
 export async function begin(data, picture, view) {
   const { server } = data.info;
-  const sound = server?.audio === "host" ? new HostSound() : new Sound(data);
-  const page = new Page(data, picture, sound);
+  const served = server ? await import("./served.js") : null;
+  const sound = served?.hostSound(server) ?? new Sound(data);
+  const page = new Page(data, picture, sound, served?.serve);
   page.begin(view);
   /** @type {any} */ (window).overview = page;
   await page.load();

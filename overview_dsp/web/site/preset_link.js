@@ -20,10 +20,13 @@ export class PresetLink {
       if (page.atHost) {
         page.data.preset = after;
         page.shown.drawAgain();
-      } else {
-        await page.feel(page.data.preset ?? before, after, true);
       }
-      page.bench.forget();
+      if (page.bench.open) {
+        await page.bench.take(after, page.atHost);
+      } else {
+        if (!page.atHost) await page.feel(page.data.preset ?? before, after, true);
+        page.bench.forget();
+      }
       page.fault("");
     } catch (error) {
       page.fault(error.message);

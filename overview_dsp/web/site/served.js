@@ -3,10 +3,16 @@
 import { Bench } from "./bench.js";
 import { by } from "./dom.js";
 import { Film } from "./film.js";
+import { HostSound } from "./host_sound.js";
 import { PresetLink } from "./preset_link.js";
 import { eventText, momentText, secondsAt } from "./words.js";
 
-export class Served {
+/** The sound of a server that sounds itself, or null. */
+export const hostSound = ({ audio }) => (audio === "host" ? new HostSound() : null);
+
+export const serve = (page, server) => new Served(page, server);
+
+class Served {
   /** `page`: what it is added to; `server`: of `info`. */
   constructor(page, server) {
     this.page = page;

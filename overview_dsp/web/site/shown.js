@@ -23,6 +23,7 @@ export class Shown {
     this.view = null;
     this.under = null; // the part that sounds
     this.going = false;
+    this.wanted = null; // the part that `toward` goes to next
     this.turned = 0;
     this.wheeled = 0;
   }
@@ -67,6 +68,24 @@ export class Shown {
   /** The window that a host shows, [start, end] in s. */
   follow(window) {
     return this.go(partBetween(this.windows, window));
+  }
+
+  /** Whether any window can be made, or only those of the list. */
+  get anywhere() {
+    return Boolean(this.data.info.server);
+  }
+
+  /** Go to a part; what is asked for meanwhile comes after it, the last alone. */
+  async toward(part) {
+    this.wanted = part;
+    if (this.heading) return;
+    this.heading = true;
+    while (this.wanted !== null) {
+      const next = this.wanted;
+      this.wanted = null;
+      await this.go(next);
+    }
+    this.heading = false;
   }
 
   /** Put a part under the hand; the moment a key holds stays under it. */

@@ -6,6 +6,7 @@ import {
 } from "./words.js";
 
 const EVERY_MS = 100; // text is laid out anew each time; nobody reads faster
+const MOST = 14; // characters in large type beside a value
 
 export class Slider {
   /** `parts`: the elements slider, clock, value, event, summary. */
@@ -30,7 +31,9 @@ export class Slider {
     }
     if (other || cursor !== oldCursor) {
       const here = eventAt(view, cursor);
-      set(clock, "textContent", momentText(secondsAt(view, cursor), info));
+      const moment = momentText(secondsAt(view, cursor), info);
+      set(clock, "textContent", moment);
+      clock.classList.toggle("long", moment.length > MOST);
       set(value, "textContent", valueAt(view, cursor, info) || scoreAt(view, cursor));
       set(event, "textContent", here ? eventText(here, info) : "");
     }

@@ -2,13 +2,12 @@
 
 const TAP_MS = 250;
 const TAP_PX = 10;
-const PINCH = 1.8; // a level of zoom is three times as close: about as much as fingers spread
 
 /**
  * `placeOf(event, first)` is the place (0 to 1) of a pointer, `first` where it came down;
  * `ontap(x, y)` is called after a short touch and says whether it meant something else than a step
- * to there; `onpinch(factor, x)` when two fingers have spread or closed about x; `onfirst()` at
- * every touch, in which sound may be started.
+ * to there; `onpinch(factor, x, over)` while two fingers spread or close about x, `factor` since they
+ * came down; `onfirst()` at every touch, in which sound may be started.
  */
 export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst }) {
   const fingers = new Map();
@@ -30,6 +29,11 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
     }
   });
 
+  const pinched = (over) => {
+    const [a, b] = [...fingers.values()];
+    onpinch(distance(fingers) / Math.max(spread, 1), (a.clientX + b.clientX) / 2, over);
+  };
+
   element.addEventListener("pointermove", (event) => {
     if (!fingers.has(event.pointerId)) return;
     fingers.set(event.pointerId, event);
@@ -40,18 +44,14 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
         hand.hold("touch", placeOf(one), one.timeStamp);
       }
     } else if (fingers.size === 2) {
-      const now = distance(fingers);
-      const factor = now / Math.max(spread, 1);
-      if (factor > PINCH || factor < 1 / PINCH) {
-        const [a, b] = [...fingers.values()];
-        onpinch(factor, (a.clientX + b.clientX) / 2);
-        spread = now;
-      }
+      pinched(false);
     }
   });
 
   const up = (event) => {
-    if (!fingers.delete(event.pointerId)) return;
+    if (!fingers.has(event.pointerId)) return;
+    if (fingers.size === 2) pinched(true);
+    fingers.delete(event.pointerId);
     if (!down) return;
     const tapped = down.tap && event.type === "pointerup" && event.timeStamp - down.time < TAP_MS;
     if (tapped && !ontap(event.clientX, event.clientY)) hand.releaseLater("touch");

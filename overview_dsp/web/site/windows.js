@@ -35,6 +35,33 @@ export function partAbout(windows, level, moment, willDo = anyWindow) {
   return best < 0 ? null : partOf(windows, best);
 }
 
+/** The part of a window (s) among `windows`, as long and as near as any is. */
+export function partNearest(windows, [start, end]) {
+  const away = ({ start_s, end_s }) => Math.abs(Math.log((end_s - start_s) / (end - start)));
+  const { level } = windows.reduce((a, b) => (away(b) < away(a) ? b : a));
+  return partAbout(windows, level, (start + end) / 2);
+}
+
+/** What a view shows of a window (s) of it, as a view. */
+export function croppedTo(view, [start_s, end_s]) {
+  const { level, resistance } = view;
+  const from = (start_s - view.start_s) / (view.end_s - view.start_s);
+  const part = (end_s - start_s) / (view.end_s - view.start_s);
+  const last = level.length - 1;
+  const columns = level.map((_, i) => Math.round((from + (part * i) / last) * last));
+  const placed = (place) => (place - from) / part;
+  const inside = (place) => Math.min(Math.max(placed(place), 0), 1);
+  return {
+    ...view, start_s, end_s,
+    level: columns.map((i) => level[i]),
+    resistance: columns.map((i) => resistance[i]),
+    gaps: view.gaps.map((gap) => gap.map(inside)).filter(([a, b]) => b > a),
+    events: view.events
+      .map((event) => ({ ...event, place: placed(event.place) }))
+      .filter(({ place }) => place >= 0 && place <= 1),
+  };
+}
+
 /** The part beside another, earlier (-1) or later (1), half of it new; null at the ends. */
 export function partBeside(windows, part, direction) {
   if (part.number < 0) {

@@ -16,13 +16,22 @@ const SPOKEN_DAYS = new Intl.DateTimeFormat("en-GB", {
   timeZone: "UTC", day: "numeric", month: "long", year: "numeric",
 });
 
+const HOURS = new Intl.DateTimeFormat("en-GB", {
+  timeZone: "UTC", hour: "2-digit", minute: "2-digit",
+});
+
+const DAY_S = 86400;
+const LONG_S = 3 * DAY_S; // a date says more than a weekday
+
 /** Minutes and seconds of a timeline, or its date where it has a calendar. */
 export function momentText(seconds, info, days = DAYS) {
   if (info.start) {
     const zone = info.start.match(/(Z|[+-]\d\d:\d\d)$/)?.[0] ?? "";
     const local = info.start.slice(0, info.start.length - zone.length);
     const moment = new Date(Date.parse(`${local}Z`) + 1e3 * seconds);
-    return (info.duration_s > 3 * 86400 ? days : TIMES).format(moment);
+    if (info.duration_s <= LONG_S) return TIMES.format(moment);
+    const day = days.format(moment);
+    return info.series?.hours ? `${day}, ${HOURS.format(moment)}` : day;
   }
   const short = info.duration_s < 120;
   const whole = short ? Math.floor(seconds) : Math.round(seconds);
@@ -32,6 +41,12 @@ export function momentText(seconds, info, days = DAYS) {
   const tenth = short ? `.${Math.floor((seconds - whole) * 10)}` : "";
   if (info.duration_s < 3 * 3600) return `${minutes}:${rest}${tenth}`;
   return `${hours}:${String(minutes % 60).padStart(2, "0")}:${rest}`;
+}
+
+/** A moment on an axis with a label every `step` s. */
+export function tickText(seconds, info, step) {
+  const days = info.start && info.duration_s > LONG_S && step >= DAY_S;
+  return momentText(seconds, days ? { ...info, series: null } : info);
 }
 
 /** A moment as it is said aloud: months in full. */
@@ -113,10 +128,17 @@ export function valueAt(view, place, info) {
 
 const SCORE = /^\d+-\d+(?= )/;
 
+/** The scores of a match's window in their order, each with the place from which it is so. */
+export function scoresOf(view) {
+  const goals = view.events.filter(({ label }) => SCORE.test(label));
+  const text = ({ label }) => label.match(SCORE)[0].replace("-", "\u2013");
+  const scores = goals.map((goal) => ({ place: goal.place, text: text(goal) }));
+  return scores.length > 0 ? [{ place: 0, text: "0\u20130" }, ...scores] : [];
+}
+
 /** The score at a place of a match's window; "" before its first goal, and where there is none. */
 export function scoreAt(view, place) {
-  const goals = view.events.filter((one) => one.place <= place + AT && SCORE.test(one.label));
-  return goals.at(-1)?.label.match(SCORE)[0].replace("-", "\u2013") ?? "";
+  return scoresOf(view).slice(1).filter((one) => one.place <= place + AT).at(-1)?.text ?? "";
 }
 
 /** What lies in a window, to somebody who comes to it: span, range, what to look for. */

@@ -1,0 +1,122 @@
+"""Several timelines in one folder: a page that shows each, and a folder of its own for each."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+from collections.abc import Callable, Sequence
+
+from overview_dsp.actuators.model import Actuator
+from overview_dsp.files.atomic import whole_folder
+from overview_dsp.presets.model import Preset
+from overview_dsp.timeline import Timeline
+from overview_dsp.web.assets import START, page_files
+from overview_dsp.web.front_page import HEIGHT, PICTURE, WIDTH, sharing
+from overview_dsp.web.static_site import write_site
+
+MARK = "gallery.txt"
+"""The file by which a folder is known as one of ours: its folders, a line each."""
+
+_FILES = ("style.css", "icon.svg", "icon-192.png")
+_TITLE = "Timelines to feel"
+_LONGEST = 48
+
+
+def write_gallery(
+    shown: Sequence[tuple[Timeline, Preset]],
+    path: str | os.PathLike[str],
+    *,
+    levels: int = 2,
+    seed: int = 0,
+    actuator: Actuator | None = None,
+    address: str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> int:
+    """Write the folder, whole or not at all; its size in bytes.
+
+    Parameters
+    ----------
+    shown
+        Timelines in their order, each with what it is felt by.
+    path
+        A new or empty folder, or a gallery that this wrote before.
+    levels, seed, actuator
+        Of each page, as `write_site` has them.
+    address
+        Where the folder will be, if that is known: ``https://example.org/matches/``.
+
+    Raises
+    ------
+    InputError
+        The folder can't be written or holds other files; a surface that can't be made.
+    """
+    names = _names([timeline.title for timeline, _ in shown])
+    files = {name: page_files()[name] for name in _FILES}
+    files[MARK] = "".join(f"{name}\n" for name in names).encode()
+    files[START] = _page([timeline for timeline, _ in shown], names, address).encode()
+    size = sum(map(len, files.values()))
+    with whole_folder(path, MARK) as folder:
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+        for i, (name, (timeline, preset)) in enumerate(zip(names, shown, strict=True)):
+
+            def part(done: float, i: int = i) -> None:
+                if progress is not None:
+                    progress((i + done) / len(shown))
+
+            size += write_site(
+                timeline,
+                preset,
+                folder / name,
+                levels=levels,
+                seed=seed,
+                actuator=actuator,
+                address=None if address is None else f"{address}{name}/",
+                progress=part,
+            )
+    return size
+
+
+def _names(titles: Sequence[str]) -> list[str]:
+    """A folder's name for each title: letters, digits and hyphens, none twice."""
+    names: list[str] = []
+    for title in titles:
+        plain = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:_LONGEST].strip("-")
+        name, number = plain or "timeline", 1
+        while name in names:
+            number += 1
+            name = f"{plain or 'timeline'}-{number}"
+        names.append(name)
+    return names
+
+
+def _page(timelines: Sequence[Timeline], names: Sequence[str], address: str | None) -> str:
+    items = "\n".join(
+        f'    <li><a href="{name}/"><img src="{name}/{PICTURE}" alt="" width="{WIDTH}" '
+        f'height="{HEIGHT}" loading="lazy"><span>{html.escape(timeline.title)}</span></a></li>'
+        for timeline, name in zip(timelines, names, strict=True)
+    )
+    tags = "\n  ".join(sharing(_TITLE, f"{names[0]}/{PICTURE}", address))
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+  <meta charset="utf-8">
+  <meta name="viewport" content="width=device-width, initial-scale=1, viewport-fit=cover">
+  <meta name="color-scheme" content="light dark">
+  <title>{_TITLE}</title>
+  {tags}
+  <link rel="icon" href="icon.svg" type="image/svg+xml">
+  <link rel="apple-touch-icon" href="icon-192.png">
+  <link rel="stylesheet" href="style.css">
+</head>
+<body class="gallery">
+  <main>
+  <h1>{_TITLE}</h1>
+  <ul>
+{items}
+  </ul>
+  </main>
+</body>
+</html>
+"""
