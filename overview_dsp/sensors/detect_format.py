@@ -204,6 +204,8 @@ def _quaternion(line: str, rows: Sequence[tuple[float, ...]]) -> DetectedFormat 
 
 
 def _labels(lines: Sequence[str], over: bool) -> DetectedFormat | str | None:
+    if len(lines) < LINES or reading_of(lines[-1]) is not None:
+        return None
     shapes, rounds = learned(lines)
     if not shapes:
         return None

@@ -162,6 +162,10 @@ class Setup:
             low = self._rest[0]
             high = max(ends, key=lambda end: abs(end - low))
             lines += ["", "[potentiometer]", f"low = {low:g}", f"high = {high:g}"]
+        elif "count" in reading:
+            span = max((one[0] - self._rest[0] for _, one in self._ways), key=abs)
+            lines += ["", "[encoder]", f"counts = {abs(span):g}"]
+            lines += ["reverse = true"] if span < 0.0 else []
         text = "\n".join(lines) + "\n"
         parse_sensor(text, "setup", "setup")
         return text

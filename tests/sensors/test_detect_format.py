@@ -38,6 +38,12 @@ def test_a_stream_is_detected_from_its_content(data, detected):
     assert str(detected)
 
 
+@pytest.mark.parametrize("count", range(1, 12))
+def test_json_is_never_taken_for_labelled_lines(count):
+    found = detect(lines('{"ax": 1, "ay": 2, "az": 3}', count))
+    assert found == (DetectedFormat("json") if count >= 5 else None)
+
+
 @pytest.mark.parametrize("line", ["512", "0", "-3", "300.5", "1,2", "1,2,3,4", "1,2,3,4,5,6,7"])
 def test_what_could_be_several_things_asks_for_a_sensor_in_one_line(line):
     said = detect(lines(line))

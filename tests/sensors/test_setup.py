@@ -100,6 +100,13 @@ def test_a_potentiometers_ends_are_found_either_way(ends):
     assert theta2_deg(text, pieces) == pytest.approx(120.0 * 180.0 / 170.0, abs=2.0)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_encoders_counts_are_found_either_way(sign):
+    values = np.rint(sign * 80.0 * np.degrees(ROLL) / 170.0)
+    pieces = [b'{"count": %d}\n' % value for value in values]
+    assert theta2_deg(learned(pieces), pieces) == pytest.approx(127.0, abs=3.0)
+
+
 def test_what_lies_or_turns_aslant_is_said_in_one_line():
     c, s = math.cos(math.radians(45)), math.sin(math.radians(45))
     x, y, z = A.T
