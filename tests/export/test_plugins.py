@@ -235,7 +235,8 @@ def test_damaged_state_is_refused(host, plugin, play, tmp_path):
     paths = [tmp_path / f"wrong-{number}" for number in range(len(wrong))]
     for path, content in zip(paths, wrong, strict=True):
         path.write_bytes(content)
-    assert host(plugin, "load", *paths, good).strip() == "0" * len(wrong) + "1"
+    # after a good one, whose bytes no short one may take for its own
+    assert host(plugin, "load", good, *paths, good).strip() == f"1{'0' * len(wrong)}1"
 
 
 def test_another_preset_fades_in_and_then_is_the_only_one(match, presets, play):
@@ -271,14 +272,12 @@ def test_any_values_at_any_time_leave_numbers_and_a_voice_that_recovers(match, p
     heard, _ = play(events, frames=14_000)
     assert np.abs(heard).max() <= 1.0
     # what was asked for last is what it is, though there was no room for it at once
-    full = [(VALUE, "tactor.gain_db", 3, float(gain)) for gain in range(-60, 12) for _ in range(40)]
-    full += [
-        (VALUE, "tactor.gain_db", 3, -3.0),
-        (VALUE, "theta2", 9_000, 0.9),
-        (VALUE, "touch", 9_000, 1.0),
-    ]
+    full = [(VALUE, "tactor.gain_db", 3, float(n % 72 - 60)) for n in range(3_000)]
+    full += [(VALUE, "tactor.gain_db", 3, -3.0)]
+    full += [(VALUE, "theta2", 9_000, 0.9), (VALUE, "touch", 9_000, 1.0)]
     quieter = presets["viscous"].with_changes({"tactor.gain_db": -3.0})
     expected = natively(match, quieter, 48_000, full[-2:])
+    assert expected[9_000:, 1].any()
     assert np.array_equal(play(full)[0][9_000:], expected[9_000:])
 
 
