@@ -213,6 +213,24 @@ def test_state_opens_in_a_fresh_host(match, presets, play, tmp_path):
     assert (tmp_path / "again").read_bytes() == state.read_bytes()
 
 
+def test_a_flush_and_a_state_that_come_while_it_is_active_glide_in(match, presets, play, tmp_path):
+    values = {"tactor.gain_db": -7.25, "texture.gain_db": -20.0}
+    hands = [
+        (VALUE, "touch", 0, 1.0),
+        *((VALUE, "theta2", at, at / 9e3) for at in range(1, 8000, 80)),
+    ]
+    changes = [(VALUE, id, 0, value) for id, value in values.items()]
+    expected = natively(match, presets["viscous"], 48_000, [*changes, *hands], 9_000)
+    flushed = [(VALUE, id, FLUSHED, value) for id, value in values.items()]
+    assert np.array_equal(play([*flushed, *hands], frames=9_000)[0], expected)
+    earlier = [(VALUE, id, EARLIER, value) for id, value in values.items()]
+    play(earlier, frames=1, saved=tmp_path / "state")
+    heard, _ = play(hands, frames=9_000, state=f"+{tmp_path / 'state'}")
+    assert np.array_equal(heard, expected)
+    # nothing glides that is there from the beginning
+    assert not np.array_equal(play([*earlier, *hands], frames=9_000)[0], expected)
+
+
 def test_damaged_state_is_refused(host, plugin, play, tmp_path):
     good = tmp_path / "good"
     play([], frames=1, saved=good)
