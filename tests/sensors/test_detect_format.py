@@ -25,7 +25,10 @@ def lines(line: str, count: int = 8, before: str = "") -> bytes:
             lines("1,2,3,4", before="\nt_us,ax,ay,az"),
             DetectedFormat("text", ("t_us", *ACCELERATION)),
         ),
-        (b"ets Jun 8 2016\nboot: ok\n" + lines("1,2,3"), DetectedFormat("text", ACCELERATION)),
+        (
+            b"ets Jun 8 2016\nboot: ok\n" + lines("1,2,9.5"),
+            DetectedFormat("text", ACCELERATION),
+        ),
     ],
 )
 def test_a_stream_is_detected_from_its_content(data, detected):
