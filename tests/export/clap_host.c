@@ -7,7 +7,8 @@
 
    BLOCK 0: of any size from 1 to 512. EVENTS: rows of kind (0 value, 1 key down, 2 key up, 3 MIDI),
    number, frame, value; those at -1 are flushed before it is active, those at -2 to -9 in a flush
-   after it is. STATE_*: a path or -. WARM: frames of the same events that are played before a
+   after it is. STATE_*: a path or -; STATE_IN is loaded before it is active, with a + before it
+   after. WARM: frames of the same events that are played before a
    reset. OUT: the two outputs' samples in turn. */
 #include "clap.h"
 
@@ -183,7 +184,7 @@ int main(int count, char **given) {
         for (i = 0; i < 2; i++) {
             list before = {rows, 0, 0}, after;
             clap_input_events_t in = {&before, events_size, events_get};
-            if (strcmp(given[8], "-") && !load(plugins[i], given[8])) fail("state refused");
+            if (*given[8] == '/' && !load(plugins[i], given[8])) fail("state refused");
             while (before.count < total && rows[before.count].frame == -1) before.count++;
             params->flush(plugins[i], &in, &nowhere);
             if (!plugins[i]->activate(plugins[i], rate, 1, LARGEST)) fail("not activated");
@@ -192,6 +193,7 @@ int main(int count, char **given) {
             while (before.count + after.count < total && after.rows[after.count].frame < 0) after.count++;
             in.ctx = &after;
             params->flush(plugins[i], &in, &nowhere);
+            if (*given[8] == '+' && !load(plugins[i], given[8] + 1)) fail("state refused");
         }
         for (pass = warm ? 0 : 1; pass < 2; pass++) {
             int64_t end = pass ? frames : warm;
