@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from overview_dsp.export.checking import check_clip
     from overview_dsp.export.clip import Transient
     from overview_dsp.export.felt_error import FeltError
+    from overview_dsp.export.plugins import build_plugin
     from overview_dsp.export.reading import PlayedClip, read_clip
     from overview_dsp.export.writing import Exported, export, formats
 
@@ -32,6 +33,7 @@ __all__ = [
     "FeltError",
     "PlayedClip",
     "Transient",
+    "build_plugin",
     "check_clip",
     "encode_engine",
     "export",
@@ -48,6 +50,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "FeltError": "felt_error",
             "PlayedClip": "reading",
             "Transient": "clip",
+            "build_plugin": "plugins",
             "check_clip": "checking",
             "encode_engine": "browser_memory",
             "export": "writing",

@@ -60,10 +60,7 @@ def export_c(
     >>> [path.name for path in ov.export.export_c(match, football, "voice")]
     ['kernel.c', 'overview.h', 'example.c', 'Makefile', 'CMakeLists.txt', 'timeline.image']
     """
-    source = resources.files("overview_dsp.export") / "c"
-    contents = {name: (source / name).read_bytes() for name in _FILES}
-    if f"kernels {sources_digest()}\n".encode() not in contents["kernel.c"][:1000]:
-        raise OverviewError("kernel.c is older than the kernels: run python tools/build_c.py")
+    contents = c_sources(*_FILES)
     engine = Engine(preset, timeline, seed=seed)
     engine.prepare(_IMAGE_RATE)
     contents[IMAGE] = encode_engine(engine)
@@ -72,3 +69,12 @@ def export_c(
         with whole_file(made / name) as path:
             path.write_bytes(content)
     return [made / name for name in contents]
+
+
+def c_sources(*names: str) -> dict[str, bytes]:
+    """Files of the package's C folder, by name, kernel.c checked: OverviewError if it is old."""
+    source = resources.files("overview_dsp.export") / "c"
+    contents = {name: (source / name).read_bytes() for name in names}
+    if f"kernels {sources_digest()}\n".encode() not in contents["kernel.c"][:1000]:
+        raise OverviewError("kernel.c is older than the kernels: run python tools/build_c.py")
+    return contents

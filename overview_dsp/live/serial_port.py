@@ -188,6 +188,8 @@ def _listen(device: str, seconds: float, baud: int, heard: dict[str, str]) -> No
         while time.monotonic() < until and not isinstance(found, DetectedFormat):
             data += port.read()
             found = detect(bytes(data[-8192:]))
+        if found is None:
+            found = detect(bytes(data[-8192:]), over=True)
     except PortLostError as error:
         found = str(error)
     finally:

@@ -3,7 +3,8 @@
 The detector: the signal is high-passed at 250 Hz (what lies below is rumble), its level taken over
 2 ms Hann windows every 0.25 ms; an onset is where the level has risen by at least 9 dB over the
 highest of the 8 ms before, and is above a floor. Its time is the steepest point of the rise, and
-its strength the highest level of the 5 ms from there. Onsets closer than 5 ms count as one.
+its strength the highest level of the 5 ms from there. Onsets closer than 5 ms count as one, at the
+steepest of them.
 """
 
 from __future__ import annotations
@@ -107,13 +108,18 @@ def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FL
     reach = round(MERGE_S / step)
     found_times: list[float] = []
     found_levels: list[float] = []
+    sharpest = 0.0
     for edge in edges.tolist():
         first = max(0, edge - gap - 2)
         steepest = first + int(np.argmax(slope[first : edge + gap + 2]))
         strength = float(level[steepest : steepest + reach].max())
         if found_times and times[steepest] - found_times[-1] < MERGE_S:
             found_levels[-1] = max(found_levels[-1], strength)
+            # grain that sets in just before a click is not its onset
+            if slope[steepest] > sharpest:
+                found_times[-1], sharpest = float(times[steepest]), float(slope[steepest])
             continue
+        sharpest = float(slope[steepest])
         found_times.append(float(times[steepest]))
         found_levels.append(strength)
     return Onsets(np.array(found_times), np.array(found_levels))

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from overview_dsp.sensors.calibration import Calibration, RawSample, calibrate
 from overview_dsp.sensors.gyroscope_check import GyroscopeCheck
 from overview_dsp.sensors.orientation import LONGEST_GAP_S, ByGravity, ByTurning, Orientation
+from overview_dsp.sensors.orientation_angles import QuaternionAngle, ThreeAngles
 from overview_dsp.sensors.profile import Sensor
-from overview_dsp.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters, Reading
+from overview_dsp.sensors.reading import (
+    ACCELERATION,
+    ANGLES,
+    ANGULAR_VELOCITY,
+    QUATERNION,
+    Counters,
+    Reading,
+)
 from overview_dsp.sensors.roll import Roll
 from overview_dsp.sensors.taps import TapTap
 from overview_dsp.sensors.units import GRAVITY
@@ -47,8 +55,9 @@ class Angle(Protocol):
     taps: bool
     """Whether it feels pulses."""
 
-    words: str
-    """How it stands, for a person."""
+    @property
+    def words(self) -> str:
+        """How it stands, for a person."""
 
     def step(self, time_s: float, reading: Reading) -> Turn | None:
         """The turn at a sample; None while there is none. InputError if it can't be read."""
@@ -115,7 +124,7 @@ class InertialAngle:
             return
         self._first = []
         found = calibrate(self._sensor, self._binary, first)
-        gyroscope = sample.turning is not None
+        gyroscope = sample.turning is not None and found.units.turning_known
         self._orientation = ByTurning(found.period_s, found.bias) if gyroscope else ByGravity()
         self._found = found
         self.words = found.words
@@ -126,6 +135,8 @@ class InertialAngle:
         assert self._found is not None
         assert self._orientation is not None
         units, last = self._found.units, self._last
+        if not units.turning_known:
+            sample = replace(sample, turning=None)
         elapsed = self._found.period_s if last is None else sample.time_s - last.time_s
         acceleration = units.acceleration_of(sample.acceleration)
         turning = units.angular_velocity_of(sample.turning or (0.0, 0.0, 0.0))
@@ -211,10 +222,37 @@ class PlainAngle:
         return max(0.0, min(HALF_TURN, self._theta2 + step * self._per_count))
 
 
+class FusedAngle:
+    """What the sensor has fused itself: a quaternion or three angles."""
+
+    taps = False
+
+    def __init__(self, fused: QuaternionAngle | ThreeAngles) -> None:
+        """`fused` makes theta2."""
+        self._fused = fused
+
+    @property
+    def words(self) -> str:
+        """As `Angle.words`."""
+        return self._fused.words
+
+    def step(self, time_s: float, reading: Reading) -> Turn | None:
+        """As `Angle.step`."""
+        theta2 = self._fused.theta2(time_s, reading)
+        if theta2 is None:
+            return None
+        sure = not (isinstance(self._fused, QuaternionAngle) and self._fused.roll.steep)
+        return Turn(time_s, theta2, touch=touch_of(reading), sure=sure)
+
+
 def angle_of(sensor: Sensor, binary: bool, reading: Reading, counters: Counters) -> Angle | None:
     """What makes an angle of such readings; None if nothing in this one does."""
     if all(name in reading for name in ACCELERATION):
         return InertialAngle(sensor, binary, counters)
+    if all(name in reading for name in QUATERNION[1:]):
+        return FusedAngle(QuaternionAngle(sensor, counters))
+    if all(name in reading for name in ANGLES):
+        return FusedAngle(ThreeAngles(sensor))
     for column in _PLAIN:
         if column in reading:
             return PlainAngle(sensor, column)

@@ -52,18 +52,22 @@ def calibrate(sensor: Sensor, binary: bool, samples: Sequence[RawSample]) -> Cal
     if not 1.0 / IMPOSSIBLE_HZ <= period <= IMPOSSIBLE_S:
         raise InputError(
             f"samples {period:.3g} s apart can't be; they come {SLOWEST_HZ:g} to {FASTEST_HZ:g} "
-            "times a second: is the unit of its stamps (t_us, t_ms, t_s) right?"
+            "times a second: is the unit of its stamps (t_us, t_ms, t_s) right, and is there a "
+            "delay(...) in the sketch that is to be 10 or less?"
         )
     rate = 1.0 / period
-    notes = [f"{rate:.4g} Hz, {units.words if samples[0].turning else units.words.split(',')[0]}"]
+    turning = samples[0].turning
+    notes = [f"{rate:.4g} Hz, {units.words if turning else units.words.split(',')[0]}"]
     if not 0.95 * SLOWEST_HZ <= rate <= 1.05 * FASTEST_HZ:
         notes.append(f"made for {SLOWEST_HZ:g} to {FASTEST_HZ:g} Hz")
+    if rate < 0.95 * SLOWEST_HZ:
+        notes.append("make the delay(...) in the sketch's loop() 10 or less")
     bias, note = _bias(units, samples)
     notes.append(note)
     up = unit(_mean([units.acceleration_of(one.acceleration) for one in samples]))
     lean = math.degrees(math.acos(max(-1.0, min(1.0, up[2]))))
     levelled = lean <= sensor.number("calibration.level_deg")
-    level = _level(up) if levelled else ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    level = level_of(up) if levelled else ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     if levelled:
         notes.append(f"face up is {lean:.1f} degrees off its own axes")
     elif sensor.number("calibration.level_deg") > 0.0:
@@ -79,6 +83,8 @@ def _mean(vectors: Sequence[Vector]) -> Vector:
 def _bias(units: Units, samples: Sequence[RawSample]) -> tuple[Vector, str]:
     """The gyroscope's, if it lay still; and what to say if it did not."""
     turning = [units.angular_velocity_of(one.turning) for one in samples if one.turning]
+    if not units.turning_known:
+        return (0.0, 0.0, 0.0), ""
     if not turning:
         return (0.0, 0.0, 0.0), "no gyroscope: by gravity alone"
     bias = _mean(turning)
@@ -89,7 +95,7 @@ def _bias(units: Units, samples: Sequence[RawSample]) -> tuple[Vector, str]:
     return bias, ""
 
 
-def _level(up: Vector) -> tuple[Vector, Vector, Vector]:
+def level_of(up: Vector) -> tuple[Vector, Vector, Vector]:
     """The smallest rotation that turns `up` to z (Rodrigues; up[2] > 0)."""
     x, y, z = up
     k = 1.0 / (1.0 + z)

@@ -10,14 +10,18 @@ from overview_dsp.sensors.reading import Counters, Reading
 LONGEST = 512
 """Bytes of a line; a longer one is noise."""
 
+_SIGNS = ((b"\xc2\xb0", b"deg"), (b"\xc2\xb2", b"2"))
+"""Degrees and squares as UTF-8 writes them."""
+
 
 class LineSplitter:
     """Splits at CR and LF. What comes before the first end of a line may be half of one."""
 
-    def __init__(self, counters: Counters) -> None:
-        """What is wrong is counted in `counters`."""
+    def __init__(self, counters: Counters, longest: int = LONGEST) -> None:
+        """What is wrong is counted in `counters`; `longest`: bytes of a line, more are noise."""
         self._counters = counters
-        self._pieces = Pieces(LONGEST)
+        self._longest = longest
+        self._pieces = Pieces(longest)
 
     def feed(self, data: bytes) -> list[str]:
         """The lines that these bytes end, stripped; empty ones and comments (#) left out."""
@@ -25,9 +29,13 @@ class LineSplitter:
         lines = []
         for piece, left_out, first in self._pieces.ended(data.replace(b"\r", b"\n"), b"\n"):
             text = piece.strip()
+            for sign, word in _SIGNS:
+                text = text.replace(sign, word)
             if first:
                 self._counters.fragments += bool(piece)
-            elif len(piece) > LONGEST or not all(32 <= byte < 127 or byte == 9 for byte in text):
+            elif len(piece) > self._longest or not all(
+                32 <= byte < 127 or byte == 9 for byte in text
+            ):
                 self._counters.refuse(piece)
                 self._counters.noise_bytes += left_out
             elif text and not text.startswith(b"#"):

@@ -6,13 +6,13 @@ Everything a file may say stands in `parameters.toml`, as with presets.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.parameter import Parameter, Value, read_parameters
-from overview_dsp.sensors.reading import COLUMNS
+from overview_dsp.sensors.reading import COLUMNS, SKIPPED
 
 DETECT = "told"
 """The value of a key whose setting is detected from the data, as profiles write it."""
@@ -68,10 +68,13 @@ class Sensor:
                 "axes, right-handed (turn the sign of one)"
             )
         for name in self.columns:
-            if name not in COLUMNS:
-                raise InputError(f"stream.columns: {name!r}{did_you_mean(name, COLUMNS)}; "
-                                 f"known: {', '.join(COLUMNS)}")  # fmt: skip
-        if len(set(self.columns)) != len(self.columns):
+            if name not in COLUMNS and name != SKIPPED:
+                raise InputError(f"stream.columns: {name!r}{did_you_mean(name, COLUMNS)}; known: "
+                                 f"{', '.join(COLUMNS)}; {SKIPPED} is skipped")  # fmt: skip
+        read = [name for name in self.columns if name != SKIPPED]
+        if self.columns and not read:
+            raise InputError("stream.columns reads none: all are skipped (_)")
+        if len(set(read)) != len(read):
             raise InputError("stream.columns names a column twice")
         self._check_motor()
         if self.columns and self.values["stream.format"] not in (DETECT, "text"):
@@ -90,6 +93,12 @@ class Sensor:
         if self.columns != MOTOR_COLUMNS:
             names = ", ".join(f'"{name}"' for name in MOTOR_COLUMNS)
             raise InputError(f"stream.columns of a motor are what it is set to report: [{names}]")
+
+    def told(self, values: Mapping[str, Value]) -> Sensor:
+        """This sensor with `values` where it leaves the default."""
+        left = {id: value for id, value in values.items()
+                if self.values[id] == SENSOR_PARAMETERS[id].default}  # fmt: skip
+        return replace(self, values={**self.values, **left}) if left else self
 
     def number(self, id: str) -> float:
         """A numeric value by its id."""

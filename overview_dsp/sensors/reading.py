@@ -16,6 +16,13 @@ COLUMNS: Mapping[str, str] = {
     "gx": "angular velocity about the sensor's x, right-handed",
     "gy": "angular velocity about y",
     "gz": "angular velocity about z",
+    "qw": "orientation of the sensor towards the earth, a quaternion: its real part",
+    "qx": "its part along x",
+    "qy": "its part along y",
+    "qz": "its part along z",
+    "angle_1": "the first of three angles, degrees; which is the twist is found by turning once",
+    "angle_2": "the second",
+    "angle_3": "the third",
     "roll_deg": "roll, degrees: 0 face up, 180 or -180 face down",
     "count": "counts of an encoder",
     "pot": "wiper of a potentiometer",
@@ -27,6 +34,11 @@ COLUMNS: Mapping[str, str] = {
 
 ACCELERATION = ("ax", "ay", "az")
 ANGULAR_VELOCITY = ("gx", "gy", "gz")
+QUATERNION = ("qw", "qx", "qy", "qz")
+ANGLES = ("angle_1", "angle_2", "angle_3")
+SKIPPED = "_"
+"""The name of a column that isn't read; the only one that may come twice."""
+
 STAMPS = ("t_us", "t_ms", "t_s")
 
 Reading = Mapping[str, float]

@@ -113,7 +113,8 @@ class SensorSource:
             if self._angle is None:
                 detected = self._stream.detected
                 binary = detected is not None and detected.format == "frames"
-                self._angle = angle_of(self._sensor, binary, reading, self.counters)
+                sensor = self._sensor if detected is None else self._sensor.told(detected.values)
+                self._angle = angle_of(sensor, binary, reading, self.counters)
                 if self._angle is None:
                     return None
             turn = self._angle.step(time_s, reading)

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from overview_dsp.sensors.app_json import LONGEST
 from overview_dsp.sensors.clock import ArrivalClock, StampClock
-from overview_dsp.sensors.detect_format import ENOUGH, Decoder, DetectedFormat, detect
+from overview_dsp.sensors.detect_format import Decoder, DetectedFormat, detect
 from overview_dsp.sensors.profile import DETECT, Sensor
 from overview_dsp.sensors.reading import STAMPS, Counters, Reading
 from overview_dsp.sensors.sequence import SequenceCheck
+
+PATIENCE_S = 1.5
+"""After so long without anything understood, a person is told what came."""
+
+AGAIN_S = 0.2
+"""What can't be detected is tried again so often, while more comes."""
 
 Sample = tuple[float, Reading]
 """Time, s, and what was said then."""
@@ -31,6 +38,11 @@ class Stream:
         self._clock: StampClock | ArrivalClock | None = None
         self._sequence = SequenceCheck(counters)
         self._columns = sensor.columns
+        self._began: float | None = None
+        self._tried = -1e300
+        self._accelerates = sensor.values["acceleration.unit"] != DETECT or (
+            sensor.number("acceleration.scale") != 1.0
+        )
         self.detected: DetectedFormat | None = None
         self.problem = ""
         form = sensor.values["stream.format"]
@@ -49,16 +61,23 @@ class Stream:
         """The samples that these bytes complete; `arrival_s` is of any clock that goes forward."""
         if self._decoder is None:
             self._pending += data
-            del self._pending[: -2 * ENOUGH]
-            found = detect(bytes(self._pending))
+            del self._pending[: -2 * LONGEST]
+            self._began = arrival_s if self._began is None else self._began
+            if self.problem and arrival_s - self._tried < AGAIN_S:
+                self._counters.received_bytes += len(data)
+                return []
+            self._tried = arrival_s
+            over = arrival_s - self._began >= PATIENCE_S
+            found = detect(bytes(self._pending), over, self._accelerates)
             if not isinstance(found, DetectedFormat):
                 self._counters.received_bytes += len(data)
-                self.problem = found or self.problem
+                # said once: the next one would only show a later line
+                self.problem = self.problem or found or ""
                 return []
             self._counters.received_bytes -= len(self._pending) - len(data)
             readings = self._know(found).feed(bytes(self._pending))
             self._pending.clear()
-            if not any(name in readings[-1] for name in STAMPS):
+            if readings and not any(name in readings[-1] for name in STAMPS):
                 readings = readings[-1:]  # when the earlier ones came isn't known
         else:
             readings = self._decoder.feed(data)

@@ -16,6 +16,10 @@ GRAVITY = 9.80665
 NEAR = 0.15
 """Gravity at rest may be off by so much and still shows its unit."""
 
+RAW = (2048.0, 4096.0, 8192.0, 16384.0)
+RAW_NEAR = 0.05
+"""What a bare 16-bit sensor says of 1 g, by its range (16, 8, 4 or 2 g)."""
+
 FRAME_ACCELERATION = 1.0 / 2048.0
 FRAME_ANGULAR_VELOCITY = 1000.0 / 16384.0
 """g and deg/s of 1 in a binary frame: +-16 g and +-2000 deg/s in an int16, as common sensors do."""
@@ -30,13 +34,15 @@ Vector = tuple[float, float, float]
 class Units:
     """Factors to m/s² and rad/s, and the axes.
 
-    `words` says what was detected.
+    `words` says what was detected; `turning_known` is False where what 1 of the gyroscope is can't
+    be.
     """
 
     acceleration: float
     angular_velocity: float
     axes: tuple[tuple[int, float], ...]
     words: str
+    turning_known: bool = True
 
     def acceleration_of(self, raw: Sequence[float]) -> Vector:
         """Acceleration along the device's x, y and z, m/s²; upwards is positive at rest."""
@@ -71,7 +77,18 @@ def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -
         turning = FRAME_ANGULAR_VELOCITY
     size = statistics.median(math.hypot(*raw) for raw in at_rest) * abs(scale)
     unit = str(sensor.values["acceleration.unit"])
-    if detect:
+    counts = raw_of(size) if detect and not binary and abs(scale) == 1.0 else None
+    words, turning_known = "", True
+    if counts is not None:
+        # what is near a power of two and near no unit: the counts of a bare sensor
+        scale, unit, turning_known = scale / counts, "g", turning != 1.0
+        words = f"{counts:g} of the sensor is 1 g"
+        if not turning_known:
+            words += (
+                ", and what 1 of its gyroscope is can't be known: by gravity alone until "
+                "angular_velocity.scale says it (1/131 = 0.007634 at 250 deg/s, 1/16.4 at 2000)"
+            )
+    elif detect:
         allowed = ("g",) if binary else tuple(ACCELERATION_UNITS)
         near = [name for name in allowed
                 if abs(size * ACCELERATION_UNITS[name] / GRAVITY - 1.0) <= NEAR]  # fmt: skip
@@ -89,5 +106,17 @@ def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -
         scale * ACCELERATION_UNITS[unit],
         turning * ANGULAR_VELOCITY_UNITS[turned],
         sensor.axes,
-        f"{unit}, {turned}",
+        words or f"{unit}, {turned}",
+        turning_known,
     )
+
+
+def raw_of(size: float) -> float | None:
+    """What a bare sensor says of 1 g, if `size` is that; None if it is none of `RAW`."""
+    return next((counts for counts in RAW if abs(size / counts - 1.0) <= RAW_NEAR), None)
+
+
+def shows_gravity(size: float) -> bool:
+    """Whether `size` is gravity in any unit, or in the counts of a bare sensor."""
+    near = any(abs(size * one / GRAVITY - 1.0) <= NEAR for one in ACCELERATION_UNITS.values())
+    return near or raw_of(size) is not None

@@ -25,7 +25,10 @@ def lines(line: str, count: int = 8, before: str = "") -> bytes:
             lines("1,2,3,4", before="\nt_us,ax,ay,az"),
             DetectedFormat("text", ("t_us", *ACCELERATION)),
         ),
-        (b"ets Jun 8 2016\nboot: ok\n" + lines("1,2,3"), DetectedFormat("text", ACCELERATION)),
+        (
+            b"ets Jun 8 2016\nboot: ok\n" + lines("1,2,9.5"),
+            DetectedFormat("text", ACCELERATION),
+        ),
     ],
 )
 def test_a_stream_is_detected_from_its_content(data, detected):
@@ -33,6 +36,12 @@ def test_a_stream_is_detected_from_its_content(data, detected):
     counters = Counters()
     assert detected.decoder(counters).feed(data)
     assert str(detected)
+
+
+@pytest.mark.parametrize("count", range(1, 12))
+def test_json_is_never_taken_for_labelled_lines(count):
+    found = detect(lines('{"ax": 1, "ay": 2, "az": 3}', count))
+    assert found == (DetectedFormat("json") if count >= 5 else None)
 
 
 @pytest.mark.parametrize("line", ["512", "0", "-3", "300.5", "1,2", "1,2,3,4", "1,2,3,4,5,6,7"])

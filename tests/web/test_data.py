@@ -11,6 +11,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.export.browser_memory import encode_change
 from overview_dsp.surface.build import build_surface
+from overview_dsp.web.front_page import front_page
 from overview_dsp.web.media import open_media
 from overview_dsp.web.site_data import window_json
 from overview_dsp.web.static_site import write_site
@@ -60,13 +61,15 @@ def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_pat
             continue
         answer = page.get("/" if name == "index.html" else f"/{name}")
         assert answer.status_code == 200, name
-        if name == "data/timeline.json":
+        if name == "index.html":
+            assert front_page(answer.text, match) == path.read_text()
+        elif name == "data/timeline.json":
             kept = json.loads(path.read_text())
             assert kept["server"] is None
             assert told["windows"][:6] == kept["windows"]
             same = {key: value for key, value in told.items() if key not in ("server", "windows")}
             assert same.items() <= kept.items()
-        elif name != "index.html":  # a folder's has its timeline's title
+        else:
             assert answer.content == path.read_bytes(), name
 
 

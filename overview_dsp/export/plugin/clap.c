@@ -1,0 +1,358 @@
+/* A bundle as a CLAP plugin: an instrument with two mono outputs, the clicks and the tactor's. */
+#include "clap.h"
+#include "voice.h"
+
+#include <stdio.h>
+
+enum { STATE_ID = 32, STATE_HEAD = 8 + 2 * BUNDLE_DIGEST, STATE_ROW = STATE_ID + 8 };
+enum { STATE_BYTES = STATE_HEAD + (VOICE_VALUES - 1) * STATE_ROW };
+static const char state_magic[8] = {'O', 'V', 'D', 'S', 'P', 0, 0, 1}; /* its end is the version */
+
+typedef struct {
+    clap_plugin_t plugin;
+    const clap_host_t *host;
+    const clap_host_tail_t *host_tail;
+    int64_t told_tail;
+    voice voice;
+} instance;
+
+static instance *of(const clap_plugin_t *plugin) { return (instance *)plugin->plugin_data; }
+
+/* ---- values: what the host calls parameters. Ids stay, whatever is added to the table. */
+
+static const char *value_id(int which) {
+    static const char *const hands[] = {"theta2", "touch", "preset"};
+    return which < VOICE_OWN ? hands[which] : overview_parameters[which - VOICE_OWN].id;
+}
+static clap_id number_of(int which) {
+    const char *id;
+    uint32_t hash = 2166136261u; /* FNV-1a */
+    for (id = value_id(which); *id; id++) hash = (hash ^ (uint8_t)*id) * 16777619u;
+    return hash;
+}
+static int which_is(clap_id number) {
+    int which;
+    for (which = 0; which < VOICE_VALUES; which++)
+        if (number_of(which) == number) return which;
+    return -1;
+}
+static const char *choice_of(const voice *v, int which, int choice) {
+    static const char *const switched[] = {"off", "on"};
+    if (which == VOICE_PRESET) return voice_preset(v, choice)->name;
+    return which == VOICE_TOUCH ? switched[choice] : bundle_labels[which - VOICE_OWN].choices[choice];
+}
+static const char *unit_of(int which) {
+    return which < VOICE_OWN ? "" : overview_parameters[which - VOICE_OWN].unit;
+}
+
+static uint32_t CLAP_ABI params_count(const clap_plugin_t *plugin) {
+    (void)plugin;
+    return VOICE_VALUES;
+}
+static bool CLAP_ABI params_info(const clap_plugin_t *plugin, uint32_t index, clap_param_info_t *info) {
+    static const char *const names[] = {"Angle", "Touch", "Preset"};
+    const voice *v = &of(plugin)->voice;
+    int which = (int)index;
+    if (index >= VOICE_VALUES) return false;
+    memset(info, 0, sizeof *info);
+    info->id = number_of(which);
+    info->flags = CLAP_PARAM_IS_AUTOMATABLE | (voice_is_choice(which) ? CLAP_PARAM_IS_STEPPED : 0);
+    if (which == VOICE_PRESET && v->count == 1) info->flags = CLAP_PARAM_IS_STEPPED | CLAP_PARAM_IS_HIDDEN;
+    snprintf(info->name, sizeof info->name, "%s",
+             which < VOICE_OWN ? names[which] : bundle_labels[which - VOICE_OWN].name);
+    if (which >= VOICE_OWN)
+        snprintf(info->module, sizeof info->module, "%s", bundle_labels[which - VOICE_OWN].section);
+    info->min_value = voice_lowest(which), info->max_value = voice_highest(v, which);
+    info->default_value = voice_default(v, which);
+    return true;
+}
+static bool CLAP_ABI params_value(const clap_plugin_t *plugin, clap_id id, double *value) {
+    int which = which_is(id);
+    if (which < 0) return false;
+    *value = atomic_load(&of(plugin)->voice.values[which]);
+    return true;
+}
+static bool CLAP_ABI params_to_text(
+    const clap_plugin_t *plugin, clap_id id, double value, char *text, uint32_t size) {
+    const voice *v = &of(plugin)->voice;
+    int which = which_is(id);
+    if (which < 0 || !(value >= voice_lowest(which) && value <= voice_highest(v, which))) return false;
+    if (voice_is_choice(which)) snprintf(text, size, "%s", choice_of(v, which, (int)(value + 0.5)));
+    else snprintf(text, size, "%.9g%s%s", value, *unit_of(which) ? " " : "", unit_of(which));
+    return true;
+}
+static bool CLAP_ABI params_from_text(
+    const clap_plugin_t *plugin, clap_id id, const char *text, double *value) {
+    const voice *v = &of(plugin)->voice;
+    int which = which_is(id), choice;
+    char *end;
+    if (which < 0) return false;
+    if (voice_is_choice(which))
+        for (choice = 0; choice <= (int)voice_highest(v, which); choice++)
+            if (!strcmp(text, choice_of(v, which, choice))) return *value = choice, true;
+    *value = strtod(text, &end);
+    return end != text && *value >= voice_lowest(which) && *value <= voice_highest(v, which);
+}
+
+/* ---- events */
+
+static void tell(const clap_output_events_t *out, const voice *v, int which, uint32_t time) {
+    clap_event_param_value_t event;
+    memset(&event, 0, sizeof event);
+    event.header.size = sizeof event, event.header.time = time;
+    event.header.space_id = CLAP_CORE_EVENT_SPACE_ID, event.header.type = CLAP_EVENT_PARAM_VALUE;
+    event.param_id = number_of(which), event.value = v->applied[which];
+    event.note_id = event.port_index = event.channel = event.key = -1;
+    if (out) out->try_push(out, &event.header);
+}
+
+/* An event at frame `at` of the block; a flush has no frames: at once. */
+static void hear(voice *v, const clap_event_header_t *event, int32_t at, const clap_output_events_t *out) {
+    uint32_t time = at < 0 ? 0 : (uint32_t)at;
+    int which;
+    if (event->space_id != CLAP_CORE_EVENT_SPACE_ID) return;
+    if (event->type == CLAP_EVENT_PARAM_VALUE) {
+        const clap_event_param_value_t *set = (const clap_event_param_value_t *)event;
+        double before = v->applied[VOICE_PRESET];
+        if ((which = which_is(set->param_id)) < 0) return;
+        voice_set(v, which, set->value, at);
+        if (v->applied[VOICE_PRESET] != before)
+            for (which = VOICE_OWN; which < VOICE_VALUES; which++) tell(out, v, which, time);
+    } else if (event->type == CLAP_EVENT_NOTE_ON) {
+        const clap_event_note_t *note = (const clap_event_note_t *)event;
+        if (note->key >= 0 && note->key < 128) voice_press(v, note->key, at);
+    } else if (event->type == CLAP_EVENT_NOTE_OFF || event->type == CLAP_EVENT_NOTE_CHOKE) {
+        voice_release(v, ((const clap_event_note_t *)event)->key, at);
+    } else if (event->type == CLAP_EVENT_MIDI) {
+        if (voice_midi(v, ((const clap_event_midi_t *)event)->data, at)) tell(out, v, VOICE_THETA2, time);
+    }
+}
+
+/* A tail that depends on changed values isn't known: then it is without end, and sleep tells. */
+static uint32_t CLAP_ABI tail_get(const clap_plugin_t *plugin) {
+    const voice *v = &of(plugin)->voice;
+    int64_t tail = v->memories ? voice_tail(v) : 0;
+    return tail < 0 || tail > INT32_MAX ? INT32_MAX : (uint32_t)tail;
+}
+
+static void CLAP_ABI params_flush(
+    const clap_plugin_t *plugin, const clap_input_events_t *in, const clap_output_events_t *out) {
+    voice *v = &of(plugin)->voice;
+    uint32_t i;
+    if (v->memories) voice_begin(v, NULL, NULL);
+    for (i = 0; i < in->size(in); i++) hear(v, in->get(in, i), VOICE_AT_ONCE, out);
+}
+
+static clap_process_status CLAP_ABI process(const clap_plugin_t *plugin, const clap_process_t *block) {
+    instance *self = of(plugin);
+    voice *v = &self->voice;
+    float *outputs[2] = {NULL, NULL};
+    int32_t at = 0, frames = (int32_t)block->frames_count;
+    uint32_t i, count = block->in_events ? block->in_events->size(block->in_events) : 0;
+    if (!v->memories) return CLAP_PROCESS_ERROR;
+    for (i = 0; i < 2 && i < block->audio_outputs_count; i++) {
+        clap_audio_buffer_t *buffer = &block->audio_outputs[i];
+        buffer->constant_mask = 0;
+        if (buffer->data32 && buffer->channel_count > 0) outputs[i] = buffer->data32[0];
+    }
+    voice_begin(v, outputs[0], outputs[1]);
+    for (i = 0; i < count; i++) {
+        const clap_event_header_t *event = block->in_events->get(block->in_events, i);
+        /* in their order, whatever a host's stamps are */
+        if (event->time > (uint32_t)at) at = event->time < block->frames_count ? (int32_t)event->time : frames;
+        hear(v, event, at, block->out_events);
+    }
+    voice_run(v, frames);
+    if (self->host_tail && tail_get(plugin) != self->told_tail) {
+        self->told_tail = tail_get(plugin);
+        self->host_tail->changed(self->host);
+    }
+    return voice_asleep(v) ? CLAP_PROCESS_SLEEP : CLAP_PROCESS_CONTINUE;
+}
+
+/* ---- state: the magic and version, the image's digest, then a row of id and value each */
+
+static bool CLAP_ABI state_save(const clap_plugin_t *plugin, const clap_ostream_t *stream) {
+    voice *v = &of(plugin)->voice;
+    char bytes[STATE_BYTES] = {0}, *row = bytes + STATE_HEAD;
+    int preset = (int)atomic_load(&v->values[VOICE_PRESET]), which;
+    size_t done = 0;
+    memcpy(bytes, state_magic, 8);
+    memcpy(bytes + 8, voice_preset(v, preset)->digest, 2 * BUNDLE_DIGEST);
+    for (which = 0; which < VOICE_VALUES; which++) {
+        double value = atomic_load(&v->values[which]);
+        if (which == VOICE_PRESET) continue;
+        strncpy(row, value_id(which), STATE_ID - 1);
+        memcpy(row + STATE_ID, &value, 8);
+        row += STATE_ROW;
+    }
+    while (done < sizeof bytes) {
+        int64_t n = stream->write(stream, bytes + done, sizeof bytes - done);
+        if (n <= 0) return false;
+        done += (size_t)n;
+    }
+    return true;
+}
+
+/* All of it is read and checked before a value changes. */
+static bool CLAP_ABI state_load(const clap_plugin_t *plugin, const clap_istream_t *stream) {
+    instance *self = of(plugin);
+    voice *v = &self->voice;
+    const clap_host_params_t *params;
+    char bytes[STATE_BYTES + 1], *row = bytes + STATE_HEAD;
+    double values[VOICE_VALUES];
+    size_t done = 0;
+    int which, preset = 0;
+    for (;;) {
+        int64_t n = stream->read(stream, bytes + done, sizeof bytes - done);
+        if (n < 0 || (size_t)n > sizeof bytes - done) return false;
+        if (n == 0) break;
+        done += (size_t)n;
+        if (done == sizeof bytes) return false;
+    }
+    if (done != STATE_BYTES || memcmp(bytes, state_magic, 8)) return false;
+    while (preset < v->count && memcmp(bytes + 8, voice_preset(v, preset)->digest, 2 * BUNDLE_DIGEST)) preset++;
+    if (preset == v->count) return false; /* of other data, or another preset */
+    values[VOICE_PRESET] = preset;
+    for (which = 0; which < VOICE_VALUES; which++) {
+        char id[STATE_ID] = {0};
+        if (which == VOICE_PRESET) continue;
+        strncpy(id, value_id(which), STATE_ID - 1);
+        memcpy(&values[which], row + STATE_ID, 8);
+        if (memcmp(id, row, STATE_ID)
+            || !(values[which] >= voice_lowest(which) && values[which] <= voice_highest(v, which))) return false;
+        if (voice_is_choice(which) && values[which] != (int)values[which]) return false;
+        row += STATE_ROW;
+    }
+    for (which = 0; which < VOICE_VALUES; which++) {
+        atomic_store(&v->values[which], values[which]);
+        if (!v->memories) v->applied[which] = values[which];
+    }
+    atomic_store(&v->restored, 1);
+    params = (const clap_host_params_t *)self->host->get_extension(self->host, CLAP_EXT_PARAMS);
+    if (params) params->rescan(self->host, CLAP_PARAM_RESCAN_VALUES);
+    return true;
+}
+
+/* ---- ports */
+
+static uint32_t CLAP_ABI audio_count(const clap_plugin_t *plugin, bool is_input) {
+    (void)plugin;
+    return is_input ? 0 : 2;
+}
+static bool CLAP_ABI audio_get(
+    const clap_plugin_t *plugin, uint32_t index, bool is_input, clap_audio_port_info_t *info) {
+    (void)plugin;
+    if (is_input || index > 1) return false;
+    memset(info, 0, sizeof *info);
+    info->id = index, info->channel_count = 1, info->port_type = CLAP_PORT_MONO;
+    info->flags = index == 0 ? CLAP_AUDIO_PORT_IS_MAIN : 0;
+    info->in_place_pair = CLAP_INVALID_ID;
+    snprintf(info->name, sizeof info->name, index == 0 ? "Click" : "Tactor");
+    return true;
+}
+static uint32_t CLAP_ABI notes_count(const clap_plugin_t *plugin, bool is_input) {
+    (void)plugin;
+    return is_input ? 1 : 0;
+}
+static bool CLAP_ABI notes_get(
+    const clap_plugin_t *plugin, uint32_t index, bool is_input, clap_note_port_info_t *info) {
+    (void)plugin;
+    if (!is_input || index > 0) return false;
+    memset(info, 0, sizeof *info);
+    info->supported_dialects = CLAP_NOTE_DIALECT_CLAP | CLAP_NOTE_DIALECT_MIDI;
+    info->preferred_dialect = CLAP_NOTE_DIALECT_MIDI; /* the modulation wheel comes with it */
+    snprintf(info->name, sizeof info->name, "Taps");
+    return true;
+}
+static uint32_t CLAP_ABI latency_get(const clap_plugin_t *plugin) {
+    (void)plugin;
+    return 0;
+}
+
+/* ---- the plugin */
+
+static bool CLAP_ABI init(const clap_plugin_t *plugin) {
+    instance *self = of(plugin);
+    voice_init(&self->voice, 0, bundle_presets_count);
+    self->host_tail = (const clap_host_tail_t *)self->host->get_extension(self->host, CLAP_EXT_TAIL);
+    return true;
+}
+static void CLAP_ABI destroy(const clap_plugin_t *plugin) {
+    voice_deactivate(&of(plugin)->voice);
+    free(of(plugin));
+}
+static bool CLAP_ABI activate(const clap_plugin_t *plugin, double rate, uint32_t least, uint32_t most) {
+    (void)least, (void)most;
+    if (voice_activate(&of(plugin)->voice, rate)) return false;
+    of(plugin)->told_tail = tail_get(plugin);
+    return true;
+}
+static void CLAP_ABI deactivate(const clap_plugin_t *plugin) { voice_deactivate(&of(plugin)->voice); }
+static bool CLAP_ABI start_processing(const clap_plugin_t *plugin) {
+    return of(plugin)->voice.memories != NULL;
+}
+static void CLAP_ABI stop_processing(const clap_plugin_t *plugin) { (void)plugin; }
+static void CLAP_ABI reset(const clap_plugin_t *plugin) {
+    if (of(plugin)->voice.memories) voice_restart(&of(plugin)->voice);
+}
+static void CLAP_ABI on_main_thread(const clap_plugin_t *plugin) { (void)plugin; }
+
+static const void *CLAP_ABI get_extension(const clap_plugin_t *plugin, const char *id) {
+    static const clap_plugin_params_t params = {params_count, params_info, params_value,
+                                                params_to_text, params_from_text, params_flush};
+    static const clap_plugin_state_t state = {state_save, state_load};
+    static const clap_plugin_audio_ports_t audio = {audio_count, audio_get};
+    static const clap_plugin_note_ports_t notes = {notes_count, notes_get};
+    static const clap_plugin_latency_t latency = {latency_get};
+    static const clap_plugin_tail_t tail = {tail_get};
+    (void)plugin;
+    if (!strcmp(id, CLAP_EXT_PARAMS)) return &params;
+    if (!strcmp(id, CLAP_EXT_STATE)) return &state;
+    if (!strcmp(id, CLAP_EXT_AUDIO_PORTS)) return &audio;
+    if (!strcmp(id, CLAP_EXT_NOTE_PORTS)) return &notes;
+    if (!strcmp(id, CLAP_EXT_LATENCY)) return &latency;
+    return strcmp(id, CLAP_EXT_TAIL) ? NULL : &tail;
+}
+
+static const char *features[] = {"instrument", "synthesizer", NULL};
+static const clap_plugin_descriptor_t descriptor = {
+    CLAP_VERSION_INIT, bundle_id, bundle_name, "overView DSP", "", "", "",
+    bundle_version, bundle_description, features,
+};
+
+static uint32_t CLAP_ABI factory_count(const clap_plugin_factory_t *factory) {
+    (void)factory;
+    return 1;
+}
+static const clap_plugin_descriptor_t *CLAP_ABI factory_descriptor(
+    const clap_plugin_factory_t *factory, uint32_t index) {
+    (void)factory;
+    return index == 0 ? &descriptor : NULL;
+}
+static const clap_plugin_t *CLAP_ABI factory_create(
+    const clap_plugin_factory_t *factory, const clap_host_t *host, const char *id) {
+    instance *self;
+    (void)factory;
+    if (strcmp(id, bundle_id) || host->clap_version.major < 1) return NULL;
+    if (!(self = (instance *)calloc(1, sizeof *self))) return NULL;
+    self->host = host;
+    self->plugin = (clap_plugin_t){&descriptor, self, init, destroy, activate, deactivate,
+                                   start_processing, stop_processing, reset, process,
+                                   get_extension, on_main_thread};
+    return &self->plugin;
+}
+
+static bool CLAP_ABI entry_init(const char *path) {
+    (void)path;
+    return true;
+}
+static void CLAP_ABI entry_deinit(void) {}
+static const void *CLAP_ABI entry_factory(const char *id) {
+    static const clap_plugin_factory_t factory = {factory_count, factory_descriptor, factory_create};
+    return strcmp(id, CLAP_PLUGIN_FACTORY_ID) ? NULL : &factory;
+}
+
+CLAP_EXPORT const clap_plugin_entry_t clap_entry = {
+    CLAP_VERSION_INIT, entry_init, entry_deinit, entry_factory,
+};

@@ -1,0 +1,282 @@
+/* A voice with presets, a hand and notes: what every plugin format plays.
+
+   Threads: `values` and `restored` belong to any; voice_activate and voice_deactivate to the main
+   thread, while nothing is processed; all else to the audio thread, which allocates and locks
+   nothing. */
+#ifndef OVERVIEW_VOICE_H
+#define OVERVIEW_VOICE_H
+#include "bundle.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+enum { VOICE_THETA2, VOICE_TOUCH, VOICE_PRESET, VOICE_OWN, VOICE_VALUES = VOICE_OWN + OVERVIEW_PARAMETERS };
+enum { VOICE_CHUNK = 256, VOICE_AT_ONCE = -1, VOICE_NO_NOTE = -1 };
+
+static const double voice_pi = 3.141592653589793;
+static const double voice_fade_s = 0.03; /* as of a surface that gives way to another */
+static const double voice_silence_s = 0.05; /* so long, a zero is not one between two waves */
+
+typedef struct {
+    int first, count; /* which presets of the bundle */
+    void **memories;  /* one each; NULL while not active */
+    double rate;
+    int current, leaving; /* of the presets; -1: none leaves */
+    int64_t fade_left, fade;
+    double applied[VOICE_VALUES]; /* what the memory was told */
+    _Atomic double values[VOICE_VALUES]; /* what the host sees */
+    atomic_bool restored; /* values that the memory wasn't told yet */
+    int note;
+    double finger; /* the note's place, 0 to 1 */
+    int owed_hands, owed_parameters; /* what found no room in a queue */
+    int32_t done; /* frames of this block that are rendered */
+    float *click, *tactor;
+    float block[2 * VOICE_CHUNK], before[2 * VOICE_CHUNK];
+} voice;
+
+static inline double voice_lowest(int which) {
+    return which < VOICE_OWN ? 0.0 : overview_parameters[which - VOICE_OWN].lowest;
+}
+static inline double voice_highest(const voice *v, int which) {
+    if (which == VOICE_PRESET) return v->count - 1;
+    return which < VOICE_OWN ? 1.0 : overview_parameters[which - VOICE_OWN].highest;
+}
+static inline int voice_is_choice(int which) {
+    if (which < VOICE_OWN) return which != VOICE_THETA2;
+    return bundle_labels[which - VOICE_OWN].choices != NULL;
+}
+static inline const bundle_preset *voice_preset(const voice *v, int which) {
+    return &bundle_presets[v->first + which];
+}
+static inline double voice_default(const voice *v, int which) {
+    return which < VOICE_OWN ? 0.0 : voice_preset(v, 0)->values[which - VOICE_OWN];
+}
+
+static void voice_init(voice *v, int first, int count) {
+    int i;
+    memset(v, 0, sizeof *v);
+    v->first = first, v->count = count, v->leaving = -1, v->note = VOICE_NO_NOTE;
+    for (i = 0; i < VOICE_VALUES; i++) {
+        v->applied[i] = voice_default(v, i);
+        atomic_init(&v->values[i], v->applied[i]);
+    }
+}
+
+static void voice_deactivate(voice *v) {
+    int i;
+    for (i = 0; v->memories && i < v->count; i++) free(v->memories[i]);
+    free(v->memories);
+    v->memories = NULL;
+}
+
+static inline void *voice_memory(const voice *v) { return v->memories[v->current]; }
+
+static void voice_hand(voice *v, int source, int32_t at);
+
+/* The current preset's memory as new, with the values of the moment and whoever touches. */
+static int voice_start(voice *v) {
+    void *memory = voice_memory(v);
+    memcpy((char *)memory + 8 * OVERVIEW_PARAMETER, v->applied + VOICE_OWN, 8 * OVERVIEW_PARAMETERS);
+    if (overview_prepare(memory, v->rate)) {
+        /* the carrier is too high for this rate: its own may do */
+        int at = OVERVIEW_PARAMETER + OVERVIEW_TACTOR_FREQUENCY_HZ;
+        const double *own = voice_preset(v, v->current)->values;
+        memcpy((char *)memory + 8 * at, own + OVERVIEW_TACTOR_FREQUENCY_HZ, 8);
+        if (overview_prepare(memory, v->rate)) return OVERVIEW_REFUSED;
+    }
+    v->owed_hands = v->owed_parameters = 0;
+    if (v->applied[VOICE_TOUCH] > 0.0) voice_hand(v, OVERVIEW_TOUCH, VOICE_AT_ONCE);
+    if (v->note != VOICE_NO_NOTE) voice_hand(v, OVERVIEW_MIDI, VOICE_AT_ONCE);
+    return OVERVIEW_DONE;
+}
+
+static int voice_restart(voice *v) {
+    int i;
+    atomic_store(&v->restored, 0);
+    for (i = 0; i < VOICE_VALUES; i++) v->applied[i] = atomic_load(&v->values[i]);
+    v->current = (int)v->applied[VOICE_PRESET];
+    v->leaving = -1;
+    v->note = VOICE_NO_NOTE;
+    return voice_start(v);
+}
+
+static int voice_activate(voice *v, double rate) {
+    int i;
+    v->memories = (void **)calloc((size_t)v->count, sizeof *v->memories);
+    v->rate = rate, v->fade = (int64_t)(voice_fade_s * rate) + 1;
+    for (i = 0; v->memories && i < v->count; i++) {
+        const bundle_preset *preset = voice_preset(v, i);
+        v->memories[i] = calloc(1, (size_t)OVERVIEW_MEMORY_BYTES);
+        if (!v->memories[i] || overview_load(v->memories[i], preset->image, preset->bytes)
+            || overview_prepare(v->memories[i], rate)) break;
+    }
+    if (v->memories && i == v->count && !voice_restart(v)) return OVERVIEW_DONE;
+    voice_deactivate(v);
+    return OVERVIEW_REFUSED;
+}
+
+/* Tell again, as soon as possible, what found no room. */
+static void voice_pay(voice *v) {
+    int source, owed = v->owed_hands;
+    v->owed_hands = 0;
+    for (source = 0; owed >> source; source++)
+        if (owed >> source & 1) voice_hand(v, source, VOICE_AT_ONCE);
+    if (v->owed_parameters) {
+        /* the memory has the values already: any change pushes them all */
+        double first = overview_number(voice_memory(v), OVERVIEW_PARAMETER);
+        v->owed_parameters = overview_change(voice_memory(v), 0, first, OVERVIEW_AT_ONCE) != 0;
+    }
+}
+
+/* Render the block's frames below `until`. */
+static void voice_run(voice *v, int32_t until) {
+    while (v->done < until) {
+        int32_t i, n = until - v->done < VOICE_CHUNK ? until - v->done : VOICE_CHUNK;
+        overview_process(voice_memory(v), v->block, n, 2);
+        if (v->leaving >= 0) {
+            overview_process(v->memories[v->leaving], v->before, n, 2);
+            for (i = 0; i < n && v->fade_left > 0; i++, v->fade_left--) {
+                double part = (double)v->fade_left / (double)v->fade;
+                float *to = v->block + 2 * i, *from = v->before + 2 * i;
+                to[0] = (float)((double)to[0] + ((double)from[0] - (double)to[0]) * part);
+                to[1] = (float)((double)to[1] + ((double)from[1] - (double)to[1]) * part);
+            }
+            if (v->fade_left == 0) v->leaving = -1;
+        }
+        for (i = 0; i < n; i++) {
+            if (v->click) v->click[v->done + i] = v->block[2 * i];
+            if (v->tactor) v->tactor[v->done + i] = v->block[2 * i + 1];
+        }
+        v->done += n;
+        if (v->owed_hands || v->owed_parameters) voice_pay(v);
+    }
+}
+
+static int64_t voice_stamp(const voice *v, int32_t at) {
+    if (at < v->done) return OVERVIEW_AT_ONCE;
+    return overview_count(voice_memory(v), OVERVIEW_CLOCK) + (at - v->done);
+}
+
+/* Tell the memory where a source's finger is, from frame `at` of the block on. */
+static void voice_hand(voice *v, int source, int32_t at) {
+    int midi = source == OVERVIEW_MIDI;
+    double place = midi ? v->finger : v->applied[VOICE_THETA2];
+    int held = midi ? v->note != VOICE_NO_NOTE : v->applied[VOICE_TOUCH] > 0.0;
+    int tries;
+    for (tries = 0; tries < 2; tries++) {
+        if (!overview_control(voice_memory(v), source, voice_stamp(v, at), voice_pi * place, held)) return;
+        if (at > v->done) voice_run(v, at);
+    }
+    v->owed_hands |= 1 << source;
+}
+
+static void voice_change(voice *v, int parameter, double value, int32_t at) {
+    int tries;
+    for (tries = 0; tries < 2; tries++) {
+        if (!overview_change(voice_memory(v), parameter, value, voice_stamp(v, at))) return;
+        if (at > v->done) voice_run(v, at);
+    }
+    v->owed_parameters = 1;
+}
+
+/* Another preset from frame `at` on: it begins anew, and the one before fades out, as it is held. */
+static void voice_switch(voice *v, int preset, int32_t at) {
+    if (at > v->done) voice_run(v, at);
+    v->leaving = v->current, v->fade_left = v->fade;
+    v->current = preset;
+    voice_start(v);
+}
+
+/* Keep a value, within its range, and tell no memory; NaN is no value. A preset comes with its own
+   values. Whether there is something to tell. */
+static int voice_keep(voice *v, int which, double value) {
+    int i;
+    if (value != value) return 0;
+    if (value < voice_lowest(which)) value = voice_lowest(which);
+    if (value > voice_highest(v, which)) value = voice_highest(v, which);
+    if (voice_is_choice(which)) value = (double)(int)(value + 0.5);
+    if (which == VOICE_PRESET && value == v->applied[which]) return 0;
+    v->applied[which] = value;
+    atomic_store(&v->values[which], value);
+    if (which == VOICE_PRESET)
+        for (i = VOICE_OWN; i < VOICE_VALUES; i++) {
+            v->applied[i] = voice_preset(v, (int)value)->values[i - VOICE_OWN];
+            atomic_store(&v->values[i], v->applied[i]);
+        }
+    return 1;
+}
+
+/* A value from frame `at` of the block on; the memory is told while active. */
+static void voice_set(voice *v, int which, double value, int32_t at) {
+    if (!voice_keep(v, which, value) || !v->memories) return;
+    if (which == VOICE_PRESET) voice_switch(v, (int)v->applied[which], at);
+    else if (which < VOICE_PRESET) voice_hand(v, OVERVIEW_TOUCH, at);
+    else voice_change(v, which - VOICE_OWN, v->applied[which], at);
+}
+
+/* A key taps its place on the timeline, the lowest at the start; the last one pressed holds. */
+static void voice_press(voice *v, int key, int32_t at) {
+    v->note = key, v->finger = key / 127.0;
+    if (v->memories) voice_hand(v, OVERVIEW_MIDI, at);
+}
+
+/* A key, or any (-1), lets go. */
+static void voice_release(voice *v, int key, int32_t at) {
+    if (v->note == VOICE_NO_NOTE || (key >= 0 && key != v->note)) return;
+    v->note = VOICE_NO_NOTE;
+    if (v->memories) voice_hand(v, OVERVIEW_MIDI, at);
+}
+
+/* MIDI's own messages; the modulation wheel moves the finger that holds. Whether theta2 moved. */
+static int voice_midi(voice *v, const uint8_t *data, int32_t at) {
+    int kind = data[0] & 0xF0, number = data[1] & 0x7F, value = data[2] & 0x7F;
+    if (kind == 0x90 && value > 0) voice_press(v, number, at);
+    else if (kind == 0x80 || kind == 0x90) voice_release(v, number, at);
+    else if (kind == 0xB0 && (number == 120 || number == 123)) voice_release(v, -1, at);
+    else if (kind == 0xB0 && number == 1) {
+        if (v->note == VOICE_NO_NOTE) {
+            voice_set(v, VOICE_THETA2, value / 127.0, at);
+            return 1;
+        }
+        v->finger = value / 127.0;
+        if (v->memories) voice_hand(v, OVERVIEW_MIDI, at);
+    }
+    return 0;
+}
+
+/* A block begins, into these outputs (either may be NULL), with what was restored meanwhile. */
+static void voice_begin(voice *v, float *click, float *tactor) {
+    double now[VOICE_VALUES];
+    int i;
+    v->done = 0, v->click = click, v->tactor = tactor;
+    if (!atomic_exchange(&v->restored, 0)) return;
+    for (i = 0; i < VOICE_VALUES; i++) now[i] = atomic_load(&v->values[i]);
+    if (now[VOICE_PRESET] != v->applied[VOICE_PRESET]) {
+        memcpy(v->applied, now, sizeof now);
+        voice_switch(v, (int)now[VOICE_PRESET], VOICE_AT_ONCE);
+        return;
+    }
+    for (i = 0; i < VOICE_VALUES; i++)
+        if (now[i] != v->applied[i]) voice_set(v, i, now[i], VOICE_AT_ONCE);
+}
+
+/* Whether it stays silent until the next event. */
+static int voice_asleep(const voice *v) {
+    const void *memory = voice_memory(v);
+    int64_t silence = (int64_t)(voice_silence_s * v->rate);
+    return v->leaving < 0 && v->note == VOICE_NO_NOTE && v->applied[VOICE_TOUCH] == 0.0
+        && overview_count(memory, OVERVIEW_M_SILENT) > silence
+        && overview_count(memory, OVERVIEW_M_STILL) > silence;
+}
+
+/* Frames from the last release to silence; -1 where values were changed that it depends on. */
+static int64_t voice_tail(const voice *v) {
+    const bundle_preset *preset = voice_preset(v, (int)atomic_load(&v->values[VOICE_PRESET]));
+    int i;
+    for (i = OVERVIEW_DISK_INERTIA; i < OVERVIEW_PARAMETERS; i++)
+        if (i != OVERVIEW_TACTOR_MUTE && i != OVERVIEW_CLICK_MUTE
+            && atomic_load(&v->values[VOICE_OWN + i]) != preset->values[i]) return -1;
+    return (int64_t)(preset->tail * v->rate) + 1;
+}
+
+#endif
