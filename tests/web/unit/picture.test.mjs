@@ -2,7 +2,9 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { geometryOf, placeTurned } from "../../../overview_dsp/web/site/geometry.js";
 import { linesOf, pointAt, valueText } from "../../../overview_dsp/web/site/values.js";
-import { partBetween, partBeside } from "../../../overview_dsp/web/site/windows.js";
+import {
+  croppedTo, partBetween, partBeside, partNearest,
+} from "../../../overview_dsp/web/site/windows.js";
 
 const SIZES = [
   [320, 270], [375, 340], [390, 570], [844, 240], [768, 800], [1440, 650], [2560, 1150],
@@ -62,4 +64,26 @@ test("a window of its own has neighbours", () => {
   const part = partBetween(windows, [20, 50]);
   assert.deepEqual([part.number, part.zoom], [-1, 1]);
   assert.equal(partBeside(windows, part, 1).start_s, 30);
+});
+
+test("a view cropped to a window of it has what lies there, at its places", () => {
+  const level = Array.from({ length: 101 }, (_, i) => i / 100);
+  const view = {
+    start_s: 0, end_s: 1000, level, resistance: level, gaps: [[0.1, 0.3], [0.8, 0.9]],
+    events: [{ place: 0.2 }, { place: 0.5 }, { place: 0.7 }],
+  };
+  const cropped = croppedTo(view, [250, 750]);
+  assert.deepEqual([cropped.level[0], cropped.level[50], cropped.level[100]], [0.25, 0.5, 0.75]);
+  assert.deepEqual(cropped.events.map(({ place }) => place.toFixed(2)), ["0.50", "0.90"]);
+  assert.equal(cropped.gaps.length, 1);
+  assert.equal(cropped.gaps[0][0], 0);
+  assert.ok(Math.abs(cropped.gaps[0][1] - 0.1) < 1e-9);
+});
+
+test("the nearest window is as long as any and about the same moment", () => {
+  const windows = [{ level: 0, start_s: 0, end_s: 900 }];
+  for (let i = 0; i < 5; i += 1) windows.push({ level: 1, start_s: 150 * i, end_s: 150 * i + 300 });
+  assert.equal(partNearest(windows, [0, 700]).zoom, 0);
+  assert.equal(partNearest(windows, [300, 700]).zoom, 1);
+  assert.equal(partNearest(windows, [310, 590]).start_s, 300);
 });
