@@ -40,7 +40,9 @@ class Media:
         if request.headers.get("range", "").count(",") >= MAX_RANGES:
             return PlainTextResponse("one range at a time\n", 416)
         if not os.path.isfile(self.path):
-            return PlainTextResponse("the film is gone\n", 404)
+            return PlainTextResponse(
+                "the film is gone: put it back where it was, or serve with another\n", 404
+            )
         return FileResponse(self.path, media_type=self.kind)
 
 

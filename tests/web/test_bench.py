@@ -129,12 +129,24 @@ def test_a_preset_is_kept_in_the_own_folder_and_never_over_a_bundled_one(
         assert [path.name for path in own_folder.iterdir()] == ["bus.toml"]
         slide(tab, "tactor", "tactor.gain_db", 0.5)
         tab.click("#bench-save")
-        says(tab, "bench-told", "there already")
+        says(tab, "bench-told", "bus is there already: replace it, or give another name")
         assert ov.load_preset("bus").values["tactor.gain_db"] == gain
         assert tab.text_content("#bench-save") == "Replace it"
         tab.click("#bench-save")
         says(tab, "bench-told", "kept as bus")
         assert ov.load_preset("bus").values["tactor.gain_db"] != gain
+        tab.fill("#bench-name", "tram")
+        tab.evaluate(
+            "() => { for (const _ of 'ab') document.getElementById('bench-save').click(); }"
+        )
+        says(tab, "bench-told", "kept as tram")
+        tab.wait_for_timeout(300)
+        assert tab.text_content("#bench-told") == "kept as tram"  # pressed twice is saved once
+        for name in ("", "..", "a/b", "caf\u00e9"):
+            tab.fill("#bench-name", name)
+            tab.click("#bench-save")
+            says(tab, "bench-told", f"{name or 'nothing'} is no name: letters, digits, - and _")
+        assert sorted(path.name for path in own_folder.iterdir()) == ["bus.toml", "tram.toml"]
 
 
 def test_a_preset_is_downloaded_as_a_file_that_loads(match, football, chromium, tmp_path):

@@ -128,6 +128,29 @@ def test_a_server_that_is_gone_is_told_in_a_persons_words(match, chromium):
         says(tab, "fault", "nothing answers there")
 
 
+def test_a_page_goes_on_with_a_server_that_was_started_again(tmp_path, chromium, own):
+    given = ("serve", MATCH, "--preset", own, "--token-file", tmp_path / "token", "--port")
+    with (
+        running(*given, 0, folder=tmp_path) as server,
+        page_of(server, chromium, server.token) as (tab, _),
+    ):
+        until(tab, "p.served?.presets.sounding && p.sound.node")
+        port = server.origin.rpartition(":")[2]
+        server.end()
+        says(tab, "fault", "the server is gone: what is here goes on")
+        tab.mouse.move(*at(tab, 0.2))
+        tab.mouse.down()
+        until(tab, "p.meters?.clock > 0 && Math.abs(p.cursor - 0.2) < 0.01")
+        tab.mouse.up()
+        with running(*given, port, folder=tmp_path):
+            until(tab, "document.getElementById('fault').textContent === ''")
+            tab.click("#in")
+            until(tab, "p.view.zoom === 1")
+            own.write_text(own.read_text().replace("-3", "-9"))
+            until(tab, "p.data.preset?.values['tactor.gain_db'] === -9")
+            assert tab.text_content("#fault") == ""
+
+
 def test_twist_without_a_sensor_says_so(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
         until(tab, "p.sound?.node")

@@ -427,6 +427,10 @@ def test_axe_finds_nothing(chromium, site, axe, scheme, size):
         page.click("#run")
         page.mouse.click(*at(page, GOAL))
         until(page, "document.getElementById('event').textContent !== ''")
+        page.click("#in")
+        until(page, "p.view.zoom === 1 && !document.getElementById('strip').hidden")
+        assert violations(page, axe) == []
+        page.click("#out")
         for contrast in (False, True):
             page.evaluate(
                 f"document.documentElement.classList.toggle('contrast', {str(contrast).lower()})"
@@ -540,7 +544,7 @@ def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
 
 
 @pytest.mark.soak
-def test_firefox_shows_it_to_keys_and_zooms_it_too(firefox, site, tmp_path):
+def test_firefox_shows_it_to_keys_zooms_and_plays_it_too(firefox, site, tmp_path):
     folder = shutil.copytree(site, tmp_path / "site")
     shutil.copy(Path(__file__).parent / "page" / "alone.js", folder)
     start = folder / "index.html"
@@ -552,4 +556,5 @@ def test_firefox_shows_it_to_keys_and_zooms_it_too(firefox, site, tmp_path):
     assert "error" not in told, told
     assert told["event"] == "9:50, near miss (synthetic)"
     assert told["drawn"] > 30
+    assert 0.2 < told["swept"] < 1
     assert told["fault"] == ""

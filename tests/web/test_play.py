@@ -50,6 +50,22 @@ def test_play_sweeps_by_itself_pauses_and_goes_on(chromium, site):
         assert page.text_content("#fault") == ""
 
 
+def test_play_says_what_it_waits_for_where_nothing_sounds(chromium, site):
+    with cold(chromium, site) as page:
+        page.evaluate("""() => {
+            const { context } = overview.sound;
+            const resume = context.resume.bind(context);
+            const output = new Promise((there) => { window.plug = there; });
+            context.resume = () => output.then(resume);
+        }""")
+        page.click("#run")
+        until(page, "document.getElementById('fault').textContent.includes('no sound output')")
+        assert page.evaluate("overview.hand.holder") is None
+        page.evaluate("plug()")
+        until(page, "p.hand.holder === 'play' && p.cursor > 0.05")
+        assert page.text_content("#fault") == ""
+
+
 def test_a_finger_takes_the_disk_from_play(chromium, site):
     with cold(chromium, site) as page:
         page.click("#run")

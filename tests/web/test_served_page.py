@@ -188,16 +188,21 @@ def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, chromium
         assert wrong == []
 
 
-@contextlib.contextmanager
-def with_film(match, chromium, tmp_path, at_s=12.0, **given):
-    """A page with a film so short that it holds the seconds about the goal alone, at 12 s of it."""
-    film = tmp_path / "match.wav"
+def film_at(folder):
+    """A recording of 20 s."""
+    film = folder / "match.wav"
     with wave.open(str(film), "wb") as file:
         file.setnchannels(1)
         file.setsampwidth(2)
         file.setframerate(8_000)
         file.writeframes(bytes(2 * 8_000 * 20))
-    media = open_media(str(film), at_s - 4050.0)
+    return film
+
+
+@contextlib.contextmanager
+def with_film(match, chromium, tmp_path, at_s=12.0, **given):
+    """A page with a film so short that it holds the seconds about the goal alone, at 12 s of it."""
+    media = open_media(str(film_at(tmp_path)), at_s - 4050.0)
     with (
         served(match, plays=False, media=media) as server,
         page_of(server, chromium, **given) as (tab, wrong),
@@ -264,6 +269,23 @@ def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(match, chromi
         tab.keyboard.press("Escape")
         until(tab, "p.cursor < 0.001")
         tab.keyboard.press("v")
+        watched(tab)
+
+
+def test_a_film_that_is_gone_says_so_and_plays_once_it_is_back(match, chromium, tmp_path):
+    media = open_media(str(film_at(tmp_path)), 12.0 - 4050.0)
+    with (
+        served(match, plays=False, media=media) as server,
+        page_of(server, chromium) as (tab, _),
+    ):
+        until(tab, "p.view && p.film")
+        (tmp_path / "match.wav").rename(tmp_path / "elsewhere.wav")
+        tab.evaluate("(place) => overview.walk.to(place)", GOAL)
+        tab.click("#play")
+        says(tab, "fault", "the film is gone: put it back")
+        assert not tab.is_visible("#film")
+        (tmp_path / "elsewhere.wav").rename(tmp_path / "match.wav")
+        tab.click("#play")
         watched(tab)
 
 

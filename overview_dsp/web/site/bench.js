@@ -8,6 +8,7 @@ import { ask, post } from "./session.js";
 
 const json = async (path) => (await ask(path)).json();
 const HANDS = "twist."; // how a sensor's twist lets go: nothing of the page's
+const NAME = /^[\w-]+$/; // others are no preset's, or would lead elsewhere
 const TAKEN = "there already";
 const isSame = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
@@ -211,12 +212,27 @@ export class Bench {
   }
 
   async save() {
+    if (this.saving) return; // pressed twice
+    if (!NAME.test(this.name)) {
+      throw new Error(`${this.name || "nothing"} is no name: letters, digits, - and _`);
+    }
+    this.saving = true;
+    try {
+      await this.put(await this.toml());
+    } finally {
+      this.saving = false;
+    }
+  }
+
+  async put(body) {
     const path = `preset/${encodeURIComponent(this.name)}${this.replaces ? "?replace=1" : ""}`;
     try {
-      await ask(path, { method: "PUT", body: await this.toml() });
+      await ask(path, { method: "PUT", body });
     } catch (error) {
-      this.offer(error.message.includes(TAKEN));
-      throw error;
+      const taken = error.message.includes(TAKEN);
+      this.offer(taken);
+      if (!taken) throw error;
+      throw new Error(`${this.name} is there already: replace it, or give another name`);
     }
     this.offer(false);
     this.say(`kept as ${this.name}`);

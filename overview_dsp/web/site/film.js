@@ -1,5 +1,7 @@
 // The film of a timeline: from a few seconds before a moment.
 
+import { ask } from "./session.js";
+
 const LEAD_S = 5;
 
 export class Film {
@@ -12,8 +14,8 @@ export class Film {
     dialog.addEventListener("close", () => this.video.pause());
   }
 
-  /** Play what led to a moment (s of the timeline). */
-  play(moment, title) {
+  /** Play what led to a moment (s of the timeline); an Error in a person's words if it can't. */
+  async play(moment, title) {
     const { video } = this;
     this.title.textContent = title;
     // fetched only when it is asked for; a fragment would be forgotten by some players
@@ -25,6 +27,14 @@ export class Film {
     if (video.readyState > 0) video.currentTime = from;
     else video.addEventListener("loadedmetadata", () => (video.currentTime = from), { once: true });
     this.dialog.showModal();
-    return video.play();
+    try {
+      await video.play();
+    } catch (error) {
+      if (error.name === "AbortError") return; // closed, or gone elsewhere in it
+      this.dialog.close();
+      video.removeAttribute("src"); // it is looked for again
+      await ask(url, { headers: { Range: "bytes=0-0" } });
+      throw new Error(`this browser can't play the film (${this.media.type}): ${error.message}`);
+    }
   }
 }

@@ -6,6 +6,7 @@ import { gestureOf, Player, wordsOf } from "./player.js";
 import { partAbout, partBetween } from "./windows.js";
 
 const SHARED_MS = 3000;
+const SILENT_MS = 2000; // a browser that can sound does so sooner
 
 export class Playback {
   constructor(page) {
@@ -37,7 +38,14 @@ export class Playback {
     const { sound, atHost } = this.page;
     if (!atHost) {
       await sound.load();
+      let told = false;
+      const waits = setTimeout(() => {
+        told = true;
+        this.page.fault("this browser has no sound output yet: it plays once there is one");
+      }, SILENT_MS);
       await sound.context.resume();
+      clearTimeout(waits);
+      if (told) this.page.fault("");
     }
     this.page.wake();
     act();

@@ -8,7 +8,24 @@ export class PresetLink {
     this.sounding = null; // the preset of the files, as it was told last
     this.source = new EventSource(new URL("preset/changes", import.meta.url));
     this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
+    this.gone = false;
+    this.source.onerror = () => this.lost();
+    this.source.onopen = () => this.found();
     this.source.addEventListener("refused", ({ data }) => page.fault(JSON.parse(data)));
+  }
+
+  /** The server is gone, said once; the browser looks for it again by itself. */
+  lost() {
+    if (this.gone) return;
+    this.gone = true;
+    this.page.fault(this.source.readyState === EventSource.CLOSED
+      ? "the server lets this page in no more: open the address printed last"
+      : "the server is gone: what is here goes on, and the rest when it is back");
+  }
+
+  found() {
+    if (this.gone) this.page.fault("");
+    this.gone = false;
   }
 
   async take(after) {

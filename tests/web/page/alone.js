@@ -1,4 +1,4 @@
-// The page's own test in a browser that nothing drives: keys, and what came of them.
+// The page's own test in a browser that nothing drives: keys, Play, and what came of them.
 
 const until = async (what) => {
   for (let tries = 0; tries < 600; tries += 1) {
@@ -20,8 +20,18 @@ async function told() {
   await until(() => says().includes("full time"));
   press("+");
   await until(() => window.overview.view.zoom === 1);
+  const { playback, sound } = window.overview;
+  await until(() => sound.node);
+  // nobody touches the page and there may be no output: the hand sweeps, nothing is heard
+  sound.context.resume = async () => {};
+  document.getElementById("run").click();
+  await until(() => playback.player.playing);
+  await until(() => window.overview.place > 0.2);
+  document.getElementById("run").click();
+  await until(() => !playback.player.playing);
   return {
     event,
+    swept: window.overview.place,
     drawn: window.overview.picture.layer.querySelectorAll("path, text").length,
     fault: document.getElementById("fault").textContent,
   };
