@@ -192,7 +192,8 @@ class Timeline:
         low, span = self.scale
         if span == 0.0:
             return np.zeros(at.shape, dtype=np.float64)
-        scaled = np.clip((self._curve_at(flat) - low) / span, 0.0, 1.0)
+        # clipped first: a span may be so small that what lies beyond it overflows
+        scaled = np.clip(self._curve_at(flat) - low, 0.0, span) / span
         return np.where(self._has_data(flat), scaled, 0.0).reshape(at.shape)
 
     def normalised_levels(self, steps: int) -> NDArray[np.float64]:
@@ -224,7 +225,7 @@ class Timeline:
         curve = self.intensity
         if curve is None or span == 0.0:
             return np.zeros(steps + 1)
-        levels = np.clip((curve.along(at) - low) / span, 0.0, 1.0)
+        levels = np.clip(curve.along(at) - low, 0.0, span) / span
         if not curve.is_constant:
             levels[(at < curve.first_s) | (at > curve.last_s)] = 0.0
         return levels

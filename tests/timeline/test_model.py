@@ -401,3 +401,12 @@ def test_percentiles_that_fall_together_give_way_to_the_extremes() -> None:
 def test_percentiles_are_two_rising_ones(given: object) -> None:
     with pytest.raises(InputError, match=r"intensity\.percentiles"):
         Intensity([0.0, 1.0], [0.0, 1.0], "", given)  # type: ignore[arg-type]
+
+
+def test_a_span_too_small_to_divide_by_is_still_a_scale():
+    # found by chance: what lies in a gap isn't in the span, and overflowed
+    curve = Intensity(np.array([0.0, 0.5, 1.0, 2.0, 3.0]), np.array([0, 1, 0, 0, -2.2e-309]))
+    timeline = Timeline("", 3.0, (), curve, gaps=((0.0, 1.0),))
+    levels = timeline.normalised_levels(6)
+    assert np.all((levels >= 0.0) & (levels <= 1.0))
+    assert levels[-2] < levels[-3] == 1.0
