@@ -25,7 +25,7 @@ from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.friction import friction_at
 
 SHORT = 0.5  # cells: on a shorter way no difference of energies is taken, which would cancel
-ROUNDS = 60
+ROUNDS = 120
 BISECTED = 10  # the round from which halving takes over
 CLOSE = 1e-13  # of the pull
 CLOSE_ENERGY = 1e-15  # of the energy, whose rounding is as large

@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels dbbf157e17eb7fb3
+   kernels 149232ed22de6027
    numba 0.68.1, llvmlite 0.50.0 */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
@@ -6317,7 +6317,7 @@ L170:;
     v1323 = v1111 + v1322;
     { v1324 = v1323; goto L171; }
 L171:;
-    v1325 = v1113 == UINT64_C(60);
+    v1325 = v1113 == UINT64_C(120);
     if (v1325) { double t0 = v1324; double t1 = v1164; double t2 = v1163; double t3 = v1162; v1579 = t0; v1580 = t1; v1581 = t2; v1582 = t3; goto L195; } else { uint64_t t0 = v1295; uint64_t t1 = v1296; double t2 = v1294; double t3 = v1297; double t4 = v1284; double t5 = v1111; double t6 = v1324; uint64_t t7 = v1113; v1105 = t0; v1106 = t1; v1107 = t2; v1108 = t3; v1109 = t4; v1110 = t5; v1111 = t6; v1112 = t7; goto L140; }
 L172:;
     if (v1020) goto L174; else goto L175;
