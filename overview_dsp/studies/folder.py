@@ -193,7 +193,7 @@ def study_json(
         task["choices"] = choices
     task["words"] = {**words, **file.task.words}
     task["question"] = file.task.question or _QUESTIONS[file.task.name]
-    task["method"], task["vary"] = file.task.method, file.task.vary
+    task |= {key: getattr(file.task, key) for key in ("method", "vary", "standard", "of")}
     looks = [kind_looks(item.timeline, item.preset) for item in items]
     kinds = {kind: look for one in looks for kind, look in one.items()}
     first = items[0].preset
@@ -239,6 +239,7 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
         f"{at}.json": _json(window_json(item.timeline, surface, 0.0)),
     }
     patches, mappings = {}, {}
+    static_made = {rate: static_mapping(item, rate) for rate in RATES if static}
     for rate in RATES:
         if rate != RATE:
             patches[str(rate)] = f"{at}-{rate}.patch"
@@ -246,7 +247,7 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
             files[f"{at}-{rate}.patch"] = patch_of(base, other)
         if static:
             mappings[str(rate)] = f"{at}-static-{rate}.json"
-            files[f"{at}-static-{rate}.json"] = _json(static_mapping(item, rate).as_json())
+            files[f"{at}-static-{rate}.json"] = _json(static_made[rate].as_json())
     hand = item.gesture
     vary = design.file.task.vary
     described = {
@@ -273,7 +274,7 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
         "seed": item.seed,
         "parameters": dict(item.parameters),
         "sha256": samples_sha256(item.rendered().samples),
-        "static_sha256": samples_sha256(static_mapping(item, RATE).render(hand))
+        "static_sha256": samples_sha256(static_made[RATE].render(hand))
         if static
         else None,
     }
