@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import struct
+from abc import ABC, abstractmethod
 
 from overview_dsp.sensors.reading import (
     ACCELERATION,
@@ -65,7 +66,7 @@ def teapot_packet(packet: bytes) -> Reading | None:
     return {"sequence": float(count), **dict(zip(QUATERNION, quaternion, strict=True))}
 
 
-class _Packets:
+class _Packets(ABC):
     """Finds packets of fixed length by their first byte, in bytes that come in any cuts."""
 
     def __init__(self, counters: Counters, first: bytes, length: int) -> None:
@@ -74,11 +75,13 @@ class _Packets:
         self._pending = bytearray()
         self._found = False
 
+    @abstractmethod
     def _read(self, packet: bytes) -> Reading | None:
-        raise NotImplementedError
+        """What a packet says, None if it is none."""
 
+    @abstractmethod
     def _joined(self, reading: Reading) -> Reading | None:
-        raise NotImplementedError
+        """The reading that a packet completes, if it does."""
 
     def feed(self, data: bytes) -> list[Reading]:
         """The readings that these bytes complete."""
