@@ -116,7 +116,8 @@ class EvenTimes:
         >>> times.at(np.array([2]))
         array([1.])
         """
-        times: NDArray[np.float64] = index * self.step_s
+        times = index.astype(np.float64)
+        times *= self.step_s
         times += self.first_s
         return times
 
