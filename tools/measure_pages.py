@@ -1,8 +1,8 @@
 """How soon hundreds of pages have what is new, from one server: notice and update of each.
 
-    python tools/measure_pages.py [PAGES] [UPDATES]
+    python tools/measure_pages.py [PAGES [UPDATES [DEVICE]]]
 
-starts `overview serve --follow` with the host's disk (no device), opens so many pages' connections
+starts `overview serve --follow` with the host's disk (on DEVICE; "none" if left out), opens so many pages' connections
 to it, adds a goal a few seconds, and prints how long it took from the line that was written to the
 feed until each page had its update, and what the host's audio says of its blocks.
 """
@@ -77,14 +77,14 @@ async def page(host: str, port: int, cookie: str, took: dict[str, list[float]]) 
         took["bytes"].append(len(body))
 
 
-async def measure(pages: int, updates: int) -> None:
+async def measure(pages: int, updates: int, device: str) -> None:
     folder = Path(tempfile.mkdtemp())
     feed = folder / "match.feed"
     feed.write_text('{"overview_feed": 1, "title": "A - B", "expect_s": 5700}\n'
                     '{"event": {"time_s": 0, "kind": "period"}}\n')  # fmt: skip
     server = subprocess.Popen(
         [sys.executable, "-m", "overview_dsp", "serve", "--follow", str(feed), "--port", "0",
-         "--audio", "host", "--device", "none", "--json", "--tell", "none"],
+         "--audio", "host", "--device", device, "--json", "--tell", "none"],
         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=os.environ,
     )  # fmt: skip
     assert server.stdout is not None
@@ -121,5 +121,5 @@ async def measure(pages: int, updates: int) -> None:
 
 
 if __name__ == "__main__":
-    given = [int(word) for word in sys.argv[1:]]
-    asyncio.run(measure(*(given + [300, 8][len(given) :])))
+    pages, updates, device = (sys.argv[1:] + ["300", "8", "none"][len(sys.argv) - 1 :])[:3]
+    asyncio.run(measure(int(pages), int(updates), device))
