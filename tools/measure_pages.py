@@ -2,9 +2,10 @@
 
     python tools/measure_pages.py [PAGES [UPDATES [DEVICE]]]
 
-starts `overview serve --follow` with the host's disk (on DEVICE; "none" if left out), opens so many pages' connections
-to it, adds a goal a few seconds, and prints how long it took from the line that was written to the
-feed until each page had its update, and what the host's audio says of its blocks.
+starts `overview serve --follow` with the host's disk (on DEVICE; "none" if left out), opens so many
+pages' connections to it, adds a goal a few seconds, and prints how long it took from the line that
+was written to the feed until each page had its update, and what the host's audio says of its
+blocks.
 """
 
 from __future__ import annotations
