@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.batch.cache_keys import KEY_DIGITS, digest
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.report import character_steps, feel_report
+from overview_dsp.measure.comparing import character_steps
+from overview_dsp.measure.report import feel_report
 from overview_dsp.presets import library
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.rendering.audition import pages
