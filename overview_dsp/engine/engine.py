@@ -402,6 +402,7 @@ class Engine:
         sample_time: int | None = None,
         window: tuple[float, float] | None = None,
         change: Mapping[str, Any] | None = None,
+        surface: Surface | None = None,
     ) -> None:
         """Change to other data under the same preset, crossfaded: a zoom, say.
 
@@ -415,6 +416,8 @@ class Engine:
             Which part of the first timeline this is, s; for a recording.
         change : mapping or None
             What a recording holds in place of a window: how a timeline that grows has changed.
+        surface : Surface or None
+            Its surface, where that was built already; None builds it.
 
         Raises
         ------
@@ -431,7 +434,7 @@ class Engine:
         >>> engine.timeline.duration_s
         600.0
         """
-        surface = build_surface(timeline, self._preset)
+        surface = build_surface(timeline, self._preset) if surface is None else surface
         note = dict(change) if change is not None else None
         if note is None and window is not None:
             note = {"window": list(window)}

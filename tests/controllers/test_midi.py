@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.controllers.control_messages import Dialled, LetGo, Touched, Turned
+from overview_dsp.controllers.control_messages import Dialled, LetGo, Nudged, Touched, Turned
 from overview_dsp.controllers.midi_learn import Learner
 from overview_dsp.controllers.midi_map import (
     DEFAULT,
@@ -252,3 +252,58 @@ def test_what_is_learnt_can_be_written(messages, to):
     found = learned(to, *messages)
     if found is not None:
         assert parse_map(write_map((found,)), "x") == (found,)
+
+
+# --- knobs without ends ---------------------------------------------------------------------------
+
+SAID = {"twos": (1, 127), "offset": (65, 63), "signed": (1, 65)}
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("relative", SAID)
+def test_a_knob_without_ends_is_learnt_by_a_turn_to_the_right_and_one_to_the_left(
+    relative, reverse
+):
+    right, left = SAID[relative][::-1] if reverse else SAID[relative]
+    trembling = [change(5, 60 + n % 3) for n in range(12)]
+    sent = [*trembling, *8 * [change(20, right)], *8 * [change(20, left)]]
+    found = learned("theta2", *sent)
+    assert found == Control("cc", 20, channel=1, relative=relative, reverse=reverse)
+    assert parse_map(write_map((found,)), "x") == (found,)
+    reader = MidiReader((found,))
+    moves = read(reader, *30 * [change(20, right)], *10 * [change(20, left)])
+    assert angles(moves)[29] == pytest.approx(math.pi / 2)
+    assert angles(moves)[-1] == pytest.approx(math.pi / 3)
+
+
+def test_a_knob_turned_fast_says_larger_steps_and_is_none_with_ends():
+    steps = [1, 1, 2, 3, 5, 4, 2, 2, 1, 1, 1]
+    sent = [change(20, one) for one in steps] + [change(20, 128 - one) for one in steps]
+    assert learned("theta2", *sent) == Control("cc", 20, channel=1, relative="twos")
+
+
+def test_it_stays_at_its_ends_and_comes_back_at_once():
+    reader = MidiReader((Control("cc", 20, relative="twos", steps=10.0),))
+    moves = read(reader, *25 * [change(20, 1)], change(20, 126), *25 * [change(20, 127)])
+    assert angles(moves)[24] == math.pi
+    assert angles(moves)[25] == pytest.approx(0.8 * math.pi)
+    assert angles(moves)[-1] == 0.0
+
+
+def test_a_parameter_goes_on_by_steps_of_its_way():
+    reader = MidiReader((Control("cc", 20, to="tactor.gain_db", relative="signed", steps=20.0),))
+    assert read(reader, change(20, 2), change(20, 66)) == [
+        Nudged("tactor.gain_db", 0.1), Nudged("tactor.gain_db", -0.1)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [('relative = "up"', "twos, offset, signed"), ("reverse = true", "relative"),
+     ('relative = "twos"\nsteps = 0', "steps"),
+     ('relative = "twos"\nreverse = 1', "true or false")],
+)  # fmt: skip
+def test_a_relative_control_that_cannot_be_is_one_line(line, word):
+    text = f'schema = 1\n[[control]]\ncontrol = "cc 1"\nto = "theta2"\n{line}\n'
+    with pytest.raises(ov.InputError, match=word):
+        parse_map(text, "x")
