@@ -11,7 +11,7 @@ import re
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Protocol
 
 from overview_dsp.errors import InputError, OverviewError
@@ -20,6 +20,9 @@ from overview_dsp.live.port_lost import PortLostError
 HINT = "MIDI needs python-rtmidi or rtmidi2: pip install 'overview-dsp[midi]'"
 MOST = 4096
 """Messages that wait; of more, the latest."""
+
+QUEUED = 1024
+SYSTEMS_OF_RTMIDI2 = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
 
 LOOK_EVERY_S = 0.5
 ACTIVE_SENSING = 0xFE
@@ -68,8 +71,10 @@ class _PythonRtmidi:
 class _Rtmidi2:
     """An input of rtmidi2."""
 
-    def __init__(self, rtmidi2: Any) -> None:
-        self._input = rtmidi2.MidiIn("overview")
+    def __init__(self, rtmidi2: Any, api: int) -> None:
+        self._input = rtmidi2.MidiIn("overview", QUEUED, api)
+        if self._input.get_current_api() != api:  # it takes another in place of one it hasn't got
+            raise RuntimeError("not this system")
         self._opened = False
 
     def ports(self) -> list[str]:
@@ -102,21 +107,27 @@ def _quiet() -> Iterator[None]:
         os.close(nothing)
 
 
+def _library() -> tuple[Callable[[Any, int], _System], Any, Iterable[int]]:
+    """What makes an input of a library and one of its systems, the library, and its systems."""
+    try:
+        import rtmidi
+    except ImportError:
+        try:
+            import rtmidi2
+        except ImportError:
+            raise OverviewError(HINT) from None
+        return _Rtmidi2, rtmidi2, [getattr(rtmidi2, name) for name in SYSTEMS_OF_RTMIDI2]
+    return _PythonRtmidi, rtmidi, rtmidi.get_compiled_api()
+
+
 def _systems() -> list[_System]:
     """An unopened input of each of the machine's MIDI systems that answers; OverviewError."""
+    make, library, systems = _library()
     found: list[_System] = []
     with _quiet():
-        try:
-            import rtmidi
-        except ImportError:
+        for api in systems:
             try:
-                import rtmidi2
-            except ImportError:
-                raise OverviewError(HINT) from None
-            return [_Rtmidi2(rtmidi2)]
-        for api in rtmidi.get_compiled_api():
-            try:
-                found.append(_PythonRtmidi(rtmidi, api))
+                found.append(make(library, api))
             except Exception:  # one that isn't there; rtmidi has a class of its own for it
                 continue
     return found

@@ -1,4 +1,4 @@
-"""Game pads by USB and Bluetooth: found, opened, read. `hid` is imported here alone, and late."""
+"""Game pads by USB and Bluetooth: found, opened, read. hidapi is imported here alone, and late."""
 
 from __future__ import annotations
 
@@ -39,10 +39,14 @@ class Pad:
 
 def _import_hid() -> Any:
     try:
-        import hid
+        import hidraw  # of the same package, on Linux: Bluetooth too, and nothing is taken away
     except ImportError:
-        raise OverviewError(HINT) from None
-    return hid
+        try:
+            import hid
+        except ImportError:
+            raise OverviewError(HINT) from None
+        return hid
+    return hidraw
 
 
 def pads(hid: Any = None) -> list[Pad]:
@@ -98,6 +102,7 @@ class PadPort:
         self._pad = hid.device()
         try:
             self._pad.open_path(pad.path)
+            self._pad.set_nonblocking(True)
             if pad.kind == "dualsense":
                 # that it is asked for makes it send all by Bluetooth too
                 units = self._pad.get_feature_report(TRUE_UNITS, LENGTHS[TRUE_UNITS])

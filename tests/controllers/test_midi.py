@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import math
+import sys
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -23,6 +25,7 @@ from overview_dsp.controllers.midi_map import (
     write_map,
 )
 from overview_dsp.controllers.midi_messages import MidiReader
+from overview_dsp.live.midi_port import MidiPort, midi_ports
 
 
 def read(reader, *messages, at=0.0):
@@ -307,3 +310,47 @@ def test_a_relative_control_that_cannot_be_is_one_line(line, word):
     text = f'schema = 1\n[[control]]\ncontrol = "cc 1"\nto = "theta2"\n{line}\n'
     with pytest.raises(ov.InputError, match=word):
         parse_map(text, "x")
+
+
+# --- either library -------------------------------------------------------------------------------
+
+
+class MadeRtmidi2:
+    """rtmidi2 as it is: a system that it hasn't got gives the first that it has."""
+
+    API_MACOSX_CORE, API_LINUX_ALSA, API_UNIX_JACK, API_WINDOWS_MM = 1, 2, 3, 4
+    made: ClassVar[list] = []
+
+    class MidiIn:
+        def __init__(self, name, queued, api):
+            if api == 3:
+                raise RuntimeError("no server")
+            self.api, self.callback, self.open = 2, None, None
+            self.ports = ["nano 20:0", "other 24:0"]
+            MadeRtmidi2.made.append(self)
+
+        def get_current_api(self):
+            return self.api
+
+        def ignore_types(self, sysex, timing, sensing):
+            self.ignored = (sysex, timing, sensing)
+
+        def open_port(self, index):
+            self.open = index
+
+        def close_port(self):
+            self.open = None
+
+
+def test_rtmidi2_serves_where_python_rtmidi_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "rtmidi", None)
+    monkeypatch.setitem(sys.modules, "rtmidi2", MadeRtmidi2)
+    assert midi_ports() == ["nano", "other"]
+    port = MidiPort("nano")
+    (one,) = [made for made in MadeRtmidi2.made if made.open is not None]
+    assert (one.open, one.ignored) == (0, (True, True, False))
+    one.callback([0x90, 60, 100], 0.0)
+    one.callback([0xFE], 0.0)
+    assert port.receive(0.0) == [bytes([0x90, 60, 100])]
+    port.close()
+    assert one.callback is None
