@@ -19,6 +19,7 @@ from overview_dsp.timeline import Event
 
 PATCHES = Path(__file__).resolve().parents[2] / "examples" / "osc"
 PATIENCE_S = 120.0
+NO_SCREEN = {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1"}
 
 
 @pytest.fixture
@@ -45,7 +46,7 @@ def running(log, *command, **environment):
             stdout=out,
             stderr=subprocess.STDOUT,
             stdin=subprocess.PIPE,
-            env={**os.environ, "QT_QPA_PLATFORM": "offscreen", **environment},
+            env={**os.environ, **NO_SCREEN, **environment},
             cwd=log.parent,
         )
         try:
@@ -91,10 +92,12 @@ def test_the_patch_for_pd_plays_and_listens(port, tmp_path):
     sends += [("-send", words) for words in said]
     command = ("pd", "-nogui", "-noaudio", "-stderr", "-open", PATCHES / "overview.pd", "-open", "shown.pd")
     with running(log, *command, *(word for pair in sends for word in pair)):
-        moves = moves_until(port, lambda moves: len(moves) >= 4)
+        moves = moves_until(port, lambda moves: LetGo("theta2") in moves)
         report(listening, log, "cursor: 0.25", "torque: 0.0125", "touching: 1", "event: goal")
     middle = Touched("theta2", pytest.approx(1.5708, abs=1e-4))
-    assert moves == [Touched("theta2", 0.0), middle, Asked("tactor.gain_db", -6.0), LetGo("theta2")]
+    # a finger that is down says so again now and then
+    news = [move for move, before in zip(moves, [None, *moves], strict=False) if move != before]
+    assert news == [Touched("theta2", 0.0), middle, Asked("tactor.gain_db", -6.0), LetGo("theta2")]
 
 
 def test_the_patch_for_supercollider_plays_and_listens(port, tmp_path):
