@@ -1,0 +1,79 @@
+// What the page asks a study's server. Nothing here tries again by itself but being let in.
+
+const PATIENCE_MS = 15_000; // a killed server's connection may never say anything
+
+const PASSES = new Set([401, 408, 425, 429]);
+
+/** Asked again, it would be refused again. */
+export class Refused extends Error {
+  constructor(message, status) {
+    super(message);
+    this.status = status;
+  }
+}
+
+export class Server {
+  /** `token`: of the address, null without one. */
+  constructor(token, ask = (path, given) => fetch(path, given)) {
+    this.token = token;
+    this.sessions = ""; // the path of sessions, of study.json
+    this.ask = ask;
+  }
+
+  /** Be let in by the token; a server without one lets everybody in. */
+  async enter() {
+    if (this.token === null) return;
+    const headers = { Authorization: `Bearer ${this.token}` };
+    const answer = await this.fetched("session", { method: "POST", headers });
+    if (!answer.ok) await refuse(answer);
+  }
+
+  /** A list of its own: the same `request` is the same session. */
+  begin(request, participant) {
+    return this.json("POST", this.sessions, { request, ...(participant ? { participant } : {}) });
+  }
+
+  /** The session with what is stored of it. */
+  resume({ session, secret }) {
+    return this.json("GET", `${this.sessions}/${session}`, undefined, secret);
+  }
+
+  store({ session, secret }, id, row) {
+    return this.json("PUT", `${this.sessions}/${session}/trials/${id}`, row, secret);
+  }
+
+  finish({ session, secret }) {
+    return this.json("POST", `${this.sessions}/${session}/finish`, {}, secret);
+  }
+
+  async json(method, path, body, secret = null) {
+    const given = {
+      method,
+      headers: secret === null ? {} : { "X-Study-Secret": secret },
+      ...(body === undefined ? {} : { body: JSON.stringify(body) }),
+    };
+    let answer = await this.fetched(path, given);
+    if (answer.status === 401 && this.token !== null) {
+      await this.enter(); // the server was started anew
+      answer = await this.fetched(path, given);
+    }
+    if (!answer.ok) await refuse(answer);
+    return answer.json();
+  }
+
+  async fetched(path, given) {
+    try {
+      return await this.ask(path, { ...given, signal: AbortSignal.timeout(PATIENCE_MS) });
+    } catch {
+      throw new Error("nothing answers: is the network on?");
+    }
+  }
+}
+
+/** An Error with the server's own line: a Refused where the same would be refused again. */
+async function refuse(answer) {
+  const { status, statusText } = answer;
+  const line = (await answer.text()).trim() || `${status} ${statusText}`;
+  if (status >= 500 || PASSES.has(status)) throw new Error(line);
+  throw new Refused(line, status);
+}

@@ -1,0 +1,166 @@
+// What a trial presents: one stimulus or two, played as often as wanted or felt by the person's own
+// hand, and what is kept of that.
+
+import { button, make } from "./make.js";
+import { Pad } from "./pad.js";
+
+const GAP_MS = 500; // between two intervals
+
+export class Stage {
+  /**
+   * `names`: of the two stimuli of a pair. `onready()` is called once all were felt or played,
+   * `onfault(line)` when one can't be.
+   */
+  constructor({ study, felt, say }, trial, names, onfault) {
+    this.study = study;
+    this.felt = felt;
+    this.say = say;
+    this.trial = trial;
+    this.stimuli = [...trial.stimuli];
+    this.names = names;
+    this.onfault = onfault;
+    this.onready = () => {};
+    this.free = study.stimuli[this.stimuli[0]].events === null;
+    this.present = null; // the presentation
+    this.at = 0; // which of the stimuli it is of
+    this.count = 0; // of presentations that were felt
+    this.known = new Set(); // stimuli, by number, that were felt
+    this.takes = [];
+    this.pad = null;
+    this.played = []; // what the hands of a free trial were
+    this.element = make("div", { class: "stage" });
+    if (this.free) this.buildFree();
+    else this.buildPlayed();
+  }
+
+  get pair() {
+    return this.stimuli.length > 1;
+  }
+
+  /** What a person begins with. */
+  get first() {
+    return this.free ? this.pad.slider : this.element.querySelector("button");
+  }
+
+  // --- by the person's own hand -----------------------------------------------------------------
+
+  buildFree() {
+    const { trial, study } = this;
+    this.pad = new Pad({
+      input: trial.output.input, label: "Field to feel", kinds: study.kinds, onfault: this.onfault,
+    });
+    this.pad.onfelt = () => this.wasFelt();
+    if (this.pair) {
+      this.tabs = this.names.map((name, i) =>
+        button(`Feel the ${name}`, () => this.go(i), { "aria-pressed": i === 0 }));
+      this.element.append(make("div", { class: "tabs", role: "group", "aria-label": "Which one" },
+        ...this.tabs));
+    }
+    this.element.append(this.pad.element);
+  }
+
+  /** Put a stimulus under the hand. */
+  async go(number) {
+    this.tabs?.forEach((tab, i) => tab.setAttribute("aria-pressed", String(i === number)));
+    await this.stop();
+    const key = this.stimuli[number];
+    const { output } = this.trial;
+    const presentation = await this.open(key, null);
+    const view = output.visual ? await this.felt.drawn(key) : null;
+    this.at = number;
+    this.present = presentation;
+    this.pad.begin(presentation, view);
+  }
+
+  wasFelt() {
+    this.felt.start();
+    this.count += 1;
+    this.know(this.at);
+  }
+
+  // --- played -----------------------------------------------------------------------------------
+
+  buildPlayed() {
+    const { trial, names } = this;
+    const act = (numbers) => () => this.play(numbers);
+    const apart = trial.task === "adjust";
+    this.buttons = apart
+      ? names.map((name, i) => button(`Play the ${name}`, act([i])))
+      : [button("Play", act(this.stimuli.map((_, i) => i)), { class: "play" })];
+    this.element.append(make("div", { class: "tabs" }, ...this.buttons));
+    this.lamp = make("p", { class: "lamp", "aria-hidden": "true", text: "\u00a0" });
+    this.element.append(this.lamp);
+  }
+
+  async play(numbers) {
+    if (this.playing) return;
+    this.playing = true;
+    // still focusable, so that a keyboard doesn't lose its place
+    this.buttons.forEach((one) => one.setAttribute("aria-disabled", "true"));
+    try {
+      await this.felt.start();
+      for (const number of numbers) {
+        if (number !== numbers[0]) await pause(GAP_MS);
+        if (this.ended) return;
+        this.lamp.textContent = this.pair ? this.names[number] : "playing";
+        const key = this.stimuli[number];
+        this.present = await this.open(key, this.study.stimuli[key].events);
+        const whole = await this.present.rested(this.study.stimuli[key].duration_s);
+        this.present.stop();
+        this.lamp.textContent = "\u00a0";
+        if (!whole) return;
+        this.know(number);
+      }
+      this.count += 1;
+    } catch (error) {
+      this.onfault(error.message);
+    } finally {
+      this.playing = false;
+      this.buttons.forEach((one) => one.removeAttribute("aria-disabled"));
+    }
+  }
+
+  // --- both -------------------------------------------------------------------------------------
+
+  async open(key, events) {
+    const presentation = await this.felt.open(key, this.trial.output, events);
+    presentation.onfault = this.onfault;
+    return presentation;
+  }
+
+  know(number) {
+    this.known.add(number);
+    if (this.known.size === this.stimuli.length) this.onready();
+  }
+
+  /** Another stimulus in a pair's second place, from its next presentation on. */
+  replace(key) {
+    this.stimuli[1] = key;
+    if (this.free && this.at === 1) return this.go(1);
+    return Promise.resolve();
+  }
+
+  /** End the presentation; a hand's take of it is kept. */
+  async stop() {
+    const { present, pad } = this;
+    if (present === null || present.stopped) return;
+    pad?.release();
+    if (this.free) {
+      await present.look();
+      if (pad.felt) this.takes.push({ stimulus: this.stimuli[this.at], ...present.take });
+    }
+    present.stop();
+  }
+
+  /** Nothing sounds any more. */
+  async end() {
+    this.ended = true;
+    await this.stop();
+    this.pad?.end();
+  }
+}
+
+const pause = (ms) =>
+  new Promise((resolve) => {
+    setTimeout(resolve, ms);
+  });

@@ -1,0 +1,166 @@
+// The page of a study: who takes part, what is still to be done, and the end.
+
+import { Answers } from "./answers.js";
+import { Server } from "./client.js";
+import { by } from "./dom.js";
+import { endSession } from "./ending.js";
+import { Felt } from "./felt.js";
+import { openKept } from "./kept.js";
+import { make } from "./make.js";
+import { keepOffline } from "./offline.js";
+import { openSession, Sessions } from "./opening.js";
+import { countOf, isWanted, planOf } from "./plan.js";
+import { screenPlugin } from "./screen.js";
+import { trialPlugin } from "./trial.js";
+
+const fault = (line) => {
+  by("fault").textContent = line;
+};
+
+const say = (line) => {
+  by("said").textContent = line;
+};
+
+/** The token of the address, taken out of it; else the one that this browser has, or null. */
+async function tokenOf(kept) {
+  const token = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (!token) return (await kept.get("token")) ?? null;
+  await kept.put("token", token);
+  history.replaceState(null, "", location.pathname + location.search);
+  return token;
+}
+
+/** study.json, having been let in where that is needed. */
+async function studyOf(server) {
+  let answer = await fetch("study.json");
+  if (answer.status === 401 && server.token !== null) {
+    await server.enter();
+    answer = await fetch("study.json");
+  }
+  if (answer.ok) return answer.json();
+  const told = answer.headers.get("content-type")?.startsWith("text/plain");
+  throw new Error(told ? (await answer.text()).trim() : `study.json: ${answer.status}`);
+}
+
+/** Whether no other tab has this session; held until the page is closed. */
+function isAlone(session) {
+  // without a secure context there are no locks: the server keeps the first answer to each trial
+  if (!navigator.locks) return Promise.resolve(true);
+  return new Promise((resolve) => {
+    navigator.locks.request(`overview-study ${session}`, { ifAvailable: true }, (lock) => {
+      resolve(lock !== null);
+      return lock && new Promise(() => {});
+    });
+  });
+}
+
+/** jsPsych's timeline of what is still to be done. */
+function timelineOf(steps, kit) {
+  const { answers } = kit;
+  const [trialType, screenType] = [trialPlugin(kit), screenPlugin(kit)];
+  const asked = (step) => ({ type: trialType, trial: () => step });
+  return planOf(steps, answers.done).flatMap(({ screen, trial, practice, run }) => {
+    if (screen) return [{ type: screenType, step: () => screen }];
+    if (trial) return [asked(trial)];
+    if (run) {
+      const next = { ...asked(null), trial: () => run.next(), on_finish: ({ response }) => run.tell(response) };
+      return [{ timeline: [next], loop_function: () => !run.over }];
+    }
+    return practice.map((round, i) => {
+      const left = round.filter(({ id }) => !answers.has(id));
+      const again = { type: screenType, step: () => ({ id: `again-${i}`, type: "instructions", again: true }) };
+      return {
+        timeline: [...(i > 0 && left.length === round.length ? [again] : []), ...left.map(asked)],
+        conditional_function: () => left.length > 0 && isWanted(practice, i, answers.done),
+      };
+    });
+  });
+}
+
+/** What trials and screens share. */
+function kitOf({ study, list, felt, answers, leave }) {
+  const trials = list.steps.filter(({ stimuli }) => stimuli);
+  const total = countOf(list.steps);
+  return {
+    study, felt, answers, leave, say, fault,
+    progress() {
+      const done = Math.min(answers.done.size, total);
+      by("progress").max = total;
+      by("progress").value = done;
+      by("count").textContent = `${done} of ${total}`;
+      by("progress-line").hidden = false;
+    },
+    ahead({ id }) {
+      const next = trials[trials.findIndex((one) => id.startsWith(one.id)) + 1];
+      // where it fails, the trial itself will tell
+      if (next) felt.load(next).catch(() => {});
+    },
+  };
+}
+
+async function main() {
+  const kept = await openKept();
+  const server = new Server(await tokenOf(kept));
+  const study = await studyOf(server);
+  server.sessions = study.server?.sessions ?? "";
+  document.title = study.title;
+  by("title").textContent = study.title;
+  if (study.server === null) {
+    keepOffline();
+    navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
+  }
+  const sessions = new Sessions(kept, study);
+  const felt = new Felt(study);
+  const display = by("study");
+  const context = {
+    study, display, sessions, felt, fault, say, server: study.server === null ? null : server,
+  };
+  const session = await openSession(context);
+  if (!(await isAlone(session.session))) {
+    display.replaceChildren(make("h1", { text: "This session is open in another tab" }),
+      make("p", { text: "Go on there, or close it and load this page again." }));
+    return;
+  }
+  const list = await listOf(session);
+  const send = context.server && ((id, row) => server.store(session, id, row));
+  const answers = new Answers(kept, session.session, send, {
+    onchange: () => tellWaiting(answers),
+    onrefused: (line) => fault(`An answer isn't taken: ${line}. Please tell the experimenter.`),
+  });
+  await answers.open(session.answers);
+  addEventListener("online", () => answers.hurry());
+  addEventListener("beforeunload", (event) => {
+    if (answers.unsent.size > 0) event.preventDefault();
+  });
+  const leave = async () => {
+    await sessions.kept.remove(sessions.present);
+    display.replaceChildren(make("h1", { text: "Thank you" }),
+      make("p", { text: "You did not agree, so nothing was kept. You may close this page." }));
+  };
+  await run(context, session, list, kitOf({ study, list, felt, answers, leave }));
+  by("progress-line").hidden = true;
+  await endSession(context, session, answers);
+}
+
+async function listOf({ list }) {
+  const name = `lists/${String(list).padStart(3, "0")}.json`;
+  const answer = await fetch(name);
+  if (!answer.ok) throw new Error(`${name}: ${answer.status} ${answer.statusText}`);
+  return answer.json();
+}
+
+async function run({ study, display }, { participant, list: number }, list, kit) {
+  const timeline = timelineOf(list.steps, kit);
+  if (timeline.length === 0) return;
+  const jsPsych = /** @type {any} */ (globalThis).initJsPsych({ display_element: display });
+  jsPsych.data.addProperties({ participant, list: number, design_sha256: study.design_sha256 });
+  /** @type {any} */ (window).study = { jsPsych, kit };
+  await jsPsych.run(timeline);
+}
+
+function tellWaiting({ unsent }) {
+  const { size } = unsent;
+  by("waiting").textContent = size > 1 ? `${size} answers wait to be stored` : "";
+}
+
+main().catch((error) => fault(`The study can't go on: ${error.message}`));
