@@ -1,4 +1,4 @@
-// What the page asks a study's server. Nothing here tries again by itself but being let in.
+// What the page asks a study's server or host. Nothing here tries again by itself but being let in.
 
 const PATIENCE_MS = 15_000; // a killed server's connection may never say anything
 
@@ -25,7 +25,14 @@ export class Server {
     if (this.token === null) return;
     const headers = { Authorization: `Bearer ${this.token}` };
     const answer = await this.fetched("session", { method: "POST", headers });
-    if (!answer.ok) await refuse(answer);
+    if (!answer.ok) await refuse(answer, "session");
+  }
+
+  /** A file of the folder. */
+  async file(path) {
+    const answer = await this.inside(path, {});
+    if (!answer.ok) await refuse(answer, path);
+    return answer;
   }
 
   /** A list of its own: the same `request` is the same session. */
@@ -52,13 +59,17 @@ export class Server {
       headers: secret === null ? {} : { "X-Study-Secret": secret },
       ...(body === undefined ? {} : { body: JSON.stringify(body) }),
     };
-    let answer = await this.fetched(path, given);
-    if (answer.status === 401 && this.token !== null) {
-      await this.enter(); // the server was started anew
-      answer = await this.fetched(path, given);
-    }
-    if (!answer.ok) await refuse(answer);
+    const answer = await this.inside(path, given);
+    if (!answer.ok) await refuse(answer, path);
     return answer.json();
+  }
+
+  /** An answer, having been let in anew where the server has forgotten that. */
+  async inside(path, given) {
+    const answer = await this.fetched(path, given);
+    if (answer.status !== 401 || this.token === null) return answer;
+    await this.enter();
+    return this.fetched(path, given);
   }
 
   async fetched(path, given) {
@@ -71,9 +82,10 @@ export class Server {
 }
 
 /** An Error with the server's own line: a Refused where the same would be refused again. */
-async function refuse(answer) {
+async function refuse(answer, path) {
   const { status, statusText } = answer;
-  const line = (await answer.text()).trim() || `${status} ${statusText}`;
+  const told = answer.headers.get("content-type")?.startsWith("text/plain");
+  const line = (told && (await answer.text()).trim()) || `${path}: ${status} ${statusText}`;
   if (status >= 500 || PASSES.has(status)) throw new Error(line);
   throw new Refused(line, status);
 }

@@ -11,12 +11,6 @@ const MOST_FILES = 96; // in memory, half a megabyte each
 const STILL = 1e-4; // of the timeline, of full amplitude
 const LONGEST_REST_S = 3;
 
-const file = async (path) => {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(`${path}: ${answer.status} ${answer.statusText}`);
-  return answer;
-};
-
 /** Round half to even, as Python does. */
 export function rounded(number) {
   const low = Math.floor(number);
@@ -31,9 +25,10 @@ export function rowsOf(events, rate) {
 }
 
 export class Felt {
-  /** `study`: study.json. Silent until `start` is called in a click or a key. */
-  constructor(study) {
+  /** `file(path)` fetches one of `study`'s. Silent until `start` is called in a click or a key. */
+  constructor(study, file) {
     this.study = study;
+    this.file = file;
     const { audioSession } = /** @type {any} */ (navigator);
     if (audioSession) audioSession.type = "playback"; // iPhones: heard in spite of the silent switch
     this.context = new AudioContext({ latencyHint: "interactive" });
@@ -134,7 +129,7 @@ export class Felt {
   kept(path, take) {
     if (!this.files.has(path)) {
       if (this.files.size >= MOST_FILES) this.files.delete(this.files.keys().next().value);
-      const taken = file(path).then(take);
+      const taken = this.file(path).then(take);
       taken.catch(() => this.files.delete(path)); // tried again the next time
       this.files.set(path, taken);
     }

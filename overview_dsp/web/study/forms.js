@@ -3,8 +3,8 @@
 import { make, paragraphs } from "./make.js";
 
 /** A form's element and `value()`: what was filled in, or null (said by `say`) while something is missing. */
-export async function formOf(described, { say }) {
-  if (described.file) return ownForm(described.file);
+export async function formOf(described, { say, file }) {
+  if (described.file) return ownForm(await (await file(described.file)).text());
   if (described.text !== undefined) return consentForm(described, say);
   const items = described.items.map(itemOf);
   return {
@@ -83,11 +83,9 @@ function consentForm({ version, text }, say) {
 }
 
 /** A form of the study's own: HTML with named fields. */
-async function ownForm(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(`${path}: ${answer.status} ${answer.statusText}`);
+function ownForm(html) {
   const form = make("form", { class: "items" });
-  form.innerHTML = await answer.text();
+  form.innerHTML = html;
   form.addEventListener("submit", (event) => event.preventDefault());
   const value = () => (form.reportValidity() ? valuesOf(form) : null);
   return { element: form, value };

@@ -27,7 +27,6 @@ export class Stage {
     this.known = new Set(); // stimuli, by number, that were felt
     this.takes = [];
     this.pad = null;
-    this.played = []; // what the hands of a free trial were
     this.element = make("div", { class: "stage" });
     if (this.free) this.buildFree();
     else this.buildPlayed();

@@ -6,7 +6,7 @@ import { by } from "./dom.js";
 import { endSession } from "./ending.js";
 import { Felt } from "./felt.js";
 import { openKept } from "./kept.js";
-import { make } from "./make.js";
+import { insisted, make } from "./make.js";
 import { keepOffline } from "./offline.js";
 import { openSession, Sessions } from "./opening.js";
 import { countOf, isWanted, planOf } from "./plan.js";
@@ -28,18 +28,6 @@ async function tokenOf(kept) {
   await kept.put("token", token);
   history.replaceState(null, "", location.pathname + location.search);
   return token;
-}
-
-/** study.json, having been let in where that is needed. */
-async function studyOf(server) {
-  let answer = await fetch("study.json");
-  if (answer.status === 401 && server.token !== null) {
-    await server.enter();
-    answer = await fetch("study.json");
-  }
-  if (answer.ok) return answer.json();
-  const told = answer.headers.get("content-type")?.startsWith("text/plain");
-  throw new Error(told ? (await answer.text()).trim() : `study.json: ${answer.status}`);
 }
 
 /** Whether no other tab has this session; held until the page is closed. */
@@ -78,11 +66,11 @@ function timelineOf(steps, kit) {
 }
 
 /** What trials and screens share. */
-function kitOf({ study, list, felt, answers, leave }) {
+function kitOf({ study, list, felt, answers, leave, file }) {
   const trials = list.steps.filter(({ stimuli }) => stimuli);
   const total = countOf(list.steps);
   return {
-    study, felt, answers, leave, say, fault,
+    study, felt, answers, leave, file, say, fault,
     progress() {
       const done = Math.min(answers.done.size, total);
       by("progress").max = total;
@@ -101,7 +89,8 @@ function kitOf({ study, list, felt, answers, leave }) {
 async function main() {
   const kept = await openKept();
   const server = new Server(await tokenOf(kept));
-  const study = await studyOf(server);
+  const file = (path) => server.file(path);
+  const study = await (await file("study.json")).json();
   server.sessions = study.server?.sessions ?? "";
   document.title = study.title;
   by("title").textContent = study.title;
@@ -110,7 +99,7 @@ async function main() {
     navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
   }
   const sessions = new Sessions(kept, study);
-  const felt = new Felt(study);
+  const felt = new Felt(study, file);
   const display = by("study");
   const context = {
     study, display, sessions, felt, fault, say, server: study.server === null ? null : server,
@@ -121,7 +110,8 @@ async function main() {
       make("p", { text: "Go on there, or close it and load this page again." }));
     return;
   }
-  const list = await listOf(session);
+  const name = `lists/${String(session.list).padStart(3, "0")}.json`;
+  const list = await insisted(async () => (await file(name)).json(), display, fault);
   const send = context.server && ((id, row) => server.store(session, id, row));
   const answers = new Answers(kept, session.session, send, {
     onchange: () => tellWaiting(answers),
@@ -137,16 +127,9 @@ async function main() {
     display.replaceChildren(make("h1", { text: "Thank you" }),
       make("p", { text: "You did not agree, so nothing was kept. You may close this page." }));
   };
-  await run(context, session, list, kitOf({ study, list, felt, answers, leave }));
+  await run(context, session, list, kitOf({ study, list, felt, answers, leave, file }));
   by("progress-line").hidden = true;
   await endSession(context, session, answers);
-}
-
-async function listOf({ list }) {
-  const name = `lists/${String(list).padStart(3, "0")}.json`;
-  const answer = await fetch(name);
-  if (!answer.ok) throw new Error(`${name}: ${answer.status} ${answer.statusText}`);
-  return answer.json();
 }
 
 async function run({ study, display }, { participant, list: number }, list, kit) {

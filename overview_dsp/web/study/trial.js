@@ -2,6 +2,7 @@
 // right where the list asks for that.
 
 import { compare, detect, identify } from "./choose.js";
+import { judged, told } from "./judging.js";
 import { button, insisted, make } from "./make.js";
 import { adjust, count, locate } from "./measure.js";
 import { sketch } from "./sketch.js";
@@ -9,19 +10,13 @@ import { Stage } from "./stage.js";
 
 export const VERSION = "0.1.0";
 const CONTROLS = { identify, locate, count, compare, adjust, draw: sketch };
-const JUDGED = new Set(["identify", "count", "compare", "staircase", "quest"]);
 const NAMES = ["first", "second"]; // of a pair's stimuli
 
 const controlsOf = ({ task, method }) => CONTROLS[task] ?? (method === "yesno" ? detect : compare);
 
-/** Whether an answer is right, as the person is told; null where that isn't a matter of yes or no. */
-export function judged({ task, correct }, response) {
-  return JUDGED.has(task) && correct !== null ? response === correct : null;
-}
-
 /**
  * The plugin for one session. `kit`: study, felt, answers, `say(line)` to whoever listens,
- * `fault(line)`, `progress()`, `ahead(trial)` fetches what comes next, `leave()` ends without consent.
+ * `fault(line)`, `file(path)`, `progress()`, `ahead(trial)` fetches what comes next, `leave()` ends without consent.
  */
 export function trialPlugin(kit) {
   const { ParameterType } = /** @type {any} */ (globalThis).jsPsychModule;
@@ -124,7 +119,8 @@ class Asked {
     for (const one of this.display.querySelectorAll("button, input")) one.disabled = true;
     await stage.end();
     await kit.felt.mask(false);
-    if (stage.free) this.row.take = stage.pair ? stage.takes : stage.takes.at(-1) ?? null;
+    if (stage.pair) this.row.takes = stage.takes;
+    else this.row.take = stage.takes[0] ?? null;
   }
 
   /** The answer on this browser's disk, whatever that takes. */
@@ -145,21 +141,4 @@ class Asked {
       go.focus();
     });
   }
-}
-
-/** What a person is told of an answer. */
-export function told({ task, correct }, { task: { words } }, response, right) {
-  const say = (value) => words[value] ?? String(value);
-  if (task === "locate") {
-    const percent = (place) => `${Math.round(100 * place)} %`;
-    const where = correct.length === 0
-      ? "There was nothing." : `It was at ${correct.map(percent).join(", ")} of the way.`;
-    return response === null ? `${where} You said: nothing.` : `${where} You said ${percent(response)}.`;
-  }
-  if (right === null) return "Thank you.";
-  if (right) return "That was right.";
-  if (task === "identify" || task === "count") {
-    return `That was ${say(response)}? No: it was ${say(correct)}.`;
-  }
-  return "That was wrong.";
 }
