@@ -7,6 +7,7 @@ goes on where it was.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -76,6 +77,16 @@ class Run:
         return done or self.trial >= self.step["most"]
 
     @property
+    def reversals(self) -> int:
+        """How often its tracks have turned."""
+        return sum(track.reversals for track in self._tracks)
+
+    @property
+    def believed(self) -> float:
+        """The mean threshold of QUEST+'s hypotheses, as a level's index."""
+        return float(self._q @ thresholds_of(len(self.step["levels"])))
+
+    @property
     def catch(self) -> bool:
         """Whether nothing is played in the next trial."""
         return bool(self.step["catch"][self.trial])
@@ -130,12 +141,19 @@ def quest_table(levels: int, guess: float) -> dict[str, Any]:
     Returns `p` (levels, hypotheses), rounded to 6 decimals, and `prior`.
     """
     index = np.arange(levels, dtype=np.float64)
-    thresholds = np.linspace(-0.5, levels - 0.5, 2 * levels + 1)
     rows = []
-    for threshold in thresholds:
-        for slope in SLOPES:
-            for lapse in LAPSES:
-                rise = ndtr((index - threshold) / slope)
-                rows.append(guess + (1.0 - guess - lapse) * rise)
+    for threshold, slope, lapse in _hypotheses(levels):
+        rise = ndtr((index - threshold) / slope)
+        rows.append(guess + (1.0 - guess - lapse) * rise)
     p = np.round(np.clip(np.array(rows).T, 0.001, 0.999), 6)
     return {"p": p.tolist(), "prior": np.full(p.shape[1], 1.0 / p.shape[1]).tolist()}
+
+
+def thresholds_of(levels: int) -> NDArray[np.float64]:
+    """The threshold of each hypothesis, as a level's index."""
+    return np.array([threshold for threshold, _, _ in _hypotheses(levels)])
+
+
+def _hypotheses(levels: int) -> list[tuple[float, float, float]]:
+    thresholds = np.linspace(-0.5, levels - 0.5, 2 * levels + 1).tolist()
+    return list(product(thresholds, SLOPES, LAPSES))

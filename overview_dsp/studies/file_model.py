@@ -129,6 +129,13 @@ class Questionnaires(_Strict):
     consent: Consent | None = None
 
 
+class Exclude(_Strict):
+    """Who isn't analysed: decided before anybody takes part."""
+
+    incomplete: bool = True
+    attention: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+
+
 class Text(_Strict):
     """What the page says."""
 
@@ -153,4 +160,5 @@ class StudyFile(_Strict):
     phases: Phases = Phases()
     output: Output = Output()
     questionnaires: Questionnaires = Questionnaires()
+    exclude: Exclude = Exclude()
     text: Text = Text()

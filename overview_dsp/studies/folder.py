@@ -200,6 +200,7 @@ def study_json(
         if file.output.mask is None
         else {"file": MASK, "level_db": file.output.mask.level_db},
         "forms": forms_of(design),
+        "exclude": file.exclude.model_dump(),
         "kinds": kinds,
         "full_torque": first.number("tactor.full_torque_mnm") * 1e-3,
         "bare_friction": first.number("surface.friction"),
