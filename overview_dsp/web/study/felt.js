@@ -8,8 +8,9 @@ const FADED_MS = 200;
 const LOOK_MS = 30;
 const RATES = [48_000, 44_100]; // what the folder has
 const MOST_FILES = 96; // in memory, half a megabyte each
-const STILL = 1e-4; // of the timeline, of full amplitude
 const LONGEST_REST_S = 3;
+const START_MS = 5000;
+const SILENT = "no sound starts: check that this device has a sound output, then try again";
 
 /** Round half to even, as Python does. */
 export function rounded(number) {
@@ -44,9 +45,13 @@ export class Felt {
     return this.context.sampleRate;
   }
 
-  start() {
-    if (this.context.state !== "running") return this.context.resume();
-    return Promise.resolve();
+  /** Sound from now on; an Error in one line where none comes. */
+  async start() {
+    if (this.context.state === "running") return;
+    const silent = new Promise((_, reject) => {
+      setTimeout(() => reject(new Error(SILENT)), START_MS);
+    });
+    await Promise.race([this.context.resume(), silent]);
   }
 
   /** What a row says of the device. */
@@ -157,7 +162,7 @@ export class Presentation {
     merge.connect(context.destination);
     this.end = merge;
     this.events = []; // of the take
-    this.told = { over: false, clock: 0, cursor: 0, level: 0, struck: 0 };
+    this.told = { over: false, clock: 0, cursor: 0, rests: true, struck: 0 };
     this.asked = [];
     /** Called with a line when the audio thread fails. */
     this.onfault = (/** @type {string} */ _line) => {};
@@ -177,12 +182,12 @@ export class Presentation {
   /** How it is now; what was applied since goes into the take. */
   look() {
     return new Promise((resolve) => {
-      this.asked.push(({ over, meters: [clock, cursor, level, struck], applied }) => {
+      this.asked.push(({ over, meters: [clock, cursor, rests, struck], applied }) => {
         for (let i = 0; i + 4 <= applied.length; i += 4) {
           const [sample, theta2, touching, source] = applied.subarray(i, i + 4);
           this.events.push([sample, theta2, touching, SOURCES[source]]);
         }
-        this.told = { over, clock, cursor, level, struck };
+        this.told = { over, clock, cursor, rests, struck };
         resolve(this.told);
       });
       this.node.port.postMessage({ kind: "look" });
@@ -194,8 +199,8 @@ export class Presentation {
     const least = duration_s * this.rate;
     const most = least + LONGEST_REST_S * this.rate;
     while (!this.stopped) {
-      const { clock, cursor, level } = await this.look();
-      if (clock >= most || (clock >= least && cursor < STILL && level < STILL)) return true;
+      const { clock, rests } = await this.look();
+      if (clock >= most || (clock >= least && rests)) return true;
       await new Promise((resolve) => {
         setTimeout(resolve, LOOK_MS);
       });

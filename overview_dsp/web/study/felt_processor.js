@@ -6,6 +6,7 @@ import { L } from "./layout.js";
 import { StaticMapping } from "./static_mapping.js";
 
 const EVENT = 4; // sample, theta2, touching, source
+const STILL = 1e-4; // of the timeline, of full amplitude
 
 /** The kernel, and the log of the control events that it has applied. */
 class Disk {
@@ -44,11 +45,12 @@ class Disk {
     return rows;
   }
 
-  /** Clock (samples), cursor (0 to 1), how strong it is (0 to 1), strikes. */
+  /** Clock (samples), cursor (0 to 1), whether it rests, strikes. */
   meters() {
     const { kernel } = this;
-    const envelope = kernel.m[L.M_ENVELOPE];
-    return [kernel.read(L.CLOCK), kernel.m[L.X] / L.CELLS, envelope, kernel.read(L.M_STRIKES)];
+    const cursor = kernel.m[L.X] / L.CELLS;
+    const rests = cursor < STILL && kernel.m[L.M_ENVELOPE] < STILL;
+    return [kernel.read(L.CLOCK), cursor, rests, kernel.read(L.M_STRIKES)];
   }
 }
 
@@ -77,7 +79,7 @@ class Mapped {
 
   meters() {
     const { clock, cursor, level, voices, struck } = this.mapping;
-    return [clock, cursor, level + voices, struck];
+    return [clock, cursor, level < STILL && voices === 0, struck];
   }
 }
 

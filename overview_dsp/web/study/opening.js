@@ -56,18 +56,29 @@ export async function openSession(context) {
   const found = await sessions.get();
   if (found?.session && (await isBack(context, found))) {
     if (context.server === null) return found;
-    return insisted(() => context.server.resume(found), context.display, context.fault)
-      .then((told) => ({ ...found, ...told }));
+    const told = await insisted(() => resumed(context, found), context.display, context.fault);
+    if (told !== null) return { ...found, ...told };
   }
   return begun(context, found?.session ? undefined : found);
+}
+
+/** The session as the server has it; null (said) where it has no such one any more. */
+async function resumed({ server, fault }, found) {
+  try {
+    return await server.resume(found);
+  } catch (error) {
+    if (error.status !== 403) throw error;
+    fault(`Session ${found.session} can't go on: ${error.message}.`);
+    return null;
+  }
 }
 
 /** Whether it is the same person who goes on. */
 function isBack({ study, display, sessions, felt, fault }, found) {
   return new Promise((resolve) => {
     const heading = make("h1", { text: "Welcome back", tabindex: -1 });
-    const go = button("Go on", async () => {
-      await felt.start();
+    const go = button("Go on", () => {
+      felt.start().catch((error) => fault(error.message));
       resolve(true);
     }, { class: "done" });
     const other = button("I am somebody else", async () => {
@@ -112,7 +123,7 @@ function begun(context, asked) {
         return;
       }
       busy = true;
-      felt.start(); // not waited for: without a sound output it never is fulfilled
+      felt.start().catch((error) => fault(error.message));
       try {
         resolve(await begin(context, asked, code.value, Number(number?.value)));
       } catch (error) {

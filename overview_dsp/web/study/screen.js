@@ -32,7 +32,7 @@ async function tell(kit, display, step, onLoad) {
   window.scrollTo(0, 0);
   onLoad();
   await go;
-  await kit.felt.start();
+  kit.felt.start().catch((error) => kit.fault(error.message));
   return null;
 }
 

@@ -51,28 +51,37 @@ export class Stage {
     this.pad.onfelt = () => this.wasFelt();
     if (this.pair) {
       this.tabs = this.names.map((name, i) =>
-        button(`Feel the ${name}`, () => this.go(i), { "aria-pressed": i === 0 }));
+        button(`Feel the ${name}`, () => this.choose(i), { "aria-pressed": i === 0 }));
       this.element.append(make("div", { class: "tabs", role: "group", "aria-label": "Which one" },
         ...this.tabs));
     }
     this.element.append(this.pad.element);
   }
 
+  choose(number) {
+    this.go(number).catch((error) => this.onfault(error.message));
+  }
+
   /** Put a stimulus under the hand. */
   async go(number) {
+    this.going = number;
     this.tabs?.forEach((tab, i) => tab.setAttribute("aria-pressed", String(i === number)));
     await this.stop();
     const key = this.stimuli[number];
     const { output } = this.trial;
     const presentation = await this.open(key, null);
     const view = output.visual ? await this.felt.drawn(key) : null;
+    if (this.going !== number || this.ended) {
+      presentation.stop(); // meanwhile the person went to the other one
+      return;
+    }
     this.at = number;
     this.present = presentation;
     this.pad.begin(presentation, view);
   }
 
   wasFelt() {
-    this.felt.start();
+    this.felt.start().catch((error) => this.onfault(error.message));
     this.count += 1;
     this.know(this.at);
   }

@@ -13,6 +13,8 @@ import { countOf, isWanted, planOf } from "./plan.js";
 import { screenPlugin } from "./screen.js";
 import { trialPlugin } from "./trial.js";
 
+const PATIENCE_MS = 2000;
+
 const fault = (line) => {
   by("fault").textContent = line;
 };
@@ -35,10 +37,11 @@ function isAlone(session) {
   // without a secure context there are no locks: the server keeps the first answer to each trial
   if (!navigator.locks) return Promise.resolve(true);
   return new Promise((resolve) => {
-    navigator.locks.request(`overview-study ${session}`, { ifAvailable: true }, (lock) => {
-      resolve(lock !== null);
-      return lock && new Promise(() => {});
-    });
+    const signal = AbortSignal.timeout(PATIENCE_MS); // a page that is just being left still has it
+    navigator.locks.request(`overview-study ${session}`, { signal }, () => {
+      resolve(true);
+      return new Promise(() => {});
+    }).catch(() => resolve(false));
   });
 }
 
@@ -146,4 +149,5 @@ function tellWaiting({ unsent }) {
   by("waiting").textContent = size > 1 ? `${size} answers wait to be stored` : "";
 }
 
+addEventListener("unhandledrejection", ({ reason }) => fault(reason?.message ?? String(reason)));
 main().catch((error) => fault(`The study can't go on: ${error.message}`));
