@@ -45,6 +45,36 @@ export function drawTimeline(svg, view, kinds) {
   c.show();
 }
 
+/** A field in which a stimulus and its cursor are seen, or nothing. */
+export class View {
+  constructor(kinds) {
+    this.kinds = kinds;
+    this.view = null;
+    this.svg = newSvg();
+    this.cursor = make("i", { class: "cursor", hidden: true });
+    this.element = make("div", { class: "view", "aria-hidden": "true" }, this.svg, this.cursor);
+    this.resized = new ResizeObserver(() => this.show(this.view));
+    this.resized.observe(this.element);
+  }
+
+  /** Draw a stimulus; null for nothing. */
+  show(view) {
+    this.view = view;
+    if (view === null) this.svg.replaceChildren();
+    else drawTimeline(this.svg, view, this.kinds);
+  }
+
+  at(cursor) {
+    const { x } = boxOf(this.element.clientWidth, this.element.clientHeight);
+    this.cursor.hidden = this.view === null;
+    this.cursor.style.transform = `translateX(${x(cursor).toFixed(1)}px)`;
+  }
+
+  end() {
+    this.resized.disconnect();
+  }
+}
+
 /** What the marks mean: a list of the kinds that a view has. */
 export function legendOf(kinds) {
   return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ words, shape, colour }) => {

@@ -194,12 +194,13 @@ export class Presentation {
     });
   }
 
-  /** When so many seconds were played and the disk rests; false where it was stopped before. */
-  async rested(duration_s) {
+  /** When so many seconds were played and it rests, `onlook` told meanwhile; false where it was stopped. */
+  async rested(duration_s, onlook = (_told) => {}) {
     const least = duration_s * this.rate;
     const most = least + LONGEST_REST_S * this.rate;
     while (!this.stopped) {
       const { clock, rests } = await this.look();
+      onlook(this.told);
       if (clock >= most || (clock >= least && rests)) return true;
       await new Promise((resolve) => {
         setTimeout(resolve, LOOK_MS);

@@ -2,41 +2,42 @@
 // nothing of the timeline unless the condition is seen.
 
 import { SampleClock } from "./clock.js";
-import { boxOf, drawTimeline, newSvg } from "./drawing.js";
+import { boxOf, View } from "./drawing.js";
 import { Hand } from "./hand.js";
 import { button, make } from "./make.js";
 import { Strokes } from "./strokes.js";
 import { listenToTouch } from "./touch.js";
-import { Twist } from "./twist.js";
 
 const STEP = 0.01;
 const PAGE = 0.1;
 
+/** Whom a wrist moves between two trials. */
+export const NOBODY = { hold: () => {}, release: () => {} };
+
 export class Pad {
-  /** `input`: the hand that the condition has (keys always may); `kinds`: of study.json. */
-  constructor({ input, label, kinds, onfault }) {
+  /**
+   * `input`: the hand that the condition has (keys always may); `kinds`: of study.json; `twist`: a
+   * Twist, which stays on from trial to trial.
+   */
+  constructor({ input, label, kinds, twist, onfault }) {
     this.input = input;
+    this.twist = twist;
     this.kinds = kinds;
     this.onfault = onfault;
-    this.view = null; // what is drawn
     this.presentation = null;
     this.place = 0; // where the hand was last
     this.sources = new Set(); // hands that were used
     this.felt = false; // whether it was touched since the presentation began
     /** Called when a hand first feels a presentation. */
     this.onfelt = () => {};
-    this.svg = newSvg();
-    this.svg.setAttribute("aria-hidden", "true");
+    this.view = new View(kinds);
     this.finger = make("i", { class: "finger", hidden: true });
-    this.cursor = make("i", { class: "cursor", hidden: true });
     this.slider = make("div", {
       class: "pad", role: "slider", tabindex: 0, "aria-label": label, "aria-valuemin": 0,
       "aria-valuemax": 100, "aria-valuenow": 0, "aria-valuetext": "at the start",
-    }, this.svg, this.cursor, this.finger);
+    }, this.view.element, this.finger);
     this.element = make("div", { class: "felt" }, this.slider, this.hint());
-    this.resized = new ResizeObserver(() => this.draw());
-    this.resized.observe(this.slider);
-    this.left = () => document.hidden && !this.twist?.on && this.hand?.releaseAll();
+    this.left = () => document.hidden && !this.twist.on && this.hand?.releaseAll();
     document.addEventListener("visibilitychange", this.left);
     this.listen();
   }
@@ -48,8 +49,9 @@ export class Pad {
       keys: "Use the arrow keys, Page keys, Home, End; Space taps, Escape lets go.",
       twist: "Turn on Twist and roll the phone, face up to face down. Keys work too.",
     };
-    this.toggle = this.input === "twist" || this.input === "any"
-      ? button("Twist", () => this.toggleTwist(), { "aria-pressed": false }) : null;
+    const wrist = this.input === "twist" || (this.input === "any" && navigator.maxTouchPoints > 0);
+    this.toggle = wrist
+      ? button("Twist", () => this.toggleTwist(), { "aria-pressed": this.twist.on }) : null;
     return make("div", { class: "hint" }, make("p", { text: words[this.input] }), this.toggle);
   }
 
@@ -57,15 +59,14 @@ export class Pad {
   begin(presentation, view) {
     this.release();
     this.presentation = presentation;
-    this.view = view;
+    this.view.show(view);
     this.felt = false;
     this.clock = new SampleClock(presentation.rate);
     const send = (place, touching, sample) => presentation.control(place, touching, sample);
     this.hand = new Hand(new Strokes(this.clock, send));
     this.hand.cursor = () => presentation.told.cursor;
     this.hand.onchange = () => this.moved();
-    if (this.twist) this.twist.hand = this.hand;
-    this.draw();
+    if (this.toggle) this.twist.hand = this.hand;
     this.follow(presentation);
   }
 
@@ -76,9 +77,9 @@ export class Pad {
 
   end() {
     this.release();
-    this.twist?.end();
+    this.twist.hand = NOBODY;
     this.presentation = null;
-    this.resized.disconnect();
+    this.view.end();
     document.removeEventListener("visibilitychange", this.left);
   }
 
@@ -109,7 +110,7 @@ export class Pad {
 
   /** What a seen condition says of a place in words. */
   nearby(place) {
-    const near = this.view?.events.find((event) => Math.abs(event.place - place) < STEP / 2);
+    const near = this.view.view?.events.find((event) => Math.abs(event.place - place) < STEP / 2);
     return near ? `, ${this.kinds[near.kind].words}` : "";
   }
 
@@ -118,13 +119,7 @@ export class Pad {
     this.finger.hidden = !this.felt;
     this.finger.classList.toggle("holding", this.hand.holder !== null);
     this.finger.style.transform = `translateX(${x(this.place).toFixed(1)}px)`;
-    this.cursor.hidden = this.view === null;
-    this.cursor.style.transform = `translateX(${x(cursor).toFixed(1)}px)`;
-  }
-
-  draw() {
-    if (this.view !== null) drawTimeline(this.svg, this.view, this.kinds);
-    else this.svg.replaceChildren();
+    this.view.at(cursor);
   }
 
   // --- hands ------------------------------------------------------------------------------------
@@ -164,21 +159,18 @@ export class Pad {
   }
 
   async toggleTwist() {
-    this.twist ??= new Twist(this.hand);
-    this.twist.hand = this.hand;
-    this.twist.onsilent = (line) => {
-      this.twist.end();
+    const { twist } = this;
+    twist.onsilent = (line) => {
+      twist.end();
       this.toggle.setAttribute("aria-pressed", "false");
       this.onfault(line);
     };
-    if (this.twist.on) this.twist.end();
-    else {
-      try {
-        await this.twist.begin();
-      } catch (error) {
-        this.onfault(error.message);
-      }
+    try {
+      if (twist.on) twist.end();
+      else await twist.begin();
+    } catch (error) {
+      this.onfault(error.message);
     }
-    this.toggle.setAttribute("aria-pressed", String(this.twist.on));
+    this.toggle.setAttribute("aria-pressed", String(twist.on));
   }
 }

@@ -1,6 +1,7 @@
 // What a trial presents: one stimulus or two, played as often as wanted or felt by the person's own
 // hand, and what is kept of that.
 
+import { legendOf, View } from "./drawing.js";
 import { button, make } from "./make.js";
 import { Pad } from "./pad.js";
 
@@ -11,10 +12,10 @@ export class Stage {
    * `names`: of the two stimuli of a pair. `onready()` is called once all were felt or played,
    * `onfault(line)` when one can't be.
    */
-  constructor({ study, felt, say }, trial, names, onfault) {
+  constructor({ study, felt, twist }, trial, names, onfault) {
     this.study = study;
     this.felt = felt;
-    this.say = say;
+    this.twist = twist;
     this.trial = trial;
     this.stimuli = [...trial.stimuli];
     this.names = names;
@@ -30,6 +31,7 @@ export class Stage {
     this.element = make("div", { class: "stage" });
     if (this.free) this.buildFree();
     else this.buildPlayed();
+    if (trial.output.visual) this.element.append(legendOf(study.kinds));
   }
 
   get pair() {
@@ -46,7 +48,8 @@ export class Stage {
   buildFree() {
     const { trial, study } = this;
     this.pad = new Pad({
-      input: trial.output.input, label: "Field to feel", kinds: study.kinds, onfault: this.onfault,
+      input: trial.output.input, label: "Field to feel", kinds: study.kinds, twist: this.twist,
+      onfault: this.onfault,
     });
     this.pad.onfelt = () => this.wasFelt();
     if (this.pair) {
@@ -96,6 +99,8 @@ export class Stage {
       ? names.map((name, i) => button(`Play the ${name}`, act([i])))
       : [button("Play", act(this.stimuli.map((_, i) => i)), { class: "play" })];
     this.element.append(make("div", { class: "tabs" }, ...this.buttons));
+    this.view = trial.output.visual ? new View(this.study.kinds) : null;
+    if (this.view) this.element.append(make("div", { class: "pad seen" }, this.view.element));
     this.lamp = make("p", { class: "lamp", "aria-hidden": "true", text: "\u00a0" });
     this.element.append(this.lamp);
   }
@@ -113,7 +118,9 @@ export class Stage {
         this.lamp.textContent = this.pair ? this.names[number] : "playing";
         const key = this.stimuli[number];
         this.present = await this.open(key, this.study.stimuli[key].events);
-        const whole = await this.present.rested(this.study.stimuli[key].duration_s);
+        this.view?.show(await this.felt.drawn(key));
+        const { duration_s } = this.study.stimuli[key];
+        const whole = await this.present.rested(duration_s, ({ cursor }) => this.view?.at(cursor));
         this.present.stop();
         this.lamp.textContent = "\u00a0";
         if (!whole) return;
@@ -165,6 +172,7 @@ export class Stage {
     this.ended = true;
     await this.stop();
     this.pad?.end();
+    this.view?.end();
   }
 }
 

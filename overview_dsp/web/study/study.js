@@ -9,9 +9,11 @@ import { openKept } from "./kept.js";
 import { insisted, make } from "./make.js";
 import { keepOffline } from "./offline.js";
 import { openSession, Sessions } from "./opening.js";
+import { NOBODY } from "./pad.js";
 import { countOf, isWanted, planOf } from "./plan.js";
 import { screenPlugin } from "./screen.js";
 import { trialPlugin } from "./trial.js";
+import { Twist } from "./twist.js";
 
 const PATIENCE_MS = 2000;
 
@@ -74,6 +76,7 @@ function kitOf({ study, list, felt, answers, leave, file }) {
   const total = countOf(list.steps);
   return {
     study, felt, answers, leave, file, say, fault,
+    twist: new Twist(NOBODY),
     progress() {
       const done = Math.min(answers.done.size, total);
       by("progress").max = total;
@@ -130,7 +133,9 @@ async function main() {
     display.replaceChildren(make("h1", { text: "Thank you" }),
       make("p", { text: "You did not agree, so nothing was kept. You may close this page." }));
   };
-  await run(context, session, list, kitOf({ study, list, felt, answers, leave, file }));
+  const kit = kitOf({ study, list, felt, answers, leave, file });
+  await run(context, session, list, kit);
+  kit.twist.end();
   by("progress-line").hidden = true;
   await endSession(context, session, answers);
 }

@@ -15,7 +15,7 @@ const NAMES = ["first", "second"]; // of a pair's stimuli
 const controlsOf = ({ task, method }) => CONTROLS[task] ?? (method === "yesno" ? detect : compare);
 
 /**
- * The plugin for one session. `kit`: study, felt, answers, `say(line)` to whoever listens,
+ * The plugin for one session. `kit`: study, felt, answers, twist, `say(line)` to whoever listens,
  * `fault(line)`, `file(path)`, `progress()`, `ahead(trial)` fetches what comes next, `leave()` ends without consent.
  */
 export function trialPlugin(kit) {
