@@ -16,7 +16,8 @@ export class Answers {
    * `onchange()` is called when the number of unsent ones changes, `onrefused(line)` when the server
    * will never take one.
    */
-  constructor(kept, session, send, { onchange = () => {}, onrefused = (_line) => {}, wait = later } = {}) {
+  constructor(kept, session, send, { onchange = () => {}, onrefused = /** @type {(line: string) => void} */ (() => {}),
+    wait = later } = {}) {
     this.kept = kept;
     this.prefix = `row ${session}/`;
     this.send = send;

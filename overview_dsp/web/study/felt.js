@@ -37,6 +37,7 @@ export class Felt {
       this.context.close();
       this.context = new AudioContext({ latencyHint: "interactive", sampleRate: RATES[0] });
     }
+    this.worklet = null; // a promise, once it loads
     this.files = new Map(); // promises by path
     this.masking = null;
   }
@@ -165,7 +166,7 @@ export class Presentation {
     this.told = { over: false, clock: 0, cursor: 0, rests: true, struck: 0 };
     this.asked = [];
     /** Called with a line when the audio thread fails. */
-    this.onfault = (/** @type {string} */ _line) => {};
+    this.onfault = /** @type {(line: string) => void} */ (() => {});
     this.node.port.onmessage = ({ data }) => {
       if (data.error) this.onfault(data.error);
       else this.asked.shift()(data);
@@ -195,7 +196,7 @@ export class Presentation {
   }
 
   /** When so many seconds were played and it rests, `onlook` told meanwhile; false where it was stopped. */
-  async rested(duration_s, onlook = (_told) => {}) {
+  async rested(duration_s, onlook = /** @type {(told: any) => void} */ (() => {})) {
     const least = duration_s * this.rate;
     const most = least + LONGEST_REST_S * this.rate;
     while (!this.stopped) {

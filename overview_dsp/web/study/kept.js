@@ -48,6 +48,7 @@ export class Kept {
     return this.database.transaction(STORE, mode, { durability: "strict" }).objectStore(STORE);
   }
 
+  /** @returns {Promise<void>} */
   written(act) {
     return new Promise((resolve, reject) => {
       const store = this.store("readwrite");

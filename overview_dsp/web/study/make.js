@@ -2,6 +2,9 @@
 
 /**
  * An element with attributes (`text` is its text, `on` its listeners by name) and children.
+ * @param {string} name
+ * @param {any} given
+ * @param {...any} children
  * @returns {any}
  */
 export function make(name, { text = "", on = {}, ...attributes } = {}, ...children) {

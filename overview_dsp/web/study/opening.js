@@ -142,7 +142,7 @@ function begun(context, asked) {
 }
 
 /** Have a list: of the server, or the one that was chosen. */
-async function begin({ study, sessions, server, fault }, asked, participant, list) {
+async function begin({ sessions, server, fault }, asked, participant, list) {
   fault("");
   if (server === null) {
     const made = {

@@ -5,14 +5,13 @@ import { Server } from "./client.js";
 import { by } from "./dom.js";
 import { endSession } from "./ending.js";
 import { Felt } from "./felt.js";
+import { goThrough } from "./flow.js";
 import { openKept } from "./kept.js";
 import { insisted, make } from "./make.js";
 import { keepOffline } from "./offline.js";
 import { openSession, Sessions } from "./opening.js";
 import { NOBODY } from "./pad.js";
-import { countOf, isWanted, planOf } from "./plan.js";
-import { screenPlugin } from "./screen.js";
-import { trialPlugin } from "./trial.js";
+import { countOf } from "./plan.js";
 import { Twist } from "./twist.js";
 
 const PATIENCE_MS = 2000;
@@ -44,29 +43,6 @@ function isAlone(session) {
       resolve(true);
       return new Promise(() => {});
     }).catch(() => resolve(false));
-  });
-}
-
-/** jsPsych's timeline of what is still to be done. */
-function timelineOf(steps, kit) {
-  const { answers } = kit;
-  const [trialType, screenType] = [trialPlugin(kit), screenPlugin(kit)];
-  const asked = (step) => ({ type: trialType, trial: () => step });
-  return planOf(steps, answers.done).flatMap(({ screen, trial, practice, run }) => {
-    if (screen) return [{ type: screenType, step: () => screen }];
-    if (trial) return [asked(trial)];
-    if (run) {
-      const next = { ...asked(null), trial: () => run.next(), on_finish: ({ response }) => run.tell(response) };
-      return [{ timeline: [next], loop_function: () => !run.over }];
-    }
-    return practice.map((round, i) => {
-      const left = round.filter(({ id }) => !answers.has(id));
-      const again = { type: screenType, step: () => ({ id: `again-${i}`, type: "instructions", again: true }) };
-      return {
-        timeline: [...(i > 0 && left.length === round.length ? [again] : []), ...left.map(asked)],
-        conditional_function: () => left.length > 0 && isWanted(practice, i, answers.done),
-      };
-    });
   });
 }
 
@@ -134,19 +110,10 @@ async function main() {
       make("p", { text: "You did not agree, so nothing was kept. You may close this page." }));
   };
   const kit = kitOf({ study, list, felt, answers, leave, file });
-  await run(context, session, list, kit);
+  await goThrough(context, session, list, kit);
   kit.twist.end();
   by("progress-line").hidden = true;
   await endSession(context, session, answers);
-}
-
-async function run({ study, display }, { participant, list: number }, list, kit) {
-  const timeline = timelineOf(list.steps, kit);
-  if (timeline.length === 0) return;
-  const jsPsych = /** @type {any} */ (globalThis).initJsPsych({ display_element: display });
-  jsPsych.data.addProperties({ participant, list: number, design_sha256: study.design_sha256 });
-  /** @type {any} */ (window).study = { jsPsych, kit };
-  await jsPsych.run(timeline);
 }
 
 function tellWaiting({ unsent }) {
