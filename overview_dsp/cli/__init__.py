@@ -26,6 +26,7 @@ COMMANDS = {
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "plugin": ("plugin", "Build an audio plugin that plays a timeline in a DAW."),
     "batch": ("batch", "Render a study: a grid of many, here or on a cluster."),
+    "study": ("study", "Studies with people: lists, a page, answers, statistics, exports."),
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
     "midi": ("midi", "Learn what the controls of a MIDI controller do."),

@@ -24,6 +24,7 @@ from overview_dsp.kernels.layout import CLICK, TACTOR
 from overview_dsp.measure.felt import event_levels, stroke_feel, strokes
 from overview_dsp.rendering.offline import render
 from overview_dsp.studies.items import Item
+from overview_dsp.surface.build import build_surface
 from overview_dsp.timeline import Event, Timeline
 
 COLUMNS = 1025
@@ -170,6 +171,13 @@ def static_mapping(item: Item, rate: int) -> StaticMapping:
         rate, made.ramp, _amplitude(surface.position, surface.span, height, rest),
         made.carrier, made.clicks, made.waves,
     )  # fmt: skip
+
+
+def static_levels(item: Item, rate: int) -> NDArray[np.float64]:
+    """How strong each event is felt in the control condition, dB of full scale."""
+    surface = build_surface(item.timeline, item.preset)
+    hand = sweep(2.0) if item.free else item.gesture
+    return _levels(static_mapping(item, rate), hand, surface)
 
 
 def _peak(level_db: Any) -> Any:
