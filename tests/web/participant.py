@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-PATIENCE_S = 60.0
+PATIENCE_S = 40.0
 TEXTS = ("What to do", "A break", "Once more")
 INTERESTING = {"button", "slider", "heading", "textbox", "checkbox", "radio", "spinbutton",
                "progressbar"}  # fmt: skip

@@ -9,18 +9,12 @@ import socket
 import sqlite3
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import httpx
-
 from overview_dsp.studies.design import load_design
 from overview_dsp.studies.folder import build_folder
-
-TOKEN = "token-of-a-test-that-is-long-enough"
-SECONDS = 60.0
 
 
 def built(folder: Path, text: str) -> Path:
@@ -32,31 +26,27 @@ def built(folder: Path, text: str) -> Path:
 
 
 class Process:
-    """A server of a study on a port of its own, in a process of its own."""
+    """`overview study serve` on a port of its own, which can be killed and started again."""
 
     def __init__(self, folder: Path, answers: Path) -> None:
         self.folder, self.answers = folder, answers
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
-        self.origin = f"http://127.0.0.1:{self.port}"
-        self.url = f"{self.origin}/#token={TOKEN}"
         self.start()
 
     def start(self) -> None:
         """Serve; the same answers and the same address as before."""
+        command = [
+            *(sys.executable, "-m", "overview_dsp", "study", "serve", str(self.folder)),
+            *("--db", str(self.answers), "--port", str(self.port), "--json"),
+            *("--token-file", str(self.answers.with_suffix(".token"))),
+        ]
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "tests.web.study_server", str(self.folder), str(self.answers),
-             str(self.port), TOKEN],
-        )  # fmt: skip
-        end = time.monotonic() + SECONDS
-        while True:
-            try:
-                httpx.get(self.origin, timeout=5.0)
-                return
-            except httpx.HTTPError:
-                assert time.monotonic() < end and self.process.poll() is None
-                time.sleep(0.05)
+            command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+        assert self.process.stdout is not None
+        self.url = json.loads(self.process.stdout.readline())["address"]
 
     def kill(self) -> None:
         """As a power cut does, but for the disk's own cache."""

@@ -6,6 +6,7 @@ import { SOURCES } from "./layout.js";
 
 const FADED_MS = 200;
 const LOOK_MS = 30;
+const RELEASED_MS = 500; // far more than a hand's events lie ahead
 const RATES = [48_000, 44_100]; // what the folder has
 const MOST_FILES = 96; // in memory, half a megabyte each
 const LONGEST_REST_S = 3;
@@ -210,9 +211,12 @@ export class Presentation {
     return false;
   }
 
-  /** The take so far. */
-  get take() {
-    return { sample_rate: this.rate, samples: this.told.clock, events: this.events };
+  /** The take, once the hand has let go: what was asked of the audio thread last may still be to come. */
+  async take() {
+    const until = performance.now() + RELEASED_MS;
+    do await this.look();
+    while (this.events.at(-1)?.[2] === 1 && performance.now() < until);
+    return { sample_rate: this.rate, samples: this.told.clock, events: [...this.events] };
   }
 
   /** Fade out and end. */

@@ -31,6 +31,7 @@ function timelineOf(steps, kit) {
 export async function goThrough({ study, display }, { participant, list: number }, { steps }, kit) {
   const timeline = timelineOf(steps, kit);
   if (timeline.length === 0) return;
+  display.replaceChildren();
   const jsPsych = /** @type {any} */ (globalThis).initJsPsych({ display_element: display });
   jsPsych.data.addProperties({ participant, list: number, design_sha256: study.design_sha256 });
   await jsPsych.run(timeline);

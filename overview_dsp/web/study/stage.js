@@ -161,8 +161,8 @@ export class Stage {
     if (present === null || present.stopped) return;
     pad?.release();
     if (this.free) {
-      await present.look();
-      if (pad.felt) this.takes.push({ stimulus: this.stimuli[this.at], ...present.take });
+      const stimulus = this.stimuli[this.at];
+      if (pad.felt) this.takes.push({ stimulus, ...(await present.take()) });
     }
     present.stop();
   }

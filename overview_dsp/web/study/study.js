@@ -24,13 +24,15 @@ const say = (line) => {
   by("said").textContent = line;
 };
 
-/** The token of the address, taken out of it; else the one that this browser has, or null. */
-async function tokenOf(kept) {
+/** A server or host, entered by the token of the address, which is taken out of it and kept. */
+async function entered(kept) {
   const token = new URLSearchParams(location.hash.slice(1)).get("token");
-  if (!token) return (await kept.get("token")) ?? null;
+  if (!token) return new Server((await kept.get("token")) ?? null);
+  const server = new Server(token);
+  await server.enter();
   await kept.put("token", token);
   history.replaceState(null, "", location.pathname + location.search);
-  return token;
+  return server;
 }
 
 /** Whether no other tab has this session; held until the page is closed. */
@@ -70,12 +72,11 @@ function kitOf({ study, list, felt, answers, leave, file }) {
 
 async function main() {
   const kept = await openKept();
-  const server = new Server(await tokenOf(kept));
+  const server = await entered(kept);
   const file = (path) => server.file(path);
   const study = await (await file("study.json")).json();
   server.sessions = study.server?.sessions ?? "";
   document.title = study.title;
-  by("title").textContent = study.title;
   if (study.server === null) {
     keepOffline();
     navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
@@ -87,6 +88,7 @@ async function main() {
     study, display, sessions, felt, fault, say, server: study.server === null ? null : server,
   };
   const session = await openSession(context);
+  by("title").textContent = study.title;
   if (!(await isAlone(session.session))) {
     display.replaceChildren(make("h1", { text: "This session is open in another tab" }),
       make("p", { text: "Go on there, or close it and load this page again." }));

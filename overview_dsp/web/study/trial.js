@@ -65,17 +65,18 @@ class Asked {
     this.question = make("h1", { id: "question", text: question });
     this.stage.onready = () => this.enable();
     this.heard = (event) => this.key(event);
-    display.replaceChildren(this.question, this.stage.element, this.controls.element);
   }
 
   /** Fetch what is presented; the trial begins. */
   async load() {
     const { kit, stage, trial, display } = this;
+    display.replaceChildren(make("p", { class: "note", text: "One moment\u2026" }));
     await insisted(async () => {
       await kit.felt.load(trial);
       if (stage.free) await stage.go(0);
     }, display, this.fault);
     kit.ahead(trial);
+    display.replaceChildren(this.question, stage.element, this.controls.element);
     this.started = new Date();
     await kit.felt.mask(trial.output.mask);
     document.addEventListener("keydown", this.heard);
