@@ -173,7 +173,7 @@ def _above_chance(counts: NDArray[np.float64]) -> tuple[int, int]:
         for one in counts
         if one.sum()
     ]
-    return sum(p < ALPHA for p in tests), len(tests)
+    return sum(bool(p < ALPHA) for p in tests), len(tests)
 
 
 def _differences(

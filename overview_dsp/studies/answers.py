@@ -19,7 +19,17 @@ from overview_dsp.studies.store import Session, Store
 OFFLINE = ("session", "participant", "list", "trial", "received_utc", "row")
 """Columns that an offline page's CSV must have."""
 
-_HEAD = ("participant", "session", "list", "complete", "position", "trial", "phase", "block", "repeat")
+_HEAD = (
+    "participant",
+    "session",
+    "list",
+    "complete",
+    "position",
+    "trial",
+    "phase",
+    "block",
+    "repeat",
+)
 _TAIL = (
     "task", "stimulus", "stimulus_sha256", "seed", "timeline", "preset", "gesture", "level",
     "correct_response", "response", "correct", "error", "rt_ms", "presentations", "source",
@@ -90,7 +100,7 @@ class Answers:
     def rows(self) -> Iterator[dict[str, Any]]:
         """One row a trial, in the order they were answered; forms aren't among them."""
         for session in self.sessions:
-            content = self.lists[session.list]
+            content = self.lists[session.number]
             for position, (trial, received, row) in enumerate(session.trials, 1):
                 step = step_of(trial, content)
                 if step is not None and step["type"] != "form":
@@ -124,14 +134,14 @@ class Answers:
         return {
             "participant": session.participant,
             "session": session.id,
-            "list": session.list,
+            "list": session.number,
             "complete": int(session.finished_utc is not None),
             "position": position,
             "trial": trial,
             "phase": phase,
             "block": step["block"],
             "repeat": step.get("repeat"),
-            **self.lists[session.list]["factors"],
+            **self.lists[session.number]["factors"],
             **step["factors"],
             "task": step["task"],
             "stimulus": " ".join(keys),
@@ -161,7 +171,7 @@ class Answers:
     def forms(self) -> Iterator[dict[str, Any]]:
         """One row an item of a form that was answered."""
         for session in self.sessions:
-            content = self.lists[session.list]
+            content = self.lists[session.number]
             for trial, received, answer in session.trials:
                 step = step_of(trial, content)
                 if step is None or step["type"] != "form":
@@ -171,7 +181,7 @@ class Answers:
                     yield {
                         "participant": session.participant,
                         "session": session.id,
-                        "list": session.list,
+                        "list": session.number,
                         "block": step["block"],
                         **content["factors"],
                         **step["factors"],
@@ -246,7 +256,7 @@ def _offline(path: Path, lists: dict[int, dict[str, Any]]) -> list[Session]:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{path}: can't be read ({error})") from None
-    return [_finished(one, lists[one.list]) for one in found.values()]
+    return [_finished(one, lists[one.number]) for one in found.values()]
 
 
 def _finished(session: Session, content: dict[str, Any]) -> Session:

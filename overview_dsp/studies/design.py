@@ -134,7 +134,9 @@ def load_design(where: str | Path) -> Design:
         silent = nothing(made, file.seed, first.duration_s)
         grid = replace(grid, timelines={**grid.timelines, NOTHING: silent})
     answers = {name: what for name, (_, what) in own.items()} | {NOTHING: NONE}
-    answers |= {name: _kind_of(t) or name for name, t in grid.timelines.items() if name not in answers}
+    answers |= {
+        name: _kind_of(t) or name for name, t in grid.timelines.items() if name not in answers
+    }
     name = file.name or "".join(c if c.isalnum() and c.isascii() else "-" for c in path.stem)
     digest = hashlib.sha256(text.replace("\r\n", "\n").encode()).hexdigest()
     design = Design(file, name, path, digest, grid, answers)
@@ -222,7 +224,7 @@ def _check_factors(design: Design) -> None:
         if not known and _sort(factor) == "mixed":
             raise InputError(
                 f"{key}: says nothing that a page can change between trials; it is mapping, "
-                "channel, input, a dimension of the stimuli, or has order = \"williams\""
+                'channel, input, a dimension of the stimuli, or has order = "williams"'
             )
         if len(orders) > 1 and factor.order in orders:
             raise InputError(f"{key}.order: factors in blocks have one order; here {orders}")

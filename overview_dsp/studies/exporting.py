@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -135,8 +135,8 @@ def _bids(answers: Answers) -> Files:
     yield README, f"# {study['title']}\n\n{_about(answers)}\n"
     labels = _labels(answers)
     people = (
-        {"participant_id": f"sub-{labels[one.participant]}", "list": one.list,
-         **answers.lists[one.list]["factors"]}
+        {"participant_id": f"sub-{labels[one.participant]}", "list": one.number,
+         **answers.lists[one.number]["factors"]}
         for one in answers.sessions
     )  # fmt: skip
     between = [n for n, factor in study["factors"].items() if factor["kind"] == "between"]
@@ -167,19 +167,19 @@ def _psignifit(answers: Answers) -> Files:
     if study["task"]["name"] not in ("compare", "staircase", "quest"):
         raise InputError("psignifit fits answers by level: of compare, staircase and quest tasks")
     names, order = conditions_of(study), level_order(study)
-    parts: dict[tuple[str, Any], list[Mapping[str, Any]]] = defaultdict(list)
+    parts: dict[tuple[str, Any], list[dict[str, Any]]] = defaultdict(list)
     for row in answers.rows():
         if row["phase"] == "main":
             condition = condition_of(row, names)
             parts["all", condition].append(row)
             parts[row["participant"], condition].append(row)
     table = []
-    for (who, condition), rows in parts.items():
+    for (who, condition), own in parts.items():
         if study["task"]["name"] == "compare":
-            counted = zip(*chosen_counts(study, rows), strict=True)
+            counted = zip(*chosen_counts(study, own), strict=True)
         else:
             counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
-            for row in rows:
+            for row in own:
                 counts[order[row["level"]]][0] += row["correct"]
                 counts[order[row["level"]]][1] += 1
             counted = ((level, *both) for level, both in sorted(counts.items()))  # type: ignore[assignment]

@@ -55,7 +55,10 @@ def figures_of(analysis: Analysis) -> dict[str, Figure]:
     found = {MAIN[task["name"]]: estimates_figure(analysis, MAIN[task["name"]])}
     if analysis.matrices:
         found["confusion"] = confusion_figure(analysis)
-    if task["name"] in ("compare", "staircase", "quest") and len(level_order(analysis.answers.study)) > 2:
+    if (
+        task["name"] in ("compare", "staircase", "quest")
+        and len(level_order(analysis.answers.study)) > 2
+    ):
         found["psychometric"] = psychometric_figure(analysis)
     measures = {line.measure for line in analysis.lines}
     found |= {name: estimates_figure(analysis, name) for name in ("tlx", "rt") if name in measures}
@@ -121,9 +124,7 @@ def psychometric_figure(analysis: Analysis) -> Figure:
     figure = new_figure(6.0, 3.6)
     axes = figure.subplots()
     rows = [row for row in analysis.answers.rows() if row["phase"] == "main"]
-    for number, condition in enumerate(
-        sorted({condition_of(row, names) for row in rows}, key=str)
-    ):
+    for number, condition in enumerate(sorted({condition_of(row, names) for row in rows}, key=str)):
         own = [row for row in rows if condition_of(row, names) == condition]
         if compared:
             levels, right, trials = chosen_counts(study, own)
@@ -138,7 +139,9 @@ def psychometric_figure(analysis: Analysis) -> Figure:
     axes.set_ylabel("taken for the stronger" if compared else "right answers")
     axes.set_ylim(-0.03, 1.03)
     axes.legend(frameon=False, fontsize=8)
-    axes.set_title("Psychometric functions: parts of answers by level, all participants", fontsize=10)
+    axes.set_title(
+        "Psychometric functions: parts of answers by level, all participants", fontsize=10
+    )
     tidy(axes)
     figure.set_layout_engine("constrained")
     return figure

@@ -55,9 +55,7 @@ class Made(_Strict):
 class Task(_Strict):
     """What is asked."""
 
-    name: Literal[
-        "identify", "locate", "count", "compare", "draw", "adjust", "staircase", "quest"
-    ]
+    name: Literal["identify", "locate", "count", "compare", "draw", "adjust", "staircase", "quest"]
     question: str | None = None
     of: str = "answer"
     target: str | None = None

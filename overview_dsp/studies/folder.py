@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import irfft
 
 from overview_dsp.batch.cache_keys import PROGRAM
@@ -121,7 +122,7 @@ def _mask(design: Design) -> Iterator[tuple[str, bytes]]:
         yield MASK, sound_bytes(MASK, noise, RATE, "PCM_16")
 
 
-def masking_noise(mask: Mask, seed: int) -> np.ndarray[Any, np.dtype[np.float32]]:
+def masking_noise(mask: Mask, seed: int) -> NDArray[np.float32]:
     """Noise of `MASK_S` that loops without a seam: float32 (frames, 1)."""
     frames = MASK_S * RATE
     hz = np.arange(frames // 2 + 1) / MASK_S
@@ -132,7 +133,7 @@ def masking_noise(mask: Mask, seed: int) -> np.ndarray[Any, np.dtype[np.float32]
     phase = np.random.Generator(np.random.PCG64(seed)).random(len(hz))
     wave = irfft(height * np.exp(2j * np.pi * phase), frames)
     wave *= 10.0 ** (mask.level_db / 20.0) / np.sqrt(np.mean(np.square(wave)))
-    return np.clip(wave, -1.0, 1.0).astype(np.float32)[:, None]
+    return np.asarray(np.clip(wave, -1.0, 1.0)[:, None], dtype=np.float32)
 
 
 def _study_files(
@@ -243,9 +244,7 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
         "duration_s": None if item.free else hand.duration_s,
         "answer": str(item.names["answer"]),
         "places": item.places(design.file.task.target),
-        "curve": curve_of(item.timeline, CURVE_POINTS)
-        if design.file.task.name == "draw"
-        else None,
+        "curve": curve_of(item.timeline, CURVE_POINTS) if design.file.task.name == "draw" else None,
         "level": item.names.get(vary) if vary is not None else None,
         "timeline": item.names["timeline"],
         "preset": item.names["preset"],
@@ -253,9 +252,7 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
         "seed": item.seed,
         "parameters": dict(item.parameters),
         "sha256": samples_sha256(item.rendered().samples),
-        "static_sha256": samples_sha256(static_made[RATE].render(hand))
-        if static
-        else None,
+        "static_sha256": samples_sha256(static_made[RATE].render(hand)) if static else None,
     }
     return described, files
 

@@ -59,7 +59,9 @@ class Item:
 
     def fits(self, levels: Mapping[str, Level]) -> bool:
         """Whether it has these levels of what it has at all."""
-        return all(self.names[name] == level for name, level in levels.items() if name in self.names)
+        return all(
+            self.names[name] == level for name, level in levels.items() if name in self.names
+        )
 
     def places(self, target: str | None) -> list[float]:
         """Where its events are (of one kind, if `target` says so), 0 to 1."""

@@ -151,7 +151,9 @@ class ListMaker:
             items = [one for one in self._items if not one.nothing and one.fits(both)]
             if not items:
                 raise InputError(f"factors: no stimulus is {_shown(both)}")
-            groups = _pairs(items, task.vary, task.standard) if task.vary else [(i,) for i in items]
+            groups: list[tuple[Item, ...]] = [(one,) for one in items]
+            if task.vary:
+                groups = _pairs(items, task.vary, task.standard)
             if task.name == "adjust":
                 groups = [group for group in groups if group[0] is group[1]]
             elif task.name == "compare":
@@ -299,9 +301,9 @@ class ListMaker:
             }
 
 
-def _pairs(items: Sequence[Item], vary: str, standard: Level | None) -> list[tuple[Item, Item]]:
+def _pairs(items: Sequence[Item], vary: str, standard: Level | None) -> list[tuple[Item, ...]]:
     """Each stimulus behind the standard that is like it in all else."""
-    pairs = []
+    pairs: list[tuple[Item, ...]] = []
     # what goes with the dimension itself isn't what a pair shares
     bound = {vary} | ({"timeline", "answer"} if vary in ("timeline", "answer") else set())
     for one in items:

@@ -25,7 +25,9 @@ _SHAPES: dict[str, Callable[[NDArray[np.float64], float], NDArray[np.float64]]] 
     "fall": lambda x, phase: 0.9 - 0.8 * x * (1.0 - phase * (1.0 - x)),
     "peak": lambda x, phase: 0.1 + 0.8 * _bump(x, 0.3 + 0.4 * phase),
     "dip": lambda x, phase: 0.9 - 0.8 * _bump(x, 0.3 + 0.4 * phase),
-    "wave": lambda x, phase: 0.1 + 0.8 * (_bump(x, 0.2 + 0.1 * phase) + _bump(x, 0.8 - 0.1 * phase)),
+    "wave": lambda x, phase: (
+        0.1 + 0.8 * (_bump(x, 0.2 + 0.1 * phase) + _bump(x, 0.8 - 0.1 * phase))
+    ),
     "steady": lambda x, phase: np.full_like(x, 0.3 + 0.4 * phase),
 }
 
@@ -45,9 +47,9 @@ def made_timelines(made: Made, seed: int) -> dict[str, tuple[Timeline, str]]:
         Neither kinds nor curves; places or counts that don't fit. The message begins with the key.
     """
     if bool(made.kinds) == bool(made.curves):
-        raise InputError("made: has either kinds or curves")
+        raise InputError("stimuli.made: has either kinds or curves")
     if not 0.0 <= made.places[0] < made.places[1] <= 1.0:
-        raise InputError("made.places: from and to, 0 to 1, rising")
+        raise InputError("stimuli.made.places: from and to, 0 to 1, rising")
     found: dict[str, tuple[Timeline, str]] = {}
     for what in [*made.kinds, *made.curves]:
         for count in made.counts if made.kinds else [0]:
@@ -55,7 +57,7 @@ def made_timelines(made: Made, seed: int) -> dict[str, tuple[Timeline, str]]:
                 name = f"{what}-x{count}" if len(made.counts) > 1 else what
                 name = f"{name}-{variant}" if made.variants > 1 else name
                 if name in found:
-                    raise InputError(f"made: {name} is there twice; leave it in once")
+                    raise InputError(f"stimuli.made: {name} is there twice; leave it in once")
                 chance = Seeded(seed, "made", what, count, variant)
                 timeline = (
                     _with_events(made, what, count, name, chance)
@@ -71,7 +73,7 @@ def _with_events(made: Made, kind: str, count: int, name: str, chance: Seeded) -
     room = high - low - APART * (count - 1)
     if room < 0.0:
         raise InputError(
-            f"made.counts: {count} events at least {APART:g} apart don't fit into places "
+            f"stimuli.made.counts: {count} events at least {APART:g} apart don't fit into places "
             f"{low:g} to {high:g}"
         )
     # apart by construction: sorted draws from what is left, moved on by what lies between

@@ -185,7 +185,7 @@ def _thresholds(
 ) -> Iterable[tuple[str, Condition, str, float]]:
     """The threshold of each adaptive run: of its last reversals, or what QUEST+ believes."""
     for session in answers.sessions:
-        content = answers.lists[session.list]
+        content = answers.lists[session.number]
         given = {trial: row for trial, _, row in session.trials}
         for step in content["steps"]:
             if step["type"] != "adaptive":
@@ -216,9 +216,7 @@ def run_threshold(step: dict[str, Any], given: Mapping[str, Row]) -> float | Non
     return float(np.mean(turned[-LAST_REVERSALS:])) if len(turned) >= 2 else None
 
 
-def tlx_scores(
-    answers: Answers, names: Sequence[str]
-) -> Iterable[tuple[Condition, str, float]]:
+def tlx_scores(answers: Answers, names: Sequence[str]) -> Iterable[tuple[Condition, str, float]]:
     """The raw TLX of each form: the mean of its six scales."""
     items: dict[tuple[str, int, Condition], list[float]] = defaultdict(list)
     for row in answers.forms():

@@ -130,7 +130,9 @@ def _row(response: Any, rng: np.random.Generator, **more: Any) -> dict[str, Any]
     }
 
 
-def _response(study: dict[str, Any], step: dict[str, Any], d: float, rng: np.random.Generator) -> Any:
+def _response(
+    study: dict[str, Any], step: dict[str, Any], d: float, rng: np.random.Generator
+) -> Any:
     task = step["task"]
     shown = [study["stimuli"][key] for key in step["stimuli"]]
     noise = float(rng.standard_normal())
@@ -195,7 +197,7 @@ def _run(
 def _form(form: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
     if "version" in form:
         return {"version": form["version"], "agreed": True}
-    answers = {}
+    answers: dict[str, Any] = {}
     for item in form.get("items", []):
         if item["id"] in TLX:
             answers[item["id"]] = int(np.clip(5 * rng.integers(4, 15), 0, 100))

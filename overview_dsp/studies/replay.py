@@ -85,7 +85,7 @@ def _kept(answers: Answers) -> Iterator[tuple[str, str, dict[str, Any], str, dic
     """Participant, trial, step, key and take of each trial that kept one."""
     for session in answers.sessions:
         for trial, _, row in session.trials:
-            step = step_of(trial, answers.lists[session.list])
+            step = step_of(trial, answers.lists[session.number])
             if step is not None and row.get("take"):
                 key = row.get("stimulus") or step["stimuli"][-1]
                 yield session.participant, trial, step, key, row["take"]

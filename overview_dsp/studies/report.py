@@ -49,17 +49,20 @@ def line_text(line: Line, digits: int = 2) -> str:
 
 def methods_text(analysis: Analysis) -> str:
     """What a reviewer asks for, with every number, as paragraphs to start from."""
-    return "\n\n".join(
-        part
-        for part in (
-            _participants(analysis),
-            _design(analysis),
-            _stimuli(analysis),
-            _analysis(analysis),
-            _results(analysis),
+    return (
+        "\n\n".join(
+            part
+            for part in (
+                _participants(analysis),
+                _design(analysis),
+                _stimuli(analysis),
+                _analysis(analysis),
+                _results(analysis),
+            )
+            if part
         )
-        if part
-    ) + "\n"
+        + "\n"
+    )
 
 
 def _participants(analysis: Analysis) -> str:
@@ -73,7 +76,11 @@ def _participants(analysis: Analysis) -> str:
     said.append(
         f"{count} participants took part in the study {study['title']!r} (planned: "
         f"{study['participants']}). "
-        + (f"Left out by rules set beforehand: {', '.join(left)}." if left else "Nobody was left out.")
+        + (
+            f"Left out by rules set beforehand: {', '.join(left)}."
+            if left
+            else "Nobody was left out."
+        )
     )
     return " ".join(said)
 
@@ -90,7 +97,7 @@ def _design(analysis: Analysis) -> str:
     ]  # fmt: skip
     counts: dict[str, list[int]] = {}
     for session in answers.sessions:
-        of = [s for s in answers.lists[session.list]["steps"] if s["type"] == "trial"]
+        of = [s for s in answers.lists[session.number]["steps"] if s["type"] == "trial"]
         for phase in ("practice", "main", "catch", "attention"):
             counts.setdefault(phase, []).append(sum(step["phase"] == phase for step in of))
     trials = ", ".join(
@@ -165,9 +172,11 @@ def _results(analysis: Analysis) -> str:
         if line.measure in (main, "accuracy", "information", "rt", "tlx"):
             digits = 0 if line.measure == "rt" else 2
             said.append(f"{line.measure}, {shown(line.condition)}: {line_text(line, digits)}.")
-    for line in analysis.differences:
-        if line.measure == main:
-            said.append(f"{line.measure}, difference {shown(line.condition)}: {line_text(line)}.")
+    said += [
+        f"{line.measure}, difference {shown(line.condition)}: {line_text(line)}."
+        for line in analysis.differences
+        if line.measure == main
+    ]
     for condition, (above, of) in analysis.above_chance.items():
         said.append(
             f"{above} of {of} participants were above chance in {shown(condition)} (exact binomial "

@@ -36,7 +36,7 @@ def public_files(folder: Path) -> tuple[str, ...]:
     """The paths of the page alone, without a study."""
     found = (file.relative_to(folder).as_posix() for file in sorted(folder.rglob("*")))
     names = [name for name in found if (folder / name).is_file() and not name.startswith(PRIVATE)]
-    return tuple(f"/{name}" for name in names if name != "index.html") + ("/",)
+    return ("/", *(f"/{name}" for name in names if name != "index.html"))
 
 
 def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
@@ -85,8 +85,8 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
 
     def put(request: Request, body: bytes, session: Session) -> Response:
         trial = request.path_params["trial"]
-        if step_of(trial, content(session.list)) is None:
-            return PlainTextResponse(f"list {session.list} has no trial {trial!a}\n", 404)
+        if step_of(trial, content(session.number)) is None:
+            return PlainTextResponse(f"list {session.number} has no trial {trial!a}\n", 404)
         row = json_object(body)
         if "response" not in row:
             raise InputError("a row has a response")
@@ -94,7 +94,7 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
         return JSONResponse({"stored": trial}, 201 if new else 200)
 
     def finish(request: Request, body: bytes, session: Session) -> Response:
-        missing = missing_of(content(session.list), [trial for trial, _, _ in session.trials])
+        missing = missing_of(content(session.number), [trial for trial, _, _ in session.trials])
         if missing:
             return JSONResponse({"missing": missing}, 409)
         store.finish(session.id)
@@ -114,10 +114,8 @@ def _told(session: Session) -> dict[str, Any]:
     return {
         "session": session.id,
         "secret": session.secret,
-        "list": session.list,
+        "list": session.number,
         "participant": session.participant,
-        "answers": {
-            trial: {key: row.get(key) for key in TOLD} for trial, _, row in session.trials
-        },
+        "answers": {trial: {key: row.get(key) for key in TOLD} for trial, _, row in session.trials},
         "complete": session.finished_utc is not None,
     }

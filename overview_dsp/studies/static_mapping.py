@@ -98,7 +98,9 @@ class StaticMapping:
         samples[:, TACTOR] = tactor
         return samples, cursor
 
-    def _hand(self, gesture: Gesture, frames: int) -> tuple[NDArray[np.float64], ...]:
+    def _hand(
+        self, gesture: Gesture, frames: int
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """Cursor, gate, the cursor before each sample, and whether the hand holds on."""
         cursor, gate = np.zeros(frames), np.zeros(frames)
         before, held = np.zeros(frames), np.zeros(frames, dtype=bool)
@@ -205,9 +207,7 @@ def _levels(made: StaticMapping, hand: Gesture, surface: Any) -> NDArray[np.floa
     samples, cursor = made._rendered(hand, WAVE_S)
     touching = np.zeros(len(cursor))
     stamps = hand.stamps(made.rate)
-    for start, stop, holds in zip(
-        stamps, [*stamps[1:], len(cursor)], hand.touching, strict=True
-    ):
+    for start, stop, holds in zip(stamps, [*stamps[1:], len(cursor)], hand.touching, strict=True):
         touching[start:stop] = float(holds)
     columns = {"touching": touching, "cursor": cursor}
     return event_levels(surface, columns, samples[:, TACTOR], made.rate)
@@ -219,12 +219,14 @@ def _carrier(frequency_hz: float, rate: int) -> NDArray[np.float64]:
     samples = rate // gcd(rate, hz)
     turns = np.arange(samples) * hz % rate / rate
     # rounded, so that machines whose sines differ in the last bit have the same numbers
-    return np.round(np.sin(2.0 * pi * turns), 9)
+    return np.asarray(np.round(np.sin(2.0 * pi * turns), 9), dtype=np.float64)
 
 
 def _wave(item: Item, kind: str, rate: int) -> NDArray[np.float64]:
     """What one event of a kind sounds like alone, from its strike on."""
-    alone = Timeline("one", item.timeline.duration_s, (Event(item.timeline.duration_s / 2.0, kind),))
+    alone = Timeline(
+        "one", item.timeline.duration_s, (Event(item.timeline.duration_s / 2.0, kind),)
+    )
     made = render(alone, item.preset, sweep(2.0), rate, item.seed, tail="none", trace=False)
     times = made.strikes.time_s[made.strikes.event >= 0]
     start = int(times[0] * rate) if len(times) else 0

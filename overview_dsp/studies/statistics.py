@@ -14,6 +14,9 @@ from scipy.special import ndtr, ndtri, xlog1py, xlogy
 from scipy.stats import t as student
 
 RESAMPLES = 10_000
+FEWEST = 5
+"""Participants that have an interval: of fewer there are too few resamples to tell them apart."""
+
 MOST_LAPSE = 0.06
 _SEED = 20091115
 """Of the bootstrap: the same answers, the same intervals."""
@@ -86,7 +89,7 @@ def mean_interval(values: Sequence[float]) -> Estimate:
     """The mean of one number a participant, with a participant-bootstrap interval."""
     known = np.array([value for value in values if math.isfinite(value)])
     n = len(known)
-    if n < 2:
+    if n < FEWEST:
         return Estimate(float(known.mean()) if n else math.nan, math.nan, math.nan, n)
     low, high = np.percentile(_weights(n) @ known / n, _tails(n))
     return Estimate(float(known.mean()), float(low), float(high), n)
@@ -96,8 +99,9 @@ def difference_interval(first: Sequence[float], second: Sequence[float]) -> Esti
     """The difference of two groups' means, second less first; both are resampled."""
     a, b = (np.array([v for v in one if math.isfinite(v)]) for one in (first, second))
     n = min(len(a), len(b))
-    if n < 2:
-        return Estimate(math.nan, math.nan, math.nan, len(a) + len(b))
+    if n < FEWEST:
+        mean = float(b.mean() - a.mean()) if n else math.nan
+        return Estimate(mean, math.nan, math.nan, len(a) + len(b))
     # two resamplings that don't go together
     means = _weights(len(b)) @ b / len(b) - (_weights(len(a)) @ a / len(a))[::-1]
     low, high = np.percentile(means, _tails(n))
@@ -108,7 +112,7 @@ def information_interval(counts: NDArray[np.float64], resamples: int = 1000) -> 
     """Information of the pooled counts (participants, rows, columns), bits, with its interval."""
     n = len(counts)
     bits = information_bits(counts.sum(axis=0))
-    if n < 2:
+    if n < FEWEST:
         return Estimate(bits, math.nan, math.nan, n)
     pooled = np.tensordot(_weights(n)[:resamples], counts, 1)
     low, high = np.percentile([information_bits(one) for one in pooled], _tails(n))

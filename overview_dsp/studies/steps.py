@@ -17,7 +17,9 @@ _MORE = re.compile(r"(.+)-(\d{1,3})")
 
 def step_of(trial: str, content: dict[str, Any]) -> dict[str, Any] | None:
     """The step of a list that a trial's id belongs to; None if there is none."""
-    steps = {step["id"]: step for step in content["steps"] if step["type"] in ANSWERED}
+    steps: dict[str, dict[str, Any]] = {
+        step["id"]: step for step in content["steps"] if step["type"] in ANSWERED
+    }
     if trial in steps and steps[trial]["type"] != "adaptive":
         return steps[trial]
     more = _MORE.fullmatch(trial)

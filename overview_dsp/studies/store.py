@@ -47,14 +47,14 @@ class NoListLeftError(InputError):
 
 @dataclass(frozen=True)
 class Session:
-    """One participant's session: its list, and what was stored of it, in order.
+    """One participant's session: its list's number, and what was stored of it, in order.
 
     `trials` are (id, received_utc, row).
     """
 
     id: str
     secret: str
-    list: int
+    number: int
     participant: str
     started_utc: str
     finished_utc: str | None
@@ -198,9 +198,9 @@ class Store:
             trials = self._db.execute(
                 "SELECT trial, received_utc, row FROM trial WHERE session = ? ORDER BY rowid", (id,)
             ).fetchall()
-        return Session(
-            *row[:6], bool(row[6]), [(trial, utc, json.loads(text)) for trial, utc, text in trials]
-        )
+        id, secret, number, participant, started, finished, abandoned = row
+        read = [(trial, utc, json.loads(text)) for trial, utc, text in trials]
+        return Session(id, secret, number, participant, started, finished, bool(abandoned), read)
 
     def list_of(self, number: int) -> dict[str, Any]:
         """A list."""

@@ -57,12 +57,13 @@ def r_script(answers: Answers, table: str = "responses.csv") -> str:
     names = conditions_of(answers.study)
     fixed = " * ".join(names) or "1"
     model = (
-        f'model <- glmer(correct ~ {fixed} + (1 | participant) + (1 | stimulus),\n'
+        f"model <- glmer(correct ~ {fixed} + (1 | participant) + (1 | stimulus),\n"
         '               data = main, family = binomial("logit"))'
         if task in ("identify", "count", "compare", "staircase", "quest")
-        else f"model <- lmer(abs(error) ~ {fixed} + (1 | participant) + (1 | stimulus), data = main)"
+        else f"model <- lmer(abs(error) ~ {fixed} + (1 | participant) + (1 | stimulus),\n"
+        "              data = main)"
     )
-    factors = "".join(f'main${name} <- factor(main${name})\n' for name in names)
+    factors = "".join(f"main${name} <- factor(main${name})\n" for name in names)
     return (
         f"# {answers.study['title']}: a mixed model to start from\n"
         "library(lme4)\n"

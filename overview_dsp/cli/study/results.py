@@ -68,8 +68,8 @@ def simulate(
 
     study, listed = read_study(folder)
     lists = {one["list"]: one for one in listed}
-    known = {(name, str(level)): (name, level)
-             for name, factor in study["factors"].items() for level in factor["levels"]}  # fmt: skip
+    factors = study["factors"].items()
+    known = {(name, str(level)): (name, level) for name, one in factors for level in one["levels"]}
     for name in effects:
         if name not in known:
             levels = ", ".join(".".join(one) for one in known)
