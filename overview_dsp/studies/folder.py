@@ -171,10 +171,11 @@ def study_json(
         words = {one: one.replace("_", " ") for one in choices} | {NONE: "nothing"}
         task["choices"] = choices
     task["words"] = {**words, **file.task.words}
-    task["question"] = file.task.question or _QUESTIONS[file.task.name]
+    asked = "Did you feel it?" if file.task.method == "yesno" else _QUESTIONS[file.task.name]
+    task["question"] = file.task.question or asked
     task |= {key: getattr(file.task, key) for key in ("method", "vary", "standard", "of")}
     looks = [kind_looks(item.timeline, item.preset) for item in items]
-    kinds = {kind: look for one in looks for kind, look in one.items()}
+    kinds = {kind: look for one in looks for kind, look in one.items() if look["count"]}
     first = items[0].preset
     return {
         "overview_study": VERSION,

@@ -101,3 +101,115 @@ def test_a_whole_session_by_keyboard_and_screen_reader_alone(chromium, identify,
         assert row["take"]["samples"] >= row["take"]["events"][-1][0]
     answers = read_answers([tmp_path / "answers.sqlite"])
     assert answers.sessions[0].finished_utc is not None
+
+
+LOCATE = """
+title = "Where was it"
+name = "where"
+seed = 5
+participants = 2
+[task]
+name = "locate"
+[stimuli]
+made = { kinds = ["goal"], variants = 2 }
+presets = ["football"]
+gestures = ["free"]
+[phases]
+practice = { repeats = 1, feedback = true }
+[output]
+channel = "visual"
+input = "touch"
+"""
+COUNT = """
+title = "How many"
+name = "how-many"
+seed = 5
+participants = 3
+[task]
+name = "count"
+[stimuli]
+made = { kinds = ["goal"], counts = [1, 3] }
+presets = ["football"]
+gestures = ["sweep:0.4"]
+[output]
+mask = { noise = "pink", level_db = -30.0 }
+"""
+
+
+def drag(page, client, to):
+    """A finger from the pad's start to a place (0 to 1), and off; where it was, as the page has it."""
+    box = page.locator(".pad").bounding_box()
+    margin = 18
+    y = box["y"] + box["height"] / 2
+    for i in range(11):
+        x = box["x"] + margin + (box["width"] - 2 * margin) * to * i / 10
+        kind = "touchStart" if i == 0 else "touchMove"
+        client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
+        page.wait_for_timeout(16)
+    client.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    page.wait_for_timeout(300)  # Chromium takes what comes sooner for the end of a fling
+
+
+def test_a_whole_session_by_touch_at_phone_size(chromium, tmp_path):
+    folder = built(tmp_path, LOCATE)
+    trials = trials_of(folder)
+    with (
+        served_study(folder, tmp_path / "answers.sqlite") as server,
+        page_at(chromium, server.url, viewport=PHONE, has_touch=True) as (page, wrong),
+    ):
+        client = page.context.new_cdp_session(page)
+        page.tap("text=Begin")
+        page.tap("text=Start")
+        for trial in trials:
+            page.wait_for_selector(".pad")
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+            drag(page, client, 0.7)
+            page.tap("text=It is here")
+            if trial["feedback"]:
+                page.tap("text=Next")
+        page.wait_for_selector("text=Thank you")
+        rows = server.rows()
+    assert wrong == []
+    assert list(rows) == [one["id"] for one in trials]
+    for row in rows.values():
+        assert row["response"] == pytest.approx(0.7, abs=0.01)
+        assert row["source"] == "touch"
+        assert row["device"]["touch"]
+        assert max(angle for _, angle, _, _ in row["take"]["events"]) > 2.0
+
+
+def answer_count(reader):
+    """Play it, wait for its end, and say two."""
+    reader.push("Play")
+    reader.until(lambda: reader.enabled("Answer"), "the end of it")
+    reader.go_to("spinbutton", "How many")
+    reader.press("2")
+    reader.push("Answer")
+
+
+def test_a_whole_session_without_a_network(chromium, tmp_path):
+    folder = built(tmp_path, COUNT)
+    with opened_host(folder) as host, page_at(chromium, f"{host.url}?list=2") as (page, wrong):
+        page.wait_for_selector("text=Begin")
+        page.wait_for_timeout(1000)
+        page.evaluate("navigator.serviceWorker.ready")
+        reader = Reader(page)
+        kept = "(async () => (await (await caches.open((await caches.keys())[0])).keys()).length)()"
+        count = sum(1 for file in folder.rglob("*") if file.is_file())
+        reader.until(lambda: page.evaluate(kept) >= count, "all files kept")
+        page.context.set_offline(True)
+        host.close()
+        page.reload()
+        with page.expect_download() as download:
+            take_part(reader, answer_count, "How many were there?")
+            reader.push("Download")
+        file = tmp_path / download.value.suggested_filename
+        download.value.save_as(file)
+    assert wrong == []
+    assert file.name == "how-many_p002.csv"
+    answers = read_answers([file], folder)
+    (session,) = answers.sessions
+    assert session.finished_utc is not None
+    assert [trial for trial, _, _ in session.trials] == [one["id"] for one in trials_of(folder, 2)]
+    assert {row["response"] for row in answers.rows()} == {2}
+    assert {row["correct"] for row in answers.rows()} == {0}

@@ -23,7 +23,7 @@ function confirmed(words, value, { answer }, ...parts) {
 
 export function count(context) {
   const number = make("input", {
-    type: "number", id: "count", min: 0, max: MOST, step: 1, inputmode: "numeric", value: "",
+    type: "number", id: "how-many", min: 0, max: MOST, step: 1, inputmode: "numeric", value: "",
   });
   const by = (step) => () => {
     number.value = String(Math.min(Math.max((Number(number.value) || 0) + step, 0), MOST));
@@ -31,7 +31,7 @@ export function count(context) {
   const row = make("div", { class: "stepper" },
     button("\u2212", by(-1), { "aria-label": "One less" }), number,
     button("+", by(1), { "aria-label": "One more" }));
-  const label = make("label", { for: "count", text: "How many" });
+  const label = make("label", { for: "how-many", text: "How many" });
   const value = () => {
     const whole = number.value.trim() !== "" && number.checkValidity();
     if (whole) return Number(number.value);
