@@ -5,9 +5,13 @@ from __future__ import annotations
 import contextlib
 import json
 
+import numpy as np
 import pytest
 
 from overview_dsp.studies.answers import read_answers
+from overview_dsp.studies.design import load_design
+from overview_dsp.studies.items import items_of
+from overview_dsp.studies.replay import replayed
 from tests.web.driving import PHONE, violations
 from tests.web.exported import opened_host
 from tests.web.participant import Reader, step, take_part
@@ -213,3 +217,54 @@ def test_a_whole_session_without_a_network(chromium, tmp_path):
     assert [trial for trial, _, _ in session.trials] == [one["id"] for one in trials_of(folder, 2)]
     assert {row["response"] for row in answers.rows()} == {2}
     assert {row["correct"] for row in answers.rows()} == {0}
+
+
+FELT = """async ([key, output, events, frames]) => {
+    const [{ Felt }, { Server }] = await Promise.all([
+        import("./felt.js"), import("./client.js")]);
+    const file = (path) => new Server(null).file(path);
+    const study = await (await file("study.json")).json();
+    const felt = new Felt(study, file);
+    felt.context = new OfflineAudioContext(2, frames, 48000);
+    const presentation = await felt.open(key, output, []);
+    let done = 0;
+    for (const [sample] of events) {
+        const quantum = 128 * Math.ceil(sample / 128);
+        if (quantum > done && quantum < frames) {
+            felt.context.suspend(quantum / 48000).then(async () => {
+                for (const [at, place, touching] of events) {
+                    if (128 * Math.ceil(at / 128) === quantum) {
+                        presentation.control(place, touching, -1);
+                    }
+                }
+                await presentation.look();
+                felt.context.resume();
+            });
+            done = quantum;
+        }
+    }
+    const sound = await felt.context.startRendering();
+    await presentation.look();
+    const samples = [0, 1].map((channel) => Array.from(sound.getChannelData(channel)));
+    return { samples, take: { sample_rate: 48000, samples: frames, events: presentation.events } };
+}"""
+
+
+@pytest.mark.parametrize("mapping", ["friction", "static"])
+def test_what_was_felt_is_felt_again_bit_for_bit(chromium, identify, mapping):
+    """The hand comes as it likes; its take, replayed in Python, has the samples that were played."""
+    study = json.loads((identify / "study.json").read_text())
+    key = next(key for key, one in study["stimuli"].items() if one["answer"] == "goal")
+    output = {"mapping": mapping, "click_db": 0.0, "tactor_db": None, "visual": False, "mask": False}
+    hand = [[1_000 + 300 * i, i / 60, True] for i in range(60)] + [[20_000, 1.0, False]]
+    frames = 48_000
+    with opened_host(identify) as host, page_at(chromium, host.url) as (page, wrong):
+        found = page.evaluate(FELT, [key, output, hand, frames])
+    assert wrong == []
+    item = {one.key: one for one in items_of(load_design(identify.parent / "study.toml"))}[key]
+    assert len(found["take"]["events"]) == len(hand)
+    again = replayed(item, found["take"], output)
+    played = np.array(found["samples"], np.float32).T
+    assert np.array_equal(played, again)
+    assert np.abs(again[:, 0]).max() > 0.01
+    assert not again[:, 1].any()
