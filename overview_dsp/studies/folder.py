@@ -33,6 +33,7 @@ from overview_dsp.web.site_data import kind_looks, window_json
 from overview_dsp.web.site_sound import patch_of, whole_bytes
 
 MARK = "files.js"
+_MARK_HEAD = "self.FILES = "
 STUDY = "study.json"
 VERSION = 1
 CURVE_POINTS = 64
@@ -77,7 +78,7 @@ def build_folder(
             digest.update(name.encode() + data)
             size += len(data)
         known = {"version": digest.hexdigest()[:16], **listed}
-        (folder / MARK).write_text(f"self.FILES = {json.dumps(known)};\n", encoding="utf-8")
+        (folder / MARK).write_text(f"{_MARK_HEAD}{json.dumps(known)};\n", encoding="utf-8")
     return size
 
 
@@ -263,6 +264,21 @@ def _json(document: dict[str, Any]) -> bytes:
     return text.encode()
 
 
+def listed_files(path: str | Path) -> tuple[str, ...]:
+    """The files of a folder, as its `MARK` lists them; InputError if it has none."""
+    try:
+        text = (Path(path) / MARK).read_text(encoding="utf-8")
+        known = json.loads(text.removeprefix(_MARK_HEAD).rstrip().rstrip(";"))
+        return (*known["page"], *known["more"], MARK)
+    except (OSError, ValueError, KeyError) as error:
+        raise _no_study(Path(path), error) from None
+
+
+def _no_study(folder: Path, error: Exception) -> InputError:
+    why = type(error).__name__
+    return InputError(f"{folder}: no study ({why}); `overview study build` makes one")
+
+
 def read_study(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """A folder's study.json and lists.
 
@@ -283,7 +299,5 @@ def read_study(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     except (OSError, ValueError, KeyError, AttributeError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(
-            f"{folder}: no study ({type(error).__name__}); `overview study build` makes one"
-        ) from None
+        raise _no_study(folder, error) from None
     return study, lists

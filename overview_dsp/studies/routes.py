@@ -17,10 +17,10 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route
 
 from overview_dsp.errors import InputError
-from overview_dsp.studies.folder import STUDY
+from overview_dsp.studies.folder import STUDY, listed_files
 from overview_dsp.studies.steps import missing_of, step_of
 from overview_dsp.studies.store import TOLD, NoListLeftError, Session, Store
-from overview_dsp.web.assets import TYPES
+from overview_dsp.web.assets import START, TYPES
 from overview_dsp.web.security.request_body import answering, json_object
 
 SESSIONS = "/study/sessions"
@@ -34,26 +34,27 @@ Answer = Callable[[Request, bytes, Session], Response]
 
 def public_files(folder: Path) -> tuple[str, ...]:
     """The paths of the page alone, without a study."""
-    found = (file.relative_to(folder).as_posix() for file in sorted(folder.rglob("*")))
-    names = [name for name in found if (folder / name).is_file() and not name.startswith(PRIVATE)]
-    return ("/", *(f"/{name}" for name in names if name != "index.html"))
+    names = (name for name in listed_files(folder) if not name.startswith(PRIVATE))
+    return ("/", *(f"/{name}" for name in names if name != START))
 
 
 def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
     """The routes of a built folder whose answers go to a store."""
     content = cache(store.list_of)
+    # nothing else that lies there, a database say
+    known = frozenset(listed_files(folder))
 
     def file(request: Request, body: bytes) -> Response:
-        name = request.url.path.removeprefix("/") or "index.html"
-        path = (folder / name).resolve()
-        if not path.is_relative_to(folder.resolve()) or not path.is_file():
+        name = request.url.path.removeprefix("/") or START
+        if name not in known:
             return PlainTextResponse("not found\n", 404)
         if name == STUDY:
             return JSONResponse({**store.study, "server": {"sessions": SESSIONS}})
         kind = TYPES.get(name.rpartition(".")[2], "application/octet-stream")
         if name.endswith(".json"):
             kind = "application/json"
-        return Response(path.read_bytes(), media_type=kind, headers={"cache-control": "no-cache"})
+        data = (folder / name).read_bytes()
+        return Response(data, media_type=kind, headers={"cache-control": "no-cache"})
 
     def begin(request: Request, body: bytes) -> Response:
         asked = json_object(body)

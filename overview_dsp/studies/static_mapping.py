@@ -31,8 +31,8 @@ COLUMNS = 1025
 RAMP_S = 0.005
 """From one control event's place to the next, and from silence when the finger lands."""
 
-BUMP = 0.02
-"""An event's bump is at least so wide, as a part of the timeline."""
+BUMP = 0.04
+"""An event's bump is at least so wide, as a part of the timeline: a fast hand feels all of it."""
 
 WAVE_S, FADE_S = 0.08, 0.005
 CEILING = 10.0 ** (-1.0 / 20.0)

@@ -92,8 +92,8 @@ def test_the_speed_of_the_hand_changes_the_disk_and_not_the_static_mapping(item,
     assert friction[1] - friction[0] > 3.0
 
 
-def test_nothing_sounds_without_a_hand(mapping):
+def test_nothing_sounds_without_a_hand(item, mapping):
     assert not mapping.render(ov.pause(0.2)).any()
-    let_go = mapping.render(ov.tap(0.5, 0.1), 0.3)
+    let_go = mapping.render(ov.tap(item.places(None)[0], 0.1), 0.3)
     assert let_go[: round(0.1 * RATE), 1].any()
     assert not let_go[-round(0.1 * RATE) :].any()
