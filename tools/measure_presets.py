@@ -23,20 +23,15 @@ from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.batch.cache_keys import KEY_DIGITS, digest
+from overview_dsp.batch.cache_keys import KEY_DIGITS, preset_digest
 from overview_dsp.rendering.audition import pages
 
 FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 
 
-def preset_digest(preset: ov.Preset) -> str:
-    """What the observer was asked about, in short: its values and its kinds."""
-    return digest(preset.values, preset.kinds)[:KEY_DIGITS]
-
-
 def observed(preset: ov.Preset) -> dict[str, Any]:
     """What an observer tells apart on random timelines, in both sorts of hands."""
-    found: dict[str, Any] = {"preset_digest": preset_digest(preset), "strokes": []}
+    found: dict[str, Any] = {"preset_digest": preset_digest(preset)[:KEY_DIGITS], "strokes": []}
     for hands in ("steady", "mixed"):
         (scores,) = (report := ov.measure.observe(preset, hands=hands)).to_json()["sets"]
         found |= {"learned": report.learned, "timelines": scores["timelines"]}

@@ -185,6 +185,7 @@ class ControlledEngine(PreparedEngine):
         sample_time: int | None = None,
         window: tuple[float, float] | None = None,
         change: Mapping[str, Any] | None = None,
+        surface: Surface | None = None,
     ) -> None:
         """Change to other data under the same preset, crossfaded: a zoom, say.
 
@@ -198,6 +199,8 @@ class ControlledEngine(PreparedEngine):
             Which part of the first timeline this is, s; for a recording.
         change : mapping or None
             What a recording holds in place of a window: how a timeline that grows has changed.
+        surface : Surface or None
+            Its surface, where that was built already; None builds it.
 
         Raises
         ------
@@ -214,7 +217,7 @@ class ControlledEngine(PreparedEngine):
         >>> engine.timeline.duration_s
         600.0
         """
-        surface = build_surface(timeline, self._preset)
+        surface = build_surface(timeline, self._preset) if surface is None else surface
         note = dict(change) if change is not None else None
         if note is None and window is not None:
             note = {"window": list(window)}

@@ -26,6 +26,7 @@ from overview_dsp.sensors.reading import (
 )
 
 WIT = 11
+WIT_NOTIFIED = 20
 TEAPOT = 14
 UNIT_LENGTH = 0.02
 """A quaternion's length may be off by so much."""
@@ -64,6 +65,20 @@ def teapot_packet(packet: bytes) -> Reading | None:
     if abs(math.hypot(*quaternion) - 1.0) > UNIT_LENGTH:
         return None
     return {"sequence": float(count), **dict(zip(QUATERNION, quaternion, strict=True))}
+
+
+def as_wit_packets(notification: bytes) -> bytes:
+    """A notification of WitMotion's by Bluetooth (55 61 and nine int16) as its wire's packets.
+
+    It has no sum, as the radio checks what it carries; nothing if it isn't one.
+    """
+    if len(notification) != WIT_NOTIFIED or notification[:2] != b"\x55\x61":
+        return b""
+    packets = []
+    for kind, at in ((0x51, 2), (0x52, 8), (0x53, 14)):
+        packet = bytes([0x55, kind]) + notification[at : at + 6] + b"\0\0"
+        packets.append(packet + bytes([sum(packet) & 0xFF]))
+    return b"".join(packets)
 
 
 class _Packets(ABC):

@@ -119,9 +119,12 @@ class CurveLookup(Contents):
         curve = self.intensity
         if curve is None or span == 0.0:
             return np.zeros(steps + 1)
-        levels = np.clip(curve.along(at) - low, 0.0, span) / span
+        levels = curve.along(at) - low
+        np.clip(levels, 0.0, span, out=levels)
+        levels /= span
         if not curve.is_constant:
-            levels[(at < curve.first_s) | (at > curve.last_s)] = 0.0
+            levels[: np.searchsorted(at, curve.first_s)] = 0.0
+            levels[np.searchsorted(at, curve.last_s, side="right") :] = 0.0
         return levels
 
     def _curve_at(self, at: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -116,7 +116,9 @@ class Intensity(CurveScale):
         if len(empty):  # uneven times, or hardly more points than times
             mean[empty] = top[empty] = self.at(times[empty])
         felt = with_peaks(mean, top)
-        return np.where((times >= self.first_s) & (times <= self.last_s), felt, 0.0)
+        felt[: np.searchsorted(times, self.first_s)] = 0.0
+        felt[np.searchsorted(times, self.last_s, side="right") :] = 0.0
+        return felt
 
     def band(
         self, times: NDArray[np.float64]
@@ -303,6 +305,11 @@ class Part(Intensity):
 
 
 def _counted(points_s: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The number of points at or before each of `times`, which ascend."""
-    begins = np.searchsorted(times, points_s, side="left")
+    """The number of points at or before each of `times`, which are evenly spaced."""
+    last = len(times) - 1
+    begins = np.ceil(np.clip((points_s - times[0]) / (times[1] - times[0]), 0.0, last))
+    begins = begins.astype(np.int64)
+    # rounding may have put it one off
+    begins -= (begins > 0) & (times[begins - 1] >= points_s)
+    begins += times[begins] < points_s
     return np.cumsum(np.bincount(begins, minlength=len(times) + 1)[: len(times)])

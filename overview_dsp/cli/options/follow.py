@@ -92,9 +92,19 @@ def followed(
             time.sleep(0.02)
         if live.revision == 0 and follower.over:
             raise InputError("; ".join(follower.take_messages()) or f"{source}: nothing in it")
-        yield Growth(live, follower, after_s, following["tell"])
+        yield Growth(live, follower, after_s, following["tell"], map_is_given=map is not None)
     finally:
         follower.close()
+
+
+def laid_out(data: Timeline, growth: Growth | None, preset: str) -> Timeline:
+    """What `open_growing` gave, as the preset (a name or a path) lays it unless an option does."""
+    if growth is None:
+        return data
+    from overview_dsp.presets.library import load_preset
+
+    growth.lay_out(load_preset(preset))
+    return growth.live.felt()
 
 
 def open_growing(timeline: str | None, load: dict[str, Any], growth: Growth | None) -> Timeline:
