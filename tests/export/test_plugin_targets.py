@@ -105,7 +105,9 @@ def test_a_plugin_for_windows_plays_the_engines_bits_under_wine(match, wine, tmp
     command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-O1"]
     source = str(HERE / f"{to}_host.c")
     subprocess.run(
-        [*command, "-std=gnu11", f"-I{HEADERS}", source, "-o", str(program)], check=True, timeout=900
+        [*command, "-std=gnu11", f"-I{HEADERS}", source, "-o", str(program)],
+        check=True,
+        timeout=900,
     )
     presets = {name: preset_named(name) for name in PRESETS}
     made = ov.export.build_plugin(

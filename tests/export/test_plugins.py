@@ -17,7 +17,6 @@ from tests.export.plugin_playing import (
     DOWN,
     EARLIER,
     FLUSHED,
-    FRAMES,
     MIDI,
     NOT_THE_PRESETS,
     PRESETS,
@@ -229,9 +228,7 @@ def test_a_damaged_image_is_refused(host, timelines, presets, tmp_path):
         assert "not activated" in replace(host, library=path).run("play", *given, fails=True)
 
 
-def test_any_values_at_any_time_leave_numbers_and_a_voice_that_recovers(
-    match, presets, host, play
-):
+def test_any_values_at_any_time_leave_numbers_and_a_voice_that_recovers(match, presets, host, play):
     random = np.random.default_rng(5)
     ids = [*NOT_THE_PRESETS, *(id for id in PARAMETERS if not id.startswith("surface."))]
     wild = (np.nan, np.inf, -np.inf, 1e300, -1.0, 0.0, 5e-324, 1.0)
