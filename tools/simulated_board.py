@@ -110,6 +110,7 @@ class BoardMotor(Motor):
 
     def begin(self) -> None:
         """As after power-on."""
+        super().begin()
         self._applied = 0.0
         self._ticks = 0
         self._library.board_begin(self._knob, self.seen)

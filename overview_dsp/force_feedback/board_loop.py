@@ -117,7 +117,7 @@ class BoardLoop:
             self._begin = False
         elif again:
             self._asked_at = now_s
-            sent += framed(bytes((DISK, self._disk_id, self._begin)) + self._packed)
+            sent += self._disk()
         if self._table is None and self._surface is not None:
             self._table = board_table(self._surface, state["knob_points"])
             known = (0, state["knob_table"], state["knob_filling"])
@@ -130,8 +130,7 @@ class BoardLoop:
         if filling and state["knob_missing"] >= parts:
             if again:
                 self._asked_at = now_s
-                head = struct.pack("<BBH", USE, self._table_id, FADE_MS)
-                sent += framed(head + struct.pack("<2f", self._table.unit, self._table.hard))
+                sent += self._use()
             return sent
         self._space = min(self._space + self._per_period, BURST)
         while self._space > 0.0:
@@ -142,6 +141,22 @@ class BoardLoop:
             self._space -= len(part)
             sent += part
         return sent
+
+    def everything(self, points: int) -> list[bytes]:
+        """All that a board of so many points needs, frame by frame."""
+        assert self._surface is not None
+        self._table = board_table(self._surface, points)
+        self._table_id = self._disk_id = 1
+        parts = range(-(-points // PART_POINTS))
+        return [self._disk(), *map(self._part_of, parts), self._use()]
+
+    def _disk(self) -> bytes:
+        return framed(bytes((DISK, self._disk_id, self._begin)) + self._packed)
+
+    def _use(self) -> bytes:
+        assert self._table is not None
+        head = struct.pack("<BBH", USE, self._table_id, FADE_MS)
+        return framed(head + struct.pack("<2f", self._table.unit, self._table.hard))
 
     def _part_of(self, part: int) -> bytes:
         assert self._table is not None

@@ -1,0 +1,279 @@
+"""The firmware of the kit, built, run in emulators on a pseudo-terminal, and played."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import select
+import subprocess
+import sys
+import time
+import tty
+
+import pytest
+
+from tests.firmware import boards
+from tests.firmware.boards import FIRMWARE, HERE, MICROBIT, needs, run, sketch
+from tests.live.priority import urgently
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs a pseudo-terminal")
+GUIDES = boards.ROOT / "docs" / "guide"
+PLAY = [sys.executable, "-m", "overview_dsp", "play", "world-cup-final-2018", "--device", "none"]
+KITS = {"pot": ("pot",), "encoder": ("encoder",), "imu": ("mpu6050", "lsm6ds3", "bno055")}
+
+
+@pytest.fixture(scope="module")
+def core(tmp_path_factory):
+    """The Uno's core."""
+    boards.needs_arduino()
+    return boards.arduino_core(tmp_path_factory.mktemp("core"))
+
+
+@pytest.fixture(scope="module")
+def uno(tmp_path_factory):
+    """The emulated Uno."""
+    boards.needs_simavr()
+    return boards.emulated_uno(tmp_path_factory.mktemp("uno"))
+
+
+@pytest.mark.parametrize("name", KITS)
+def test_each_sketch_of_the_kit_is_built_for_an_uno(core, tmp_path, name):
+    built = sketch(core, FIRMWARE / name / f"{name}.ino", tmp_path / "board.elf")
+    _, sizes = run("avr-size", built).stdout.splitlines()
+    text, data, bss = map(int, sizes.split()[:3])
+    assert text + data < 32_256
+    assert data + bss < 1_500
+
+
+def test_the_sketch_of_the_guide_is_built_for_an_uno(core, tmp_path):
+    (text,) = re.findall(r"```cpp\n(.*?)```", (GUIDES / "sensors.md").read_text("utf-8"), re.S)
+    source = tmp_path / "guide.ino"
+    source.write_text(text + "void setup() {}\nvoid loop() { sendSample((int16_t[6]){}); }\n")
+    sketch(core, source, tmp_path / "board.elf")
+
+
+def reset_line(path):
+    """The line that a sketch's header says it prints on reset."""
+    return re.search(r"^ +(# overview .*?)\s*$", path.read_text("utf-8"), re.M).group(1)
+
+
+def listened(link, seconds):
+    """What a board says first."""
+    port = os.open(link, os.O_RDWR | os.O_NOCTTY)
+    data = b""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until and data.count(b"\n") < 3:
+        if select.select([port], [], [], 0.1)[0]:
+            data += os.read(port, 4096)
+    os.close(port)
+    return data
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize(("name", "sensor"), [(n, one) for n, all in KITS.items() for one in all])
+def test_an_emulated_uno_with_the_kits_sketch_is_played(core, uno, tmp_path, name, sensor):
+    if name == "imu":
+        pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")
+    source = FIRMWARE / name / f"{name}.ino"
+    built = sketch(core, source, tmp_path / "board.elf")
+    link = tmp_path / "board"
+    board = subprocess.Popen(
+        [uno, built, link, "40", sensor], stdout=subprocess.PIPE, text=True, preexec_fn=urgently
+    )
+    try:
+        assert board.stdout.readline() == f"serial:{link}\n"
+        lines = played(link, 22.0)
+    finally:
+        board.terminate()
+        said = json.loads(board.communicate(timeout=20)[0])
+    report = lines[-1]["summary"]["input"]
+    print(sensor, report, said)
+    if name == "imu":
+        assert report["told"] == "binary frames"
+    assert report["readings"] > 190 * 10
+    assert (report["damaged"], report["lost"], report["implausible"]) == (0, 0, 0)
+    check_followed([line for line in lines[:-1] if line["touching"]], 175.0 if name == "imu" else 180.0)
+
+
+def played(link, seconds, *more):
+    done = subprocess.run(
+        [*PLAY, "--input", f"serial:{link}", "--seconds", str(seconds), *more],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=240,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(boards.ROOT), *sys.path])},
+        preexec_fn=urgently,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def check_followed(lines, degrees):
+    """The disk went with the hand: to its far end and back."""
+    cursors = [line["cursor"] for line in lines]
+    assert max(cursors) == pytest.approx(degrees / 180.0, abs=0.03)
+    far = cursors.index(max(cursors))
+    assert min(cursors[:far]) < 0.2
+    assert min(cursors[far:], default=0.0) < 0.3
+
+
+# --- the core of a motor knob's firmware, the same bits on each -----------------------------------
+
+STEPS = {65: 1000, 8193: 4000}
+"""Points of the table, and how many torques are compared."""
+
+
+def data_header(points, folder):
+    """`data.h` for `bits.c`: what a host sends, and a hand's angles."""
+    import numpy as np
+
+    import overview_dsp as ov
+    from overview_dsp.force_feedback.board_loop import BoardLoop
+    from overview_dsp.sensors.profile_file import load_sensor
+
+    football = ov.load_preset("football")
+    surface = ov.build_surface(ov.load_timeline("world-cup-final-2018"), football)
+    loop = BoardLoop(load_sensor("simplefoc"), 1_000_000)
+    loop.render(surface, football.values)
+    frames = b"".join(loop.everything(points))
+    frames += b"\x05damaged\x00"
+    dice = np.random.default_rng(1)
+    n = np.arange(STEPS[points])
+    hand = 9000.0 * n / len(n) + 300.0 * np.sin(n / 40.0) + dice.integers(-1, 2, len(n))
+    counts = np.rint(hand).astype(int)
+    (folder / "data.h").write_text(
+        f"static const uint8_t FRAMES[] FAR = {{{','.join(map(str, frames))}}};\n"
+        f"static const int16_t COUNTS[] FAR = {{{','.join(map(str, counts))}}};\n"
+    )
+    return ["-std=c99", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", f"-DKNOB_POINTS={points}",
+            f"-I{FIRMWARE / 'knob'}", f"-I{folder}", HERE / "bits.c"]  # fmt: skip
+
+
+def bits_here(points, folder, level="-O2"):
+    needs("gcc", "gcc")
+    flags = data_header(points, folder)
+    run("gcc", level, *flags, "-o", folder / "here")
+    lines = run(folder / "here").stdout.split()
+    assert len(lines) == STEPS[points] + 1
+    assert lines.pop() == "00000001"  # the damaged frame, and no other
+    assert len(set(lines)) > len(lines) // 2  # it is felt
+    return lines
+
+
+def test_the_bits_are_the_same_at_every_optimisation(tmp_path):
+    assert bits_here(8193, tmp_path, "-O0") == bits_here(8193, tmp_path, "-O3")
+
+
+CORES = {
+    "an385": ("cortex-m3", "soft", "auto"),
+    "an386": ("cortex-m4", "hard", "fpv4-sp-d16"),
+    "an500": ("cortex-m7", "hard", "fpv5-d16"),
+}
+
+
+@pytest.mark.parametrize("machine", CORES)
+def test_the_bits_are_the_same_on_an_arm_core(tmp_path, machine):
+    needs("gcc-arm-none-eabi libnewlib-arm-none-eabi", "arm-none-eabi-gcc")
+    needs("qemu-system-arm", "qemu-system-arm")
+    here = bits_here(8193, tmp_path)
+    cpu, abi, fpu = CORES[machine]
+    built = tmp_path / "board.elf"
+    run("arm-none-eabi-gcc", "-O2", *data_header(8193, tmp_path), f"-mcpu={cpu}", "-mthumb",
+        f"-mfloat-abi={abi}", *([] if abi == "soft" else [f"-mfpu={fpu}"]),
+        "--specs=rdimon.specs", "-nostartfiles", "-T", HERE / "arm.ld", "-o", built)  # fmt: skip
+    there = run("qemu-system-arm", "-M", f"mps2-{machine}", "-nographic", "-monitor", "none",
+                "-serial", "none", "-semihosting-config", "enable=on,target=native",
+                "-kernel", built, timeout=120)  # fmt: skip
+    said = there.stdout + there.stderr
+    assert said.split()[:-1] == here
+
+
+def test_the_bits_are_the_same_on_an_avr(tmp_path):
+    needs("gcc-avr avr-libc", "avr-gcc")
+    needs("simavr", "simavr")
+    here = bits_here(65, tmp_path)
+    built = tmp_path / "board.elf"
+    run("avr-gcc", "-mmcu=atmega328p", "-DF_CPU=16000000UL", "-Os", *data_header(65, tmp_path),
+        "-o", built)  # fmt: skip
+    there = run("simavr", "-m", "atmega328p", "-f", "16000000", built, timeout=120)
+    said = re.findall(r"\b[0-9a-f]{8}\b", there.stdout + there.stderr)
+    assert said[:-1] == here
+
+
+# --- MicroPython ----------------------------------------------------------------------------------
+
+MADE_UP = """
+import math
+def made_up(state=[0]):
+    state[0] += 1
+    t = state[0] / 80 - 8
+    return "%.2f" % (87.5 - 87.5 * math.cos(t * 0.785) if t > 0 else 0.0)
+run("made up", "roll_deg", made_up)
+"""
+
+
+@pytest.mark.realtime
+def test_micropython_on_an_emulated_microbit_is_played(tmp_path):
+    needs("firmware-microbit-micropython", MICROBIT)
+    needs("qemu-system-arm", "qemu-system-arm")
+    text = (FIRMWARE / "micropython" / "main.py").read_text("utf-8")
+    program, last = text.rsplit("\n\n\n", 1)
+    assert last == "run(*found())\n"
+    ours, theirs = os.openpty()
+    tty.setraw(ours)
+    tty.setraw(theirs)
+    board = subprocess.Popen(
+        ["qemu-system-arm", "-M", "microbit", "-nographic", "-monitor", "none", "-serial", "stdio",
+         "-device", f"loader,file={MICROBIT}"], stdin=theirs, stdout=theirs, preexec_fn=urgently,
+    )  # fmt: skip
+    try:
+        time.sleep(2.0)
+        paste(ours, program + MADE_UP)
+        os.close(theirs)
+        # `play` opens what the board writes to: a second terminal, joined to the first
+        lines = relayed(ours, tmp_path / "board", 20.0)
+    finally:
+        board.kill()
+        board.wait()
+        os.close(ours)
+    report = lines[-1]["summary"]["input"]
+    print(report)
+    assert report["told"] == "lines of roll_deg"
+    assert report["readings"] > 500
+    assert report["implausible"] == 0
+    check_followed([line for line in lines[:-1] if line["touching"]], 175.0)
+
+
+def paste(port, program):
+    """A program into the raw REPL, in pieces that its buffer holds."""
+    os.write(port, b"\x03\x01")
+    time.sleep(1.0)
+    for at in range(0, len(program), 32):
+        os.write(port, program[at : at + 32].encode())
+        time.sleep(0.02)
+    os.write(port, b"\x04")
+
+
+def relayed(ours, link, seconds):
+    """Play a second pseudo-terminal that gets what `ours` says."""
+    import threading
+
+    play, port = os.openpty()
+    tty.setraw(port)
+    link.symlink_to(os.ttyname(port))
+    over = threading.Event()
+
+    def relay():
+        while not over.is_set():
+            if select.select([ours], [], [], 0.1)[0]:
+                os.write(play, os.read(ours, 4096))
+
+    thread = threading.Thread(target=relay)
+    thread.start()
+    try:
+        return played(link, seconds)
+    finally:
+        over.set()
+        thread.join()
+        os.close(play)
+        os.close(port)
