@@ -1,17 +1,17 @@
 """What a hand feels on a motor knob whose own board runs the surface, and what it is given.
 
     python tools/measure_knob.py                         # the bundled match
-    python tools/measure_knob.py --data FOLDER           # StatsBomb matches, `*.json` anywhere in it
+    python tools/measure_knob.py --data FOLDER           # matches, `*.json` anywhere in it
     python tools/measure_knob.py --delays 0 20 --sweeps 4
 
-The knob is `simulated_board.py` (5e-5 kg m2, 3e-4 N m dry friction, 14-bit encoder), the firmware the
-one that is flashed; the wire delays, jitters and loses frames both ways; the host is the part of
-`overview play` that speaks to such a board. Prints each figure with what it should be; the exit code
-is the number of lines that fail.
+The knob is `simulated_board.py` (5e-5 kg m2, 3e-4 N m dry friction, 14-bit encoder), its firmware
+the one that is flashed; the wire delays, jitters and loses frames both ways; the host is the part
+of `overview play` that speaks to such a board. Prints each figure with what it should be; the exit
+code is the number of lines that fail.
 
-Felt: an event's highest torque above the mean of the 50 ms before its span; median over the events of
-a kind. Passivity: the greatest rise of (energy given to the hand + stored in spring and disk) between
-any two moments, the knob's own friction not counted.
+Felt: an event's highest torque above the mean of the 50 ms before its span; median over the events
+of a kind. Passivity: the greatest rise of (energy given to the hand + stored in springs and disk)
+between any two moments, the knob's own friction not counted.
 """
 
 from __future__ import annotations
@@ -45,6 +45,9 @@ LOSS = 0.3
 JITTER = 0.5
 """Of the delay, and 1 ms."""
 
+REACH = np.array([-2.0, 2.0]) / 8192
+"""Of the board's table, an event reaches two points further."""
+
 
 class Wire:
     """One way: frames arrive late, unevenly, in order, and some never do."""
@@ -70,21 +73,20 @@ class Wire:
 
 @dataclass
 class Course:
-    """One value for each tick of the physics, since the board had its surface."""
+    """One value at the end of each step of the board, since it had its surface."""
 
     time: np.ndarray
     angle: np.ndarray
     torque: np.ndarray
     given: np.ndarray
     stored: np.ndarray
-    held_back: np.ndarray
     disk: np.ndarray
     ready_after_s: float
 
     @property
     def greatest_rise(self) -> float:
         """Of given and stored energy, J."""
-        total = self.given + self.stored + self.held_back
+        total = self.given + self.stored
         return float((total - np.minimum.accumulate(total)).max())
 
 
@@ -109,7 +111,7 @@ def simulate(
     loop, decoder = BoardLoop(sensor, BAUD), FrameDecoder(Counters())
     loop.render(surface, preset.values)
     rows: list[tuple[float, ...]] = []
-    tick = 0
+    tick, given = 0, 0.0
     while motor.time < begins[0] + seconds:
         tick += 1
         now = tick * TICK_S
@@ -118,9 +120,10 @@ def simulate(
             before = motor.angle
             torque = motor.torque
             motor.step(hand.torque(motor))
-            if motor.time >= begins[0]:
-                rows.append((motor.time - begins[0], motor.angle, torque, torque * (motor.angle - before),
-                             motor.stored, motor.held_back, motor.disk))  # fmt: skip
+            given += torque * (motor.angle - before)
+            if motor.ends_step and motor.time >= begins[0]:
+                since = motor.time - begins[0]
+                rows.append((since, motor.angle, torque, given, motor.stored, motor.disk))
         readings = decoder.feed(back.take(now))
         loop.hear([(now, one) for one in readings], now)
         if now < begins[0] + killed_at:
@@ -130,7 +133,6 @@ def simulate(
         if begins[0] == math.inf and now > 20.0:
             raise RuntimeError("the board has no surface after 20 s")
     columns = np.array(rows).T
-    columns[3] = np.cumsum(columns[3])
     return Course(*columns, begins[0] - 0.6)
 
 
@@ -157,8 +159,8 @@ def felt(course: Course, surface: ov.Surface, kind: str) -> list[float]:
     brake = -course.torque
     dt = course.time[1] - course.time[0]
     for at in np.flatnonzero(surface.kind == list(surface.kind_names).index(kind)):
-        first, last = surface.span[at]
-        if not (math.isfinite(first) and 0.03 < first and last < 0.95):
+        first, last = surface.span[at] + REACH
+        if not (math.isfinite(first) and first > 0.03 and last < 0.95):
             continue  # where the hand speeds up or slows down
         enters, leaves = (int(np.argmax(course.disk >= place)) for place in (first, last))
         before = slice(max(0, enters - round(0.05 / dt)), enters)
@@ -173,7 +175,7 @@ def knock_at(course: Course, surface: ov.Surface, kind: str = "goal") -> list[fl
     found = []
     dt = course.time[1] - course.time[0]
     for at in np.flatnonzero(surface.kind == list(surface.kind_names).index(kind)):
-        first = surface.span[at, 0]
+        first = surface.span[at, 0] + REACH[0]
         enters = int(np.argmax(course.disk >= first))
         if math.isfinite(first) and 0.03 < first < 0.95 and enters:
             part = -course.torque[enters - round(0.001 / dt) : enters + round(0.01 / dt)]
@@ -190,11 +192,15 @@ class Table:
     def __init__(self) -> None:
         self.failures = 0
 
-    def line(self, what: str, figure: float, unit: str, least: float | None, most: float | None) -> None:
+    def line(
+        self, what: str, figure: float, unit: str, least: float | None, most: float | None
+    ) -> None:
         holds = (least is None or figure >= least) and (most is None or figure <= most)
         self.failures += not holds
         should = " and ".join(
-            f"{sign} {limit:g}" for sign, limit in ((">=", least), ("<=", most)) if limit is not None
+            f"{sign} {limit:g}"
+            for sign, limit in ((">=", least), ("<=", most))
+            if limit is not None
         )
         mark = "" if holds else "   FAILS"
         print(f"{what:58s} {figure:9.3f} {unit:5s} {should}{mark}", flush=True)
@@ -214,7 +220,9 @@ def matches(folder: Path | None) -> Iterator[tuple[str, ov.Timeline]]:
             yield path.stem, timeline
 
 
-def measure_feel(table: Table, options: argparse.Namespace, sensor: Sensor, preset: ov.Preset) -> None:
+def measure_feel(
+    table: Table, options: argparse.Namespace, sensor: Sensor, preset: ov.Preset
+) -> None:
     """Goal, card and foul at each sweep and delay."""
     surfaces = [(name, ov.build_surface(one, preset)) for name, one in matches(options.data)]
     surfaces = surfaces[: options.matches]
@@ -237,7 +245,9 @@ def measure_feel(table: Table, options: argparse.Namespace, sensor: Sensor, pres
             name = f"{seconds:g} s, {delay_ms:g} ms: {goal:.2f} / {card:.2f} / {foul:.2f};"
             strict = seconds >= 2.0
             table.line(f"{name} goal : yellow", goal / card, "", 1.5 if strict else 1.0, None)
-            table.line(f"{'':{len(name)}s} goal : foul", goal / foul, "", 2.5 if strict else 1.0, None)
+            table.line(
+                f"{'':{len(name)}s} goal : foul", goal / foul, "", 2.5 if strict else 1.0, None
+            )
             table.line(f"{'':{len(name)}s} yellow : foul", card / foul, "", 1.0, None)
             if seconds == 4.0:
                 table.line(f"{'':{len(name)}s} goal within 10 ms",
@@ -247,7 +257,9 @@ def measure_feel(table: Table, options: argparse.Namespace, sensor: Sensor, pres
             table.line(f"{'':{len(name)}s} from the first delay", 100.0 * apart, "%", None, 5.0)
 
 
-def measure_safety(table: Table, options: argparse.Namespace, sensor: Sensor, preset: ov.Preset) -> None:
+def measure_safety(
+    table: Table, options: argparse.Namespace, sensor: Sensor, preset: ov.Preset
+) -> None:
     """Energy, silence, ends, recoil."""
     _, timeline = next(matches(options.data))
     surface = ov.build_surface(timeline, preset)
@@ -283,9 +295,12 @@ def measure_safety(table: Table, options: argparse.Namespace, sensor: Sensor, pr
                    1e3 * float(np.abs(course.torque[held]).min()), "mN m", 3.0, None)  # fmt: skip
         place = course.angle[held] - TURN if name == "end" else -course.angle[held]
         table.line("    it gives way by", math.degrees(float(place.max())), "deg", None, 8.0)
-        table.line("    and moves, peak to peak", math.degrees(float(np.ptp(place))), "deg", None, 0.2)
+        table.line(
+            "    and moves, peak to peak", math.degrees(float(np.ptp(place))), "deg", None, 0.2
+        )
 
     for reach in (74.0, 144.0):
+
         def tapped(t: float, reach: float = math.radians(reach)) -> float | None:
             return reach * min(1.0, t / 0.15) if t < 0.25 else None
 

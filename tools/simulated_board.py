@@ -29,19 +29,18 @@ void board_receive(Knob *k, const uint8_t *data, int count) {
 }
 float board_step(Knob *k, float shaft) { return knob_step(k, shaft); }
 int board_report(Knob *k, uint32_t now_us, uint8_t *out) { return knob_report(k, now_us, out); }
-/* J: in spring and disk, and what may still be given */
-float board_stored(const Knob *k) {
-    if (k->level <= 0.0f) return 0.0f;
-    return k->energy * k->stretch * k->stretch + k->kinetic * k->v * k->v;
-}
-float board_ledger(const Knob *k) { return k->ledger; }
-/* J: pull to the start, and the two ends */
-float board_held_back(const Knob *k) {
-    const float cell = 1.0f / KNOB_PER_RAD, end = (float)(KNOB_POINTS - 1);
-    float beyond = k->u < 0.0f ? k->u : k->u > end ? k->u - end : 0.0f;
-    float turn = k->disk.per_rad < 0.0f ? -k->disk.per_rad : k->disk.per_rad;
-    if (k->level <= 0.0f) return 0.0f;
-    return 0.5f * cell / turn * (k->home_level * k->home * k->u * k->u + k->end * beyond * beyond);
+/* J, with the shaft at `shaft` (rad) at a step's end: spring and disk, pull to the start, ends */
+double board_stored(const Knob *k, double shaft) {
+    double end = KNOB_POINTS - 1, joule = 0.5 / KNOB_PER_RAD / knob_abs(k->disk.per_rad);
+    double u = (shaft - k->origin) * k->disk.per_rad * KNOB_PER_RAD, home = k->home_level * k->home;
+    double inside = u < 0.0 ? 0.0 : u > end ? end : u, beyond = knob_abs(u - inside);
+    double most = (KNOB_PULL * k->disk.ceiling - home * inside) / k->end;
+    double stretch = k->stretch + (u - k->before);
+    if (k->level <= 0.0f) return 0.0;
+    home *= inside * (inside + 2.0 * beyond);
+    beyond = beyond < most ? beyond * beyond : most * (2.0 * beyond - most);
+    joule *= k->gain * stretch * stretch + home + k->end * beyond;
+    return joule + k->kinetic * k->v * k->v;
 }
 float board_disk(const Knob *k) { return k->x / (float)(KNOB_POINTS - 1); }
 int board_table(const Knob *k) { return k->active_id; }
@@ -77,8 +76,9 @@ def library(hertz: int, points: int, counts: int) -> ctypes.CDLL:
     )
     found = ctypes.CDLL(str(built))
     shutil.rmtree(folder)
-    for name in ("stored", "ledger", "held_back", "disk"):
-        getattr(found, f"board_{name}").restype = ctypes.c_float
+    found.board_disk.restype = ctypes.c_float
+    found.board_stored.restype = ctypes.c_double
+    found.board_stored.argtypes = (ctypes.c_void_p, ctypes.c_double)
     found.board_step.restype = ctypes.c_float
     found.board_step.argtypes = (ctypes.c_void_p, ctypes.c_float)
     found.board_begin.argtypes = (ctypes.c_void_p, ctypes.c_float)
@@ -127,18 +127,13 @@ class BoardMotor(Motor):
 
     @property
     def stored(self) -> float:
-        """What the board's spring and disk hold, J."""
-        return float(self._library.board_stored(self._knob))
+        """What the board's springs and its disk hold, J; right where `ends_step` is True."""
+        return float(self._library.board_stored(self._knob, self.angle))
 
     @property
-    def held_back(self) -> float:
-        """What the pull to the start and the two ends hold, J."""
-        return float(self._library.board_held_back(self._knob))
-
-    @property
-    def ledger(self) -> float:
-        """What the board may still give, J."""
-        return float(self._library.board_ledger(self._knob))
+    def ends_step(self) -> bool:
+        """Whether the board's next step is due now."""
+        return self._ticks % 2 == 0
 
     @property
     def disk(self) -> float:

@@ -340,8 +340,9 @@ def main() -> None:
     motor.set_defaults(play=play_motor)
     motor.add_argument("--hand", choices=("sweep", "jiggle", "hold", "flick"), default="sweep")
     motor.add_argument(
-        "--board", action="store_true",
-        help="with the surface on its own board: firmware/knob/surface.h, 14-bit encoder"
+        "--board",
+        action="store_true",
+        help="with the surface on its own board: firmware/knob/surface.h, 14-bit encoder",
     )
     motor.add_argument("--delay-ms", type=float, default=2.0, help="of the wire, each way")
     motor.add_argument("--inertia", type=float, default=5e-5, help="kg m2")

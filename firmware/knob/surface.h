@@ -64,7 +64,8 @@ enum {
 #define KNOB_FALL (100.0f / KNOB_HZ)      /* within 10 ms */
 #define KNOB_RISE (33.0f / KNOB_HZ)
 #define KNOB_HOME_RISE (2.0f / KNOB_HZ)
-#define LEDGER_J 5e-6f
+#define KNOB_PULL 0.8f /* of the ceiling, for the ends and the pull to the start */
+#define LEDGER_J 7e-6f
 #define LEDGER_PART 0.5f /* of what is rubbed away, how much is credited */
 #define KNOCK_S 0.003f
 #define KNOCK_PACE 1.0f /* rad/s of theta2: at that pace a knock is half of what it would be */
@@ -103,7 +104,7 @@ typedef struct {
     /* the knob and its disk */
     float origin, shaft, u, before, latest[KNOB_MEAN];
     float x, v, stretch, y1, y2, pace;
-    float level, home_level, fade, fade_step;
+    float level, home_level, fade, fade_step, pull;
     float low_pass, knock, way, extreme, ledger, torque;
     uint8_t at;
     uint16_t sequence;
@@ -171,7 +172,7 @@ static float knob_stretched(Knob *k, float stretch, float held, float friction) 
     float pace = least > k->pace ? least : k->pace;
     float reach = pace * (friction * k->catch_);
     size = size > reach ? reach : size;
-    most = 0.75f * k->disk.ceiling / k->gain;
+    most = (k->disk.ceiling - knob_abs(k->pull)) / k->gain;
     knee = 0.5f * most;
     if (size > knee) size = most - knee * knee / size;
     stretch = stretch < 0.0f ? -size : size;
@@ -236,7 +237,7 @@ static void knob_knock(Knob *k, float shaft, float room) {
 
 /* --- the knob --------------------------------------------------------------------------------- */
 
-static void knob_begin(Knob *k, float shaft) {
+static inline void knob_begin(Knob *k, float shaft) {
     memset(k, 0, sizeof *k);
     k->disk.per_rad = 1.0f;
     k->sign = k->way = 1.0f;
@@ -262,10 +263,19 @@ static void knob_watch(Knob *k) {
     if (k->fade > 0.0f) k->fade = k->fade > k->fade_step ? k->fade - k->fade_step : 0.0f;
 }
 
-/* The torque (N m along the shaft) to apply until the next call; `shaft`: its angle, rad. */
-static float knob_step(Knob *k, float shaft) {
+/* The pull to the start and the two ends, N m: of the hand's angle alone, and never all of the
+ceiling, so that what it stores it gives back. */
+static float knob_pull(const Knob *k, float u) {
     const float end = (float)(KNOB_POINTS - 1);
-    float speed, u, torque, stretch = 0.0f, beyond;
+    float home = k->home_level * k->home * knob_clamped(u, 0.0f, end);
+    float beyond = u < 0.0f ? u : u > end ? u - end : 0.0f;
+    float most = KNOB_PULL * k->disk.ceiling - home;
+    return -home - knob_clamped(k->end * beyond, -KNOB_PULL * k->disk.ceiling, most > 0.0f ? most : 0.0f);
+}
+
+/* The torque (N m along the shaft) to apply until the next call; `shaft`: its angle, rad. */
+static inline float knob_step(Knob *k, float shaft) {
+    float speed, torque, stretch = 0.0f;
     int n;
     if (!(knob_abs(shaft) < 1e6f)) shaft = k->shaft; /* a NaN too */
     k->u = (shaft - k->origin) * k->disk.per_rad * KNOB_PER_RAD;
@@ -277,11 +287,10 @@ static float knob_step(Knob *k, float shaft) {
         k->shaft = shaft;
         return 0.0f;
     }
+    k->pull = knob_pull(k, k->u + 0.5f * speed);
     for (n = 0; n < KNOB_SUBSTEPS; n++)
         stretch += knob_move(k, k->u + speed * ((float)n + 0.5f) / KNOB_SUBSTEPS) / KNOB_SUBSTEPS;
-    u = k->u + 0.5f * speed;
-    beyond = u < 0.0f ? u : u > end ? u - end : 0.0f;
-    torque = -k->gain * stretch - k->home_level * k->home * u - k->end * beyond;
+    torque = k->pull - k->gain * stretch;
     knob_knock(k, shaft, k->disk.ceiling - knob_abs(torque));
     torque -= k->way * k->knock;
     torque = knob_clamped(torque, -k->disk.ceiling, k->disk.ceiling);
@@ -355,7 +364,7 @@ static void knob_take(Knob *k, const uint8_t *payload, int count) {
 }
 
 /* A byte from the host. */
-static void knob_receive(Knob *k, uint8_t byte) {
+static inline void knob_receive(Knob *k, uint8_t byte) {
     uint8_t *frame = k->frame;
     int count = k->length, at, next;
     uint16_t crc;
@@ -393,7 +402,7 @@ static int32_t knob_rounded(float x, float most) {
 }
 
 /* The next of 24 bytes to send: the motion, and at every sixteenth call the state. */
-static int knob_report(Knob *k, uint32_t now_us, uint8_t *out) {
+static inline int knob_report(Knob *k, uint32_t now_us, uint8_t *out) {
     uint8_t payload[19];
     int state = k->sequence % 16 == 0, code = 0, at = 1, n;
     uint16_t crc;

@@ -32,7 +32,9 @@ def mpu6050(i2c):
         data = i2c.readfrom_mem(ADDRESS, 0x3B, 14)
         acc = [signed(data[i], data[i + 1]) * 9.80665 / 2048 for i in (0, 2, 4)]
         gyr = [signed(data[i], data[i + 1]) * 0.00106422 for i in (8, 10, 12)]
-        return "%.3f,%.3f,%.3f,%.4f,%.4f,%.4f" % tuple(acc + gyr)
+        return ",".join(
+            ["{:.3f}".format(one) for one in acc] + ["{:.4f}".format(one) for one in gyr]
+        )
 
     return "mpu6050", "ax,ay,az,gx,gy,gz", read
 
@@ -42,7 +44,7 @@ def found():
     try:
         from microbit import accelerometer
 
-        return "micro:bit", "ax,ay,az", lambda: "%d,%d,%d" % accelerometer.get_values()
+        return "micro:bit", "ax,ay,az", lambda: ",".join(map(str, accelerometer.get_values()))
     except ImportError:
         pass
     import machine
@@ -66,7 +68,7 @@ def run(name, columns, read):
         import utime
 
         ticks, sleep = utime.ticks_ms, utime.sleep_ms
-    print("# overview micropython 1: %s, %d a second" % (name, RATE_HZ))
+    print("# overview micropython 1: {}, {} a second".format(name, RATE_HZ))
     began, lines = ticks(), 0
     while True:
         if lines % RATE_HZ == 0:

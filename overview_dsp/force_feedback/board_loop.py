@@ -1,4 +1,4 @@
-"""A knob that runs the surface on its own board: what it is sent, until it has it, and what it says.
+"""A knob that runs the surface on its own board: what it is sent until it has it, what it says.
 
 | frame (COBS and CRC as `sensors/frames.py`) | payload, little-endian |
 |---|---|

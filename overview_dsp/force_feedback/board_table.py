@@ -17,6 +17,10 @@ from overview_dsp.units import HALF_TURN
 
 HIGHEST = 65535
 
+HARD = 1.0 / 3.0
+"""Where between the bare surface (0) and the highest friction (1), in ratios, half of a blow
+counts: above a card's flanks and below a goal."""
+
 DISK_KEYS = ("disk.inertia", "disk.k1", "disk.k2", "disk.catch_up", "disk.unfold_s",
              "input.smoothing_ms")  # fmt: skip
 """Of a preset, what a board's disk is made of."""
@@ -62,7 +66,8 @@ def board_table(surface: Surface, count: int) -> BoardTable:
     means = np.diff(integral) / np.diff(edges)
     unit = float(means.max()) / HIGHEST
     points = np.clip(np.rint(means / unit), 1, HIGHEST).astype(np.uint16)
-    return BoardTable(points, unit, math.sqrt(float(means.max()) * float(np.median(means))))
+    bare = float(np.median(means))
+    return BoardTable(points, unit, bare * (float(means.max()) / bare) ** HARD)
 
 
 def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:

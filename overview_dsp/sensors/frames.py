@@ -99,8 +99,7 @@ def decode_frame(frame: bytes | bytearray) -> Reading | None:
         return None
     reading = {"sequence": float(sequence), "t_us": float(stamp)}
     reading.update(
-        (name, number * unit)
-        for name, number, unit in zip(columns, numbers, units, strict=False)
+        (name, number * unit) for name, number, unit in zip(columns, numbers, units, strict=False)
     )
     return reading
 

@@ -64,7 +64,8 @@ def arduino_core(folder: Path) -> Path:
 def sketch(core: Path, source: Path, built: Path) -> Path:
     """A sketch, compiled and linked as the Arduino IDE does."""
     run("avr-g++", *UNO, *CPP, "-fuse-linker-plugin", "-Wl,--gc-sections", "-include", "Arduino.h",
-        f"-I{source.parent}", "-x", "c++", source, "-x", "none", core, "-lm", "-o", built)  # fmt: skip
+        f"-I{source.parent}", "-x", "c++", source, "-x", "none", core, "-lm",
+        "-o", built)  # fmt: skip
     return built
 
 

@@ -1,4 +1,4 @@
-"""A knob whose own board runs the surface: the firmware itself, compiled here, on a simulated knob."""
+"""A knob whose own board runs the surface: its firmware, compiled here, on a simulated knob."""
 
 from __future__ import annotations
 
