@@ -35,6 +35,8 @@ from overview_dsp.sensors.frames import FrameDecoder
 from overview_dsp.sensors.profile import Sensor
 from overview_dsp.sensors.profile_file import load_sensor
 from overview_dsp.sensors.reading import Counters
+from overview_dsp.sensors.source import SensorSource
+from overview_dsp.sensors.touching import TouchRules
 
 BAUD = 1_000_000
 TICK_S = 0.002
@@ -82,12 +84,37 @@ class Course:
     stored: np.ndarray
     disk: np.ndarray
     ready_after_s: float
+    struck: dict[int, float]
 
     @property
     def greatest_rise(self) -> float:
         """Of given and stored energy, J."""
         total = self.given + self.stored
         return float((total - np.minimum.accumulate(total)).max())
+
+
+class Ear:
+    """The engine that plays what the board reports."""
+
+    RATE, BLOCK = 48_000, 128
+
+    def __init__(self, timeline: ov.Timeline, preset: ov.Preset, sensor: Sensor) -> None:
+        self._engine = ov.Engine(preset, timeline)
+        self._engine.prepare(self.RATE, self.BLOCK)
+        self._source = SensorSource(sensor, TouchRules.of(preset))
+        self._out = np.zeros((self.BLOCK, 2), dtype=np.float32)
+        self.struck: dict[int, float] = {}
+
+    def hear(self, data: bytes, now: float) -> None:
+        engine = self._engine
+        place = engine.meters.cursor * math.pi
+        for event in self._source.feed(data, now, None, place):
+            engine.control(event.theta2, event.touching, None, "serial")
+        while engine.sample_time < now * self.RATE:
+            engine.process(self._out)
+        strikes = engine.take_strikes()
+        for event, at in zip(strikes.event, strikes.time_s, strict=True):
+            self.struck.setdefault(int(event), float(at))
 
 
 def simulate(
@@ -101,8 +128,12 @@ def simulate(
     killed_at: float = math.inf,
     hertz: int = 4000,
     stiffness: float = 0.1,
+    timeline: ov.Timeline | None = None,
 ) -> Course:
-    """A knob in a hand that goes along `path` (rad) once the board has its surface."""
+    """A knob in a hand that goes along `path` (rad) once the board has its surface.
+
+    With a `timeline` it is played too, by an engine in blocks of 128 frames.
+    """
     motor = BoardMotor(hertz=hertz)
     begins = [math.inf]
     hand = Hand(lambda t: path(t - begins[0]) if t >= begins[0] else 0.0, stiffness)
@@ -110,6 +141,7 @@ def simulate(
     there, back = Wire(delay_s, loss, dice), Wire(delay_s, loss, dice)
     loop, decoder = BoardLoop(sensor, BAUD), FrameDecoder(Counters())
     loop.render(surface, preset.values)
+    ear = Ear(timeline, preset, sensor) if timeline is not None else None
     rows: list[tuple[float, ...]] = []
     tick, given = 0, 0.0
     while motor.time < begins[0] + seconds:
@@ -124,7 +156,10 @@ def simulate(
             if motor.ends_step and motor.time >= begins[0]:
                 since = motor.time - begins[0]
                 rows.append((since, motor.angle, torque, given, motor.stored, motor.disk))
-        readings = decoder.feed(back.take(now))
+        said = back.take(now)
+        if ear is not None:
+            ear.hear(said, now)
+        readings = decoder.feed(said)
         loop.hear([(now, one) for one in readings], now)
         if now < begins[0] + killed_at:
             there.put(now, loop.step(True, now))
@@ -133,7 +168,8 @@ def simulate(
         if begins[0] == math.inf and now > 20.0:
             raise RuntimeError("the board has no surface after 20 s")
     columns = np.array(rows).T
-    return Course(*columns, begins[0] - 0.6)
+    struck = {} if ear is None else {event: at - begins[0] for event, at in ear.struck.items()}
+    return Course(*columns, begins[0] - 0.6, struck)
 
 
 def glide(seconds: float, rest: float = 0.3) -> Callable[[float], float]:
@@ -264,11 +300,12 @@ def measure_safety(
     _, timeline = next(matches(options.data))
     surface = ov.build_surface(timeline, preset)
     delay = max(options.delays) * 1e-3
-    for hertz, degrees in ((2.0, 25.0), (5.0, 11.0), (10.0, 11.0), (15.0, 11.0), (20.0, 8.0)):
-        path = jiggle(hertz, math.radians(degrees), 0.5)
-        course = simulate(surface, preset, sensor, path, 4.0, delay)
-        table.line(f"jiggle {hertz:g} Hz by {degrees:g} deg: greatest rise",
-                   1e6 * course.greatest_rise, "uJ", None, 10.0)  # fmt: skip
+    for steps in (4000, 1000):
+        for hertz, degrees in ((2.0, 25.0), (5.0, 11.0), (10.0, 11.0), (15.0, 11.0), (20.0, 8.0)):
+            path = jiggle(hertz, math.radians(degrees), 1.5)
+            course = simulate(surface, preset, sensor, path, 4.0, delay, hertz=steps)
+            name = f"{steps} steps/s, jiggle {hertz:g} Hz by {degrees:g} deg: greatest rise"
+            table.line(name, 1e6 * course.greatest_rise, "uJ", None, 10.0)
     course = simulate(surface, preset, sensor, glide(2.0), 3.0, delay)
     table.line("sweep of 2 s: greatest rise", 1e6 * course.greatest_rise, "uJ", None, 10.0)
 
@@ -289,9 +326,9 @@ def measure_safety(
 
     for name, way in (("end", lambda t: 1.25 * TURN * min(1.0, t / 1.5)),
                       ("start", lambda t: -0.25 * TURN * min(1.0, t / 0.5))):  # fmt: skip
-        course = simulate(surface, preset, sensor, way, 3.0, delay, stiffness=0.01)
+        course = simulate(surface, preset, sensor, way, 3.0, delay, stiffness=0.02)
         held = course.time > 2.5
-        table.line(f"pushed 45 deg beyond the {name} (10 mN m/rad): torque",
+        table.line(f"pushed 45 deg beyond the {name} (20 mN m/rad): torque",
                    1e3 * float(np.abs(course.torque[held]).min()), "mN m", 3.0, None)  # fmt: skip
         place = course.angle[held] - TURN if name == "end" else -course.angle[held]
         table.line("    it gives way by", math.degrees(float(place.max())), "deg", None, 8.0)
@@ -305,11 +342,35 @@ def measure_safety(
             return reach * min(1.0, t / 0.15) if t < 0.25 else None
 
         course = simulate(surface, preset, sensor, tapped, 3.0, delay)
-        back = (course.time > 0.3) & (course.angle < math.radians(18.0))
-        took = float(course.time[np.argmax(back)]) - 0.25 if back.any() else math.inf
+        took = float(course.time[course.angle > math.radians(18.0)][-1]) - 0.25
         table.line(f"a tap to {reach:g} deg: back within 18 deg after", took, "s", None, 1.5)
     course = simulate(surface, preset, sensor, flick(0.8, 2.0, 0.3), 4.0, delay)
     table.line("thrown and let go: greatest rise", 1e6 * course.greatest_rise, "uJ", None, 10.0)
+
+
+def measure_sound(
+    table: Table, options: argparse.Namespace, sensor: Sensor, preset: ov.Preset
+) -> None:
+    """How long after the board's disk the one that is heard passes an event."""
+    _, timeline = next(matches(options.data))
+    surface = ov.build_surface(timeline, preset)
+    for delay_ms in options.delays:
+        late: list[float] = []
+        for seconds in (2.0, 4.0):
+            course = simulate(surface, preset, sensor, glide(seconds), seconds + 0.5,
+                              delay_ms * 1e-3, timeline=timeline)  # fmt: skip
+            for at, event in enumerate(surface.event):
+                passes = int(np.argmax(course.disk >= surface.edges[at, 0]))
+                if passes and 0.1 < surface.position[at] < 0.95 and event in course.struck:
+                    late.append(1e3 * (course.struck[event] - course.time[passes]))
+        low, middle, high = np.percentile(late, [5.0, 50.0, 95.0])
+        most = delay_ms * (1.0 + 0.5 * JITTER) + 10.0
+        table.line(f"{delay_ms:g} ms: heard after it is felt, median", middle, "ms", -10.0, most)
+        table.line("    5 % point", low, "ms", -10.0, None)
+        table.line("    95 % point", high, "ms", None, most + 10.0)
+
+
+MEASURED = {"feel": measure_feel, "safety": measure_safety, "sound": measure_sound}
 
 
 def main() -> None:
@@ -322,13 +383,12 @@ def main() -> None:
     parser.add_argument("--sensor", default="simplefoc", help="profile of the knob")
     parser.add_argument("--sweeps", type=float, nargs="+", default=SWEEPS_S, help="s")
     parser.add_argument("--delays", type=float, nargs="+", default=DELAYS_MS, help="ms each way")
-    parser.add_argument("--only", choices=("feel", "safety"))
+    parser.add_argument("--only", choices=MEASURED)
     options = parser.parse_args()
     table, sensor, preset = Table(), load_sensor(options.sensor), ov.load_preset(options.preset)
-    if options.only != "safety":
-        measure_feel(table, options, sensor, preset)
-    if options.only != "feel":
-        measure_safety(table, options, sensor, preset)
+    for name, measure in MEASURED.items():
+        if options.only in (None, name):
+            measure(table, options, sensor, preset)
     print(f"{table.failures} lines fail")
     sys.exit(min(table.failures, 100))
 

@@ -54,7 +54,7 @@ enum {
     KNOB_PART_POINTS = 32,
     KNOB_PARTS = (KNOB_POINTS - 1) / KNOB_PART_POINTS + 1,
     KNOB_LONGEST = 80,
-    KNOB_MEAN = 8, /* steps over which the hand's speed is taken */
+    KNOB_MEAN = KNOB_HZ < 1000 ? 2 : KNOB_HZ / 500, /* steps over which the hand is timed: 2 ms */
     KNOB_SUBSTEPS = (4000 + KNOB_HZ - 1) / KNOB_HZ
 };
 
@@ -105,7 +105,7 @@ typedef struct {
     float origin, shaft, u, before, latest[KNOB_MEAN];
     float x, v, stretch, y1, y2, pace;
     float level, home_level, fade, fade_step, pull;
-    float low_pass, knock, way, extreme, ledger, torque;
+    float low_pass, knock, way, extreme, ledger, torque, used;
     uint8_t at;
     uint16_t sequence;
 } Knob;
@@ -140,7 +140,7 @@ static float knob_friction(const Knob *k, float x) {
 /* Let the disk lie where the hand is: whatever begins, begins without a stored joule. */
 static void knob_rest(Knob *k) {
     k->x = k->before = k->y1 = k->y2 = k->extreme = k->u;
-    k->v = k->stretch = k->low_pass = k->knock = k->ledger = k->torque = k->home_level = 0.0f;
+    k->v = k->stretch = k->low_pass = k->knock = k->ledger = k->torque = k->used = k->home_level = 0.0f;
     k->pace = k->unfold * (float)(KNOB_POINTS - 1);
 }
 
@@ -291,6 +291,7 @@ static inline float knob_step(Knob *k, float shaft) {
     for (n = 0; n < KNOB_SUBSTEPS; n++)
         stretch += knob_move(k, k->u + speed * ((float)n + 0.5f) / KNOB_SUBSTEPS) / KNOB_SUBSTEPS;
     torque = k->pull - k->gain * stretch;
+    k->used = stretch;
     knob_knock(k, shaft, k->disk.ceiling - knob_abs(torque));
     torque -= k->way * k->knock;
     torque = knob_clamped(torque, -k->disk.ceiling, k->disk.ceiling);
@@ -418,11 +419,11 @@ static inline int knob_report(Knob *k, uint32_t now_us, uint8_t *out) {
         payload[15] = k->disk_id;
         payload[16] = (uint8_t)(255.0f * k->level);
         knob_put(payload + 17, k->refused, 2);
-    } else { /* the hand's and the disk's angle, urad; the torque, 10 uN m; the ledger, of 65535 */
+    } else { /* the hand's and the disk's angle, urad; torque, 10 uN m; the spring's stretch, 0.1 mrad */
         knob_put(payload + 7, (uint32_t)knob_rounded(k->u / KNOB_PER_RAD * 1e6f, 2e9f), 4);
         knob_put(payload + 11, (uint32_t)knob_rounded(k->x / KNOB_PER_RAD * 1e6f, 2e9f), 4);
         knob_put(payload + 15, (uint32_t)knob_rounded(k->sign * k->torque * 1e5f, 32767.0f), 2);
-        knob_put(payload + 17, (uint32_t)knob_rounded(k->ledger / LEDGER_J * 65535.0f, 65535.0f), 2);
+        knob_put(payload + 17, (uint32_t)knob_rounded(k->used / KNOB_PER_RAD * 1e4f, 32767.0f), 2);
     }
     for (n = 0; n < 19; n++) {
         if (payload[n]) {

@@ -75,7 +75,6 @@ class BoardLoop:
         self._part = 0
         self._space = 0.0
         self._asked_at = -1e300
-        self._ledger = 0.0
         self.torque = 0.0
 
     def render(self, surface: Surface, values: Mapping[str, Value]) -> None:
@@ -92,7 +91,7 @@ class BoardLoop:
             if KNOB_STATE[0] in reading:
                 self._state = reading
             elif KNOB_MOTION[0] in reading:
-                self.torque, self._ledger = reading["torque_nm"], reading["ledger"]
+                self.torque = reading["torque_nm"]
                 self._rate.add(now_s)
             self._watchdog.heard(now_s)
 
@@ -211,7 +210,6 @@ class BoardLoop:
             "on_board": True,
             "ready": self.ready,
             "torque_nm": round(self.torque, 6),
-            "ledger": round(self._ledger, 3),
             "steps_per_s": int(state.get("knob_hz", 0)),
             "points": int(state.get("knob_points", 0)),
             "refused": int(state.get("knob_refused", 0)),

@@ -18,8 +18,8 @@ The payload, little-endian:
 | 4 | stamp: the sensor's clock, microseconds, modulo 2^32 |
 | 12 | six int16 (ax ay az gx gy gz; kind 1: the last three 0), or one int32 (thousandths of a |
 |   | degree, counts, wiper) and eight bytes of 0; kind 6 two int32 (theta2 and the disk's surface |
-|   | angle, microradians), an int16 (torque, 1e-5 N m) and an uint16 (ledger, of 65535); kind 7 |
-|   | three uint16, four bytes and an uint16 (`KNOB_STATE`) |
+|   | angle, microradians) and two int16 (torque, 1e-5 N m; stretch, 1e-4 rad); kind 7 three |
+|   | uint16, four bytes and an uint16 (`KNOB_STATE`) |
 
 What the check promises, of bits in the order a UART sends them: a burst of up to 16 bits anywhere,
 a frame's end included, is never taken for a sample. Within a frame the check is over the bytes as
@@ -41,8 +41,10 @@ PAYLOAD = 19
 FRAME = PAYLOAD + 1 + 3
 """Bytes of a frame before its zero."""
 
-KNOB_MOTION = ("theta2_rad", "surface_rad", "torque_nm", "ledger")
-"""Of a knob with the surface on its board: the hand's angle, the disk's, the motor's torque."""
+KNOB_MOTION = ("theta2_rad", "surface_rad", "torque_nm", "stretch_rad")
+"""Of a knob with the surface on its board: the hand's angle, the disk's, the motor's torque, how
+far the spring between them is stretched, which is less than they are apart where its clutch slips.
+"""
 
 KNOB_STATE = ("knob_points", "knob_hz", "knob_missing", "knob_filling", "knob_table", "knob_disk",
               "knob_level", "knob_refused")  # fmt: skip
@@ -51,7 +53,7 @@ and the disk it uses, how much torque there may be (of 255), frames it refused."
 
 _SIX = struct.Struct("<BHI6h")
 _ONE = struct.Struct("<BHIi8x")
-_MOTION = struct.Struct("<BHI2ihH")
+_MOTION = struct.Struct("<BHI2i2h")
 _STATE = struct.Struct("<BHI3H4BH")
 _WHOLE = (1.0,) * 8
 _LAYOUTS = {
@@ -60,7 +62,7 @@ _LAYOUTS = {
     3: (("roll_deg",), _ONE, (1e-3,)),
     4: (("count",), _ONE, _WHOLE),
     5: (("pot",), _ONE, _WHOLE),
-    6: (KNOB_MOTION, _MOTION, (1e-6, 1e-6, 1e-5, 1.0 / 65535.0)),
+    6: (KNOB_MOTION, _MOTION, (1e-6, 1e-6, 1e-5, 1e-4)),
     7: (KNOB_STATE, _STATE, _WHOLE),
 }
 """By kind: what it says, how it is packed, what 1 of each is."""

@@ -14,9 +14,10 @@ from overview_dsp.sensors.stream import Sample, Stream
 from overview_dsp.sensors.touching import Event, TouchRules, TwistTouch
 from overview_dsp.units import HALF_TURN
 
-FOLLOWING = 3.0
-"""Where a knob's own board moves the disk, how far theta2 is set ahead of the hand for each radian
-that the disk here lies behind that one: they cross an event together, and ear and hand agree."""
+FOLLOWING = 6.0
+"""Where a knob's own board moves the disk, the disk here is pulled as that one is: theta2 is where
+its spring rests, and so much further for each radian that the disk here lies behind. Then both
+cross an event together, and ear and hand agree."""
 
 CLOSEST_S = 0.9e-3
 """Events closer together than a millisecond move the disk no differently."""
@@ -142,8 +143,9 @@ class SensorSource:
             return None
         self._event_at = time_s
         if "surface_rad" in reading and event.touching and elsewhere is None:
-            ahead = FOLLOWING * (reading["surface_rad"] - position)
-            return replace(event, theta2=max(0.0, min(HALF_TURN, event.theta2 + ahead)))
+            surface = reading["surface_rad"]
+            rest = surface + reading["stretch_rad"] + FOLLOWING * (surface - position)
+            return replace(event, theta2=max(0.0, min(HALF_TURN, rest)))
         return event
 
     def _watch(self, angle: Angle) -> None:
