@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -144,6 +145,17 @@ class BoardMotor(Motor):
     def table(self) -> int:
         """Number of the table in use; 0 = none."""
         return int(self._library.board_table(self._knob))
+
+    def patient(self, path: Callable[[float], float | None]) -> Callable[[float], float | None]:
+        """A hand's `path` (`simulated_motor.Hand`) that begins when the surface is there."""
+        began: list[float] = []
+
+        def waiting(time: float) -> float | None:
+            if not began and self.table:
+                began.append(time)
+            return path(time - began[0]) if began else path(0.0)
+
+        return waiting
 
     def loop(self, received: bytes) -> bytes:
         """One turn of the board's loop: bytes in, bytes out."""

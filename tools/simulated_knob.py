@@ -261,14 +261,16 @@ def play_motor(options: argparse.Namespace) -> None:
         from simulated_board import BoardMotor
 
         motor = BoardMotor(**physics)
+        path = motor.patient(HANDS[options.hand]())
     else:
+        path = HANDS[options.hand]()
         motor = Motor(
             counts=options.counts,
             nm_per_unit=options.nm_per_unit,
             watchdog=not options.no_watchdog,
             **physics,
         )
-    session = Session(motor, Hand(HANDS[options.hand]()), options.delay_ms * 1e-3)
+    session = Session(motor, Hand(path), options.delay_ms * 1e-3)
     dice = random.Random(options.seed)
     wire = Wire(options.link)
     print(f"serial:{options.link or wire.name}  motor, {options.hand}", flush=True)
