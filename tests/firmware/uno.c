@@ -1,9 +1,10 @@
 /* An Arduino Uno in simavr on a pseudo-terminal, its sensor in a hand.
 
-    uno FIRMWARE.elf LINK SECONDS pot|encoder|mpu6050|lsm6ds3|bno055
+    uno FIRMWARE.elf LINK SECONDS pot|encoder|mpu6050|lsm6ds3|bno055 REST_S
 
-The hand rests for 8 s, then turns from one end of the timeline to the other and back, in 8 s, again
-and again. The emulated time goes with the clock's. Prints bytes sent and lost on the way at the end. */
+The hand rests for REST_S, then turns from one end of the timeline to the other in 3 s, stays for 3 s,
+turns back and stays, again and again. The emulated time goes with the clock's; prints bytes sent and lost on the way at the end. With `-` for
+LINK it goes as fast as it can, and each byte sent is printed with its time and the hand's turn (0..1). */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -25,20 +26,26 @@ and again. The emulated time goes with the clock's. Prints bytes sent and lost o
 #include "sim_avr.h"
 #include "sim_elf.h"
 
-enum { REST_S = 8, COUNTS = 40 };
+enum { COUNTS = 40 };
 
 static avr_t *avr;
 static int terminal;
 static long sent, unsent;
 static const char *kind;
+static double rest;
 static volatile sig_atomic_t stopped;
 
 static double seconds(void) { return (double)avr->cycle / avr->frequency; }
 
-static double turned(void) { /* 0 to 1 */
-    double t = seconds() - REST_S;
-    return t < 0.0 ? 0.0 : 0.5 - 0.5 * cos(2.0 * M_PI * t / 8.0);
+static double turned_at(double t) { /* 0 to 1 */
+    double part;
+    if (t < rest) return 0.0;
+    t = fmod(t - rest, 11.0);
+    part = t < 6.0 ? fmin(1.0, t / 3.0) : fmax(0.0, (9.0 - t) / 3.0);
+    return part * part * (3.0 - 2.0 * part);
 }
+
+static double turned(void) { return turned_at(seconds()); }
 
 static int noise(void) { return rand() % 3 - 1; }
 
@@ -47,7 +54,8 @@ static int noise(void) { return rand() % 3 - 1; }
 static void from_uart(struct avr_irq_t *irq, uint32_t value, void *param) {
     uint8_t byte = (uint8_t)value;
     (void)irq, (void)param;
-    if (write(terminal, &byte, 1) == 1) sent++;
+    if (!terminal) printf("%.6f %.6f %02x\n", seconds(), turned(), byte);
+    else if (write(terminal, &byte, 1) == 1) sent++;
     else unsent++; /* nobody reads, and the buffer is full */
 }
 
@@ -90,8 +98,8 @@ static void put(uint8_t *at, double value, int big) {
 
 static uint8_t registers(uint8_t at) {
     static uint8_t all[256];
-    double angle = M_PI * 175.0 / 180.0 * turned(), t = seconds() - REST_S;
-    double speed = t < 0.0 ? 0.0 : 175.0 * M_PI / 8.0 * sin(2.0 * M_PI * t / 8.0); /* deg/s */
+    double angle = M_PI * 175.0 / 180.0 * turned();
+    double speed = 175.0 * (turned() - turned_at(seconds() - 1e-3)) / 1e-3; /* deg/s */
     double g[3] = {0.0, sin(angle), cos(angle)};
     if (!strcmp(kind, "mpu6050")) {
         all[0x75] = 0x68;
@@ -153,20 +161,25 @@ static double clock_s(void) {
     return now.tv_sec + 1e-9 * now.tv_nsec;
 }
 
-int main(int count, char **words) {
-    elf_firmware_t firmware = {0};
+static int open_terminal(const char *link) {
     struct termios raw;
-    uint32_t flags = 0;
     int theirs;
-    if (count != 5 || elf_read_firmware(words[1], &firmware)) return 2;
-    kind = words[4];
-    if (openpty(&terminal, &theirs, NULL, NULL, NULL)) return 3;
+    if (openpty(&terminal, &theirs, NULL, NULL, NULL)) return 0;
     tcgetattr(theirs, &raw);
     cfmakeraw(&raw);
     tcsetattr(theirs, TCSANOW, &raw);
     fcntl(terminal, F_SETFL, O_NONBLOCK);
-    unlink(words[2]);
-    if (symlink(ptsname(terminal), words[2])) return 4;
+    unlink(link);
+    return symlink(ptsname(terminal), link) == 0;
+}
+
+int main(int count, char **words) {
+    elf_firmware_t firmware = {0};
+    uint32_t flags = 0;
+    if (count != 6 || elf_read_firmware(words[1], &firmware)) return 2;
+    kind = words[4];
+    rest = atof(words[5]);
+    if (strcmp(words[2], "-") && !open_terminal(words[2])) return 3;
     signal(SIGTERM, stop);
     signal(SIGINT, stop);
     avr = avr_make_mcu_by_name("atmega328p");
@@ -188,16 +201,18 @@ int main(int count, char **words) {
     fflush(stdout);
     double began = clock_s(), until = atof(words[3]);
     while (!stopped && seconds() < until) {
-        double now = clock_s() - began;
+        double now = terminal ? clock_s() - began : seconds() + 1e-3;
         if (now - seconds() > 0.5) began += now - seconds(); /* held up: that time is lost */
-        for (int n = 0; seconds() < clock_s() - began && n < 100000; n++) {
+        while (seconds() < now && now - seconds() < 0.5) {
             int state = avr_run(avr);
             if (state == cpu_Done || state == cpu_Crashed) return 5;
         }
         if (!strcmp(kind, "encoder")) turn_encoder();
+        if (!terminal) continue;
         to_uart();
         usleep(300);
     }
+    if (!terminal) return 0;
     unlink(words[2]);
     printf("{\"sent\": %ld, \"unsent\": %ld}\n", sent, unsent);
     return 0;

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
@@ -18,6 +18,7 @@ from overview_dsp.sensors.frames import FrameDecoder, framed
 from overview_dsp.sensors.profile_file import load_sensor
 from overview_dsp.sensors.reading import Counters
 from tests.force_feedback.simulation import ROOT
+from tests.profiles import share
 
 sys.path.insert(0, str(ROOT / "tools"))
 import measure_knob
@@ -74,6 +75,7 @@ def test_a_part_that_is_missing_is_asked_for_and_the_table_isnt_used(surface, fo
     assert (state["knob_table"], state["knob_filling"], state["knob_missing"]) == (0, 1, 6)
 
 
+@settings(max_examples=share(0.25))
 @given(st.integers(0, 34), st.integers(0, 600), st.integers(1, 0xFFFF), st.booleans())
 def test_a_damaged_frame_is_refused_and_changes_nothing(surface, football, which, bit, burst, cut):
     """A burst of up to 16 bits anywhere, or a lost byte."""
