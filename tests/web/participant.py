@@ -1,4 +1,4 @@
-"""People who take part in a study: one who has a keyboard and a screen reader, one with a finger."""
+"""People who take part in a study: who has a keyboard and a screen reader."""
 
 from __future__ import annotations
 
