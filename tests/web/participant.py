@@ -1,4 +1,4 @@
-"""People who take part in a study: one who has a keyboard and a screen reader, one with a finger."""
+"""People who take part in a study: who has a keyboard and a screen reader."""
 
 from __future__ import annotations
 
@@ -112,6 +112,8 @@ def step(reader: Reader, answer: Callable[[Reader], None], question: str) -> Non
         reader.push("Next")
     elif heading == "Welcome back":
         reader.push("Go on")
+    elif heading == "Thank you":
+        return
     elif heading != "Almost done":
         reader.push("Begin")
     reader.until(lambda: reader.shown() != before, f"what comes after {before}")

@@ -1,4 +1,4 @@
-"""A study for tests of its page: made small, served by a process that can be killed, or by a host."""
+"""A study for tests of its page, served by a process that can be killed."""
 
 from __future__ import annotations
 

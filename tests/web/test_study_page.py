@@ -12,9 +12,9 @@ from overview_dsp.studies.answers import read_answers
 from overview_dsp.studies.design import load_design
 from overview_dsp.studies.items import items_of
 from overview_dsp.studies.replay import replayed
-from tests.web.driving import PHONE, violations
+from tests.web.driving import PHONE
 from tests.web.exported import opened_host
-from tests.web.participant import Reader, step, take_part
+from tests.web.participant import Reader, take_part
 from tests.web.studied import built, served_study, trials_of
 
 IDENTIFY = """
@@ -141,7 +141,7 @@ mask = { noise = "pink", level_db = -30.0 }
 
 
 def drag(page, client, to):
-    """A finger from the pad's start to a place (0 to 1), and off; where it was, as the page has it."""
+    """A finger goes from the pad's start to a place (0 to 1), and off."""
     box = page.locator(".pad").bounding_box()
     margin = 18
     y = box["y"] + box["height"] / 2
@@ -252,10 +252,10 @@ FELT = """async ([key, output, events, frames]) => {
 
 @pytest.mark.parametrize("mapping", ["friction", "static"])
 def test_what_was_felt_is_felt_again_bit_for_bit(chromium, identify, mapping):
-    """The hand comes as it likes; its take, replayed in Python, has the samples that were played."""
+    """The hand comes when it likes; its take, replayed in Python, has the samples played."""
     study = json.loads((identify / "study.json").read_text())
     key = next(key for key, one in study["stimuli"].items() if one["answer"] == "goal")
-    output = {"mapping": mapping, "click_db": 0.0, "tactor_db": None, "visual": False, "mask": False}
+    output = {"mapping": mapping, "click_db": 0.0, "tactor_db": None}
     hand = [[1_000 + 300 * i, i / 60, True] for i in range(60)] + [[20_000, 1.0, False]]
     frames = 48_000
     with opened_host(identify) as host, page_at(chromium, host.url) as (page, wrong):

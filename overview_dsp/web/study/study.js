@@ -11,7 +11,7 @@ import { insisted, make } from "./make.js";
 import { keepOffline } from "./offline.js";
 import { openSession, Sessions } from "./opening.js";
 import { NOBODY } from "./pad.js";
-import { countOf } from "./plan.js";
+import { progressOf } from "./plan.js";
 import { Twist } from "./twist.js";
 
 const PATIENCE_MS = 2000;
@@ -51,12 +51,11 @@ function isAlone(session) {
 /** What trials and screens share. */
 function kitOf({ study, list, felt, answers, leave, file }) {
   const trials = list.steps.filter(({ stimuli }) => stimuli);
-  const total = countOf(list.steps);
   return {
     study, felt, answers, leave, file, say, fault,
     twist: new Twist(NOBODY),
     progress() {
-      const done = Math.min(answers.done.size, total);
+      const { done, total } = progressOf(list.steps, answers.done);
       by("progress").max = total;
       by("progress").value = done;
       by("count").textContent = `${done} of ${total}`;
