@@ -130,7 +130,8 @@ class Answers:
         shown = next((one for one in stimuli if one["level"] != standard), stimuli[0])
         hashed = "static_sha256" if step["output"]["mapping"] == "static" else "sha256"
         right = is_right(step["task"], step, answer)
-        device, take = answer.get("device") or {}, answer.get("take") or {}
+        device = answer.get("device") or {}
+        takes = [one for one in (answer.get("take"), *(answer.get("takes") or [])) if one]
         return {
             "participant": session.participant,
             "session": session.id,
@@ -163,7 +164,7 @@ class Answers:
             "sample_rate": device.get("sample_rate"),
             "output_latency_ms": device.get("output_latency_ms"),
             "user_agent": device.get("user_agent"),
-            "take_events": len(take["events"]) if take else None,
+            "take_events": sum(len(one["events"]) for one in takes) or None,
             "design_sha256": self.study["design_sha256"],
             "program": self.study["program"],
         }

@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,7 @@ from overview_dsp.studies.lists import ListMaker
 from overview_dsp.studies.made import curve_of
 from overview_dsp.studies.static_mapping import static_mapping
 from overview_dsp.surface.build import build_surface
-from overview_dsp.web.assets import KERNEL_FILES
+from overview_dsp.web.assets import study_files
 from overview_dsp.web.site_content import RATES
 from overview_dsp.web.site_data import kind_looks, window_json
 from overview_dsp.web.site_sound import patch_of, whole_bytes
@@ -69,7 +68,7 @@ def build_folder(
         listed: dict[str, list[str]] = {"page": [], "more": []}
         digest = hashlib.sha256()
         size = 0
-        files = [*_page_files(), *_forms(design), *_mask(design)]
+        files = [*study_files().items(), *_forms(design), *_mask(design)]
         for name, data in [*files, *_study_files(design, items, lists, progress)]:
             place = folder / name
             place.parent.mkdir(parents=True, exist_ok=True)
@@ -103,27 +102,6 @@ def played(lists: Sequence[dict[str, Any]]) -> dict[str, set[str]]:
                 for key in keys:
                     found.setdefault(key, set()).add(step["output"]["mapping"])
     return found
-
-
-def page_folder() -> Any:
-    """The page's own files, as they are."""
-    return resources.files(__package__) / "page"
-
-
-def _page_files() -> Iterator[tuple[str, bytes]]:
-    web = resources.files("overview_dsp.web")
-    yield from ((name, (web / name).read_bytes()) for name in KERNEL_FILES)
-    yield from _below(page_folder(), "")
-
-
-def _below(folder: Any, before: str) -> Iterator[tuple[str, bytes]]:
-    if not folder.is_dir():
-        return
-    for one in sorted(folder.iterdir(), key=lambda file: str(file.name)):
-        if one.is_dir():
-            yield from _below(one, f"{before}{one.name}/")
-        else:
-            yield before + one.name, one.read_bytes()
 
 
 def _forms(design: Design) -> Iterator[tuple[str, bytes]]:
@@ -194,10 +172,11 @@ def study_json(
         words = {one: one.replace("_", " ") for one in choices} | {NONE: "nothing"}
         task["choices"] = choices
     task["words"] = {**words, **file.task.words}
-    task["question"] = file.task.question or _QUESTIONS[file.task.name]
+    asked = "Did you feel it?" if file.task.method == "yesno" else _QUESTIONS[file.task.name]
+    task["question"] = file.task.question or asked
     task |= {key: getattr(file.task, key) for key in ("method", "vary", "standard", "of")}
     looks = [kind_looks(item.timeline, item.preset) for item in items]
-    kinds = {kind: look for one in looks for kind, look in one.items()}
+    kinds = {kind: look for one in looks for kind, look in one.items() if look["count"]}
     first = items[0].preset
     return {
         "overview_study": VERSION,

@@ -86,9 +86,13 @@ def _kept(answers: Answers) -> Iterator[tuple[str, str, dict[str, Any], str, dic
     for session in answers.sessions:
         for trial, _, row in session.trials:
             step = step_of(trial, answers.lists[session.number])
-            if step is not None and row.get("take"):
+            if step is None:
+                continue
+            if row.get("take"):
                 key = row.get("stimulus") or step["stimuli"][-1]
                 yield session.participant, trial, step, key, row["take"]
+            for number, take in enumerate(row.get("takes") or [], 1):
+                yield session.participant, f"{trial}_{number}", step, take["stimulus"], take
 
 
 def export_takes(
