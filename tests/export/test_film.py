@@ -24,7 +24,7 @@ ARDOUR_CYCLE = 1024
 """Ardour sets values when a cycle begins."""
 
 ARDOUR_PREROLL = 2 * RATE
-"""An export is preceded by two seconds, and by some cycles more: the plugin has played since then."""
+"""An export is preceded by two seconds, and by some cycles more: the plugin plays from there on."""
 
 TICK = 25
 """Frames at 48 kHz that are whole ticks of Ardour's beats, of which its automation is made."""
@@ -56,7 +56,7 @@ def test_ten_minutes_in_ardour_are_the_engines_bits(match, football, tmp_path):
     bundle = ov.export.build_plugin(match, football, "lv2", tmp_path / "lv2", name="film", seed=3)
     (uri,) = re.findall(r"<(urn:[^>]+)> a lv2:Plugin", (bundle / "manifest.ttl").read_text())
     # none where two cycles meet
-    frames = [0, *range(300, (FILM_S - 1) * RATE, 14 * ARDOUR_CYCLE)]
+    frames = [0, *range(700, (FILM_S - 1) * RATE, 14 * ARDOUR_CYCLE)]
     places, touches = watched([at - at % TICK for at in frames])
     rows = [f"0 {place!r} {at}" for at, place in places]
     rows += [f"1 {touch!r} {at}" for at, touch in touches]
@@ -91,16 +91,14 @@ def test_ten_minutes_in_ardour_are_the_engines_bits(match, football, tmp_path):
     )
     heard, rate = soundfile.read(tmp_path / "film.wav", dtype="float32")
     assert (rate, heard.shape) == (RATE, (FILM_S * RATE, 2))
+    begins = -ARDOUR_PREROLL % ARDOUR_CYCLE  # a cycle of the export
+
+    def cycle(at):
+        return begins - (begins - at) // ARDOUR_CYCLE * ARDOUR_CYCLE
+
     for cycles in range(64):
         earlier = ARDOUR_PREROLL + cycles * ARDOUR_CYCLE
-        begins = -ARDOUR_PREROLL % ARDOUR_CYCLE  # a cycle of the export
-        events = events_of(
-            places,
-            touches,
-            lambda at, first=earlier + begins: (
-                at and first - (begins - at) // ARDOUR_CYCLE * ARDOUR_CYCLE
-            ),
-        )
+        events = events_of(places, touches, lambda at, p=earlier: at and p + cycle(at))
         some = [event for event in events if event[2] < earlier + RATE]
         if np.array_equal(
             heard[:RATE], natively(match, football, RATE, some, earlier + RATE)[earlier:]
