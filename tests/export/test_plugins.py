@@ -272,6 +272,21 @@ def test_silence_sleeps_and_the_tail_is_true(match, presets, host, play):
     assert (report["tail"], report["tail_changes"]) == (NO_MORE_TAIL[host.to], told)
 
 
+def test_markers_of_a_render_are_where_the_plugin_strikes(match, presets, play):
+    sweep, rate = ov.sweep(1.0), 48_000
+    rendered = ov.render(match, presets["viscous"], sweep, rate, 3, tail="none")
+    line = zip(sweep.stamps(rate).tolist(), sweep.theta2.tolist(), strict=True)
+    # a render lets go when the disk has arrived, which a line of automation can't know
+    angles = [(VALUE, "theta2", at, theta2 / np.pi) for at, theta2 in line if at <= rate]
+    heard, _ = play([angles[0], (VALUE, "touch", 0, 1.0), *angles[1:]], frames=rate)
+    passed = [time for time in rendered.strikes.of_events().time_s.tolist() if time < 0.95]
+    assert len(passed) > 10
+    for time in passed:
+        at, near = round(time * rate), 96
+        assert np.abs(heard[at : at + near, 0]).max() > 4 * np.abs(heard[at - near : at, 0]).max()
+    assert np.abs(heard - rendered.samples[:rate]).max() < 1e-5
+
+
 def test_the_host_is_told_every_parameter(host, presets):
     lines = [line.split("\t") for line in host.run("list").splitlines()]
     kind = {"clap": "org.overview-dsp.match", "vst3": "Instrument|Synth"}[host.to]
