@@ -50,12 +50,15 @@ def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_pat
         ("pythonosc", ("--input", "osc:9000"), "pip install 'overview-dsp[osc]'"),
         ("pythonosc", ("--osc-out", "9000"), "pip install 'overview-dsp[osc]'"),
         ("rtmidi", ("--input", "midi:x"), "pip install 'overview-dsp[midi]'"),
+        ("hid", ("--input", "pad:"), "pip install 'overview-dsp[pads]'"),
+        ("bleak", ("--input", "ble:x"), "pip install 'overview-dsp[ble]'"),
     ],
 )
 def test_a_missing_library_is_one_line_that_says_how_to_get_it(
     monkeypatch, module, arguments, hint
 ):
-    monkeypatch.setitem(sys.modules, module, None)
+    for other in (module, {"rtmidi": "rtmidi2", "hid": "hidraw"}.get(module, module)):
+        monkeypatch.setitem(sys.modules, other, None)
     refused(overview(*PLAY, *arguments), hint, code=1)
 
 
@@ -95,5 +98,6 @@ def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
     found = json.loads(overview("devices", "--listen", 0, "--json").out)
     assert found["midi_ports"] == ["nanoKONTROL2"]
     monkeypatch.undo()
-    monkeypatch.setitem(sys.modules, "rtmidi", None)
+    for name in ("rtmidi", "rtmidi2"):
+        monkeypatch.setitem(sys.modules, name, None)
     assert "overview-dsp[midi]" in overview("devices", "--listen", 0).out
