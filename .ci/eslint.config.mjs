@@ -2,7 +2,7 @@
 
 const browser = ["AudioContext", "AudioWorkletNode", "Blob", "DeviceOrientationEvent", "EventSource",
   "Intl", "MutationObserver", "Option", "ResizeObserver", "SpeechSynthesisUtterance", "URL",
-  "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "caches", "clearTimeout", "console",
+  "DecompressionStream", "Response", "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "caches", "clearTimeout", "console",
   "document",
   "fetch", "getComputedStyle", "history", "importScripts", "localStorage", "location", "matchMedia",
   "navigator", "performance", "queueMicrotask", "registerProcessor", "requestAnimationFrame", "self",
