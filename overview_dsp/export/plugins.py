@@ -107,7 +107,7 @@ def build_plugin(
         sources = resources.files("overview_dsp.export") / "plugin"
         for source in (*_SOURCES, *_OWN_SOURCES[to]):
             (work / source).write_bytes((sources / source).read_bytes())
-        for source, content in c_sources("kernel.c", "overview.h").items():
+        for source, content in c_sources("kernel.c", "operations.h", "overview.h").items():
             (work / source).write_bytes(content)
         (work / "bundle.c").write_text("".join(bundle_source(bundle)), encoding="ascii")
         (work / IMAGES).write_bytes(bundle.data)

@@ -7,7 +7,7 @@ import { by } from "./dom.js";
 import { ask, post } from "./session.js";
 
 const json = async (path) => (await ask(path)).json();
-const HANDS = "twist."; // how a sensor's twist lets go: nothing of the page's
+const ELSEWHERE = ["twist", "follow"]; // a sensor's twist, a host's map: nothing of the page's
 const NAME = /^[\w-]+$/; // others are no preset's, or would lead elsewhere
 const TAKEN = "there already";
 const isSame = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -115,7 +115,7 @@ export class Bench {
     const sections = new Map();
     const drawn = new Map();
     for (const [id, known] of this.table) {
-      if (id.startsWith("kinds.") || id.startsWith(HANDS)) continue;
+      if (["kinds", ...ELSEWHERE].includes(id.split(".")[0])) continue;
       const name = id.split(".")[0];
       sections.set(name, [...(sections.get(name) ?? []), [known, values, id]]);
     }
