@@ -86,7 +86,7 @@ async function main() {
   const context = {
     study, display, sessions, felt, fault, say, server: study.server === null ? null : server,
   };
-  const session = await openSession(context);
+  const { answers: stored, ...session } = await openSession(context);
   by("title").textContent = study.title;
   if (!(await isAlone(session.session))) {
     display.replaceChildren(make("h1", { text: "This session is open in another tab" }),
@@ -100,7 +100,7 @@ async function main() {
     onchange: () => tellWaiting(answers),
     onrefused: (line) => fault(`An answer isn't taken: ${line}. Please tell the experimenter.`),
   });
-  await answers.open(session.answers);
+  await answers.open(stored);
   addEventListener("online", () => answers.hurry());
   addEventListener("beforeunload", (event) => {
     if (answers.unsent.size > 0) event.preventDefault();
