@@ -5,6 +5,7 @@ disk can be asked for.
 from __future__ import annotations
 
 import hashlib
+import re
 from functools import cache
 from importlib import resources
 
@@ -25,6 +26,9 @@ KERNEL_FILES = (
     *("kernel.js", "kernel.wasm", "kernel_node.js", "layout.js", "processor.js", "unpack.js"),
 )
 START = "index.html"
+STUDY_SHARES = ("style.css", "icon.svg", "worker.js", "kernel.wasm")
+"""What a study's page has of this one, besides the scripts that its own import."""
+
 FOLDER_ONLY = ("worker.js",)
 """Keeps a folder for use without a network; what a server sends isn't to outlive it."""
 
@@ -36,6 +40,9 @@ SERVER_ONLY = (
 
 LIVE_ONLY = ("live.js",)
 """Fetched for a timeline that grows."""
+
+
+_IMPORTED = re.compile(rb'from "\./([\w.]+)"')
 
 
 @cache
@@ -57,6 +64,33 @@ def folder_files(*, live: bool) -> dict[str, bytes]:
     """The files of a folder by their path; `live`: of a timeline that grows."""
     left_out = SERVER_ONLY if live else (*SERVER_ONLY, *LIVE_ONLY)
     return {name: file for name, file in page_files().items() if name not in left_out}
+
+
+def study_files() -> dict[str, bytes]:
+    """The files of a study's page (`study/`) by their path in a folder, and what they share."""
+    package = resources.files(__package__)
+    own = {one.name: one for one in (package / "study").iterdir() if one.is_file()}
+    vendored = {f"jspsych/{one.name}": one for one in (package / "study" / "jspsych").iterdir()}
+    files = {name: file.read_bytes() for name, file in {**own, **vendored}.items()}
+    wanted = [*STUDY_SHARES, *_imported(files)]
+    while wanted:
+        name = wanted.pop()
+        if name not in files:
+            at = package / name if name in KERNEL_FILES else package / "site" / name
+            files[name] = at.read_bytes()
+            wanted += _imported({name: files[name]})
+    return {name: shortened(name, file) if "/" not in name else file
+            for name, file in sorted(files.items())}  # fmt: skip
+
+
+def _imported(files: dict[str, bytes]) -> list[str]:
+    """What scripts import that lie in no folder of their own."""
+    return [
+        found.decode()
+        for name, file in files.items()
+        if name.endswith(".js") and "/" not in name
+        for found in _IMPORTED.findall(file)
+    ]
 
 
 def served_paths() -> tuple[str, ...]:

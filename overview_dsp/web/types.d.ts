@@ -49,6 +49,8 @@ export interface View extends Part {
   struck: number[];
   scale: [number, number];
   points: Points | null;
+  /** Up to where a timeline that grows has happened, s. */
+  now?: number;
 }
 
 export interface Series {
@@ -106,6 +108,18 @@ export interface Notice {
     pulse: number[];
     version: number;
   }[];
+  /** The update itself, base64, where it was asked for. */
+  update?: string;
+}
+
+/** What a page lacks of a timeline that grows. */
+export interface Update {
+  version: number;
+  info: any;
+  view: any;
+  rate: number;
+  bytes: number;
+  patch: ArrayBuffer;
 }
 
 export type EventKind = Record<string, any> & { points: number[]; modes: Record<string, number>[] };

@@ -11,7 +11,7 @@ import { ask, post } from "./session.js";
 
 /** @param {string} path */
 const json = async (path) => (await ask(path)).json();
-const HANDS = "twist."; // how a sensor's twist lets go: nothing of the page's
+const ELSEWHERE = ["twist", "follow"]; // a sensor's twist, a host's map: nothing of the page's
 const NAME = /^[\w-]+$/; // others are no preset's, or would lead elsewhere
 const TAKEN = "there already";
 /** @type {(a: unknown, b: unknown) => boolean} */
@@ -140,7 +140,7 @@ export class Bench {
     /** @type {Map<string, [{ points: number[] }, Drawing]>} */
     const drawn = new Map([["surface", [this.preset, MAP]]]);
     for (const [id, known] of this.table) {
-      if (id.startsWith("kinds.") || id.startsWith(HANDS)) continue;
+      if (["kinds", ...ELSEWHERE].includes(id.split(".")[0])) continue;
       const name = id.split(".")[0];
       sections.set(name, [...(sections.get(name) ?? []), [known, values, id]]);
     }

@@ -19,6 +19,8 @@ export class Data {
     this.preset = /** @type {Preset | null} */ (null);
     /** Whether the files are what is felt: not of a timeline that has grown. */
     this.files = true;
+    /** Where all values of a timeline that grows are. */
+    this.pointsFile = "data/points-0.json";
     /** The values of all windows, once they are there. */
     this.whole = /** @type {Points | null} */ (null);
   }
@@ -48,8 +50,8 @@ export class Data {
   async points(view) {
     const { series } = this.info;
     if (!series || view.points) return view.points ?? null;
-    if (!series.whole) return json(`data/points-${view.number}.json`);
-    this.whole ??= await json("data/points-0.json");
+    if (!series.whole && this.files) return json(`data/points-${view.number}.json`);
+    this.whole ??= await json(this.pointsFile);
     return this.whole;
   }
 

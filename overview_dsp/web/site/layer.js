@@ -32,6 +32,7 @@ export function drawLayer(c, g, view, info, colours) {
   drawAxis(c, g, view, info, colours);
   drawEvents(c, g, view, info, colours);
   drawLabels(c, g, view, colours);
+  if (typeof view.now === "number") drawNow(c, g, view, colours);
   if (g.disk) drawScale(c, g.disk, view, info, colours);
   if (g.trace) drawTraceAxis(c, g, colours);
 }
@@ -147,6 +148,32 @@ function drawGaps(c, g, view, colours) {
     }
   }
   c.stroke();
+}
+
+/**
+ * Up to where it has happened: a line, and the word beside it.
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Colours} colours
+ */
+function drawNow(c, g, view, colours) {
+  const x = g.x(view.now);
+  c.strokeStyle = colours.ink;
+  c.lineWidth = 1.5;
+  c.beginPath();
+  c.moveTo(x, g.top);
+  c.lineTo(x, g.bottom);
+  c.stroke();
+  c.font = fontOf(g, 600);
+  const before = x + 4 + c.measureText("now").width > g.right;
+  c.textAlign = before ? "right" : "left";
+  c.textBaseline = "bottom";
+  c.lineWidth = 3;
+  c.strokeStyle = colours.paper;
+  c.strokeText("now", before ? x - 4 : x + 4, g.bottom - 4);
+  c.fillStyle = colours.ink;
+  c.fillText("now", before ? x - 4 : x + 4, g.bottom - 4);
 }
 
 /**

@@ -19,7 +19,7 @@ const TAP_PX = 10;
  * to there; `onpinch(factor, x, over)` while two fingers spread or close about x, `factor` since they
  * came down; `onfirst()` at every touch, in which sound may be started.
  * @param {HTMLElement} element
- * @param {Hand} hand
+ * @param {Pick<Hand, "hold" | "release" | "releaseLater">} hand
  * @param {TouchMeans} means
  */
 export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst }) {

@@ -32,7 +32,7 @@ export function placeOfRoll(roll, start) {
 }
 
 export class Twist {
-  /** @param {Hand} hand */
+  /** @param {Pick<Hand, "hold" | "release">} hand */
   constructor(hand, start = 0) {
     this.hand = hand;
     this.start = start;
