@@ -87,7 +87,7 @@ def command(
         part = part_of(data, window, zoom_to)
         if part is not None and window and growth is None:
             data, part = data.window(*part), None
-        name = preset_for(data, preset)
+        name = preset_for(data, preset if growth is None else preset or growth.preset)
         data = laid_out(data, growth, name)
         require_server()
         if audio == "here":

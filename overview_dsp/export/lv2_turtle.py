@@ -61,7 +61,8 @@ def description(bundle: Bundle) -> str:
             f"[ {port} ; lv2:index {index} ]" for index, port in enumerate(ports)
         )
         plugins.append(
-            f"<{bundle.uri(number)}> a lv2:InstrumentPlugin , lv2:Plugin ; doap:name {_text(name)} ;\n"
+            f"<{bundle.uri(number)}> a lv2:InstrumentPlugin , lv2:Plugin ; "
+            f"doap:name {_text(name)} ;\n"
             "    doap:license <https://spdx.org/licenses/MIT> ;\n"
             "    lv2:requiredFeature urid:map ; lv2:optionalFeature lv2:hardRTCapable ;\n"
             "    lv2:minorVersion 2 ; lv2:microVersion 0 ;\n"

@@ -1,4 +1,4 @@
-"""What a plugin holds: images of timelines by preset, and the text of `bundle.c` that describes them."""
+"""What a plugin holds: images of timelines by preset, and `bundle.c`, which describes them."""
 
 from __future__ import annotations
 

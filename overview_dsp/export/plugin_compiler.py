@@ -1,4 +1,4 @@
-"""The compiler that makes a plugin's library: the system's own, or for other machines PyPI's ziglang."""
+"""The compiler of a plugin's library: the system's own, or PyPI's ziglang for other machines."""
 
 from __future__ import annotations
 

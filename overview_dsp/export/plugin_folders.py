@@ -35,7 +35,9 @@ def contents_of(to: str, bundle: Bundle, machine: Machine, library: bytes) -> di
     if to == "clap":
         return {called: library}
     windows = machine.system == "windows"
-    inside = PurePosixPath(called, "Contents", f"{machine.processor}-{'win' if windows else 'linux'}")
+    inside = PurePosixPath(
+        called, "Contents", f"{machine.processor}-{'win' if windows else 'linux'}"
+    )
     return {str(inside / f"{bundle.slug}.{'vst3' if windows else 'so'}"): library}
 
 

@@ -111,9 +111,7 @@ def build_plugin(
             (work / source).write_bytes(content)
         (work / "bundle.c").write_text("".join(bundle_source(bundle)), encoding="ascii")
         (work / IMAGES).write_bytes(bundle.data)
-        compile_library(
-            compiler, machine, [f"{to}.c", "bundle.c", "kernel.c"], work, "plugin.bin"
-        )
+        compile_library(compiler, machine, [f"{to}.c", "bundle.c", "kernel.c"], work, "plugin.bin")
         library = (work / "plugin.bin").read_bytes()
     for path, content in contents_of(to, bundle, machine, library).items():
         make_folder((made / path).parent)

@@ -166,6 +166,17 @@ class MotorLoop:
         """Whether the device spoke as of the latest step."""
         return self._was_alive
 
+    def words(self, now_s: float) -> str:
+        """How it stands, for a person."""
+        if not self._was_alive:
+            return "no force: the motor doesn't report"
+        ledger = self.ledger
+        return (
+            f"force {1e3 * self.torque:+.2f} mN·m, loop {1e3 * self._delay.seconds(now_s):.0f} ms, "
+            f"hand {1e3 * ledger.put_in:.1f} mJ in, {1e3 * ledger.given:.1f} mJ back, "
+            f"{self._watchdog.silences} silences"
+        )
+
     def report(self, now_s: float) -> dict[str, Any]:
         """How it stands, for a line of JSON."""
         controller = self._controller

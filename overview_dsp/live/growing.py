@@ -56,6 +56,8 @@ class Growth:
         preset: own goals and more, nothing of a discreet one.
     map_is_given
         Whether a person chose the map; else a preset that says one does.
+    preset
+        What fits it, where that is known before anything has come.
     """
 
     live: LiveTimeline
@@ -63,6 +65,7 @@ class Growth:
     after_s: float | None = None
     tell: str | None = None
     map_is_given: bool = False
+    preset: str | None = None
 
     def lay_out(self, preset: Preset) -> None:
         """Lay the timeline under the hand as the preset says."""

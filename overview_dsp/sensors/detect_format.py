@@ -130,6 +130,18 @@ def detect(
     return _unknown(data, lines, over)
 
 
+def detect_columns(
+    data: bytes, columns: tuple[str, ...], over: bool
+) -> DetectedFormat | str | None:
+    """As `detect`, of a stream that is frames or lines of `columns`."""
+    if len(FrameDecoder(Counters()).feed(data)) >= FRAMES:
+        return DetectedFormat("frames")
+    lines = LineSplitter(Counters()).feed(data)
+    if any(text_reading_of(line, columns) for line in lines):
+        return DetectedFormat("text", columns)
+    return _unknown(data, lines, over)
+
+
 def _packets(data: bytes) -> DetectedFormat | str | None:
     if len(FrameDecoder(Counters()).feed(data)) >= FRAMES:
         return DetectedFormat("frames")

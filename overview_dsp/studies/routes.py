@@ -5,7 +5,6 @@ Thread: the server's workers.
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable
 from functools import cache
@@ -29,7 +28,7 @@ CODE = re.compile(r"[A-Za-z0-9_-]{1,32}")
 PRIVATE = ("study.json", "lists/", "stimuli/", "forms/", "mask")
 """Files of the folder that only who was let in may get."""
 
-Answer = Callable[[Request, bytes, Session], Response]
+Answer = Callable[[Request, bytes, int], Response]
 
 
 def public_files(folder: Path) -> tuple[str, ...]:
@@ -71,31 +70,31 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
             return PlainTextResponse(f"{error}\n", 409)
         return JSONResponse(_told(session), 201 if new else 200)
 
-    def within(answer: Answer, trials: bool = True) -> Callable[[Request, bytes], Response]:
+    def within(answer: Answer) -> Callable[[Request, bytes], Response]:
         def checked(request: Request, body: bytes) -> Response:
             secret = request.headers.get("x-study-secret", "")
-            session = store.session(request.path_params["session"], secret, trials)
-            if session is None:
+            number = store.list_number(request.path_params["session"], secret)
+            if number is None:
                 return PlainTextResponse("no such session, or another's secret\n", 403)
-            return answer(request, body, session)
+            return answer(request, body, number)
 
         return checked
 
-    def look(request: Request, body: bytes, session: Session) -> Response:
-        return JSONResponse(_told(session))
+    def look(request: Request, body: bytes, number: int) -> Response:
+        return JSONResponse(_told(store.session(request.path_params["session"])))
 
-    def put(request: Request, body: bytes, session: Session) -> Response:
+    def put(request: Request, body: bytes, number: int) -> Response:
         trial = request.path_params["trial"]
-        if step_of(trial, content(session.number)) is None:
-            return PlainTextResponse(f"list {session.number} has no trial {trial!a}\n", 404)
-        row = json_object(body)
-        if "response" not in row:
+        if step_of(trial, content(number)) is None:
+            return PlainTextResponse(f"list {number} has no trial {trial!a}\n", 404)
+        if "response" not in json_object(body):
             raise InputError("a row has a response")
-        new = store.put(session.id, trial, json.dumps(row, ensure_ascii=False, allow_nan=False))
+        new = store.put(request.path_params["session"], trial, body.decode())
         return JSONResponse({"stored": trial}, 201 if new else 200)
 
-    def finish(request: Request, body: bytes, session: Session) -> Response:
-        missing = missing_of(content(session.number), [trial for trial, _, _ in session.trials])
+    def finish(request: Request, body: bytes, number: int) -> Response:
+        session = store.session(request.path_params["session"])
+        missing = missing_of(content(number), [trial for trial, _, _ in session.trials])
         if missing:
             return JSONResponse({"missing": missing}, 409)
         store.finish(session.id)
@@ -105,7 +104,7 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
     return [
         Route(SESSIONS, answering(begin), methods=["POST"]),
         Route(one, answering(within(look))),
-        Route(f"{one}/trials/{{trial}}", answering(within(put, trials=False)), methods=["PUT"]),
+        Route(f"{one}/trials/{{trial}}", answering(within(put)), methods=["PUT"]),
         Route(f"{one}/finish", answering(within(finish)), methods=["POST"]),
         Route("/{path:path}", answering(file)),
     ]

@@ -14,6 +14,7 @@ import json
 import secrets
 import sqlite3
 import threading
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -67,6 +68,17 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
+@dataclass
+class _Waiting:
+    """A row that waits for the disk; then whether it is new, or why it isn't stored."""
+
+    session: str
+    trial: str
+    row: str
+    new: bool | None = None
+    error: OutputError | None = None
+
+
 class Store:
     """A study's SQLite file.
 
@@ -93,6 +105,9 @@ class Store:
     ) -> None:
         self.path = Path(path)
         self._lock = threading.Lock()
+        self._writing = threading.Lock()
+        self._waiting: deque[_Waiting] = deque()
+        self._known: dict[str, tuple[str, int]] = {}
         if study is None and not self.path.is_file():
             raise InputError(f"{path}: no such file; `overview study serve` makes one")
         try:
@@ -180,24 +195,31 @@ class Store:
             )
             return self._session(id), True
 
-    def session(self, id: str, secret: str, trials: bool = True) -> Session | None:
-        """A session, with its trials or without; None if there is none, or for a wrong secret."""
-        with self._lock:
-            found = self._db.execute("SELECT secret FROM session WHERE id = ?", (id,)).fetchone()
-            if found is None or not hmac.compare_digest(str(found[0]).encode(), secret.encode()):
+    def list_number(self, id: str, secret: str) -> int | None:
+        """The list of a session; None if there is none, or for a wrong secret."""
+        if id not in self._known:
+            with self._lock:
+                row = self._db.execute("SELECT secret, list FROM session WHERE id = ?", (id,))
+                found = row.fetchone()
+            if found is None:
                 return None
-            return self._session(id, trials)
+            self._known[id] = (str(found[0]), int(found[1]))
+        wanted, number = self._known[id]
+        return number if hmac.compare_digest(wanted.encode(), secret.encode()) else None
 
-    def _session(self, id: str, with_trials: bool = True) -> Session:
+    def session(self, id: str) -> Session:
+        """A session that is there, with its trials."""
+        with self._lock:
+            return self._session(id)
+
+    def _session(self, id: str) -> Session:
         row = self._db.execute(
             "SELECT id, secret, list, participant, started_utc, finished_utc, abandoned "
             "FROM session WHERE id = ?", (id,),
         ).fetchone()  # fmt: skip
-        trials = []
-        if with_trials:
-            trials = self._db.execute(
-                "SELECT trial, received_utc, row FROM trial WHERE session = ? ORDER BY rowid", (id,)
-            ).fetchall()
+        trials = self._db.execute(
+            "SELECT trial, received_utc, row FROM trial WHERE session = ? ORDER BY rowid", (id,)
+        ).fetchall()
         id, secret, number, participant, started, finished, abandoned = row
         read = [(trial, utc, json.loads(text)) for trial, utc, text in trials]
         return Session(id, secret, number, participant, started, finished, bool(abandoned), read)
@@ -211,21 +233,43 @@ class Store:
         return json.loads(text)  # type: ignore[no-any-return]
 
     def put(self, session: str, trial: str, row: str) -> bool:
-        """Store a trial's row (JSON); False if it was there before, which stays as it is."""
-        with self._transaction():
-            done = self._db.execute(
-                "INSERT INTO trial VALUES(?, ?, ?, ?) ON CONFLICT DO NOTHING",
-                (session, trial, now(), row),
-            )
-            return done.rowcount == 1
+        """Store a trial's row (JSON); False if it was there before, which stays as it is.
+
+        Those that wait for the disk together are written together.
+        """
+        mine = _Waiting(session, trial, row)
+        self._waiting.append(mine)
+        with self._writing:
+            if mine.new is None and mine.error is None:
+                self._write_waiting()
+        if mine.error is not None:
+            raise OutputError(str(mine.error))
+        return bool(mine.new)
+
+    def _write_waiting(self) -> None:
+        batch = [self._waiting.popleft() for _ in range(len(self._waiting))]
+        try:
+            with self._transaction():
+                written = [self._insert(one.session, one.trial, one.row) for one in batch]
+        except OutputError as error:
+            for one in batch:
+                one.error = error
+            return
+        for one, new in zip(batch, written, strict=True):
+            one.new = new
+
+    def _insert(self, session: str, trial: str, row: str) -> bool:
+        done = self._db.execute(
+            "INSERT INTO trial VALUES(?, ?, ?, ?) ON CONFLICT DO NOTHING",
+            (session, trial, now(), row),
+        )
+        return done.rowcount == 1
 
     def put_all(self, session: str, rows: Sequence[tuple[str, str]]) -> None:
         """Store many (trial, JSON) at once."""
         with self._transaction():
-            self._db.executemany(
-                "INSERT INTO trial VALUES(?, ?, ?, ?) ON CONFLICT DO NOTHING",
-                [(session, trial, now(), row) for trial, row in rows],
-            )
+            for trial, row in rows:
+                self._insert(session, trial, row)
 
     def finish(self, session: str) -> None:
         """Note that a session is complete."""

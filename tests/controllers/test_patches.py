@@ -1,4 +1,4 @@
-"""The patches for Pd and SuperCollider say what the OSC input understands, and hear what it says."""
+"""The patches for Pd and SuperCollider say what the OSC input understands, and hear its answer."""
 
 from __future__ import annotations
 
@@ -83,14 +83,16 @@ def test_the_patch_for_pd_plays_and_listens(port, tmp_path):
         pytest.skip("needs Pd: apt-get install puredata-core")
     listening, to, log = free_port(), port.getsockname()[1], tmp_path / "log"
     shown = "".join(
-        f"#X obj 9 {9 + n} r {name};\n#X obj 99 {9 + n} print {name};\n#X connect {2 * n} 0 {2 * n + 1} 0;\n"
+        f"#X obj 9 {9 + n} r {name};\n#X obj 99 {9 + n} print {name};\n"
+        f"#X connect {2 * n} 0 {2 * n + 1} 0;\n"
         for n, name in enumerate(("cursor", "torque", "touching"))
     )
     (tmp_path / "shown.pd").write_text("#N canvas 0 0 450 300 12;\n" + shown)
     said = ("touch 1", "place 0.5", "parameter tactor.gain_db -6", "touch 0")
     sends = [("-send", f"from {listening}"), ("-send", f"to 127.0.0.1 {to}")]
     sends += [("-send", words) for words in said]
-    command = ("pd", "-nogui", "-noaudio", "-stderr", "-open", PATCHES / "overview.pd", "-open", "shown.pd")
+    patches = ("-open", PATCHES / "overview.pd", "-open", "shown.pd")
+    command = ("pd", "-nogui", "-noaudio", "-stderr", *patches)
     with running(log, *command, *(word for pair in sends for word in pair)):
         moves = moves_until(port, lambda moves: LetGo("theta2") in moves)
         report(listening, log, "cursor: 0.25", "torque: 0.0125", "touching: 1", "event: goal")
@@ -106,8 +108,13 @@ def test_the_patch_for_supercollider_plays_and_listens(port, tmp_path):
     log = tmp_path / "log"
     patch = (PATCHES / "overview.scd").read_text(encoding="utf-8").partition("// a synth")[0]
     # blocks between parentheses are run one by one by hand
-    script = f"{patch};\n" + '("port" + NetAddr.langPort).postln; ~sweep.(0.2); ~set.("tactor.gain_db", -6);'
-    script += '\nOSCdef(\\torque, { |message| ("torque" + message[1]).postln }, \'/overview/torque\');\n'
+    script = (
+        f"{patch};\n"
+        + '("port" + NetAddr.langPort).postln; ~sweep.(0.2); ~set.("tactor.gain_db", -6);'
+    )
+    script += (
+        "\nOSCdef(\\torque, { |message| (\"torque\" + message[1]).postln }, '/overview/torque');\n"
+    )
     (tmp_path / "played.scd").write_text(script)
     with running(log, "sclang", "played.scd", OVERVIEW_OSC=str(port.getsockname()[1])):
         moves = moves_until(port, lambda moves: LetGo("theta2") in moves)

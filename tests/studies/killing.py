@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 # what a server imports when it begins: once here, not in each fork
-import anyio._backends._asyncio
+import anyio._backends._asyncio  # noqa: F401
 import uvicorn.lifespan.off
 import uvicorn.loops.asyncio  # noqa: F401
 

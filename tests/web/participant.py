@@ -1,4 +1,4 @@
-"""People who take part in a study: one who has a keyboard and a screen reader, one with a finger."""
+"""People who take part in a study: who has a keyboard and a screen reader."""
 
 from __future__ import annotations
 
@@ -106,12 +106,21 @@ def step(reader: Reader, answer: Callable[[Reader], None], question: str) -> Non
             reader.go_to("slider", scale["name"])
             reader.press("ArrowRight", 2)
         reader.push("Next")
+    elif heading == "About you":
+        reader.push("Next")  # something is still missing
+        reader.go_to("spinbutton", "Age")
+        reader.page.keyboard.type("33")
+        reader.go_to("checkbox", "guitar")
+        reader.press("Space")
+        reader.push("Next")
     elif heading == "Comments":
         reader.go_to("textbox", "")
         reader.page.keyboard.type('well, "fine"')
         reader.push("Next")
     elif heading == "Welcome back":
         reader.push("Go on")
+    elif heading == "Thank you":
+        return
     elif heading != "Almost done":
         reader.push("Begin")
     reader.until(lambda: reader.shown() != before, f"what comes after {before}")

@@ -1,4 +1,4 @@
-"""What a study's page decides and renders by itself is what Python does: in node, without a browser."""
+"""What a study's page decides and renders by itself is what Python does: in node."""
 
 from __future__ import annotations
 
@@ -34,8 +34,9 @@ def in_node(given):
 
 def step_of(task, method, rng, levels=7):
     most = 40
+    table = quest_table(levels, 0.0 if method == "yesno" else 0.5)
     tracks = [
-        {"start": start, "down": down, "steps": [2, 1], "reversals": 6}
+        {"start": start, "down": down, "steps": [2, 1], "reversals": 4}
         for start, down in ((levels - 1, 2), (levels // 2, 3))
     ]
     return {
@@ -45,7 +46,7 @@ def step_of(task, method, rng, levels=7):
         "sides": rng.integers(0, 2, most).tolist(),
         "catch": (rng.random(most) < 0.2).tolist() if method == "yesno" else [False] * most,
         "tracks": tracks if task == "staircase" else None,
-        "quest": quest_table(levels, 0.0 if method == "yesno" else 0.5) if task == "quest" else None,
+        "quest": table if task == "quest" else None,
     }  # fmt: skip
 
 
@@ -95,7 +96,8 @@ def test_the_control_condition_is_pythons_bit_for_bit():
     given = {"data": made.as_json(), "events": events, "frames": len(expected)}
     found = in_node({"mapped": [{**given, "block": block} for block in (128, 100_000)]})["mapped"]
     for one in found:
-        click, tactor = (np.frombuffer(base64.b64decode(one[n]), "<f4") for n in ("click", "tactor"))
-        assert np.array_equal(np.column_stack([click, tactor]), expected)
+        words = [base64.b64decode(one[name]) for name in ("click", "tactor")]
+        samples = np.column_stack([np.frombuffer(word, "<f4") for word in words])
+        assert np.array_equal(samples, expected)
         assert [[s, by, a, h] for s, a, h, by in one["applied"]] == events
     assert np.abs(expected).max(axis=0).min() > 0.1

@@ -10,7 +10,6 @@ import time
 
 import pytest
 
-
 from tests.web.studied import built, served_study, trials_of
 
 MANY = int(os.environ.get("OVERVIEW_STUDY_TROUBLES", "200"))
@@ -71,6 +70,13 @@ class Person:
                  "What did you feel?": "trial", "Thank you": "end"}  # fmt: skip
         return names.get(words)
 
+    def heading(self):
+        return self.page.evaluate_handle("document.querySelector('h1')")
+
+    def leave(self, heading):
+        """Wait until the page shows something else."""
+        self.until(lambda: self.page.evaluate("(h) => !h.isConnected", heading))
+
     def done(self):
         return int(self.page.inner_text("#count").split()[0])
 
@@ -78,9 +84,11 @@ class Person:
         """Press what leads to the next trial, or to the end."""
         buttons = {"start": "Begin", "again": "Go on", "text": "Start"}
         while (now := self.until(self.shown)) not in ("trial", "end"):
-            before = self.page.evaluate_handle("document.querySelector('h1')")
+            if now == "start" and self.given:
+                return "end"  # the session was over, and the page is ready for somebody else
+            before = self.heading()
             self.page.click(f'button:text-is("{buttons[now]}")')
-            self.until(lambda: self.page.evaluate("(h) => !h.isConnected", before))
+            self.leave(before)
         return now
 
     def answer(self, trouble):
@@ -92,7 +100,7 @@ class Person:
         self.page.keyboard.press("PageUp")
         self.page.wait_for_selector(".choice:not([disabled])")
         number = self.chance.randrange(len(self.choices))
-        heading = self.page.evaluate_handle("document.querySelector('h1')")
+        heading = self.heading()
         if self.chance.random() < 0.4:
             self.page.locator(".choice").nth(number).dblclick(no_wait_after=True)
             self.troubles += 1
@@ -105,7 +113,7 @@ class Person:
             if self.go_on() != "end" and self.done() == len(self.given):
                 return  # it didn't count, and is asked for again
         else:
-            self.until(lambda: self.page.evaluate("(h) => !h.isConnected", heading))
+            self.leave(heading)
             self.until(self.shown)
         self.given.append(self.choices[number])
 

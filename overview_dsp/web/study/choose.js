@@ -2,12 +2,17 @@
 
 import { button, make } from "./make.js";
 
+const DIGITS = 9;
+
 /** `choices`: [value, words]; `context.answer(value)` takes the answer. */
 export function choose(choices, { answer, label }) {
-  const buttons = choices.map(([value, words], i) =>
-    button(words, () => answer(value), {
-      disabled: true, class: "choice", "aria-keyshortcuts": i < 9 ? i + 1 : null,
-    }));
+  const buttons = choices.map(([value, words], i) => {
+    const one = button(words, () => answer(value), {
+      disabled: true, class: "choice", "aria-keyshortcuts": i < DIGITS ? i + 1 : null,
+    });
+    if (i < DIGITS) one.prepend(make("small", { text: String(i + 1), "aria-hidden": "true" }));
+    return one;
+  });
   return {
     element: make("div", { class: "choices", role: "group", "aria-label": label }, ...buttons),
     enable() {

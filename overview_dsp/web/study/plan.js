@@ -85,6 +85,18 @@ function isNeeded(parts, at, answers) {
     (practice ? practice[0] : [first]).some(({ id }) => answers.has(id) || answers.has(`${id}-001`))));
 }
 
-/** How many answers a list asks for at most, but for repeated practice. */
-export const countOf = (steps) => steps.reduce((sum, { type, most }) =>
-  sum + (type === "adaptive" ? most : Number(ASKS.has(type))), 0);
+/** How many answers a list asks for at most, and how many are there; repeated practice is no more. */
+export function progressOf(steps, answers) {
+  let [done, total] = [0, 0];
+  for (const step of steps) {
+    if (step.type === "adaptive") {
+      const run = replayed(step, answers);
+      total += step.most;
+      done += run.over ? step.most : run.count;
+    } else if (ASKS.has(step.type)) {
+      total += 1;
+      done += Number(answers.has(step.id));
+    }
+  }
+  return { done, total };
+}

@@ -11,7 +11,7 @@ import { insisted, make } from "./make.js";
 import { keepOffline } from "./offline.js";
 import { openSession, Sessions } from "./opening.js";
 import { NOBODY } from "./pad.js";
-import { countOf } from "./plan.js";
+import { progressOf } from "./plan.js";
 import { Twist } from "./twist.js";
 
 const PATIENCE_MS = 2000;
@@ -51,12 +51,11 @@ function isAlone(session) {
 /** What trials and screens share. */
 function kitOf({ study, list, felt, answers, leave, file }) {
   const trials = list.steps.filter(({ stimuli }) => stimuli);
-  const total = countOf(list.steps);
   return {
     study, felt, answers, leave, file, say, fault,
     twist: new Twist(NOBODY),
     progress() {
-      const done = Math.min(answers.done.size, total);
+      const { done, total } = progressOf(list.steps, answers.done);
       by("progress").max = total;
       by("progress").value = done;
       by("count").textContent = `${done} of ${total}`;
@@ -87,7 +86,7 @@ async function main() {
   const context = {
     study, display, sessions, felt, fault, say, server: study.server === null ? null : server,
   };
-  const session = await openSession(context);
+  const { answers: stored, ...session } = await openSession(context);
   by("title").textContent = study.title;
   if (!(await isAlone(session.session))) {
     display.replaceChildren(make("h1", { text: "This session is open in another tab" }),
@@ -101,7 +100,7 @@ async function main() {
     onchange: () => tellWaiting(answers),
     onrefused: (line) => fault(`An answer isn't taken: ${line}. Please tell the experimenter.`),
   });
-  await answers.open(session.answers);
+  await answers.open(stored);
   addEventListener("online", () => answers.hurry());
   addEventListener("beforeunload", (event) => {
     if (answers.unsent.size > 0) event.preventDefault();

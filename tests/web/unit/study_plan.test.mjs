@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { Curve } from "../../../overview_dsp/web/study/curve.js";
 import { judged, told } from "../../../overview_dsp/web/study/judging.js";
-import { countOf, isWanted, planOf } from "../../../overview_dsp/web/study/plan.js";
+import { isWanted, planOf, progressOf } from "../../../overview_dsp/web/study/plan.js";
 
 const trial = (id, phase, block) =>
   ({ id, type: "trial", phase, block, criterion: phase === "practice" ? 0.8 : null });
@@ -27,7 +27,8 @@ test("a new session has everything in its order", () => {
     "b0-form-1-consent", "b1-instructions", "b1-p1+b1-p2", "b1-001", "b1-002", "b1-form-1-tlx",
     "b2-break", "b2-instructions", "b2-p1", "b2-001", "b2-form-1-tlx",
   ]);
-  assert.equal(countOf(STEPS), 9);
+  assert.deepEqual(progressOf(STEPS, answered()), { done: 0, total: 9 });
+  assert.equal(progressOf(STEPS, answered("b1-p1", "b1-p1-2")).done, 1);
 });
 
 test("a page that is opened again says what to do and asks for what is left", () => {
