@@ -29,6 +29,7 @@ COMMANDS = {
     "study": ("study", "Studies with people: lists, a page, answers, statistics, exports."),
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
+    "osc": ("osc", "Learn what the messages of other programs and apps do."),
     "midi": ("midi", "Learn what the controls of a MIDI controller do."),
     "sensor": ("sensor", "Learn what a sensor sends, by turning it."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from overview_dsp.measure.crowd import CrowdReport
+    from overview_dsp.measure.crowd_kind import CrowdReport
+    from overview_dsp.measure.kind_feel import FeelReport
     from overview_dsp.measure.observer.report import ObserverReport
-    from overview_dsp.measure.report import FeelReport
     from overview_dsp.presets.model import EventKind, Preset
     from overview_dsp.timeline import Timeline
 
