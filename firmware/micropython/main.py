@@ -1,54 +1,50 @@
-"""A sensor for overView DSP on a board with MicroPython: Pico, ESP32, Pyboard, micro:bit.
+# A sensor for overView DSP on a board with MicroPython: Pico, ESP32, Pyboard, micro:bit.
+#
+# Wiring   MPU-6050: SDA and SCL (Pico: GP4 and GP5), 3V3, GND. Without one, a potentiometer: its
+#          ends to 3V3 and GND, the wiper to the first analogue pin (Pico: GP26; ESP32: 34). A
+#          micro:bit needs nothing: it has an accelerometer.
+# Flash    copy this file to the board as main.py (Thonny, or mpremote cp main.py :)
+# Play     overview play MATCH --input serial:PORT
+# Prints on reset
+#          # overview micropython 1: mpu6050, 100 a second
+#          ax,ay,az,gx,gy,gz
+#          0.05,-0.02,9.79,0.001,0.000,-0.002
 
-Wiring   MPU-6050: SDA and SCL (Pico: GP4 and GP5), 3V3, GND. Without one, a potentiometer: its ends
-         to 3V3 and GND, the wiper to the first analogue pin (Pico: GP26; ESP32: 34). A micro:bit
-         needs nothing: it has an accelerometer.
-Flash    copy this file to the board as main.py (Thonny, or mpremote cp main.py :)
-Play     overview play MATCH --input serial:PORT
-Prints on reset
-         # overview micropython 1: mpu6050, 100 a second
-         ax,ay,az,gx,gy,gz
-         0.05,-0.02,9.79,0.001,0.000,-0.002
-"""
-
-import time
+try:
+    from utime import sleep_ms, ticks_ms
+except ImportError:
+    from time import sleep_ms, ticks_ms
 
 RATE_HZ = 100
 SDA, SCL, ANALOGUE = 4, 5, 26
 ADDRESS = 0x68
 
 
-def signed(high, low):
-    value = high << 8 | low
-    return value - 65536 if value > 32767 else value
-
-
+# m/s2 and rad/s
 def mpu6050(i2c):
-    """m/s2 and rad/s."""
     for register, value in ((0x6B, 1), (0x1A, 2), (0x1B, 0x18), (0x1C, 0x18)):
         i2c.writeto_mem(ADDRESS, register, bytes((value,)))
 
+    def number(data, at, unit):
+        value = data[at] << 8 | data[at + 1]
+        return "{:.4f}".format((value - 65536 if value > 32767 else value) * unit)
+
     def read():
         data = i2c.readfrom_mem(ADDRESS, 0x3B, 14)
-        acc = [signed(data[i], data[i + 1]) * 9.80665 / 2048 for i in (0, 2, 4)]
-        gyr = [signed(data[i], data[i + 1]) * 0.00106422 for i in (8, 10, 12)]
-        return ",".join(
-            ["{:.3f}".format(one) for one in acc] + ["{:.4f}".format(one) for one in gyr]
-        )
+        acc = [number(data, at, 9.80665 / 2048) for at in (0, 2, 4)]
+        return ",".join(acc + [number(data, at, 0.00106422) for at in (8, 10, 12)])
 
     return "mpu6050", "ax,ay,az,gx,gy,gz", read
 
 
+# what there is: its name, its columns, and what reads it
 def found():
-    """What there is: its name, its columns, and what reads it."""
     try:
         from microbit import accelerometer
 
         return "micro:bit", "ax,ay,az", lambda: ",".join(map(str, accelerometer.get_values()))
     except ImportError:
-        pass
-    import machine
-
+        import machine
     try:
         i2c = machine.I2C(0, sda=machine.Pin(SDA), scl=machine.Pin(SCL), freq=400000)
         if ADDRESS in i2c.scan():
@@ -60,26 +56,18 @@ def found():
 
 
 def run(name, columns, read):
-    """Print for ever."""
-    # the names differ: MicroPython's time, and that of a micro:bit
-    ticks = getattr(time, "ticks_ms", None)
-    sleep = getattr(time, "sleep_ms", None)
-    if ticks is None:
-        import utime
-
-        ticks, sleep = utime.ticks_ms, utime.sleep_ms
     print("# overview micropython 1: {}, {} a second".format(name, RATE_HZ))
-    began, lines = ticks(), 0
+    began, lines = ticks_ms(), 0
     while True:
         if lines % RATE_HZ == 0:
             print(columns)  # what the numbers are, once a second
         print(read())
         lines += 1
-        late = ticks() - began - lines * 1000 // RATE_HZ
+        late = ticks_ms() - began - lines * 1000 // RATE_HZ
         if late < 0:
-            sleep(-late)
+            sleep_ms(-late)
         elif late > 100:  # it can't keep up: later, not faster
-            began, lines = ticks(), 0
+            began, lines = ticks_ms(), 0
 
 
 run(*found())

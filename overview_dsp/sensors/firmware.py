@@ -9,7 +9,7 @@ from pathlib import Path
 from overview_dsp.errors import InputError, did_you_mean
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_HEAD = re.compile(r'^(?:/\*|""") ?(.*?)(?:\*/|""")', re.S)
+_HEAD = re.compile(r"/\* ?(.*?)\*/|((?:#[^\n]*\n)+)", re.S)
 
 
 def firmware_folder() -> Path:
@@ -33,7 +33,8 @@ def firmware_head(name: str) -> str:
     """
     found = _HEAD.match(_program(name).read_text(encoding="utf-8"))
     assert found is not None
-    return found.group(1).strip()
+    block, lines = found.groups()
+    return (block or re.sub(r"^# ?", "", lines, flags=re.M)).strip()
 
 
 def copy_firmware(name: str, folder: Path) -> Path:

@@ -198,15 +198,16 @@ class TimelineView(Widget):
     def _axis(self, width: int) -> str:
         start, end = self._player.window
         cells = [" "] * width
+        if self._now is not None:
+            first = max(0, min(self._now, width - len("now")))
+            cells[first : first + len("now")] = "now"
         count = max(1, width // 16)
         for i in range(count + 1):
             text = axis_text(self._player, start + (end - start) * i / count)
             at = min(round(i / count * (width - 1)), width - len(text))
             at = max(0, at - len(text) // 2) if 0 < i < count else max(0, at)
-            cells[at : at + len(text)] = text
-        if self._now is not None:
-            at = max(0, min(self._now, width - len("now")))
-            cells[at : at + len("now")] = "now"
+            if not "".join(cells[max(0, at - 1) : at + len(text) + 1]).strip():
+                cells[at : at + len(text)] = text
         return "".join(cells[:width])
 
 

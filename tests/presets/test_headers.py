@@ -239,6 +239,9 @@ SENTENCES = {
     ("silk", "in the recoil, a firm fold from a light one"): lambda name: alike(
         name, ("firm", "light"), "slow recoil", "fast recoil"
     ),
+    ("football-stadium", "in the recoil an own goal from a red card"): lambda name: alike(
+        name, ("own_goal", "red_card"), "slow recoil", "fast recoil", "tap recoil"
+    ),
     # --- sounds
     ("series", "lows are wood an octave lower"): lambda name: (
         lowest(name, "highest") / lowest(name, "lowest") == OCTAVE
@@ -302,6 +305,7 @@ ORDERS = {
     ("football", CARDS): (*SWEEPS, "tap"),
     ("football", ("red_card", "yellow_card")): "all",
     ("football-stadium", CARDS): (*SWEEPS, "tap"),
+    ("football-stadium", ("red_card", "yellow_card")): "all",
     ("football-discreet", CARDS): (*SWEEPS, "tap"),
     ("football-discreet", ("red_card", "yellow_card")): "all",
     ("football-training", CARDS): (*SWEEPS, "tap"),
