@@ -5,7 +5,8 @@ const browser = ["AudioContext", "AudioWorkletNode", "Blob", "DeviceOrientationE
   "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "caches", "clearTimeout", "console",
   "document",
   "fetch", "getComputedStyle", "history", "importScripts", "localStorage", "location", "matchMedia",
-  "navigator", "performance", "queueMicrotask", "registerProcessor", "requestAnimationFrame", "self",
+  "navigator", "performance", "queueMicrotask", "registerProcessor", "requestAnimationFrame", "sampleRate",
+  "self",
   "setInterval", "setTimeout", "speechSynthesis", "structuredClone", "window", "Request",
   "AudioWorkletProcessor"];
 
