@@ -2,7 +2,7 @@
 
 const browser = ["AbortSignal", "AudioContext", "AudioWorkletNode", "Blob", "DeviceOrientationEvent",
   "EventSource", "IDBKeyRange", "Intl", "MutationObserver", "Option", "ResizeObserver", "SpeechSynthesisUtterance", "URL",
-  "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "addEventListener", "caches", "clearTimeout",
+  "DecompressionStream", "Response", "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "addEventListener", "atob", "caches", "clearTimeout",
   "console", "crypto", "document",
   "fetch", "getComputedStyle", "history", "importScripts", "indexedDB", "localStorage", "location", "matchMedia",
   "navigator", "performance", "queueMicrotask", "registerProcessor", "requestAnimationFrame", "self",

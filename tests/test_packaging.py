@@ -297,6 +297,17 @@ print(json.dumps([[name, load_sensor(name).source] for name in LIBRARY.bundled])
     assert all(Path(source).is_relative_to(installed) for _, source in found)
 
 
+def test_a_wheel_has_the_firmware_of_the_checkout(installed, tmp_path):
+    code = """
+import json
+from overview_dsp.sensors.firmware import firmware_folder, firmware_names
+print(json.dumps([str(firmware_folder()), firmware_names()]))
+"""
+    folder, names = json.loads(python(code, tmp_path, installed))
+    assert Path(folder).is_relative_to(installed)
+    assert names == sorted(one.name for one in (ROOT / "firmware").iterdir() if one.is_dir())
+
+
 def test_a_wheel_has_the_command_line_and_renders(installed, tmp_path):
     assert (installed / "bin").is_dir() or (installed / "Scripts").is_dir()
     python(

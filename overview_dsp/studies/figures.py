@@ -84,7 +84,7 @@ def estimates_figure(analysis: Analysis, measure: str) -> Figure:
     unit = UNITS.get(measure, "")
     words = WORDS.get(measure, measure)
     axes.set_xlabel(f"{words} ({unit})" if unit else words)
-    axes.set_title(f"{words}: means with 95 % intervals, and participants", fontsize=10)
+    _entitle(figure, f"{words}: means with 95 % intervals, and participants")
     tidy(axes)
     figure.set_layout_engine("constrained")
     return figure
@@ -109,8 +109,9 @@ def confusion_figure(analysis: Analysis) -> Figure:
             axes.text(j, i, f"{part:.0f}", ha="center", va="center", color=colour, fontsize=8)
         axes.set_xticks(range(len(named)), named, rotation=45, ha="right", fontsize=8)
         axes.set_yticks(range(len(named)), named if number == 0 else [], fontsize=8)
-        axes.set_title(f"{shown(condition)}: of 100 given, taken for", fontsize=9)
+        axes.set_title("\n".join(shown(condition).split(", ")), fontsize=9)
     grid[0].set_ylabel("given")
+    _entitle(figure, "Of 100 given, taken for")
     figure.set_layout_engine("constrained")
     return figure
 
@@ -139,12 +140,14 @@ def psychometric_figure(analysis: Analysis) -> Figure:
     axes.set_ylabel("taken for the stronger" if compared else "right answers")
     axes.set_ylim(-0.03, 1.03)
     axes.legend(frameon=False, fontsize=8)
-    axes.set_title(
-        "Psychometric functions: parts of answers by level, all participants", fontsize=10
-    )
+    _entitle(figure, "Psychometric functions: answers by level, all participants")
     tidy(axes)
     figure.set_layout_engine("constrained")
     return figure
+
+
+def _entitle(figure: Figure, title: str) -> None:
+    figure.suptitle(title, x=0.02, ha="left", fontsize=10)
 
 
 def _curve(

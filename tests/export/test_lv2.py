@@ -124,6 +124,19 @@ def test_another_timeline_fades_in(timelines, presets, play):
     assert np.array_equal(heard, faded(before, after, at))
 
 
+def test_any_values_leave_numbers(play):
+    random = np.random.default_rng(5)
+    wild = (np.nan, np.inf, -np.inf, 1e30, -1.0, 0.0, 1e-45, 1.0)
+    ids = list(PORTS)
+    events = [
+        (VALUE, ids[random.integers(len(ids))], int(at), float(random.choice(wild)))
+        for at in np.sort(random.integers(0, FRAMES, 2_000))
+    ]
+    heard = play(events, "wells")
+    assert np.isfinite(heard).all()
+    assert np.abs(heard).max() <= 1.0
+
+
 def test_what_it_says_of_itself_is_valid(bundle):
     if not shutil.which("lv2_validate") or not shutil.which("sord_validate"):
         pytest.skip("needs lv2_validate: apt-get install lv2-dev sordi")

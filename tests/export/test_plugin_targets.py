@@ -1,4 +1,4 @@
-"""Plugins for other machines: what they are, and how those for Windows sound under wine."""
+"""Plugins for other machines: what they are, and how they sound under wine and qemu."""
 
 from __future__ import annotations
 
@@ -86,35 +86,51 @@ def test_a_bundle_holds_libraries_of_several_systems(match, football, tmp_path):
     assert (made / INSIDE["x86_64-linux"]).is_file()
 
 
-@pytest.fixture(scope="module")
-def wine(tmp_path_factory):
+def wine(folder):
     program = shutil.which("wine64") or "/usr/lib/wine/wine64"
     if not Path(program).exists():
         pytest.skip("needs wine: apt-get install wine64")
-    folder = tmp_path_factory.mktemp("wine")
     # else it asks for more of itself
-    env = {**os.environ, "WINEPREFIX": str(folder / "prefix"), "WINEDEBUG": "-all"}
+    env = {"WINEPREFIX": str(folder / "prefix"), "WINEDEBUG": "-all"}
     env["WINEDLLOVERRIDES"] = "mscoree,mshtml="
-    subprocess.run([program, "wineboot", "-i"], env=env, check=True, timeout=1200)
-    return ("env", *(f"{k}={env[k]}" for k in ("WINEPREFIX", "WINEDEBUG")), program)
+    subprocess.run([program, "wineboot", "-i"], env={**os.environ, **env}, check=True, timeout=1200)
+    return ("env", *(f"{name}={value}" for name, value in env.items()), program)
+
+
+def qemu(folder):
+    libraries = Path("/usr/aarch64-linux-gnu")
+    if not shutil.which("qemu-aarch64") or not (libraries / "lib").is_dir():
+        pytest.skip("needs qemu and a C library: apt-get install qemu-user libc6-arm64-cross")
+    return ("qemu-aarch64", "-L", str(libraries))
+
+
+RUNNERS = {
+    "x86_64-windows": (wine, "x86_64-windows-gnu", ()),
+    "aarch64-linux": (qemu, "aarch64-linux-gnu.2.17", ("-rdynamic", "-ldl", "-lm")),
+}
+
+
+@pytest.fixture(scope="module", params=RUNNERS)
+def elsewhere(request, tmp_path_factory):
+    """Another machine: its target, how its programs are run here, and how they are compiled."""
+    runner, target, libraries = RUNNERS[request.param]
+    run = runner(tmp_path_factory.mktemp("machine"))
+    zig = (sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", "-std=gnu11")
+    return request.param, run, (*zig, f"-I{HEADERS}"), libraries
 
 
 @pytest.mark.parametrize("to", ["clap", "vst3"])
-def test_a_plugin_for_windows_plays_the_engines_bits_under_wine(match, wine, tmp_path, to):
+def test_a_plugin_for_another_machine_plays_the_engines_bits(match, elsewhere, tmp_path, to):
+    target, run, compiler, libraries = elsewhere
     program = tmp_path / "host.exe"
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-O1"]
-    source = str(HERE / f"{to}_host.c")
-    subprocess.run(
-        [*command, "-std=gnu11", f"-I{HEADERS}", source, "-o", str(program)],
-        check=True,
-        timeout=900,
-    )
+    command = [*compiler, str(HERE / f"{to}_host.c"), *libraries, "-o", str(program)]
+    subprocess.run(command, check=True, timeout=1800)
     presets = {name: preset_named(name) for name in PRESETS}
     made = ov.export.build_plugin(
-        match, [*presets.values()], to, tmp_path, name="film", seed=3, target="x86_64-windows"
+        match, [*presets.values()], to, tmp_path, name="film", seed=3, target=target
     )
-    library = made / INSIDE["x86_64-windows"] if to == "vst3" else made
-    host = Host(to, (*wine, str(program)), library)
+    library = made / INSIDE[target] if to == "vst3" else made
+    host = Host(to, (*run, str(program)), library)
     for number, (name, preset) in enumerate(presets.items()):
         for rate in (44_100, 48_000, 96_000, 12_345.678):
             events = [(VALUE, "preset", EARLIER, float(number)), *score()]

@@ -106,6 +106,13 @@ def step(reader: Reader, answer: Callable[[Reader], None], question: str) -> Non
             reader.go_to("slider", scale["name"])
             reader.press("ArrowRight", 2)
         reader.push("Next")
+    elif heading == "About you":
+        reader.push("Next")  # something is still missing
+        reader.go_to("spinbutton", "Age")
+        reader.page.keyboard.type("33")
+        reader.go_to("checkbox", "guitar")
+        reader.press("Space")
+        reader.push("Next")
     elif heading == "Comments":
         reader.go_to("textbox", "")
         reader.page.keyboard.type('well, "fine"')

@@ -17,8 +17,10 @@ from overview_dsp.studies.design import load_design
 from overview_dsp.studies.folder import build_folder
 
 
-def built(folder: Path, text: str) -> Path:
-    """The folder of a study from its TOML."""
+def built(folder: Path, text: str, **forms: str) -> Path:
+    """The folder of a study from its TOML and its forms."""
+    for name, form in forms.items():
+        (folder / f"{name}.html").write_text(form)
     file = folder / "study.toml"
     file.write_text(text)
     build_folder(load_design(file), folder / "built")

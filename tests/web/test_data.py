@@ -52,7 +52,8 @@ def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_pat
     files = [path for path in (tmp_path / "site").rglob("*") if path.is_file()]
     told = page.get("/data/timeline.json").json()
     names = {path.relative_to(tmp_path / "site").as_posix() for path in files}
-    assert {"data/window-5.json", "sound/0.bin", "sound/back.bin", "sound/5-44100.patch"} <= names
+    sound = {f"sound/{name}" for name in ("0.packed", "back.packed", "5-44100.patch")}
+    assert {"data/window-5.json"} | sound <= names
     for path in files:
         name = path.relative_to(tmp_path / "site").as_posix()
         # what keeps a folder for use without a network, and its picture for who shares it
@@ -108,11 +109,11 @@ def test_a_preset_file_is_read_again_with_the_page(match, tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('schema = 2\nextends = "football"\n')
     with served(match, plays=False, preset=str(path)) as server, server.client() as page:
-        before = page.get("/sound/0.bin").content
+        before = page.get("/sound/0.packed").content
         path.write_text('schema = 2\nextends = "football"\n[tactor]\ngain_db = -9\n')
-        assert page.get("/sound/0.bin").content == before  # the page that is open keeps its own
+        assert page.get("/sound/0.packed").content == before  # the page that is open keeps its own
         page.get("/data/timeline.json")
-        assert page.get("/sound/0.bin").content != before
+        assert page.get("/sound/0.packed").content != before
         assert page.get("/data/preset").json()["preset"]["values"]["tactor.gain_db"] == -9.0
 
 
@@ -251,4 +252,4 @@ def test_a_series_and_a_bare_timeline_are_served_too(tmp_path):
             drawn = page.get("/data/window-0.json").json()
             assert all(math.isfinite(level) for level in drawn["level"])
             assert drawn["gaps"] == [[start / 120.0, end / 120.0] for start, end in timeline.gaps]
-            assert page.get("/sound/0.bin").status_code == 200
+            assert page.get("/sound/0.packed").status_code == 200

@@ -36,20 +36,23 @@ practice = { repeats = 1, feedback = true }
 main = { repeats = 1 }
 catch = 0.3
 [questionnaires]
-start = ["consent"]
+start = ["consent", "about.html"]
 each = ["tlx"]
 end = ["comments"]
 consent = { version = "1", text = "I take part of my own will." }
 """
-TASKS = {
-    "locate": 'made = { kinds = ["goal"], variants = 2 }\ngestures = ["free"]',
-    "count": 'made = { kinds = ["goal"], counts = [1, 3] }\ngestures = ["sweep:0.4"]',
-}
+ABOUT = """
+<label>Age <input type="number" name="age" min="18" max="120" required></label>
+<label><input type="checkbox" name="plays" value="guitar"> I play the guitar</label>
+<label><input type="checkbox" name="plays" value="drums"> I play the drums</label>
+<label>Hand <select name="hand"><option>right</option><option>left</option></select></label>
+<script>document.title = "a script of a form ran"</script>
+"""
 
 
 @pytest.fixture(scope="module")
 def identify(tmp_path_factory):
-    return built(tmp_path_factory.mktemp("identify"), IDENTIFY)
+    return built(tmp_path_factory.mktemp("identify"), IDENTIFY, about=ABOUT)
 
 
 @contextlib.contextmanager
@@ -91,9 +94,15 @@ def test_a_whole_session_by_keyboard_and_screen_reader_alone(chromium, identify,
         reader = Reader(page)
         take_part(reader, feel_and_choose(list(choices)), "What did you feel?")
         assert "stored" in page.text_content("main")
+        assert page.title() == "Friction against static"
         rows = server.rows()
     assert wrong == []
     assert list(rows) == [one["id"] for one in wanted]  # in order, each once
+    forms = {one["form"]: rows[one["id"]]["response"] for one in wanted if one["type"] == "form"}
+    assert forms["consent"] == {"version": "1", "agreed": True}
+    assert forms["about"] == {"age": 33, "plays": ["guitar"], "hand": "right"}
+    assert set(forms["tlx"].values()) == {60}
+    assert forms["comments"] == {"comments": 'well, "fine"'}
     told = json.loads((identify / "study.json").read_text())["task"]["choices"]
     for trial, choice in zip(trials, choices, strict=True):
         row = rows[trial["id"]]
@@ -255,7 +264,7 @@ def test_what_was_felt_is_felt_again_bit_for_bit(chromium, identify, mapping):
     """The hand comes when it likes; its take, replayed in Python, has the samples played."""
     study = json.loads((identify / "study.json").read_text())
     key = next(key for key, one in study["stimuli"].items() if one["answer"] == "goal")
-    output = {"mapping": mapping, "click_db": 0.0, "tactor_db": None}
+    output = {"mapping": mapping, "click_db": -6.0, "tactor_db": None}
     hand = [[1_000 + 300 * i, i / 60, True] for i in range(60)] + [[20_000, 1.0, False]]
     frames = 48_000
     with opened_host(identify) as host, page_at(chromium, host.url) as (page, wrong):
@@ -268,3 +277,55 @@ def test_what_was_felt_is_felt_again_bit_for_bit(chromium, identify, mapping):
     assert np.array_equal(played, again)
     assert np.abs(again[:, 0]).max() > 0.01
     assert not again[:, 1].any()
+
+
+MASKED = """async () => {
+    const [{ Felt }, { Server }] = await Promise.all([import("./felt.js"), import("./client.js")]);
+    const file = (path) => new Server(null).file(path);
+    const felt = new Felt(await (await file("study.json")).json(), file);
+    felt.context = new OfflineAudioContext(2, 48000, 48000);
+    await felt.mask(true);
+    const sound = await felt.context.startRendering();
+    return [0, 1].map((channel) => Array.from(sound.getChannelData(channel)));
+}"""
+
+
+def test_the_mask_is_for_the_ears_alone_and_as_loud_as_asked(chromium, tmp_path):
+    folder = built(tmp_path, COUNT)
+    with opened_host(folder) as host, page_at(chromium, host.url) as (page, wrong):
+        click, tactor = np.array(page.evaluate(MASKED))
+    assert wrong == []
+    assert 20 * np.log10(np.sqrt(np.mean(click**2))) == pytest.approx(-30.0, abs=1.0)
+    assert not tactor.any()
+
+
+def test_who_does_not_agree_leaves_nothing(chromium, identify, tmp_path):
+    with (
+        served_study(identify, tmp_path / "answers.sqlite") as server,
+        page_at(chromium, server.url) as (page, wrong),
+    ):
+        page.click("text=Begin")
+        page.click("text=I don't agree")
+        page.wait_for_selector("text=nothing was kept")
+        page.reload()
+        page.wait_for_selector("text=Begin")  # ready for somebody else
+        assert server.rows() == {}
+    assert wrong == []
+
+
+def test_a_session_is_open_in_one_tab(chromium, identify, tmp_path):
+    with (
+        served_study(identify, tmp_path / "answers.sqlite") as server,
+        page_at(chromium, server.url) as (page, wrong),
+    ):
+        page.click("text=Begin")
+        page.wait_for_selector("text=Consent")
+        other = page.context.new_page()
+        other.goto(server.url)
+        other.click("text=Go on")
+        other.wait_for_selector("text=open in another tab")
+        page.close()
+        other.reload()
+        other.click("text=Go on")
+        other.wait_for_selector("text=Consent")
+    assert wrong == []

@@ -36,7 +36,7 @@ def step_of(task, method, rng, levels=7):
     most = 40
     table = quest_table(levels, 0.0 if method == "yesno" else 0.5)
     tracks = [
-        {"start": start, "down": down, "steps": [2, 1], "reversals": 6}
+        {"start": start, "down": down, "steps": [2, 1], "reversals": 4}
         for start, down in ((levels - 1, 2), (levels // 2, 3))
     ]
     return {

@@ -84,6 +84,8 @@ class Person:
         """Press what leads to the next trial, or to the end."""
         buttons = {"start": "Begin", "again": "Go on", "text": "Start"}
         while (now := self.until(self.shown)) not in ("trial", "end"):
+            if now == "start" and self.given:
+                return "end"  # the session was over, and the page is ready for somebody else
             before = self.heading()
             self.page.click(f'button:text-is("{buttons[now]}")')
             self.leave(before)

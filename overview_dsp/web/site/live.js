@@ -4,10 +4,18 @@ import { patched } from "./data.js";
 import { ask } from "./session.js";
 import { eventText } from "./words.js";
 
+/** @import { LiveInfo, Notice, Update, Window } from "../types" */
+/** @import { Page } from "./page.js" */
+
 const RATIO = 3; // site_windows.py
 const NARROWEST_S = 0.5;
 
-/** The parts of a timeline of some length, as the server cuts them. */
+/**
+ * The parts of a timeline of some length, as the server cuts them.
+ * @param {number} duration
+ * @param {number} levels
+ * @returns {Window[]}
+ */
 export function partsOf(duration, levels) {
   const parts = [{ level: 0, start_s: 0, end_s: duration }];
   for (let level = 1; level <= levels; level += 1) {
@@ -22,29 +30,44 @@ export function partsOf(duration, levels) {
   return parts;
 }
 
-/** An update's JSON and its patch. */
+/**
+ * An update's JSON and its patch.
+ * @param {ArrayBuffer} bytes
+ */
 export function parsed(bytes) {
   const length = new DataView(bytes).getUint32(0, true);
   const head = new TextDecoder().decode(new Uint8Array(bytes, 4, length));
   return { ...JSON.parse(head), patch: bytes.slice(4 + length) };
 }
 
-/** Bytes cut, or filled up with 0, to a length. */
+/**
+ * Bytes cut, or filled up with 0, to a length.
+ * @param {ArrayBuffer | null} bytes
+ * @param {number} length
+ */
 export function resized(bytes, length) {
   const made = new Uint8Array(length);
   if (bytes !== null) made.set(new Uint8Array(bytes, 0, Math.min(bytes.byteLength, length)));
   return made.buffer;
 }
 
+/** @param {string} base64 */
 const bytesOf = (base64) => Uint8Array.from(atob(base64), (one) => one.charCodeAt(0)).buffer;
 
 export class Live {
+  /**
+   * @param {Page} page
+   * @param {LiveInfo} live
+   */
   constructor(page, { levels, version, poll_s }) {
     this.page = page;
     this.levels = levels;
     this.have = -1; // the version of `bytes`
+    /** @type {ArrayBuffer | null} */
     this.bytes = null; // the change to the whole's surface
+    /** @type {{ info: any, view: any } | null} */
     this.fresh = null; // what of that isn't drawn and felt yet
+    /** @type {Notice | null} */
     this.told = null; // the notice that is newest
     this.busy = false;
     page.data.files = false; // those are of a version that has gone
@@ -79,7 +102,10 @@ export class Live {
     this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
   }
 
-  /** Ask a host for the file that it replaces. */
+  /**
+   * Ask a host for the file that it replaces.
+   * @param {number} seconds
+   */
   async poll(seconds) {
     try {
       if (!document.hidden) {
@@ -92,9 +118,11 @@ export class Live {
     setTimeout(() => this.poll(seconds), seconds * 1000);
   }
 
+  /** @param {Notice} told */
   take(told) {
     this.told = told;
     const { page } = this;
+    /** @type {string[]} */
     const lines = [];
     for (const { what, kind, label, time_s, pulse } of told.news.filter((one) => one.version > this.known)) {
       const event = { kind, label, time_s };
@@ -147,7 +175,10 @@ export class Live {
     this.listen();
   }
 
-  /** What came: the bytes are changed at once, the picture and the disk when no hand is there. */
+  /**
+   * What came: the bytes are changed at once, the picture and the disk when no hand is there.
+   * @param {Update} update
+   */
   keep({ version, info, view, rate, bytes, patch }) {
     if (rate > 0) this.bytes = patched(resized(this.bytes, bytes), patch);
     this.have = version;

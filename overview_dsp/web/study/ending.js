@@ -1,6 +1,5 @@
 // The end of a session: everything is stored, or given to the person as a file.
 
-import { csvOf } from "./csv.js";
 import { button, insisted, make, paragraphs } from "./make.js";
 import { download } from "./opening.js";
 
@@ -14,8 +13,7 @@ export async function endSession({ study, display, server, sessions, fault }, se
     state.textContent = `All ${answers.done.size} answers are stored. You may close this page.`;
   } else {
     const save = button("Download the answers (CSV)", async () => {
-      const rows = await answers.rows();
-      download(`${study.name}_${session.participant}.csv`, csvOf([[session, rows]]));
+      download(`${study.name}_${session.participant}.csv`, await sessions.csv([session]));
     }, { class: "done" });
     state.textContent = `All ${answers.done.size} answers are kept in this browser.`;
     state.after(save);

@@ -29,14 +29,16 @@ export class Sessions {
     await this.kept.remove(this.present);
   }
 
-  /** All that this browser has answers of, as CSV; how many, and the text. */
-  async csv() {
-    const past = (await this.kept.entries(this.past)).map(([, session]) => session);
-    const present = await this.get();
-    const all = present?.session ? [...past, present] : past;
-    const rows = await Promise.all(all.map(({ session }) =>
+  /** Those that are over. */
+  async ended() {
+    return (await this.kept.entries(this.past)).map(([, session]) => session);
+  }
+
+  /** The answers of sessions as CSV. */
+  async csv(sessions) {
+    const rows = await Promise.all(sessions.map(({ session }) =>
       new Answers(this.kept, session, null).rows()));
-    return { count: all.length, text: csvOf(all.map((session, i) => [session, rows[i]])) };
+    return csvOf(sessions.map((session, i) => [session, rows[i]]));
   }
 }
 
@@ -136,7 +138,7 @@ function begun(context, asked) {
       go.click();
     } } }, ...parts);
     display.replaceChildren(heading, ...paragraphs(study.text.welcome), form, go);
-    if (study.server === null) offerAll(context, display);
+    tellEnded(context);
     heading.focus();
   });
 }
@@ -174,12 +176,17 @@ function listInput({ lists }) {
   });
 }
 
-/** Answers of earlier sessions in this browser. */
-async function offerAll({ study, sessions }, display) {
-  const { count, text } = await sessions.csv();
-  if (count === 0) return;
-  const words = `Download the answers of ${count} session${count > 1 ? "s" : ""} in this browser`;
-  display.append(make("p", { class: "note" }, button(words, () => download(`${study.name}.csv`, text))));
+/** Who has been here; without a server, the answers of them. */
+async function tellEnded({ study, sessions, display }) {
+  const ended = await sessions.ended();
+  if (ended.length === 0) return;
+  const { participant } = ended.at(-1);
+  const line = `${participant} has finished in this browser: begin if you are somebody else.`;
+  display.append(make("p", { class: "note", text: line }));
+  if (study.server !== null) return;
+  display.append(button("Download all answers of this browser (CSV)", async () => {
+    download(`${study.name}.csv`, await sessions.csv(ended));
+  }));
 }
 
 /** 32 hexadecimal digits. */

@@ -70,6 +70,8 @@ function kitOf({ study, list, felt, answers, leave, file }) {
 }
 
 async function main() {
+  // browsers give sound, a store for pages and locks to no other
+  if (!window.isSecureContext) throw new Error("it needs https, or a server on this very machine");
   const kept = await openKept();
   const server = await entered(kept);
   const file = (path) => server.file(path);
@@ -86,7 +88,7 @@ async function main() {
   const context = {
     study, display, sessions, felt, fault, say, server: study.server === null ? null : server,
   };
-  const session = await openSession(context);
+  const { answers: stored, ...session } = await openSession(context);
   by("title").textContent = study.title;
   if (!(await isAlone(session.session))) {
     display.replaceChildren(make("h1", { text: "This session is open in another tab" }),
@@ -100,7 +102,7 @@ async function main() {
     onchange: () => tellWaiting(answers),
     onrefused: (line) => fault(`An answer isn't taken: ${line}. Please tell the experimenter.`),
   });
-  await answers.open(session.answers);
+  await answers.open(stored);
   addEventListener("online", () => answers.hurry());
   addEventListener("beforeunload", (event) => {
     if (answers.unsent.size > 0) event.preventDefault();
