@@ -21,7 +21,7 @@ LONGEST_GAP_S = 0.5
 
 HALF_WAY = 0.5
 """Between two samples the gyroscope's speed is that half way. Taken as a sample's own (0) it lags
-by half a sample less, which is no gain on recordings (tests/sensors/test_optical.py prints both)."""
+by half a sample less, which is no gain here (tests/sensors/test_optical.py prints both)."""
 
 HIGHEST_BIAS_DEG_S = 10.0
 """A gyroscope at rest that says more is turning."""
