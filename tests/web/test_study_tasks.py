@@ -111,7 +111,11 @@ TASKS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", TASKS)
+ALWAYS = ("locate", "draw", "staircase")
+EACH = [name if name in ALWAYS else pytest.param(name, marks=pytest.mark.soak) for name in TASKS]
+
+
+@pytest.mark.parametrize("name", EACH)
 def test_a_task_by_keyboard_and_every_screen_of_it(chromium, axe, name, tmp_path):
     text, felt, answer, wanted = TASKS[name]
     folder = built(tmp_path, text)

@@ -164,7 +164,7 @@ export class Presentation {
     merge.connect(context.destination);
     this.end = merge;
     this.events = []; // of the take
-    this.told = { over: false, clock: 0, cursor: 0, rests: true, struck: 0 };
+    this.told = { clock: 0, cursor: 0, rests: true };
     this.asked = [];
     /** Called with a line when the audio thread fails. */
     this.onfault = /** @type {(line: string) => void} */ (() => {});
@@ -184,12 +184,12 @@ export class Presentation {
   /** How it is now; what was applied since goes into the take. */
   look() {
     return new Promise((resolve) => {
-      this.asked.push(({ over, meters: [clock, cursor, rests, struck], applied }) => {
+      this.asked.push(({ meters: [clock, cursor, rests], applied }) => {
         for (let i = 0; i + 4 <= applied.length; i += 4) {
           const [sample, theta2, touching, source] = applied.subarray(i, i + 4);
           this.events.push([sample, theta2, touching, SOURCES[source]]);
         }
-        this.told = { over, clock, cursor, rests, struck };
+        this.told = { clock, cursor, rests };
         resolve(this.told);
       });
       this.node.port.postMessage({ kind: "look" });

@@ -23,6 +23,7 @@ class Disk {
     this.kernel.stop();
   }
 
+  /** Overwrite a block; whether the sound is over. */
   render(outputs) {
     return this.kernel.render(outputs);
   }
@@ -45,12 +46,12 @@ class Disk {
     return rows;
   }
 
-  /** Clock (samples), cursor (0 to 1), whether it rests, strikes. */
+  /** Clock (samples), cursor (0 to 1), whether it rests. */
   meters() {
     const { kernel } = this;
     const cursor = kernel.m[L.X] / L.CELLS;
     const rests = cursor < STILL && kernel.m[L.M_ENVELOPE] < STILL;
-    return [kernel.read(L.CLOCK), cursor, rests, kernel.read(L.M_STRIKES)];
+    return [kernel.read(L.CLOCK), cursor, rests];
   }
 }
 
@@ -78,8 +79,8 @@ class Mapped {
   }
 
   meters() {
-    const { clock, cursor, level, voices, struck } = this.mapping;
-    return [clock, cursor, level < STILL && voices === 0, struck];
+    const { clock, cursor, level, voices } = this.mapping;
+    return [clock, cursor, level < STILL && voices === 0];
   }
 }
 
@@ -88,7 +89,6 @@ class FeltProcessor extends AudioWorkletProcessor {
     super();
     this.felt = mapping ? new Mapped(mapping) : new Disk(wasm, image);
     this.felt.control(events);
-    this.over = false;
     this.port.onmessage = ({ data }) => {
       try {
         this.take(data);
@@ -103,15 +103,12 @@ class FeltProcessor extends AudioWorkletProcessor {
     else if (kind === "stop") this.felt.stop();
     else {
       const applied = this.felt.applied();
-      this.port.postMessage(
-        { over: this.over, meters: this.felt.meters(), applied }, [applied.buffer],
-      );
+      this.port.postMessage({ meters: this.felt.meters(), applied }, [applied.buffer]);
     }
   }
 
   process(inputs, outputs) {
-    this.over = this.felt.render(outputs[0]);
-    return !this.over;
+    return !this.felt.render(outputs[0]);
   }
 }
 

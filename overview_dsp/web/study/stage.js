@@ -6,19 +6,18 @@ import { button, make } from "./make.js";
 import { Pad } from "./pad.js";
 
 const GAP_MS = 500; // between two intervals
+const NAMES = ["first", "second"]; // of a pair's stimuli
 
 export class Stage {
   /**
-   * `names`: of the two stimuli of a pair. `onready()` is called once all were felt or played,
-   * `onfault(line)` when one can't be.
+   * `onready()` is called once all stimuli were felt or played, `onfault(line)` when one can't be.
    */
-  constructor({ study, felt, twist }, trial, names, onfault) {
+  constructor({ study, felt, twist }, trial, onfault) {
     this.study = study;
     this.felt = felt;
     this.twist = twist;
     this.trial = trial;
     this.stimuli = [...trial.stimuli];
-    this.names = names;
     this.onfault = onfault;
     this.onready = () => {};
     this.free = study.stimuli[this.stimuli[0]].events === null;
@@ -53,7 +52,7 @@ export class Stage {
     });
     this.pad.onfelt = () => this.wasFelt();
     if (this.pair) {
-      this.tabs = this.names.map((name, i) =>
+      this.tabs = NAMES.map((name, i) =>
         button(`Feel the ${name}`, () => this.choose(i), { "aria-pressed": i === 0 }));
       this.element.append(make("div", { class: "tabs", role: "group", "aria-label": "Which one" },
         ...this.tabs));
@@ -92,11 +91,11 @@ export class Stage {
   // --- played -----------------------------------------------------------------------------------
 
   buildPlayed() {
-    const { trial, names } = this;
+    const { trial } = this;
     const act = (numbers) => () => this.play(numbers);
     const apart = trial.task === "adjust";
     this.buttons = apart
-      ? names.map((name, i) => button(`Play the ${name}`, act([i])))
+      ? NAMES.map((name, i) => button(`Play the ${name}`, act([i])))
       : [button("Play", act(this.stimuli.map((_, i) => i)), { class: "play" })];
     this.element.append(make("div", { class: "tabs" }, ...this.buttons));
     this.view = trial.output.visual ? new View(this.study.kinds) : null;
@@ -115,7 +114,7 @@ export class Stage {
       for (const number of numbers) {
         if (number !== numbers[0]) await pause(GAP_MS);
         if (this.ended) return;
-        this.lamp.textContent = this.pair ? this.names[number] : "playing";
+        this.lamp.textContent = this.pair ? NAMES[number] : "playing";
         const key = this.stimuli[number];
         this.present = await this.open(key, this.study.stimuli[key].events);
         this.view?.show(await this.felt.drawn(key));

@@ -26,7 +26,6 @@ export class StaticMapping {
     this.level = 0; // the tactor's present amplitude
     this.waiting = []; // events to come, in order: [sample, theta2, touching, source]
     this.applied = []; // events that were, with the sample they came at
-    this.struck = 0;
   }
 
   /** Events as rows of sample (-1: at once), source, theta2, touching. */
@@ -84,7 +83,6 @@ export class StaticMapping {
     for (let j = 0; j < this.places.length; j += 1) {
       const place = this.places[j];
       if ((from < place && place <= to) || (to <= place && place < from)) {
-        this.struck += 1;
         if (this.voices === VOICES) this.drop(0);
         this.voiceWave[this.voices] = this.waveOf[j];
         this.voiceAt[this.voices] = 0;

@@ -70,6 +70,8 @@ function kitOf({ study, list, felt, answers, leave, file }) {
 }
 
 async function main() {
+  // browsers give sound, a store for pages and locks to no other
+  if (!window.isSecureContext) throw new Error("it needs https, or a server on this very machine");
   const kept = await openKept();
   const server = await entered(kept);
   const file = (path) => server.file(path);

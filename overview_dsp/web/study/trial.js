@@ -10,7 +10,6 @@ import { Stage } from "./stage.js";
 
 export const VERSION = "0.1.0";
 const CONTROLS = { identify, locate, count, compare, adjust, draw: sketch };
-const NAMES = ["first", "second"]; // of a pair's stimuli
 
 const controlsOf = ({ task, method }) => CONTROLS[task] ?? (method === "yesno" ? detect : compare);
 
@@ -54,7 +53,7 @@ class Asked {
     const question = trial.attention === null
       ? task.question : `Please choose \u201c${task.words[trial.attention]}\u201d now.`;
     this.fault = (line) => kit.fault(line);
-    this.stage = new Stage(kit, trial, NAMES, this.fault);
+    this.stage = new Stage(kit, trial, this.fault);
     this.answered = new Promise((resolve) => {
       this.resolve = resolve;
     });

@@ -52,6 +52,8 @@ test("practice is repeated while too few are right, at most twice, and never onc
   assert.equal(isWanted(practice, 1, answered("b1-p1", "b1-p2")), false);
   assert.equal(isWanted(practice, 1, wrong("b1-p1")), false); // not yet
   assert.equal(isWanted(practice, 1, wrong("b1-p1", "b1-p2")), true);
+  const strict = practice.map((round) => round.map((one) => ({ ...one, criterion: 1 })));
+  assert.equal(isWanted(strict, 1, answered("b1-p1", "b1-p2")), false); // all right is enough
   const twice = ["b1-p1", "b1-p2", "b1-p1-2", "b1-p2-2"];
   assert.equal(isWanted(practice, 2, wrong(...twice)), true);
   const rounds = [...twice, "b1-p1-3", "b1-p2-3"];
