@@ -33,7 +33,7 @@ COMMANDS = {
     "midi": ("midi", "Learn what the controls of a MIDI controller do."),
     "sensor": ("sensor", "Learn what a sensor sends, by turning it."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
-    "devices": ("devices", "List audio outputs, serial and MIDI ports, and what is missing."),
+    "devices": ("devices", "List audio outputs, serial and MIDI ports, pads, and what is missing."),
     "bench": ("bench", "Measure how fast the engine runs here."),
 }
 

@@ -49,6 +49,7 @@ class SensorSource:
         self._said: set[str] = set()
         self._words = ""
         self._stopped = False
+        self._follows = False  # a disk that a knob's own board moves
         self._event_at = -1e300
 
     @property
@@ -114,6 +115,7 @@ class SensorSource:
         self, sample: Sample, elsewhere: float | None, position: float, yields: bool
     ) -> Event | None:
         time_s, reading = sample
+        self._follows = reading.get("knob_level", self._follows) > 0.0
         if self._stopped:
             return None
         try:
@@ -142,7 +144,7 @@ class SensorSource:
         if was == event.touching and not event.again and time_s - self._event_at < CLOSEST_S:
             return None
         self._event_at = time_s
-        if "surface_rad" in reading and event.touching and elsewhere is None:
+        if self._follows and "surface_rad" in reading and event.touching and elsewhere is None:
             surface = reading["surface_rad"]
             rest = surface + reading["stretch_rad"] + FOLLOWING * (surface - position)
             return replace(event, theta2=max(0.0, min(HALF_TURN, rest)))

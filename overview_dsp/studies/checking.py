@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.kernels.layout import TACTOR
-from overview_dsp.measure.felt import event_levels
 from overview_dsp.studies.design import Design
 from overview_dsp.studies.folder import make_lists, played
 from overview_dsp.studies.items import RATE, Item, items_of
-from overview_dsp.studies.static_mapping import static_levels
+from overview_dsp.studies.static_mapping import held_levels, static_levels
 from overview_dsp.studies.tables import csv_text
 
 ANSWER_S = 3.0
@@ -113,7 +112,8 @@ def _minutes(one: dict[str, Any], by: dict[str, Item]) -> float:
 def _felt(item: Item, static: bool) -> dict[str, Any]:
     """How strong a stimulus's strongest event is felt, dB of full scale; None without events."""
     result = item.rendered()
-    levels = event_levels(result.engine.surface, result.trace, result.samples[:, TACTOR], RATE)
+    surface, trace = result.engine.surface, result.trace
+    levels, _ = held_levels(surface, trace, result.samples[:, TACTOR], RATE)
     return {
         "timeline": item.names["timeline"],
         "preset": item.names["preset"],

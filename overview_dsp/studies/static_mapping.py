@@ -1,7 +1,7 @@
 """The control condition: no disk; the place under the hand says how strong the vibration is.
 
 An event is a smooth bump of amplitude, as strong as the event is felt in the friction condition
-under the same hand (at 2 s from end to end where the hand is free); between events the amplitude
+while the hand holds on (a sweep of 2 s where the hand is free); between events the amplitude
 follows the intensity curve, as strong as the event-free rest is. A click is that of the event's
 kind alone. So both conditions have the same levels in the same places, and only one of them has a
 disk: no speed, no weight, no recoil.
@@ -12,6 +12,7 @@ bits: sums, products and divisions of float64 in the order given there.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import gcd, pi
 from typing import Any
@@ -21,10 +22,11 @@ from numpy.typing import NDArray
 
 from overview_dsp.gestures import Gesture, sweep
 from overview_dsp.kernels.layout import CLICK, TACTOR
-from overview_dsp.measure.felt import event_levels, stroke_feel, strokes
+from overview_dsp.measure.felt import stroke_feel, strokes
 from overview_dsp.rendering.offline import render
 from overview_dsp.studies.items import Item
 from overview_dsp.surface.build import build_surface
+from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Event, Timeline
 
 COLUMNS = 1025
@@ -142,13 +144,8 @@ def static_mapping(item: Item, rate: int) -> StaticMapping:
     hand = sweep(2.0) if item.free else item.gesture
     felt = render(item.timeline, item.preset, hand, rate, item.seed)
     surface, trace = felt.engine.surface, felt.trace
-    wanted = event_levels(surface, trace, felt.samples[:, TACTOR], rate)
+    wanted, free_db = held_levels(surface, trace, felt.samples[:, TACTOR], rate)
     wanted = np.where(np.isfinite(wanted), np.maximum(wanted, LEAST_DB), LEAST_DB)
-    out = [stroke for stroke in strokes(trace.touching, trace.cursor) if stroke.name == "out"]
-    free_db = max(
-        (stroke_feel(one, surface, trace, felt.samples[:, TACTOR], rate).event_free_db
-         for one in out), default=LEAST_DB,
-    )  # fmt: skip
     level = item.timeline.normalised_levels(COLUMNS - 1)
     rest = level / max(float(np.mean(level)), 1e-9) * _peak(free_db) if level.any() else level
     kinds = [item.timeline.events[e].kind for e in surface.event]
@@ -173,6 +170,22 @@ def static_mapping(item: Item, rate: int) -> StaticMapping:
         rate, made.ramp, _amplitude(surface.position, surface.span, height, rest),
         made.carrier, made.clicks, made.waves,
     )  # fmt: skip
+
+
+def held_levels(
+    surface: Surface,
+    columns: Mapping[str, NDArray[np.float64]],
+    tactor: NDArray[np.float32],
+    rate: float,
+) -> tuple[NDArray[np.float64], float]:
+    """How strong each event is felt while the hand holds on, and the rest between them, dB."""
+    found, free = np.full(len(surface.position), np.nan), LEAST_DB
+    for stroke in strokes(columns["touching"], columns["cursor"]):
+        if stroke.name == "out":
+            felt = stroke_feel(stroke, surface, columns, tactor, rate)
+            found = np.fmax(found, felt.event_db)
+            free = float(np.fmax(free, felt.event_free_db))
+    return found, free
 
 
 def static_levels(item: Item, rate: int) -> NDArray[np.float64]:
@@ -202,15 +215,15 @@ def _amplitude(
     return np.minimum(found, CEILING)
 
 
-def _levels(made: StaticMapping, hand: Gesture, surface: Any) -> NDArray[np.float64]:
+def _levels(made: StaticMapping, hand: Gesture, surface: Surface) -> NDArray[np.float64]:
     """How strong each event is felt in the control condition."""
     samples, cursor = made._rendered(hand, WAVE_S)
     touching = np.zeros(len(cursor))
     stamps = hand.stamps(made.rate)
     for start, stop, holds in zip(stamps, [*stamps[1:], len(cursor)], hand.touching, strict=True):
         touching[start:stop] = float(holds)
-    columns = {"touching": touching, "cursor": cursor}
-    return event_levels(surface, columns, samples[:, TACTOR], made.rate)
+    columns = {"touching": touching, "cursor": cursor, "torque": np.zeros(len(cursor))}
+    return held_levels(surface, columns, samples[:, TACTOR], made.rate)[0]
 
 
 def _carrier(frequency_hz: float, rate: int) -> NDArray[np.float64]:

@@ -128,13 +128,17 @@ def test_lines_and_osc_play_together_and_each_is_reported(tmp_path):
 
 def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
     pytest.importorskip("sounddevice", exc_type=OSError, reason="needs PortAudio")
-    from overview_dsp.live import midi_port
+    from overview_dsp.live import midi_port, pad_port
 
     monkeypatch.setattr(midi_port, "midi_ports", lambda: ["nanoKONTROL2"])
     assert "midi:nanoKONTROL2" in overview("devices", "--listen", 0).out
     found = json.loads(overview("devices", "--listen", 0, "--json").out)
     assert found["midi_ports"] == ["nanoKONTROL2"]
+    monkeypatch.setattr(pad_port, "pads", lambda: [pad_port.Pad("joycon", "Joy-Con (L)", b"")])
+    assert "pad:joycon Joy-Con (L)" in overview("devices", "--listen", 0).out
     monkeypatch.undo()
-    for name in ("rtmidi", "rtmidi2"):
+    for name in ("rtmidi", "rtmidi2", "hid", "hidraw"):
         monkeypatch.setitem(sys.modules, name, None)
-    assert "overview-dsp[midi]" in overview("devices", "--listen", 0).out
+    missing = overview("devices", "--listen", 0).out
+    assert "overview-dsp[midi]" in missing
+    assert "overview-dsp[pads]" in missing

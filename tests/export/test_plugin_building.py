@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError, OverviewError
 from tests.cli.running import MATCH, overview
-from tests.export.plugin_playing import Host, built_host, library_of
+from tests.export.plugin_playing import (
+    EARLIER,
+    VALUE,
+    Host,
+    built_host,
+    library_of,
+    natively,
+    score,
+)
 
 
 def test_the_command_builds_one_of_several_timelines(tmp_path):
@@ -22,6 +31,23 @@ def test_the_command_builds_one_of_several_timelines(tmp_path):
     assert listed.startswith("Instrument|Synth\tTwo\n")
     row = next(line.split("\t") for line in listed.splitlines() if "\tTimeline\t" in line)
     assert (row[4], row[-1].strip()) == ("1", MATCH)
+
+
+@pytest.mark.soak
+def test_without_a_timeline_it_is_all_that_is_bundled(tmp_path):
+    given = ("--to", "clap", "--seed", "3", "-o", tmp_path)
+    done = overview("plugin", "build", *given)
+    assert done.code == 0, done.err
+    host = Host("clap", built_host("clap", tmp_path), tmp_path / "overview-dsp.clap")
+    timelines = [ov.load_timeline(name) for name in (MATCH, "made-up-share")]
+    names = ov.bundled_presets()
+    assert f": {MATCH}, made-up-share in {', '.join(names)};" in done.out
+    for second, timeline in enumerate(timelines):
+        for number, name in enumerate(names):
+            chosen = [(VALUE, "timeline", EARLIER, second), (VALUE, "preset", EARLIER, number)]
+            heard, _ = host.play(tmp_path, [*chosen, *score()], frames=15_000)
+            expected = natively(timeline, ov.load_preset(name), 48_000, score(), 15_000)
+            assert np.array_equal(heard, expected), (second, name)
 
 
 def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatch):

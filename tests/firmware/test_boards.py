@@ -6,12 +6,14 @@ import itertools
 import json
 import math
 import os
+import platform
 import re
 import select
 import subprocess
 import sys
 import time
 import tty
+from pathlib import Path
 
 import pytest
 
@@ -194,6 +196,18 @@ def bits_here(points, folder, level="-O2"):
 
 def test_the_bits_are_the_same_at_every_optimisation(tmp_path):
     assert bits_here(8193, tmp_path, "-O0") == bits_here(8193, tmp_path, "-O3")
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="needs a processor with FMA (x86-64)")
+def test_the_bits_are_the_same_where_products_and_sums_could_be_one(tmp_path):
+    """By the file's own pragma: who flashes a board sets no flags."""
+    flags = Path("/proc/cpuinfo")
+    if not flags.is_file() or " fma " not in flags.read_text():
+        pytest.skip("needs a processor with FMA")
+    plain = bits_here(8193, tmp_path)
+    header = [one for one in data_header(8193, tmp_path) if one != "-ffp-contract=off"]
+    run("gcc", "-O3", "-mfma", "-ffp-contract=fast", *header, "-o", tmp_path / "fused")
+    assert run(tmp_path / "fused").stdout.split()[:-1] == plain
 
 
 CORES = {

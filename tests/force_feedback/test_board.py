@@ -138,6 +138,34 @@ def test_a_jiggling_hand_is_given_nothing(surface, football):
     assert np.abs(course.torque).max() > 2e-3  # and it is felt
 
 
+def test_a_goal_is_a_knock_and_the_wire_is_not_in_it(surface, football):
+    here, far = (
+        measure_knob.simulate(surface, football, SENSOR, measure_knob.glide(2.0), 2.3, delay_s)
+        for delay_s in (0.0, 0.02)
+    )
+    goal, card, foul = (
+        np.median(measure_knob.felt(here, surface, kind))
+        for kind in ("goal", "yellow_card", "foul")
+    )
+    assert goal > 1.5 * card
+    assert card > foul > 2e-4
+    assert np.median(measure_knob.knock_at(here, surface)) > 5e-3
+    assert np.array_equal(here.torque, far.torque[: len(here.torque)])
+    assert far.ready_after_s > here.ready_after_s
+    assert here.greatest_rise < 1e-5
+
+
+def test_the_ends_hold(surface, football):
+    """A hand that pushes 45 degrees beyond with 20 mN m/rad."""
+    course = measure_knob.simulate(
+        surface, football, SENSOR, lambda t: -min(math.pi / 4.0, 2.0 * t), 1.2, stiffness=0.02
+    )
+    still = course.time > 1.0
+    assert math.degrees(-course.angle[still].min()) < 8.0
+    assert math.degrees(np.ptp(course.angle[still])) < 0.2
+    assert course.torque[still].min() > 5e-3
+
+
 def test_a_host_that_is_killed_leaves_no_torque_after_40_ms(surface, football):
     course = measure_knob.simulate(
         surface, football, SENSOR, measure_knob.glide(3.0), 1.2, 0.0, 0.0, killed_at=1.0

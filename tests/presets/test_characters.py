@@ -36,7 +36,7 @@ def character_of(name, data):
     with warnings.catch_warnings():
         # kinds of other data are felt as the default
         warnings.filterwarnings("ignore", "preset .* has no ", ov.OverviewWarning)
-        return characters(ov.load_preset(name), timeline_of(data))
+        return characters(ov.load_preset(name), timeline_of(data), sample_rate=RATE)
 
 
 def test_with_levels_matched_any_two_presets_differ_by_two_steps_on_a_match_or_a_series():

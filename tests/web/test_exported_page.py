@@ -16,6 +16,7 @@ import overview_dsp as ov
 from overview_dsp.live.python_path import connect, run_block
 from overview_dsp.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
+from overview_dsp.web.packing import packed
 from overview_dsp.web.site_sound import patch_of, window_bytes
 from tests.web.driving import DESKTOP, PHONE, at, until, violations
 from tests.web.exported import HELD, opened_host
@@ -484,6 +485,8 @@ def test_axe_finds_nothing(chromium, site, axe, scheme, size):
         page.click("#in")
         until(page, "p.view.zoom === 1 && !document.getElementById('strip').hidden")
         assert violations(page, axe) == []
+        page.evaluate("overview.fault('the sound was interrupted: touch to go on')")
+        assert violations(page, axe) == []
         page.click("#out")
         for contrast in (False, True):
             page.evaluate(
@@ -614,6 +617,24 @@ def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
             [list(base), list(given)],
         )
         assert bytes(made) == expected
+
+
+UNPACK = """async (packed) => {
+    const { unpacked } = await import("./unpack.js");
+    const bytes = await unpacked(Uint8Array.from(packed).buffer);
+    return Array.from(new Uint8Array(bytes));
+}"""
+
+
+def test_the_page_unpacks_every_bit_of_what_was_packed(opened):
+    random = np.random.default_rng(3)
+    smooth = np.exp(np.sin(np.linspace(0.0, 9.0, 2000)))
+    ends = np.array([-(2**63), 2**63 - 1, -1, 0, 1] * 7).view(float)
+    columns = [smooth, random.bytes(800), ends, np.zeros(50), -smooth, np.full(3, np.nan)]
+    for raw in (b"".join(bytes(one) for one in columns), bytes(smooth), random.bytes(4000), b""):
+        packed_bytes = packed(raw)
+        assert bytes(opened.evaluate(UNPACK, list(packed_bytes))) == raw
+    assert len(packed(bytes(smooth))) < smooth.nbytes / 3
 
 
 @pytest.mark.soak

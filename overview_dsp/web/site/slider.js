@@ -8,7 +8,8 @@ import {
 /** @import { Info, View } from "../types" */
 
 const EVERY_MS = 100; // text is laid out anew each time; nobody reads faster
-const EVERY_FRAMES = 6; // nor is it laid out more often where frames are slow
+const EVERY_FRAMES = 6; // nor is it laid out more often where frames are slow,
+const LATE_MS = 400; // but no later than this
 const MOST = 14; // characters in large type beside a value
 
 export class Slider {
@@ -33,7 +34,8 @@ export class Slider {
    */
   show(view, place, cursor, info, now = performance.now()) {
     this.frames += 1;
-    if (now - this.shown < EVERY_MS || this.frames < EVERY_FRAMES) return;
+    const since = now - this.shown;
+    if (since < EVERY_MS || (since < LATE_MS && this.frames < EVERY_FRAMES)) return;
     this.shown = now;
     this.frames = 0;
     const { slider, clock, value, event } = this.parts;
