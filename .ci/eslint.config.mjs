@@ -5,7 +5,7 @@ const browser = ["AbortSignal", "AudioContext", "AudioWorkletNode", "Blob", "Dev
   "DecompressionStream", "Response", "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "addEventListener", "atob", "caches", "clearTimeout",
   "console", "crypto", "document",
   "fetch", "getComputedStyle", "history", "importScripts", "indexedDB", "localStorage", "location", "matchMedia",
-  "navigator", "performance", "queueMicrotask", "registerProcessor", "requestAnimationFrame", "self",
+  "navigator", "performance", "queueMicrotask", "registerProcessor", "requestAnimationFrame", "sampleRate", "self",
   "setInterval", "setTimeout", "speechSynthesis", "structuredClone", "window", "Request",
   "AudioWorkletProcessor"];
 

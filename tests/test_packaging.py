@@ -279,11 +279,9 @@ print(json.dumps([[name, load_actuator(name).source] for name in actuator_names(
 
 
 def test_a_wheel_has_what_the_page_loads(installed):
-    for file in (ROOT / "overview_dsp" / "web").iterdir():
-        if file.suffix in (".js", ".wasm"):
-            assert (
-                installed / "overview_dsp" / "web" / file.name
-            ).read_bytes() == file.read_bytes()
+    for file in (ROOT / "overview_dsp" / "web").rglob("*"):
+        if file.suffix in (".js", ".wasm", ".html", ".css") or file.name == "LICENSE.txt":
+            assert (installed / file.relative_to(ROOT)).read_bytes() == file.read_bytes()
 
 
 def test_a_wheel_finds_its_sensors_from_any_folder(installed, tmp_path):

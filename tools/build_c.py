@@ -163,33 +163,23 @@ def toolchain() -> str:
     return ", ".join(f"{part} {importlib.metadata.version(part)}" for part in ("numba", "llvmlite"))
 
 
-def parameter_ids() -> list[str]:
-    """The parameters' ids, in the order of their columns."""
-    from overview_dsp.kernels import layout
-    from overview_dsp.presets.parameters import PARAMETERS
-
-    columns = {f"PARAM_{id.upper().replace('.', '_')}": id for id in PARAMETERS}
-    found = {getattr(layout, name): id for name, id in columns.items() if hasattr(layout, name)}
-    return [found[column] for column in sorted(found)]
-
-
 def rows() -> str:
+    from overview_dsp.engine.coefficients import KERNEL_RANGES
     from overview_dsp.presets.parameters import PARAMETERS
 
-    lines = []
-    for id in parameter_ids():
-        known = PARAMETERS[id]
-        low, high = (known.low, known.high) if isinstance(known.default, float) else (0.0, 1.0)
-        lines.append(f'    {{"{id}", "{known.unit}", {low!r}, {high!r}}},\n')
-    return "".join(lines)
+    return "".join(
+        f'    {{"{id}", "{PARAMETERS[id].unit}", {low!r}, {high!r}}},\n'
+        for id, (low, high) in KERNEL_RANGES.items()
+    )
 
 
 def header_numbers() -> dict[str, object]:
+    from overview_dsp.engine.coefficients import KERNEL_RANGES
     from overview_dsp.export.browser_memory import layout_digest
     from overview_dsp.gestures import SOURCES
     from overview_dsp.kernels import layout
 
-    names = [id.upper().replace(".", "_") for id in parameter_ids()]
+    names = [id.upper().replace(".", "_") for id in KERNEL_RANGES]
     meters = [name for name in vars(layout) if name.startswith("M_")]
     return {
         "bytes": 8 * layout.TOTAL,

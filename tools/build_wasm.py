@@ -2,10 +2,10 @@
 
 python tools/build_wasm.py [OUT.wasm]
 
-Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of
-`overview_dsp.kernels.device.browser.render` is compiled for wasm32 by the LLVM inside llvmlite. The
-module exports `render`, its memory and `__heap_base`, from where on the memory is free, and imports
-nothing. The same tool-chain (named in the file's own section `toolchain`) gives the same bytes.
+Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of `overview_dsp.kernels.doors.browser`
+is compiled for wasm32 by the LLVM inside llvmlite. The module exports its functions, its memory and
+`__heap_base`, from where on the memory is free, and imports nothing. The same tool-chain (named in
+the file's own section `toolchain`) gives the same bytes.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ SECTION = "toolchain"
 
 def main(out: Path) -> None:
     with unoptimised() as folder:
-        from overview_dsp.kernels.device.browser import SIGNATURE, render
+        from overview_dsp.kernels.doors.browser import NAMES
 
         machine = machine_for(TRIPLE, reloc="static", codemodel="default")
-        module = module_for(written_out({"render": (render, SIGNATURE)}), machine)
+        module = module_for(written_out(NAMES), machine)
         object_file = folder / "kernel.o"
         object_file.write_bytes(machine.emit_object(module))
         linked = folder / "kernel.wasm"
-        link(object_file, linked)
+        link(object_file, linked, list(NAMES))
         built = linked.read_bytes() + custom_section(SECTION, json.dumps(toolchain()).encode())
     check(built)
     out.write_bytes(built)
@@ -45,11 +45,11 @@ def toolchain() -> dict[str, str]:
     return {part: importlib.metadata.version(part) for part in PARTS}
 
 
-def link(source: Path, target: Path) -> None:
+def link(source: Path, target: Path, functions: list[str]) -> None:
     command = [
-        sys.executable, "-m", "ziglang", "wasm-ld", "--no-entry", "--export=render",
-        "--export=__heap_base", "--strip-all", "-z", f"stack-size={STACK_BYTES}",
-        str(source), "-o", str(target),
+        sys.executable, "-m", "ziglang", "wasm-ld", "--no-entry",
+        *(f"--export={name}" for name in [*functions, "__heap_base"]), "--strip-all",
+        "-z", f"stack-size={STACK_BYTES}", str(source), "-o", str(target),
     ]  # fmt: skip
     subprocess.run(command, check=True)
 

@@ -68,7 +68,9 @@ def module_for(
         if not value.is_declaration and value.name not in texts:
             value.linkage = "internal"
     tuning = llvm.create_pipeline_tuning_options(speed_level)
-    tuning.loop_vectorization = tuning.slp_vectorization = vectors
+    tuning.loop_vectorization = vectors
+    # it would pack the numbers that a sample hands to the next, which then waits for the unpacking
+    tuning.slp_vectorization = False
     # what reference counting leaves behind goes only in the second run
     for _ in range(2):
         passes = llvm.create_pass_builder(machine, tuning)

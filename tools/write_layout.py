@@ -1,4 +1,4 @@
-"""Write the numbers of kernels/layout.py, and of export/browser_memory.py, for the page.
+"""Write the numbers of kernels/layout.py and export/browser_memory.py, and what may be set.
 
 python tools/write_layout.py [LAYOUT.js]
 """
@@ -19,6 +19,7 @@ def main(out: Path) -> None:
 
 
 def javascript() -> str:
+    from overview_dsp.engine.coefficients import KERNEL_RANGES
     from overview_dsp.export.browser_memory import encoding_numbers, layout_digest, layout_numbers
     from overview_dsp.gestures import SOURCES
 
@@ -29,6 +30,10 @@ def javascript() -> str:
     text = JS + table("L", layout_numbers()) + "// encoding.py\n"
     text += table("ENCODING", encoding_numbers())
     text += f"export const SOURCES = Object.freeze([{names}]);\n\n"
+    text += "// what may be set while it plays: number, lowest and highest value\n"
+    rows = {id: [number, *of] for number, (id, of) in enumerate(KERNEL_RANGES.items())}
+    lines = "".join(f'  "{id}": [{", ".join(map(str, row))}],\n' for id, row in rows.items())
+    text += f"export const PARAMETERS = Object.freeze({{\n{lines}}});\n\n"
     text += "// of a memory that this layout fits, its low and its high half\n"
     text += f"export const DIGEST = Object.freeze([{low}, {high}]);\n"
     return text

@@ -23,6 +23,13 @@ _COLUMN_OF = {
 }
 """The column of each parameter that is not the surface's or an input's, by id."""
 
+KERNEL_RANGES = {
+    id: (known.low, known.high) if isinstance(known.default, float) else (0.0, 1.0)
+    for id in sorted(_COLUMN_OF, key=lambda id: _COLUMN_OF[id])
+    for known in [PARAMETERS[id]]
+}
+"""Lowest and highest number of each of these parameters, in the order of the columns."""
+
 _COEFFICIENTS = range(layout.C_SPRING_HELD, layout.C_PACE_MOST + 1)
 
 

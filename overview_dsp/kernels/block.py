@@ -9,12 +9,19 @@ Thread: audio (`process`), main (`reset`, `tactor_stage`).
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import entry_point, inlined
-from overview_dsp.kernels.control import apply_due, drop_waiting, glide_all, next_due
+from overview_dsp.kernels.compiling import entry_point, inlined, outlined
+from overview_dsp.kernels.control import (
+    apply_due,
+    drop_waiting,
+    glide_all,
+    is_gliding,
+    next_due,
+)
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
 from overview_dsp.kernels.limiter import limit
+from overview_dsp.kernels.modal_bank import ring
 from overview_dsp.kernels.motion import move
 from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.output import emit
@@ -22,18 +29,47 @@ from overview_dsp.kernels.shaping import shape
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.voice import sound
 
+STEP = 32  # samples of a chunk, at most `layout.CHUNK`
+SHORT_STEP = 16  # the same in a block of
+SHORT = 64  # frames or fewer
+
+
+@outlined
+def speak(f64, i64, out, start, frames, channels, trace, traced):
+    """A chunk's sound into the output from frame `start` on, and its envelope into the trace."""
+    f64[layout.M_ENVELOPE] = f64[layout.D_AMPLITUDE + frames - 1]
+    if traced:
+        for n in range(frames):
+            trace[(start + n) * layout.TRACE + 8] = f64[layout.D_AMPLITUDE + n]
+    emit(f64, i64, out, start, frames, channels)
+
 
 @inlined
-def run(f64, i64, u64, out, channels, start, stop, trace, traced):
-    """Samples `start` to `stop` of a block, between events: the whole voice, chunk by chunk."""
+def run(f64, i64, u64, out, channels, start, stop, step, waiting, trace, traced):
+    """Samples `start` to `stop` of a block, between events: the whole voice, `step` at a time.
+
+    The `waiting` samples before them still lack their sound, and so do the last ones afterwards:
+    how many is returned. It is made beside the next chunk's disk, as neither waits for the other.
+    """
     while start < stop:
-        frames = min(stop - start, layout.CHUNK)
-        move(f64, i64, frames, trace, start * layout.TRACE, traced)
+        frames = min(stop - start, step)
+        move(f64, i64, u64, frames, waiting, trace, start * layout.TRACE, traced)
+        if waiting > 0:
+            speak(f64, i64, out, start - waiting, waiting, channels, trace, traced)
         shape(f64, frames)
-        sound(f64, i64, u64, frames, trace, start * layout.TRACE, traced)
-        emit(f64, i64, out, start, frames, channels)
+        ring(f64, i64, frames)
+        waiting = frames
         i64[layout.CLOCK] += frames
         start += frames
+    return waiting
+
+
+@inlined
+def catch_up(f64, i64, u64, out, channels, stop, waiting, trace, traced):
+    """The sound of the `waiting` samples before frame `stop`."""
+    if waiting > 0:
+        sound(f64, u64, 0, waiting)
+        speak(f64, i64, out, stop - waiting, waiting, channels, trace, traced)
 
 
 @inlined
@@ -124,21 +160,30 @@ def process(f64, i64, u64, out, frames, channels, trace, traced):
     """
     f64[layout.M_PEAK_CLICK] = 0.0
     f64[layout.M_PEAK_TACTOR] = 0.0
+    # the first chunk's disk and the last one's sound have nothing beside them
+    step = STEP if frames > SHORT else SHORT_STEP
     n = 0
+    waiting = 0
     first = i64[layout.CLOCK]
     while n < frames:
         apply_due(f64, i64)
         stop = frames
-        # a gliding coefficient is a new constant every sample
-        if glide_all(f64, i64) > 0:
+        gliding = is_gliding(i64)
+        if gliding:
+            # it is a new constant every sample, and what waits goes with the last one
+            catch_up(f64, i64, u64, out, channels, n, waiting, trace, traced)
+            waiting = 0
+            gliding = glide_all(f64, i64) > 0
+        if gliding:
             stop = n + 1
         else:
             due = next_due(i64) - first
             if due < stop:
                 # an event pushed just now may be due already
                 stop = due if due > n else n + 1
-        run(f64, i64, u64, out, channels, n, stop, trace, traced)
+        waiting = run(f64, i64, u64, out, channels, n, stop, step, waiting, trace, traced)
         n = stop
+    catch_up(f64, i64, u64, out, channels, n, waiting, trace, traced)
     i64[layout.M_BLOCKS] += 1
     recover(f64, i64, u64, first + frames, out, 0, frames * channels)
 

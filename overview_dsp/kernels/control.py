@@ -210,6 +210,15 @@ def drop_waiting(i64):
 
 
 @inlined
+def is_gliding(i64):
+    """Whether any coefficient is on its way to another value."""
+    left = 0
+    for i in range(layout.COEFFS):
+        left |= i64[layout.GLIDE_LEFT + i]
+    return left > 0
+
+
+@inlined
 def glide_all(f64, i64):
     """One sample of every gliding coefficient, exact at its end; how many still glide."""
     gliding = 0

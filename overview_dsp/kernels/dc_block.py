@@ -8,7 +8,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.simd.vector import choose, zero_if
+from overview_dsp.kernels.simd.vector import choose, rarely
 
 CORNER_HZ = 20.0  # below hearing and below the tactor's band
 SILENCE = 1e-9
@@ -19,4 +19,4 @@ def block_dc(x, x_before, y_before, pole):
     """One sample; exactly zero once input and output have died away."""
     y = x - x_before + pole * y_before
     silence = choose(x == 0.0, SILENCE, 0.0)
-    return zero_if(max(y, -y) < silence, y)
+    return rarely(max(y, -y) < silence, 0.0, y)

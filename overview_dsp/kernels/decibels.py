@@ -10,7 +10,7 @@ Thread: any.
 
 from __future__ import annotations
 
-from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.elementary import ONE_BITS, ROUND, plain
 from overview_dsp.kernels.simd.vector import bits_of, from_bits
 
@@ -45,7 +45,7 @@ def exact_product(a, b):
     return product, rest
 
 
-@inlined
+@outlined
 def db_to_gain(db):
     """Amplitude ratio of a level in dB, -6000 to 6000."""
     y = db / 20.0

@@ -34,6 +34,7 @@ LOG_1000 = 6.907755278982137  # of a fall by 60 dB
 MILLIWATT = 1e-3
 WHITE = 3.0  # 1 / the variance of white noise in -1 to 1
 USUAL_RATE = 48_000.0  # Hz
+LOWEST_RATE, HIGHEST_RATE = 1_000.0, 768_000.0  # Hz
 
 
 @inlined
@@ -169,6 +170,23 @@ def derive(f64, i64):
 
 
 @inlined
+def derive_at(f64, i64, sample_rate):
+    """Everything that depends on the sample rate (Hz), of all surfaces; whether that can be.
+
+    A `reset` comes next.
+    """
+    carrier = f64[layout.PARAM_TACTOR_FREQUENCY_HZ]
+    # written so that NaN fails
+    if not (LOWEST_RATE <= sample_rate <= HIGHEST_RATE and carrier < CARRIER_LIMIT * sample_rate):
+        return False
+    f64[layout.S_SAMPLE_RATE] = sample_rate
+    derive(f64, i64)
+    for number in range(layout.SLOTS):
+        derive_clicks(f64, i64, layout.SURFACES + number * layout.SLOT_SIZE)
+    return True
+
+
+@inlined
 def push_change(f64, i64, at, stamp, what, value):
     """Write a parameter event as entry number `at` of the host's ring, not yet published."""
     at = at % layout.HOST_RING
@@ -210,3 +228,20 @@ def push_parameters(f64, i64, stamp):
         at += 1
     store_release(i64, layout.HOST_WRITTEN, at)
     return True
+
+
+@inlined
+def set_parameter(f64, i64, number, value, stamp):
+    """Set the parameter in column `PARAMS` + `number` from a sample on (-1: as soon as possible).
+
+    False if there is none, or none of such a value, or too many wait: then it is set by the next
+    one that finds room.
+    """
+    if number < 0 or number >= layout.PARAMETERS or value - value != 0.0:
+        return False
+    at = layout.PARAMS + number
+    carrier = value if at == layout.PARAM_TACTOR_FREQUENCY_HZ else 0.0
+    if not carrier < CARRIER_LIMIT * f64[layout.S_SAMPLE_RATE]:
+        return False
+    f64[at] = value
+    return push_parameters(f64, i64, stamp)

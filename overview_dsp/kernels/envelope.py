@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.elementary import power
-from overview_dsp.kernels.simd.vector import choose, zero_if
+from overview_dsp.kernels.simd.vector import choose, rarely
 
 FAINTEST = 1e-12  # of the full torque: below it, a torque has no amplitude
 SILENCE = 1e-7  # an amplitude at -140 dBFS, below the last bit of 24: from here it is zero
@@ -37,9 +37,9 @@ def follow(amplitude, follower, e1, e2, decay, rise):
     falling = follower + decay * (amplitude - follower)
     follower = choose(amplitude > follower, amplitude, falling)
     silence = choose(amplitude == 0.0, SILENCE, 0.0)
-    follower = zero_if(follower < silence, follower)
+    follower = rarely(follower < silence, 0.0, follower)
     e1 = e1 + rise * (follower - e1)
     e2 = e2 + rise * (e1 - e2)
     silence = choose(follower == 0.0, SILENCE, 0.0)
     silent = e1 + e2 < silence
-    return follower, zero_if(silent, e1), zero_if(silent, e2)
+    return follower, rarely(silent, 0.0, e1), rarely(silent, 0.0, e2)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, inlined, outlined
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.kernels.simd.vector import choose, gather_words, load_pairs
+from overview_dsp.kernels.simd.vector import choose, gather_words, load_pairs, rarely
 from overview_dsp.kernels.two_disk import midpoint_speed
 
 ROUNDS = 2  # of Newton's method
@@ -18,16 +18,25 @@ STEEP = layout.SLOT_STEEP - layout.SLOT_TABLE
 
 
 @inlined
-def friction_at(f64, table, position):
-    """B at `position` (cells, clamped to the table) from pairs of value and slope, N m s/rad."""
+def on_table(position):
+    """`position` (cells) clamped to the table."""
     # a NaN fails both comparisons and must not become an index
-    if not position > 0.0:
-        position = 0.0
-    if position > CELLS:
-        position = float(CELLS)
+    position = rarely(not position > 0.0, 0.0, position)
+    return rarely(position > CELLS, float(CELLS), position)
+
+
+@inlined
+def friction_on(f64, table, position):
+    """B at a `position` on the table (cells) from pairs of value and slope, N m s/rad."""
     i = int(position)
     at = (table + 2 * i) & NOT_NEGATIVE
     return f64[at] + (position - float(i)) * f64[at + 1]
+
+
+@inlined
+def friction_at(f64, table, position):
+    """B at any `position` (cells), N m s/rad."""
+    return friction_on(f64, table, on_table(position))
 
 
 @inlined
@@ -52,18 +61,14 @@ def friction_between(f64, table, old_table, left, position):
 @inlined
 def integral_at(f64, table, position):
     """The integral of B from 0 to `position` (cells), N m s/rad cells; beyond an end B stays."""
-    inside = position
-    if not inside > 0.0:
-        inside = 0.0
-    if inside > CELLS:
-        inside = float(CELLS)
+    inside = on_table(position)
     i = int(inside)
     part = inside - float(i)
     at = (table + 2 * i) & NOT_NEGATIVE
     friction, slope = f64[at], f64[at + 1]
-    whole = f64[table + INTEGRAL + i]
-    beyond = (position - inside) * friction
-    return whole + part * (friction + 0.5 * part * slope) + beyond
+    whole = f64[(table + INTEGRAL + i) & NOT_NEGATIVE]
+    integral = whole + part * (friction + 0.5 * part * slope)
+    return rarely(position != inside, integral + (position - inside) * friction, integral)
 
 
 @inlined
@@ -78,11 +83,7 @@ def integral_between(f64, table, old_table, left, position):
 
 @inlined
 def is_steep(i64, table, position):
-    """Whether a step about `position` (cells) may cross a steep edge of a table."""
-    if not position > 0.0:
-        position = 0.0
-    if position > CELLS:
-        position = float(CELLS)
+    """Whether a step about a `position` on the table (cells) may cross a steep edge of it."""
     return i64[(table + STEEP + int(position) // layout.STEEP_BLOCK) & NOT_NEGATIVE] == 1
 
 

@@ -11,7 +11,7 @@ from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
 from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
-from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction
+from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction, on_table
 from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.nonviscous_step import slide
 from overview_dsp.kernels.ordering import store_release
@@ -19,6 +19,7 @@ from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
 from overview_dsp.kernels.viscous import STANDSTILL, snapped, travel
+from overview_dsp.kernels.voice import sound
 
 RAD_PER_CELL = 3.141592653589793 / layout.CELLS
 PER_CELL = 1.0 / layout.CELLS
@@ -85,7 +86,8 @@ def step(f64, i64, n, old_slot, modelled):
     denominator = inertia * (2.0 + 0.5 * spring)
     to_omega = f64[layout.C_OMEGA]
     middle = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
-    if is_steep(i64, table, ahead) or (left > 0.0 and is_steep(i64, old_table, ahead)):
+    there = on_table(ahead)
+    if is_steep(i64, table, there) or (left > 0.0 and is_steep(i64, old_table, there)):
         friction, middle = mean_friction(
             f64, table, old_table, left, x, v, stretch, spring, inertia, middle
         )
@@ -165,25 +167,32 @@ def write_trace(f64, i64, frames, trace, at):
 
 
 @inlined
-def move(f64, i64, frames, trace, at, traced):
+def move(f64, i64, u64, frames, sounding, trace, at, traced):
     """Move the disk for one chunk; writes its columns, strikes, and the trace if `traced`.
 
-    `at` is the trace index of the chunk's first frame.
+    `at` is the trace index of the chunk's first frame. The chunk before, whose `sounding` samples
+    have no sound yet, gets it on the way.
     """
     old_slot = faded_from(i64)
     models = i64[slot_of(i64, layout.ACTIVE_SLOT) + layout.SLOT_MODELS]
     modelled = models + i64[old_slot + layout.SLOT_MODELS] > 0
     start = f64[layout.X]
+    sounded = 0
     n = 0
     while n < frames:
         if modelled or i64[layout.FADE_LEFT] > 0:
             step(f64, i64, n, old_slot, modelled)
             n += 1
         else:
-            n = travel(f64, i64, n, frames)
+            if sounded < min(n, sounding):  # after steps, or what the last chunk had more
+                sound(f64, u64, sounded, min(n, sounding))
+            n = travel(f64, i64, u64, n, frames, sounding)
+            sounded = min(n, sounding)
         x = f64[layout.X]
         if x >= event_above(f64, i64) or x < event_below(f64, i64):
             pass_events(f64, i64, n - 1, start if n == 1 else f64[layout.D_POSITION + n - 2])
+    if sounded < sounding:
+        sound(f64, u64, sounded, sounding)
     note_stillness(f64, i64, frames, modelled)
     f64[layout.M_TORQUE] = f64[layout.D_TORQUE + frames - 1]
     f64[layout.M_FRICTION] = f64[layout.D_FRICTION + frames - 1]

@@ -13,6 +13,8 @@ from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress
 from overview_dsp.kernels.texture import brightness, grain_level
 
+SIDE_BY_SIDE = 16  # what lies behind a chunk's end is made too: several cost no more than one
+
 
 @inlined
 def shape(f64, frames):
@@ -22,7 +24,7 @@ def shape(f64, frames):
     exponent = f64[layout.C_EXPONENT]
     gain = f64[layout.C_TEXTURE_GAIN]
     cutoff = f64[layout.C_TEXTURE_CUTOFF]
-    for n in range(frames):
+    for n in range((frames + SIDE_BY_SIDE - 1) & -SIDE_BY_SIDE):
         torque = f64[layout.D_TORQUE + n]
         f64[layout.D_AMPLITUDE + n] = compress(torque, scale, gate, exponent)
         f64[layout.D_SINE + n] = sin_turns(f64[layout.D_PHASE + n])

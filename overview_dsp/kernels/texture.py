@@ -15,7 +15,7 @@ from __future__ import annotations
 from math import sqrt
 
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.simd.vector import choose, zero_if
+from overview_dsp.kernels.simd.vector import choose, rarely
 
 QUIET = 1e-5  # a level at -100 dBFS: from here the grain is zero
 SLOWEST = 0.05  # rad/s: the filter of a resting disk still forgets
@@ -32,7 +32,7 @@ def spread(target, level, a):
     """One sample of the level's smoothing; exactly zero once inaudible."""
     level = level + a * (target - level)
     quiet = choose(target < QUIET, QUIET, -1.0)
-    return zero_if(level <= quiet, level)
+    return rarely(level <= quiet, 0.0, level)
 
 
 @inlined
@@ -47,4 +47,4 @@ def colour(x, y, a):
     """One sample of the low-pass; exactly zero once it has died away."""
     y = y + (x - y) * a
     quiet = choose(x == 0.0, QUIET, 0.0)
-    return zero_if(max(y, -y) < quiet, y)
+    return rarely(max(y, -y) < quiet, 0.0, y)

@@ -1,9 +1,9 @@
 """The disk over viscous friction alone, from one passed event to the next.
 
 This is the chain that can't be shortened: each sample's position decides the next sample's
-friction. So nothing else is in this loop, and its state is at hand: half the speed, which is exact
-and saves the chain two multiplications, and no test for numbers near zero that the next sample
-waits for.
+friction. So its state is at hand: half the speed, which is exact and saves the chain two
+multiplications, and no test for numbers near zero that the next sample waits for. What a processor
+has left meanwhile goes to the sound of the chunk before, which waits for nothing here.
 
 Thread: audio.
 """
@@ -15,11 +15,17 @@ from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
 from overview_dsp.kernels.clutch import reach_of, slipped
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import event_above, event_below
-from overview_dsp.kernels.friction import friction_at, is_steep, mean_friction
+from overview_dsp.kernels.friction import friction_on, is_steep, mean_friction, on_table
 from overview_dsp.kernels.simd.vector import choose
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
+from overview_dsp.kernels.voice import (
+    keep_sound_state,
+    sound_coefficients,
+    sound_once,
+    sound_state,
+)
 
 STANDSTILL = 1e-150  # cells, cells a sample, rad/s: smaller would become denormal
 
@@ -31,11 +37,14 @@ def snapped(x, least):
 
 
 @outlined
-def travel(f64, i64, start, frames):
+def travel(f64, i64, u64, start, frames, sounding):
     """Move the disk from sample `start` of a chunk on; the sample after which it stopped.
 
     That is the first in which an event is passed, or the chunk's end. Writes the disk's columns.
+    Beside each sample goes the `sound` of the same one of the chunk before, of `sounding` samples.
     """
+    sound_before = sound_state(f64, u64)
+    coefficients = sound_coefficients(f64)
     x = f64[layout.X]
     half = 0.5 * f64[layout.V]
     y1 = f64[layout.SMOOTH_1]
@@ -65,10 +74,12 @@ def travel(f64, i64, start, frames):
 
     n = start
     while n < frames:
+        if n < sounding:
+            sound_before = sound_once(f64, n % layout.CHUNK, sound_before, coefficients)
         was = y2
         y1, y2 = smooth(target, y1, y2, smoothing)
-        ahead = x + half
-        friction = friction_at(f64, table, ahead)
+        ahead = on_table(x + half)
+        friction = friction_on(f64, table, ahead)
         moved = abs(y2 - was)
         # `clutch.follow_hand` as a branch, which costs this loop less than selecting
         if least < moved < most:
@@ -112,4 +123,5 @@ def travel(f64, i64, start, frames):
     f64[layout.PHASE] = phase
     f64[layout.APPROACH] = approach
     f64[layout.PACE] = pace
+    keep_sound_state(f64, u64, sound_before)
     return n

@@ -3,7 +3,7 @@
 // It runs in the audio thread, where messages are handled between two blocks, so the rings need no
 // atomics. `render` creates no object: bytes are copied word by word, without views or BigInts.
 
-import { DIGEST, ENCODING, L, SOURCES } from "./layout.js";
+import { DIGEST, ENCODING, L, PARAMETERS, SOURCES } from "./layout.js";
 
 export const { WHOLE, CHANGE } = ENCODING;
 const { FILL, DATA, TABLE, INTEGRAL, HEAD } = ENCODING;
@@ -63,6 +63,22 @@ export function checkBytes(bytes, kind) {
     throw new Error(`not ${what} of the kernel: damaged, or of another kind`);
   }
   return { sampleRate: numbers[3], channels: numbers[4] };
+}
+
+/**
+ * The kernel's number of a parameter; an Error in one line if it can't have that value.
+ * @param {string} id
+ * @param {number} value
+ */
+export function parameterNumber(id, value) {
+  if (!Object.hasOwn(PARAMETERS, id)) {
+    throw new Error(`no parameter is called ${id}; known: ${Object.keys(PARAMETERS).join(", ")}`);
+  }
+  const [number, lowest, highest] = PARAMETERS[/** @type {keyof typeof PARAMETERS} */ (id)];
+  if (!(value >= lowest && value <= highest)) {
+    throw new Error(`${id} = ${value} is out of range; it is ${lowest} to ${highest}`);
+  }
+  return number;
 }
 
 /**
@@ -146,17 +162,20 @@ class Copy {
 
 export class Kernel {
   /**
-   * `wasm`: the bytes of kernel.wasm; `image`: those of browser_memory.py's `encode_engine`.
+   * `wasm`: the bytes of kernel.wasm; `image`: those of browser_memory.py's `encode_engine`, which
+   * goes on from where it was, or begins anew at a `sampleRate` of another one.
    * @param {BufferSource} wasm
    * @param {ArrayBuffer} image
+   * @param {number} [sampleRate]
    */
-  constructor(wasm, image) {
-    const { sampleRate, channels } = checkBytes(image, WHOLE);
-    this.sampleRate = sampleRate;
+  constructor(wasm, image, sampleRate = undefined) {
+    const { sampleRate: given, channels } = checkBytes(image, WHOLE);
+    this.sampleRate = sampleRate ?? given;
     this.channels = channels;
     const instance = new WebAssembly.Instance(new WebAssembly.Module(wasm), {});
-    const { memory, render, __heap_base } = /** @type {any} */ (instance.exports);
+    const { memory, render, prepare, change, __heap_base } = /** @type {any} */ (instance.exports);
     this.run = render;
+    this.adjust = change;
     this.block = Math.ceil(__heap_base.value / 8) * 8;
     this.out = this.block + 8 * L.TOTAL;
     grow(memory, this.out + 4 * LARGEST_BLOCK * channels);
@@ -165,6 +184,9 @@ export class Kernel {
     // in pieces, so that the browser has compiled the copying before the first sample
     const copy = new Copy(image);
     while (!copy.advance(this.m, this.words, COLUMNS_A_BLOCK));
+    if (this.sampleRate !== given && prepare(this.block, this.sampleRate) !== 1) {
+      throw new Error(`the kernel doesn't run at ${this.sampleRate} Hz with this preset's carrier`);
+    }
     this.samples = new Float32Array(memory.buffer, this.out, LARGEST_BLOCK * channels);
     this.dropped = 0;
     /** @type {Copy[]} */
@@ -209,6 +231,18 @@ export class Kernel {
         this.write(L.RING_TOUCHING + at, events[i + 3] ? 1 : 0);
         this.write(L.RING_WRITTEN + source, written + 1);
       }
+    }
+  }
+
+  /**
+   * Set a parameter by its number, which glides from sample `stamp` on.
+   * @param {number} number
+   * @param {number} value
+   * @param {number} stamp
+   */
+  set(number, value, stamp = AT_ONCE) {
+    if (this.adjust(this.block, number, value, stamp) !== 1) {
+      throw new Error(`parameter ${number} = ${value}: too many wait, or the rate is too low`);
     }
   }
 

@@ -44,6 +44,7 @@ export class KernelNode extends AudioWorkletNode {
   onfault: (message: string) => void;
   control(theta2: number, touching: boolean, source?: string, sampleTime?: number): void;
   flush(): void;
+  set(id: string, value: number | boolean, sampleTime?: number): void;
   change(bytes: ArrayBuffer): void;
   output(click: Signal, tactor: Signal): void;
   look(): Promise<Look>;

@@ -1,6 +1,8 @@
 // The page's end of the kernel: an audio node that takes hands, changes and volumes.
 
-import { AT_ONCE, CHANGE, checkBytes, METERS, STRIKE_FIELDS, WHOLE } from "./kernel.js";
+import {
+  AT_ONCE, CHANGE, checkBytes, METERS, parameterNumber, STRIKE_FIELDS, WHOLE,
+} from "./kernel.js";
 import { SOURCES } from "./layout.js";
 
 /** @import { HandEvent, Look, Signal } from "./kernel_node" */
@@ -14,19 +16,14 @@ const KERNEL = new URL("./kernel.wasm", import.meta.url);
  *
  * `events` and `changes` are there before the first sample: rows as in `KernelNode.control`, and
  * bytes of `encode_change`. Clicks are left, the tactor is right, unless the image's settings say
- * otherwise. Throws an Error in one line: another version's bytes, another sample rate.
+ * otherwise. One image serves every sample rate. Throws an Error in one line: another version's
+ * bytes.
  * @param {BaseAudioContext} context
  * @param {ArrayBuffer} image
  * @param {{ events?: HandEvent[], changes?: ArrayBuffer[] }} given
  */
 export async function openKernel(context, image, { events = [], changes = [] } = {}) {
-  const { sampleRate, channels } = checkBytes(image, WHOLE);
-  if (sampleRate !== context.sampleRate) {
-    throw new Error(
-      `the timeline was made for ${sampleRate} Hz, the audio runs at ${context.sampleRate} Hz: ` +
-        `new AudioContext({ sampleRate: ${sampleRate} })`,
-    );
-  }
+  const { channels } = checkBytes(image, WHOLE);
   for (const bytes of changes) checkBytes(bytes, CHANGE);
   const [answer] = await Promise.all([fetch(KERNEL), context.audioWorklet.addModule(PROCESSOR)]);
   if (!answer.ok) throw new Error(`${KERNEL}: ${answer.status} ${answer.statusText}`);
@@ -78,6 +75,19 @@ export class KernelNode extends AudioWorkletNode {
     const events = rows(this.unsent);
     this.unsent = [];
     this.port.postMessage({ kind: "control", events }, [events.buffer]);
+  }
+
+  /**
+   * Set a parameter of the preset that isn't the surface's (`tactor.gain_db`), in the preset's unit;
+   * a switch is 0 or 1. It glides for 20 ms. Those that aren't set stay the image's.
+   * @param {string} id
+   * @param {number | boolean} value
+   * @param {number} sampleTime
+   */
+  set(id, value, sampleTime = AT_ONCE) {
+    const number = parameterNumber(id, Number(value));
+    this.flush();
+    this.port.postMessage({ kind: "set", number, value: Number(value), sampleTime });
   }
 
   /**

@@ -334,5 +334,31 @@ export const ENCODING = Object.freeze({
 
 export const SOURCES = Object.freeze(["touch", "twist", "serial", "osc", "midi", "remote"]);
 
+// what may be set while it plays: number, lowest and highest value
+export const PARAMETERS = Object.freeze({
+  "disk.inertia": [0, 1e-06, 0.01],
+  "disk.k1": [1, 1e-05, 1.0],
+  "disk.k2": [2, 1e-05, 10.0],
+  "disk.catch_up": [3, 0.0, 10.0],
+  "disk.unfold_s": [4, 0.0, 10.0],
+  "disk.release": [5, 0.0, 1.0],
+  "input.smoothing_ms": [6, 0.5, 50.0],
+  "tactor.full_torque_mnm": [7, 0.1, 10000.0],
+  "tactor.compression": [8, 0.3, 1.0],
+  "tactor.threshold_db": [9, -140.0, -30.0],
+  "tactor.rise_ms": [10, 0.2, 20.0],
+  "tactor.decay_ms": [11, 1.0, 200.0],
+  "tactor.frequency_hz": [12, 40.0, 1000.0],
+  "tactor.gain_db": [13, -60.0, 12.0],
+  "tactor.mute": [14, 0.0, 1.0],
+  "click.full_torque_mnm": [15, 0.1, 10000.0],
+  "click.compression": [16, 0.3, 1.0],
+  "click.gain_db": [17, -60.0, 12.0],
+  "click.mute": [18, 0.0, 1.0],
+  "texture.gain_db": [19, -90.0, 12.0],
+  "texture.brightness_hz": [20, 50.0, 20000.0],
+  "output.ceiling_db": [21, -40.0, -1.0],
+});
+
 // of a memory that this layout fits, its low and its high half
 export const DIGEST = Object.freeze([110927647, 2061483984]);

@@ -11,7 +11,7 @@ import { Kernel } from "./kernel.js";
 class OverviewProcessor extends AudioWorkletProcessor {
   constructor({ processorOptions: { wasm, image, events, changes } }) {
     super();
-    this.kernel = new Kernel(wasm, image);
+    this.kernel = new Kernel(wasm, image, sampleRate);
     this.over = false;
     for (const bytes of changes) this.kernel.change(bytes);
     this.kernel.takeChanges(Infinity);
@@ -29,6 +29,7 @@ class OverviewProcessor extends AudioWorkletProcessor {
     const { kernel } = this;
     if (data.kind === "control") kernel.control(data.events);
     else if (data.kind === "change") kernel.change(data.bytes);
+    else if (data.kind === "set") kernel.set(data.number, data.value, data.sampleTime);
     else if (data.kind === "output") kernel.output(data.signals);
     else if (data.kind === "stop") kernel.stop();
     else if (data.kind === "look") {

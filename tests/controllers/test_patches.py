@@ -52,8 +52,12 @@ def running(log, *command, **environment):
         try:
             yield process
         finally:
-            process.kill()
-            process.wait()
+            process.terminate()  # a sound server that is killed leaves its name behind
+            try:
+                process.wait(10.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
             process.stdin.close()
 
 
@@ -124,3 +128,25 @@ def test_the_patch_for_supercollider_plays_and_listens(port, tmp_path):
     assert turned == sorted(turned)
     assert (turned[0], turned[-1]) == (0.0, pytest.approx(3.14159, abs=1e-4))
     assert Asked("tactor.gain_db", -6.0) in moves
+
+
+def test_a_synth_of_scsynth_follows_the_disk(tmp_path):
+    for program in ("sclang", "scsynth", "jackd"):
+        if not shutil.which(program):
+            pytest.skip(f"needs {program}: apt-get install supercollider jackd2")
+    server, log = {"JACK_DEFAULT_SERVER": f"patches{os.getpid()}"}, tmp_path / "log"
+    finger, synth = (PATCHES / "overview.scd").read_text(encoding="utf-8").split("// a synth")
+    asked = '~synth !? { |synth| synth.get(\\place, { |at| ("placed" + at).postln }) }'
+    script = f"{finger};\n// a synth{synth};\n" + '("port" + NetAddr.langPort).postln;\n'
+    (tmp_path / "played.scd").write_text(f"{script}fork {{ loop {{ 0.5.wait; {asked} }} }}\n")
+    sound = ("jackd", "-r", "-d", "dummy", "-r", "48000", "-p", "1024")
+    with (
+        running(tmp_path / "jack", *sound, **server),
+        running(log, "sclang", "played.scd", **server),
+    ):
+        deadline = time.monotonic() + PATIENCE_S
+        while "\nport " not in log.read_text(errors="replace"):
+            assert time.monotonic() < deadline, log.read_text(errors="replace")
+            time.sleep(0.2)
+        (line,) = [line for line in log.read_text().splitlines() if line.startswith("port ")]
+        report(int(line.split()[1]), log, "placed 0.25")

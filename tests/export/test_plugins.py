@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.export.plugin_bundle import parameter_ids
 from overview_dsp.kernels import layout
 from overview_dsp.presets.parameters import PARAMETERS
 from tests.export.plugin_playing import (
@@ -26,6 +27,7 @@ from tests.export.plugin_playing import (
     faded,
     library_of,
     natively,
+    normal,
     number_of,
     preset_named,
     score,
@@ -87,6 +89,19 @@ def test_no_block_size_changes_a_bit(match, presets, host, play, block):
     events = host.heard(score(), presets["viscous"])
     expected = natively(match, presets["viscous"], 48_000, events, 20_000)
     assert np.array_equal(play(score(), block=block, frames=20_000)[0], expected)
+
+
+def test_a_hosts_floats_are_the_values_that_it_was_told(match, presets, host, play):
+    own = [(id, presets["viscous"].values[id]) for id in parameter_ids()]
+    own = [(id, value) for id, value in own if isinstance(value, float)]
+    said = [np.float32(normal(*one)) if host.to == "vst3" else one[1] for one in own]
+    again = [(VALUE, id, 100, value) for (id, _), value in zip(own, said, strict=True)]
+    heard, _ = play([again[0], *again, *turned(101, 9_000), (DOWN, 90, 9_500, 1.0)])
+    expected = natively(
+        match, presets["viscous"], 48_000, [*turned(101, 9_000), (DOWN, 90, 9_500, 1.0)]
+    )
+    assert np.abs(expected).max() > 0.01
+    assert np.array_equal(heard, expected)
 
 
 def test_a_reset_is_a_new_voice_with_the_values_of_the_moment(play):

@@ -21,6 +21,7 @@ from tests.force_feedback.simulation import ROOT
 from tests.profiles import share
 
 sys.path.insert(0, str(ROOT / "tools"))
+import knob_session
 import measure_knob
 import simulated_board
 from simulated_motor import jiggle
@@ -96,7 +97,7 @@ def test_a_damaged_frame_is_refused_and_changes_nothing(surface, football, which
 
 
 def test_the_host_gives_its_table_over_a_wire_that_loses_a_third(surface, football):
-    course = measure_knob.simulate(
+    course = knob_session.simulate(
         surface, football, SENSOR, lambda t: 0.0, 0.05, delay_s=0.02, loss=0.3
     )
     assert course.ready_after_s < 3.0
@@ -133,14 +134,14 @@ def test_a_surface_that_changes_is_crossfaded_to(surface, football, match):
 
 def test_a_jiggling_hand_is_given_nothing(surface, football):
     path = jiggle(5.0, math.radians(11.0), 0.4)
-    course = measure_knob.simulate(surface, football, SENSOR, path, 1.2, 0.02)
-    assert course.greatest_rise < 1e-5
+    course = knob_session.simulate(surface, football, SENSOR, path, 1.2, 0.02)
+    assert course.greatest_rise() < 1e-5
     assert np.abs(course.torque).max() > 2e-3  # and it is felt
 
 
 def test_a_goal_is_a_knock_and_the_wire_is_not_in_it(surface, football):
     here, far = (
-        measure_knob.simulate(surface, football, SENSOR, measure_knob.glide(2.0), 2.3, delay_s)
+        knob_session.simulate(surface, football, SENSOR, knob_session.glide(2.0), 2.3, delay_s)
         for delay_s in (0.0, 0.02)
     )
     goal, card, foul = (
@@ -152,12 +153,12 @@ def test_a_goal_is_a_knock_and_the_wire_is_not_in_it(surface, football):
     assert np.median(measure_knob.knock_at(here, surface)) > 5e-3
     assert np.array_equal(here.torque, far.torque[: len(here.torque)])
     assert far.ready_after_s > here.ready_after_s
-    assert here.greatest_rise < 1e-5
+    assert here.greatest_rise() < 1e-5
 
 
 def test_the_ends_hold(surface, football):
     """A hand that pushes 45 degrees beyond with 20 mN m/rad."""
-    course = measure_knob.simulate(
+    course = knob_session.simulate(
         surface, football, SENSOR, lambda t: -min(math.pi / 4.0, 2.0 * t), 1.2, stiffness=0.02
     )
     still = course.time > 1.0
@@ -167,8 +168,8 @@ def test_the_ends_hold(surface, football):
 
 
 def test_a_host_that_is_killed_leaves_no_torque_after_40_ms(surface, football):
-    course = measure_knob.simulate(
-        surface, football, SENSOR, measure_knob.glide(3.0), 1.2, 0.0, 0.0, killed_at=1.0
+    course = knob_session.simulate(
+        surface, football, SENSOR, knob_session.glide(3.0), 1.2, 0.0, 0.0, killed_at=1.0
     )
     assert np.abs(course.torque[(course.time > 0.9) & (course.time < 1.0)]).min() > 1e-4
     assert not course.torque[course.time > 1.0 + PERIOD_S + 0.04].any()
@@ -187,7 +188,7 @@ def test_a_board_that_was_told_nothing_gives_no_torque():
 def test_the_torque_is_against_the_turn_either_way_round(surface, football, reverse):
     sensor = SENSOR.told({"motor.reverse": True}) if reverse else SENSOR
     way = -1.0 if reverse else 1.0
-    course = measure_knob.simulate(
+    course = knob_session.simulate(
         surface, football, sensor, lambda t: way * min(1.5, 1.5 * t), 0.9, 0.002
     )
     turning = course.time > 0.3

@@ -239,6 +239,27 @@ def test_methods_that_arent_there_are_refused(page):
     assert page.put("/").status_code == 405
 
 
+def test_the_whole_of_a_series_is_the_same_whichever_way_it_is_asked_for(tmp_path):
+    value = np.cumsum(np.random.default_rng(5).normal(size=2000))
+    rows = "".join(f"{time},{one:.3f}\n" for time, one in enumerate(value))
+    (tmp_path / "walk.csv").write_text("time_s,value\n" + rows)
+    timeline = ov.load_timeline(tmp_path / "walk.csv")
+    whole = {"window": [0, timeline.duration_s]}
+    with (
+        served(timeline, plays=False, preset="series") as server,
+        server.client(Origin=server.origin) as page,
+    ):
+        drawn = page.get("/data/window-0.json").json()
+        assert page.post("/data/window", json=whole).json() == drawn
+        change = page.post("/sound/change", json={**whole, "sample_rate": 48_000})
+        series = ov.load_preset("series")
+        assert change.content == encode_change(
+            series, series, 48_000, build_surface(timeline, series)
+        )
+        # a closer look finds more in as much of it
+        assert len(timeline.window(0, timeline.duration_s).events) > len(drawn["events"])
+
+
 def test_a_series_and_a_bare_timeline_are_served_too(tmp_path):
     curve = ov.Intensity(np.arange(100.0), np.sin(np.arange(100.0)), "dB")
     times = [0.0, 10.0]

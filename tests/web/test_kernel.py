@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import shutil
 import subprocess
 import sys
 from importlib import metadata, resources
@@ -17,13 +18,24 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
+from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.presets.parameters import PARAMETERS
 from tests.profiles import share
-from tests.web.schedule import BLOCK, FRAMES, RELEASE, change, engine, played
+from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, change, engine, played
 from tests.web.surfaces import preset_of
 from tests.web.wasm_runner import WasmKernel
 
 ROOT = Path(__file__).resolve().parents[2]
+DERIVED = slice(layout.DERIVED, layout.DERIVED + layout.COEFFS)
 CLOCKED = [layout.L_LONGEST, layout.L_LATE, layout.L_SECONDS, layout.L_NANOSECONDS]
+
+
+def uncounted(memory):
+    """A memory's columns, but those that a clock counts."""
+    columns = memory.view(np.int64).copy()
+    columns[CLOCKED] = 0
+    columns[layout.L_BUSY : layout.L_BUSY + layout.BUSY_BINS] = 0
+    return columns
 
 
 def rendered(memory, sizes):
@@ -83,11 +95,7 @@ def test_the_whole_memory_stays_the_native_one(match, preset):
     assert made.memory.view(np.int64)[layout.SURFACES + layout.SLOT_MODELS] & models == models
     out, memory = rendered(made.memory, [BLOCK] * (FRAMES // BLOCK))
     assert np.array_equal(out, played(made, BLOCK))
-    ours, theirs = made.memory.view(np.int64).copy(), memory.view(np.int64).copy()
-    for columns in (ours, theirs):
-        columns[CLOCKED] = 0
-        columns[layout.L_BUSY : layout.L_BUSY + layout.BUSY_BINS] = 0
-    assert np.array_equal(ours, theirs)
+    assert np.array_equal(uncounted(made.memory), uncounted(memory))
 
 
 def test_the_device_stage_and_an_actuator_are_the_native_ones(match, football):
@@ -120,6 +128,81 @@ def test_a_state_that_is_not_finite_is_silenced_and_counted(match, football):
     kernel = WasmKernel(made.memory, FRAMES)
     assert not kernel.render(BLOCK).any()
     assert kernel.memory.view(np.int64)[layout.M_RESETS] == 1
+
+
+def unheard(columns):
+    """The first surface's columns of modes that no kind rings with, as they are too high."""
+    heard = columns[layout.SURFACES + layout.KIND_MODES :][: layout.BANKS]
+    mode = np.arange(layout.BANKS * layout.MAX_MODES)
+    silent = mode[mode % layout.MAX_MODES >= np.repeat(heard, layout.MAX_MODES)]
+    first = layout.SURFACES + layout.MODES + layout.MODE_SIZE * silent
+    return np.add.outer(first, np.arange(layout.MODE_SIZE)).ravel()
+
+
+NODE = shutil.which("node")
+SETTINGS = [
+    ("tactor.gain_db", -9.0, 4_000),
+    ("disk.k2", 6e-3, 9_000),
+    ("disk.release", "return", 9_000),
+    ("click.mute", True, 20_000),
+]
+SWITCHED = {"return": 1, True: 1}
+
+
+@pytest.mark.skipif(NODE is None, reason="needs node")
+@pytest.mark.parametrize("rate", [RATE, 44_100, 12_345])
+def test_javascript_sets_parameters_and_the_rate_as_an_engine_does(tmp_path, match, rate):
+    """From one image: the same samples, and the same memory in every column."""
+    preset = preset_of("door")
+    given = OutputSettings(actuator=ov.load_actuator("lra"))
+    (tmp_path / "image").write_bytes(
+        ov.export.encode_engine(engine(match, preset, hands=False), given)
+    )
+    made = ov.Engine(preset, match, seed=3)
+    made.prepare(rate, BLOCK)
+    connect(made, given)
+    made.control(2.0, True, 100)
+    out = np.zeros((300 * BLOCK, 2), np.float32)
+    for id, value, at in SETTINGS:
+        made.set(id, value, sample_time=at)
+    for start in range(0, len(out), BLOCK):
+        run_block(made, out[start : start + BLOCK])
+    numbers = [(id, SWITCHED.get(value, value), at) for id, value, at in SETTINGS]
+    asked = {"rate": rate, "settings": numbers, "block": BLOCK, "blocks": 300}
+    script = Path(__file__).with_name("node_kernel.mjs")
+    package = str(resources.files("overview_dsp.web"))
+    command = [NODE, str(script), package, str(tmp_path), json.dumps(asked)]
+    subprocess.run(command, check=True, timeout=600)
+    played_there = np.fromfile(tmp_path / "out", np.float32).reshape(-1, 2)
+    assert np.abs(out).max(axis=0).min() > 0.01
+    assert np.array_equal(played_there, out)
+    ours, theirs = uncounted(made.memory), uncounted(np.fromfile(tmp_path / "memory"))
+    # where coefficients are made before they are asked for
+    ours[DERIVED] = theirs[DERIVED] = 0
+    theirs[unheard(ours)] = 0  # of the rate before
+    assert np.flatnonzero(ours != theirs).tolist() == []
+
+
+@pytest.mark.skipif(NODE is None, reason="needs node")
+def test_what_can_not_be_set_is_refused_in_a_line(tmp_path):
+    web = resources.files("overview_dsp.web")
+    script = f"""
+        import {{ parameterNumber }} from "{web}/kernel.js";
+        for (const [id, value] of [["tactor.loudness", 1], ["tactor.gain_db", 1e9],
+                                   ["tactor.gain_db", NaN], ["toString", 0]]) {{
+            try {{ parameterNumber(id, value); console.log("taken"); }}
+            catch (error) {{ console.log(error.message); }}
+        }}
+    """
+    command = [NODE, "--input-type=module", "-e", script]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=600)
+    lines = done.stdout.splitlines()
+    low, high = PARAMETERS["tactor.gain_db"].low, PARAMETERS["tactor.gain_db"].high
+    assert lines[0].startswith("no parameter is called tactor.loudness; known: disk.inertia,")
+    assert lines[1] == f"tactor.gain_db = 1000000000 is out of range; it is {low:g} to {high:g}"
+    assert lines[2] == f"tactor.gain_db = NaN is out of range; it is {low:g} to {high:g}"
+    assert lines[3].startswith("no parameter is called toString")
+    assert len(lines) == 4
 
 
 def sections(module):

@@ -6,10 +6,14 @@ import contextlib
 import json
 import os
 import random
+import shutil
+import signal
 import time
+from pathlib import Path
 
 import pytest
 
+from tests.web.exported import opened_host
 from tests.web.studied import built, served_study, trials_of
 
 MANY = int(os.environ.get("OVERVIEW_STUDY_TROUBLES", "200"))
@@ -169,3 +173,49 @@ def test_no_answer_is_lost_in_many_troubles(chromium, folder, tmp_path):
         seed += 1
         troubles += take_part(chromium, folder, tmp_path / f"{seed}.sqlite", seed)
         print(f"\n{troubles} troubles")
+
+
+def kill_browser(profile):
+    """Every process of the browser with this profile, at once."""
+    for process in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if str(profile).encode() in (process / "cmdline").read_bytes():
+                os.kill(int(process.name), signal.SIGKILL)
+
+
+@pytest.mark.soak
+def test_a_killed_browser_goes_on_where_it_was_without_a_server(driver, folder, tmp_path):
+    profile = tmp_path / "profile"
+
+    def opened():
+        context = driver.chromium.launch_persistent_context(
+            str(profile), executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+        )
+        page = context.new_page()
+        page.goto(host.url)
+        return context, page
+
+    def answer(page):
+        count = page.inner_text("#count")
+        page.focus(".pad")
+        page.keyboard.press("PageUp")
+        page.wait_for_selector(".choice:not([disabled])")
+        page.keyboard.press("1")
+        page.locator("#count", has_not_text=count).wait_for()
+
+    with opened_host(folder) as host:
+        context, page = opened()
+        page.click("text=Begin")
+        page.click("text=Start")
+        for answers in range(1, 4):
+            page.wait_for_selector(".pad")
+            answer(page)
+            kill_browser(profile)
+            with contextlib.suppress(Exception):
+                context.close()
+            context, page = opened()
+            page.click("text=Go on")
+            page.click("text=Start")
+            page.wait_for_selector(".pad")
+            assert page.inner_text("#count").startswith(f"{answers} of ")
+        context.close()

@@ -18,8 +18,6 @@ typedef struct {
     double rate; /* 0: not set up */
     int channels; /* of the first output: the click, or the click and the tactor */
     int wheel; /* where it was last, 0 to 127 */
-    int32_t switched; /* the frame of this block where the preset changed last, or -1 */
-    double before[VOICE_VALUES]; /* what was applied until then */
     double shown[PARAMETERS]; /* the main thread's: normalised */
     voice voice;
 } instance;

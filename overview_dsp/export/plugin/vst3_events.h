@@ -34,9 +34,7 @@ static void tell(const instance *self, struct v3_param_changes **out, int which,
 static void hear_point(
     instance *self, int which, double normal, int32_t at, struct v3_param_changes **out) {
     voice *v = &self->voice;
-    /* a host that says all it knows at once has the values of the preset before */
-    if (at == self->switched && which >= VOICE_OWN && which < VOICE_VALUES
-        && is_told(normal_of(v, which, self->before[which]), normal)) return;
+    double before = v->applied[VOICE_PRESET];
     if (which == PARAMETER_RELEASE) voice_release(v, -1, at);
     else if (which == PARAMETER_WHEEL) {
         int wheel = normal >= 0.0 && normal <= 1.0 ? (int)(normal * 127.0 + 0.5) : self->wheel;
@@ -45,11 +43,9 @@ static void hear_point(
         if (wheel != self->wheel && voice_midi(v, message, at)) tell(self, out, VOICE_THETA2, at);
         self->wheel = wheel;
     } else {
-        double plain = plain_of(v, which, normal, v->applied);
-        int switches = which == VOICE_PRESET && plain != v->applied[which] && plain == plain;
-        if (switches) memcpy(self->before, v->applied, sizeof v->applied), self->switched = at;
-        voice_set(v, which, plain, at);
-        for (which = VOICE_OWN; switches && which < VOICE_VALUES; which++) tell(self, out, which, at);
+        voice_set(v, which, plain_of(v, which, normal, v->applied), at);
+        if (v->applied[VOICE_PRESET] != before)
+            for (which = VOICE_OWN; which < VOICE_VALUES; which++) tell(self, out, which, at);
     }
 }
 static void hear_note(voice *v, const struct v3_event *event, int32_t at) {
@@ -69,7 +65,6 @@ static void hear(instance *self, const struct v3_process_data *data) {
     int32_t i, n = changes ? (*changes)->get_param_count(changes) : 0, count = 0, at = 0;
     int32_t note = 0, notes_count = notes ? (int32_t)(*notes)->get_event_count(notes) : 0;
     points queues[MOST_QUEUES];
-    self->switched = -1;
     for (i = 0; i < n && count < MOST_QUEUES; i++) {
         points *p = &queues[count];
         if (!(p->queue = (*changes)->get_param_data(changes, i))) continue;

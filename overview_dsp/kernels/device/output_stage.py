@@ -14,6 +14,8 @@ Thread: audio.
 
 from __future__ import annotations
 
+import numpy as np
+
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
 from overview_dsp.kernels.device.actuator import drive
@@ -81,14 +83,10 @@ def is_untouched(f64, i64, signal):
 
 @inlined
 def keep(f64, line, out, frames, channels, at):
-    """Copy one signal, from out[at] on, into a stretch of its delay line; its highest magnitude."""
-    peak = 0.0
+    """Copy one signal, from out[at] on, into a stretch of its delay line."""
     for n in range(frames):
-        y = float(out[at & NOT_NEGATIVE])
+        f64[(line + n) & NOT_NEGATIVE] = float(out[at & NOT_NEGATIVE])
         at += channels
-        f64[(line + n) & NOT_NEGATIVE] = y
-        peak = max(peak, abs(y))
-    return peak
 
 
 @inlined
@@ -97,10 +95,12 @@ def pass_through(f64, i64, out, frames, channels, signal, channel):
     line = layout.L_LINES + signal * layout.DELAY_LINE
     written = i64[layout.L_LINE] & (layout.DELAY_LINE - 1)
     first = min(frames, layout.DELAY_LINE - written)
-    peak = keep(f64, line + written, out, first, channels, channel)
+    keep(f64, line + written, out, first, channels, channel)
     if first < frames:
         # as a delay line in a circle has it: the rest from its start on
-        peak = max(peak, keep(f64, line, out, frames - first, channels, channel + first * channels))
+        keep(f64, line, out, frames - first, channels, channel + first * channels)
+    # that of the block that `process` has just made, as the output has it
+    peak = float(np.float32(f64[layout.M_PEAK_CLICK + signal]))
     if peak > FULL_SCALE:
         for n in range(frames):
             i = channel + n * channels

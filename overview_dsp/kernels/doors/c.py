@@ -13,13 +13,12 @@ from numba import types
 
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.control import push_control
-from overview_dsp.kernels.derive import CARRIER_LIMIT, derive, derive_clicks, push_parameters
+from overview_dsp.kernels.derive import derive_at, set_parameter
 from overview_dsp.kernels.image import decode, is_image, is_sound
 
 carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
 
 DONE, REFUSED = 0, -1
-LOWEST_RATE, HIGHEST_RATE = 1_000.0, 768_000.0  # Hz
 COLUMN_BYTES = 8
 
 
@@ -44,14 +43,8 @@ def prepare(memory, sample_rate):
     f64 = carray(memory, (layout.TOTAL,), np.float64)
     i64 = carray(memory, (layout.TOTAL,), np.int64)
     u64 = carray(memory, (layout.TOTAL,), np.uint64)
-    carrier = f64[layout.PARAM_TACTOR_FREQUENCY_HZ]
-    # written so that NaN fails
-    if not (LOWEST_RATE <= sample_rate <= HIGHEST_RATE and carrier < CARRIER_LIMIT * sample_rate):
+    if not derive_at(f64, i64, sample_rate):
         return REFUSED
-    f64[layout.S_SAMPLE_RATE] = sample_rate
-    derive(f64, i64)
-    for number in range(layout.SLOTS):
-        derive_clicks(f64, i64, layout.SURFACES + number * layout.SLOT_SIZE)
     i64[layout.S_CLICK_CHANNEL] = 0
     i64[layout.S_TACTOR_CHANNEL] = 1
     block.reset(f64, i64, u64)
@@ -81,14 +74,8 @@ def change(memory, parameter, value, sample_time):
     """Set a parameter, which glides; REFUSED where it can't be, or too many wait."""
     f64 = carray(memory, (layout.TOTAL,), np.float64)
     i64 = carray(memory, (layout.TOTAL,), np.int64)
-    if parameter < 0 or parameter >= layout.PARAMETERS or value - value != 0.0:
-        return REFUSED
-    at = layout.PARAMS + np.int64(parameter)
-    carrier = value if at == layout.PARAM_TACTOR_FREQUENCY_HZ else 0.0
-    if not carrier < CARRIER_LIMIT * f64[layout.S_SAMPLE_RATE]:
-        return REFUSED
-    f64[at] = value
-    return DONE if push_parameters(f64, i64, sample_time) else REFUSED
+    done = set_parameter(f64, i64, np.int64(parameter), value, sample_time)
+    return DONE if done else REFUSED
 
 
 def process(memory, out, frames, channels):

@@ -13,7 +13,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import recover
 from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
-from overview_dsp.kernels.control import apply_due, next_due, waits
+from overview_dsp.kernels.control import apply_due, is_gliding, next_due, waits
 from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
 from overview_dsp.kernels.limiter import KNEE
 from overview_dsp.kernels.modal_bank import ring
@@ -50,11 +50,8 @@ def is_plain(f64, i64):
         return False
     if i64[layout.S_CLICK_CHANNEL] != 0 or i64[layout.S_TACTOR_CHANNEL] != 1:
         return False
-    gliding = 0
-    for i in range(layout.COEFFS):
-        gliding |= i64[layout.GLIDE_LEFT + i]
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
-    return gliding == 0 and i64[slot + layout.SLOT_MODELS] == 0
+    return not is_gliding(i64) and i64[slot + layout.SLOT_MODELS] == 0
 
 
 @inlined
@@ -153,36 +150,56 @@ def bend_lane(batch_f64, batch_i64, lane, frames):
 
 @outlined
 def trace_lane(batch_f64, batch_i64, lane, frames, trace, at):
-    """A voice's trace of a chunk, from index `at` on."""
+    """A voice's trace of a chunk, from index `at` on, but its envelope."""
     f64 = own.block(batch_f64, lane)
     for i in range(len(TRACE_COLUMNS)):
         to, column = TRACE_COLUMNS[i]
         copy(own.column(batch_f64, column, lane, frames), f64[to : to + frames])
     write_trace(f64, own.block(batch_i64, lane), frames, trace, at)
+
+
+@outlined
+def trace_envelope(batch_f64, lane, frames, trace, at):
+    """A voice's envelope of a chunk into its trace, from index `at` on."""
     rows = trace[at + 8 : at + frames * layout.TRACE : layout.TRACE]
-    copy(own.column(batch_f64, own.ENVELOPE, lane, frames), rows)
+    copy(own.column(batch_f64, own.AMPLITUDE, lane, frames), rows)
 
 
 @inlined
-def run_all(batch_f64, batch_i64, batch_u64, count, out, block, start, frames, trace, traced):
-    """`frames` from frame `start` of a block of `block`, in which no voice has an event due."""
-    for lane in range(count):
-        batch_f64[own.BEFORE + lane] = batch_f64[X + lane]
-    travel_all(batch_f64, batch_i64, frames, traced)
-    for lane in range(count):
-        if batch_i64[own.MEMBER + lane] == 1:
-            strike_lane(batch_f64, batch_i64, lane, frames)
-    shape_all(batch_f64, frames)
-    sound_all(batch_f64, batch_u64, frames, traced)
+def speak_all(batch_f64, batch_i64, count, out, block, start, frames, trace, traced):
+    """`speak` for lanes: a chunk of `frames` from frame `start` of a block of `block`."""
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             bend_lane(batch_f64, batch_i64, lane, frames)
             if traced:
-                trace_lane(
-                    batch_f64, batch_i64, lane, frames, trace, (lane * block + start) * layout.TRACE
-                )
-            batch_i64[start_of(lane) + layout.CLOCK] += frames
+                at = (lane * block + start) * layout.TRACE
+                trace_envelope(batch_f64, lane, frames, trace, at)
     write_all(batch_f64, out, start * layout.SIGNALS, block * layout.SIGNALS, frames)
+
+
+@inlined
+def run_all(
+    batch_f64, batch_i64, batch_u64, count, out, block, start, frames, waiting, trace, traced
+):
+    """`frames` from frame `start` of a block of `block`, in which no voice has an event due.
+
+    As in `run`, they lack their sound afterwards, and the `waiting` ones before them get it.
+    """
+    for lane in range(count):
+        batch_f64[own.BEFORE + lane] = batch_f64[X + lane]
+    travel_all(batch_f64, batch_i64, batch_u64, frames, waiting, traced)
+    if waiting > frames:
+        sound_all(batch_f64, batch_u64, frames, waiting)
+    if waiting > 0:
+        speak_all(batch_f64, batch_i64, count, out, block, start - waiting, waiting, trace, traced)
+    for lane in range(count):
+        if batch_i64[own.MEMBER + lane] == 1:
+            strike_lane(batch_f64, batch_i64, lane, frames)
+            if traced:
+                at = (lane * block + start) * layout.TRACE
+                trace_lane(batch_f64, batch_i64, lane, frames, trace, at)
+            batch_i64[start_of(lane) + layout.CLOCK] += frames
+    shape_all(batch_f64, frames)
 
 
 @inlined
@@ -268,10 +285,18 @@ def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, tr
     if members < FEWEST:
         return
     n = 0
+    waiting = 0
     while n < frames:
         stop = next_stop(batch_f64, batch_i64, count, n, min(frames, n + layout.CHUNK))
-        run_all(batch_f64, batch_i64, batch_u64, count, out, frames, n, stop - n, trace, traced)
+        run_all(
+            batch_f64, batch_i64, batch_u64, count, out, frames, n, stop - n, waiting, trace, traced
+        )
+        waiting = stop - n
         n = stop
+    if waiting > 0:
+        sound_all(batch_f64, batch_u64, 0, waiting)
+        start = frames - waiting
+        speak_all(batch_f64, batch_i64, count, out, frames, start, waiting, trace, traced)
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             leave(batch_f64, batch_i64, batch_u64, lane, out, frames)

@@ -73,7 +73,7 @@ OMEGA = row(ROWS)
 PHASE = row(ROWS)
 POSITION = row(ROWS)
 APPROACH = row(ROWS)
-AMPLITUDE = row(ROWS)
+AMPLITUDE = row(ROWS)  # then the envelope that follows it
 SINE = row(ROWS)
 GRAIN = row(ROWS)
 COLOUR = row(ROWS)
@@ -83,7 +83,6 @@ TACTOR = row(ROWS)
 SPEED = row(ROWS)  # from here on for traces alone
 THETA2 = row(ROWS)
 FRICTION = row(ROWS)
-ENVELOPE = row(ROWS)
 SIZE = row.end
 MEMORY = SIZE + SIMD_WIDTH * layout.TOTAL  # the lanes' own, then the voices' blocks
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
-from overview_dsp.kernels.compiling import outlined
+from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
@@ -99,9 +99,116 @@ def step_steep(batch_f64, batch_i64):
             batch_f64[own.STEEP_MIDDLE + lane] = middle
 
 
+@inlined
+def sound_state_all(batch_f64, batch_u64):
+    """What one sample of sound gives to the next, in the order of `sound_once_all`."""
+    return (
+        load(batch_f64, FOLLOWER),
+        load(batch_f64, ENVELOPE_1),
+        load(batch_f64, ENVELOPE_2),
+        load(batch_f64, TACTOR_DC_IN),
+        load(batch_f64, TACTOR_DC_OUT),
+        load(batch_f64, GRAIN),
+        load_words(batch_f64, NOISE),
+        load(batch_f64, TEXTURE),
+        load(batch_f64, CLICK_DC_IN),
+        load(batch_f64, CLICK_DC_OUT),
+        load_words(batch_u64, SILENT),
+        load(batch_f64, own.LOUDEST_CLICK),
+        load(batch_f64, own.LOUDEST_TACTOR),
+    )
+
+
+@inlined
+def keep_sound_state_all(batch_f64, state):
+    """Write what `sound_state_all` reads."""
+    store(batch_f64, FOLLOWER, state[0])
+    store(batch_f64, ENVELOPE_1, state[1])
+    store(batch_f64, ENVELOPE_2, state[2])
+    store(batch_f64, TACTOR_DC_IN, state[3])
+    store(batch_f64, TACTOR_DC_OUT, state[4])
+    store(batch_f64, GRAIN, state[5])
+    store(batch_f64, NOISE, state[6])
+    store(batch_f64, TEXTURE, state[7])
+    store(batch_f64, CLICK_DC_IN, state[8])
+    store(batch_f64, CLICK_DC_OUT, state[9])
+    store(batch_f64, SILENT, state[10])
+    store(batch_f64, own.LOUDEST_CLICK, state[11])
+    store(batch_f64, own.LOUDEST_TACTOR, state[12])
+
+
+@inlined
+def sound_once_all(batch_f64, at, state):
+    """`sound_once` for lanes, whose modes have rung already: the rows from `at` on."""
+    (
+        follower,
+        e1,
+        e2,
+        tactor_in,
+        tactor_out,
+        level,
+        noise,
+        grain,
+        click_in,
+        click_out,
+        silent,
+        loudest_click,
+        loudest_tactor,
+    ) = state
+    amplitude = load(batch_f64, own.AMPLITUDE + at)
+    follower, e1, e2 = follow(
+        amplitude, follower, e1, e2, load(batch_f64, C_DECAY), load(batch_f64, C_RISE)
+    )
+    envelope = e2 * load(batch_f64, C_TACTOR_GAIN)
+    wave = envelope * load(batch_f64, own.SINE + at)
+    tactor_out = block_dc(wave, tactor_in, tactor_out, load(batch_f64, C_DC_POLE))
+    level = spread(load(batch_f64, own.GRAIN + at), level, load(batch_f64, C_GRAIN))
+    rough = level > 0.0
+    following = next_state(noise)
+    noise = choose(rough, following, noise)
+    grain = colour(
+        choose(rough, level * white(following), 0.0), grain, load(batch_f64, own.COLOUR + at)
+    )
+    clicks = (grain + load(batch_f64, own.RING + at)) * load(batch_f64, C_CLICK_GAIN)
+    click_out = block_dc(clicks, click_in, click_out, load(batch_f64, C_DC_POLE))
+    store(batch_f64, own.AMPLITUDE + at, envelope)
+    store(batch_f64, own.TACTOR + at, tactor_out)
+    store(batch_f64, own.CLICK + at, click_out)
+    tactor_size = abs(tactor_out)
+    click_size = abs(click_out)
+    loudest_tactor = max(loudest_tactor, tactor_size)
+    loudest_click = max(loudest_click, click_size)
+    silent = choose(max(tactor_size, click_size) == 0.0, silent + 1, 0)
+    return (
+        follower,
+        e1,
+        e2,
+        wave,
+        tactor_out,
+        level,
+        noise,
+        grain,
+        clicks,
+        click_out,
+        silent,
+        loudest_click,
+        loudest_tactor,
+    )
+
+
 @outlined
-def travel_all(batch_f64, batch_i64, frames, traced):
+def sound_all(batch_f64, batch_u64, start, stop):
+    """`sound` for lanes."""
+    state = sound_state_all(batch_f64, batch_u64)
+    for at in range(start * SIMD_WIDTH, stop * SIMD_WIDTH, SIMD_WIDTH):
+        state = sound_once_all(batch_f64, at, state)
+    keep_sound_state_all(batch_f64, state)
+
+
+@outlined
+def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     """`travel` for lanes, through a whole chunk: events that are passed on the way stop no lane."""
+    sound_before = sound_state_all(batch_f64, batch_u64)
     x = load(batch_f64, X)
     half = 0.5 * load(batch_f64, V)
     y1 = load(batch_f64, SMOOTH_1)
@@ -117,6 +224,8 @@ def travel_all(batch_f64, batch_i64, frames, traced):
     lowest = x
     for n in range(frames):
         at = n * SIMD_WIDTH
+        if n < sounding:
+            sound_before = sound_once_all(batch_f64, at, sound_before)
         was = y2
         y1, y2 = smooth(load(batch_f64, own.INPUT), y1, y2, load(batch_f64, C_SMOOTH))
         friction = frictions_at(batch_f64, batch_i64, own.TABLE, x + half)
@@ -190,11 +299,14 @@ def travel_all(batch_f64, batch_i64, frames, traced):
     store(batch_f64, LAST_FRICTION, friction)
     store(batch_f64, own.HIGHEST, highest)
     store(batch_f64, own.LOWEST, lowest)
+    keep_sound_state_all(batch_f64, sound_before)
 
 
 @outlined
 def shape_all(batch_f64, frames):
     """`shape` for lanes; in two loops, whose chains a processor overlaps better."""
+    store(batch_f64, own.LOUDEST_CLICK, 0.0)
+    store(batch_f64, own.LOUDEST_TACTOR, 0.0)
     for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
         torque = load(batch_f64, own.TORQUE + at)
         amplitude = compress(
@@ -212,69 +324,9 @@ def shape_all(batch_f64, frames):
 
 
 @outlined
-def sound_all(batch_f64, batch_u64, frames, traced):
-    """`sound` for lanes, whose modes have rung already."""
-    follower = load(batch_f64, FOLLOWER)
-    e1 = load(batch_f64, ENVELOPE_1)
-    e2 = load(batch_f64, ENVELOPE_2)
-    tactor_in = load(batch_f64, TACTOR_DC_IN)
-    tactor_out = load(batch_f64, TACTOR_DC_OUT)
-    click_in = load(batch_f64, CLICK_DC_IN)
-    click_out = load(batch_f64, CLICK_DC_OUT)
-    level = load(batch_f64, GRAIN)
-    grain = load(batch_f64, TEXTURE)
-    noise = load_words(batch_f64, NOISE)
-    silent = load_words(batch_u64, SILENT)
-    envelope = load(batch_f64, LAST_ENVELOPE)
-    loudest_tactor = choose(level >= 0.0, 0.0, 0.0)
-    loudest_click = loudest_tactor
-    for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
-        amplitude = load(batch_f64, own.AMPLITUDE + at)
-        follower, e1, e2 = follow(
-            amplitude, follower, e1, e2, load(batch_f64, C_DECAY), load(batch_f64, C_RISE)
-        )
-        envelope = e2 * load(batch_f64, C_TACTOR_GAIN)
-        wave = envelope * load(batch_f64, own.SINE + at)
-        tactor_out = block_dc(wave, tactor_in, tactor_out, load(batch_f64, C_DC_POLE))
-        tactor_in = wave
-        level = spread(load(batch_f64, own.GRAIN + at), level, load(batch_f64, C_GRAIN))
-        rough = level > 0.0
-        following = next_state(noise)
-        noise = choose(rough, following, noise)
-        grain = colour(
-            choose(rough, level * white(following), 0.0), grain, load(batch_f64, own.COLOUR + at)
-        )
-        clicks = (grain + load(batch_f64, own.RING + at)) * load(batch_f64, C_CLICK_GAIN)
-        click_out = block_dc(clicks, click_in, click_out, load(batch_f64, C_DC_POLE))
-        click_in = clicks
-        store(batch_f64, own.TACTOR + at, tactor_out)
-        store(batch_f64, own.CLICK + at, click_out)
-        tactor_size = abs(tactor_out)
-        click_size = abs(click_out)
-        loudest_tactor = max(loudest_tactor, tactor_size)
-        loudest_click = max(loudest_click, click_size)
-        silent = choose(max(tactor_size, click_size) == 0.0, silent + 1, 0)
-        if traced:
-            store(batch_f64, own.ENVELOPE + at, envelope)
-    store(batch_f64, FOLLOWER, follower)
-    store(batch_f64, ENVELOPE_1, e1)
-    store(batch_f64, ENVELOPE_2, e2)
-    store(batch_f64, TACTOR_DC_IN, tactor_in)
-    store(batch_f64, TACTOR_DC_OUT, tactor_out)
-    store(batch_f64, CLICK_DC_IN, click_in)
-    store(batch_f64, CLICK_DC_OUT, click_out)
-    store(batch_f64, GRAIN, level)
-    store(batch_f64, TEXTURE, grain)
-    store(batch_f64, NOISE, noise)
-    store(batch_f64, SILENT, silent)
-    store(batch_f64, LAST_ENVELOPE, envelope)
-    store(batch_f64, own.LOUDEST_CLICK, loudest_click)
-    store(batch_f64, own.LOUDEST_TACTOR, loudest_tactor)
-
-
-@outlined
 def write_all(batch_f64, out, start, apart, frames):
     """`write` for lanes, into two channels: from float `start` on, and lanes `apart` floats."""
+    store(batch_f64, LAST_ENVELOPE, load(batch_f64, own.AMPLITUDE + (frames - 1) * SIMD_WIDTH))
     for n in range(frames):
         at = n * SIMD_WIDTH
         click = load(batch_f64, own.CLICK + at)

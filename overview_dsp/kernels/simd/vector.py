@@ -176,13 +176,13 @@ def choose(condition, yes, no):
     return yes if condition else no
 
 
-def zero_if(condition, x):
-    """0 where the condition holds, else x; of numbers or lanes.
+def rarely(condition, yes, no):
+    """As `choose`, of floats, where the condition hardly ever holds.
 
-    Of a number it is a branch that is rarely taken: what comes next need not wait for the
-    condition, as it would for a selection.
+    It is a branch, of lanes one for all: what comes next need not wait for the condition, as it
+    would for a selection.
     """
-    return 0.0 if condition else x
+    return yes if condition else no
 
 
 def any_of(condition):
@@ -235,38 +235,59 @@ def _choose(condition, yes, no):
     return lambda condition, yes, no: yes if condition else no
 
 
+def _branched(builder: Any, condition: Any, chosen: Callable[[], Any], otherwise: Any) -> Any:
+    """What `chosen` emits where a condition holds, which is rare."""
+    before = builder.block
+    seldom = builder.append_basic_block("seldom")
+    after = builder.append_basic_block("after")
+    # said with the branch itself: what is only expected is forgotten before it is looked at
+    builder.cbranch(condition, seldom, after).set_weights(RARELY)
+    builder.position_at_end(seldom)
+    replaced = chosen()
+    builder.branch(after)
+    builder.position_at_end(after)
+    result = builder.phi(otherwise.type)
+    result.add_incoming(otherwise, before)
+    result.add_incoming(replaced, seldom)
+    return result
+
+
 @intrinsic
-def _rarely_zero(typing: Any, condition: Any, x: Any) -> Any:
+def _rarely(typing: Any, condition: Any, yes: Any, no: Any) -> Any:
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        condition, x = args
-        before = builder.block
-        zero = builder.append_basic_block("zero")
-        after = builder.append_basic_block("after")
-        # said with the branch itself: what is only expected is forgotten before it is looked at
-        builder.cbranch(condition, zero, after).set_weights(RARELY)
-        builder.position_at_end(zero)
-        builder.branch(after)
-        builder.position_at_end(after)
-        result = builder.phi(x.type)
-        result.add_incoming(x, before)
-        result.add_incoming(ir.Constant(x.type, 0.0), zero)
-        return result
+        condition, yes, no = args
+        return _branched(builder, condition, lambda: yes, no)
 
-    return types.float64(types.boolean, types.float64), emit
+    return types.float64(types.boolean, types.float64, types.float64), emit
 
 
-@overload(zero_if)
-def _zero_if(condition, x):
+@intrinsic
+def _rarely_of_lanes(typing: Any, condition: Any, yes: Any, no: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        condition, yes, no = args
+        yes = _in_all(context, builder, yes, signature.args[1], FLOATS)
+        some = _in_any(builder, condition)
+        return _branched(builder, some, lambda: builder.select(condition, yes, no), no)
+
+    return FLOATS(MASK, yes, FLOATS), emit
+
+
+@overload(rarely)
+def _of_rarely(condition, yes, no):
     if condition is MASK:
-        return lambda condition, x: _select(condition, 0.0, x)
-    return lambda condition, x: _rarely_zero(condition, x)
+        return lambda condition, yes, no: _rarely_of_lanes(condition, yes, no)
+    return lambda condition, yes, no: _rarely(condition, yes, no)
+
+
+def _in_any(builder: Any, condition: Any) -> Any:
+    bits = ir.IntType(SIMD_WIDTH)
+    return builder.icmp_unsigned("!=", builder.bitcast(condition, bits), ir.Constant(bits, 0))
 
 
 @intrinsic
 def _any(typing: Any, condition: Any) -> Any:
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        bits = ir.IntType(SIMD_WIDTH)
-        return builder.icmp_unsigned("!=", builder.bitcast(args[0], bits), ir.Constant(bits, 0))
+        return _in_any(builder, args[0])
 
     return types.boolean(condition), emit
 

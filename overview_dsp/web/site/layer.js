@@ -196,14 +196,18 @@ function drawAxis(c, g, view, info, colours) {
   c.lineTo(g.right, g.bottom + 0.5);
   c.fillStyle = colours.soft;
   c.textBaseline = "top";
+  let free = g.left; // from where on there is room for a label
   for (let at = Math.ceil(view.start_s / step) * step; at <= view.end_s; at += step) {
     const x = g.x((at - view.start_s) / length);
     c.moveTo(x, g.bottom + 0.5);
     c.lineTo(x, g.bottom + 6);
     const text = tickText(at, info, step);
     const half = c.measureText(text).width / 2;
+    const left = Math.min(Math.max(x - half, g.left), g.right - 2 * half);
+    if (left < free) continue;
     c.textAlign = "left";
-    c.fillText(text, Math.min(Math.max(x - half, g.left), g.right - 2 * half), g.bottom + 10);
+    c.fillText(text, left, g.bottom + 10);
+    free = left + 2 * half + BETWEEN / 3;
   }
   c.stroke();
 }

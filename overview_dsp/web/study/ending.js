@@ -1,7 +1,9 @@
 // The end of a session: everything is stored, or given to the person as a file.
 
-import { button, insisted, make, paragraphs } from "./make.js";
+import { button, make, paragraphs, pause } from "./make.js";
 import { download } from "./opening.js";
+
+const AGAIN_MS = 2000;
 
 export async function endSession({ study, display, server, sessions, fault }, session, answers) {
   const heading = make("h1", { text: "Almost done", tabindex: -1 });
@@ -9,7 +11,7 @@ export async function endSession({ study, display, server, sessions, fault }, se
   display.replaceChildren(heading, state);
   heading.focus();
   if (server !== null) {
-    await insisted(() => finished(server, session, answers), display, fault);
+    await finished(server, session, answers, fault);
     state.textContent = `All ${answers.done.size} answers are stored. You may close this page.`;
   } else {
     const save = button("Download the answers (CSV)", async () => {
@@ -23,16 +25,24 @@ export async function endSession({ study, display, server, sessions, fault }, se
   heading.after(...paragraphs(study.text.end));
 }
 
-/** Nothing waits any more, and the server misses none. */
-async function finished(server, session, answers) {
-  await answers.sent();
-  try {
-    await server.finish(session);
-  } catch (error) {
-    if (error.status !== 409) throw error;
-    // a server whose file was put back to an earlier state: what this browser has goes there again
-    if ((await answers.sendAgain()) === 0) throw error;
-    await answers.sent();
-    await server.finish(session);
+/** When nothing waits any more and the server misses none; asked again and again until then. */
+async function finished(server, session, answers, fault) {
+  let again = false; // whether all was sent a second time
+  for (;;) {
+    try {
+      await answers.sent();
+      await server.finish(session);
+      fault("");
+      return;
+    } catch (error) {
+      if (error.status === 409 && !again) {
+        // a server whose file was put back to an earlier state: what this browser has goes there again
+        again = true;
+        await answers.sendAgain();
+        continue;
+      }
+      fault(`${error.message} It is tried again.`);
+    }
+    await pause(AGAIN_MS);
   }
 }

@@ -3,6 +3,7 @@
 
 import { patched } from "./data.js";
 import { SOURCES } from "./layout.js";
+import { pause } from "./make.js";
 
 const FADED_MS = 200;
 const LOOK_MS = 30;
@@ -204,9 +205,7 @@ export class Presentation {
       const { clock, rests } = await this.look();
       onlook(this.told);
       if (clock >= most || (clock >= least && rests)) return true;
-      await new Promise((resolve) => {
-        setTimeout(resolve, LOOK_MS);
-      });
+      await pause(LOOK_MS);
     }
     return false;
   }

@@ -31,6 +31,11 @@ export function button(text, act, attributes = {}) {
   return make("button", { type: "button", text, on: { click: pressed }, ...attributes });
 }
 
+export const pause = (ms) =>
+  new Promise((resolve) => {
+    setTimeout(resolve, ms);
+  });
+
 /** When it is pressed. */
 export const pressed = (text, attributes, place) =>
   new Promise((resolve) => {

@@ -2,7 +2,7 @@
 // hand, and what is kept of that.
 
 import { legendOf, View } from "./drawing.js";
-import { button, make } from "./make.js";
+import { button, make, pause } from "./make.js";
 import { Pad } from "./pad.js";
 
 const GAP_MS = 500; // between two intervals
@@ -174,8 +174,3 @@ export class Stage {
     this.view?.end();
   }
 }
-
-const pause = (ms) =>
-  new Promise((resolve) => {
-    setTimeout(resolve, ms);
-  });
