@@ -15,7 +15,9 @@ def examples():
     for name, value in public_objects().items():
         found[name] = value
         if inspect.isclass(value):
-            found |= {f"{name}.{key}": member for key, member in members(value).items()}
+            own = members(value).items()
+            # what several classes have from one base, once
+            found |= {f"{name}.{key}": one for key, one in own if one not in found.values()}
     return {name: value for name, value in found.items() if ">>>" in (value.__doc__ or "")}
 
 

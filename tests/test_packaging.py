@@ -279,11 +279,9 @@ print(json.dumps([[name, load_actuator(name).source] for name in actuator_names(
 
 
 def test_a_wheel_has_what_the_page_loads(installed):
-    for file in (ROOT / "overview_dsp" / "web").iterdir():
-        if file.suffix in (".js", ".wasm"):
-            assert (
-                installed / "overview_dsp" / "web" / file.name
-            ).read_bytes() == file.read_bytes()
+    for file in (ROOT / "overview_dsp" / "web").rglob("*"):
+        if file.suffix in (".js", ".wasm", ".html", ".css") or file.name == "LICENSE.txt":
+            assert (installed / file.relative_to(ROOT)).read_bytes() == file.read_bytes()
 
 
 def test_a_wheel_finds_its_sensors_from_any_folder(installed, tmp_path):
@@ -295,6 +293,17 @@ print(json.dumps([[name, load_sensor(name).source] for name in LIBRARY.bundled])
     found = json.loads(python(code, tmp_path, installed))
     assert [name for name, _ in found] == sorted(p.stem for p in (ROOT / "sensors").glob("*.toml"))
     assert all(Path(source).is_relative_to(installed) for _, source in found)
+
+
+def test_a_wheel_has_the_firmware_of_the_checkout(installed, tmp_path):
+    code = """
+import json
+from overview_dsp.sensors.firmware import firmware_folder, firmware_names
+print(json.dumps([str(firmware_folder()), firmware_names()]))
+"""
+    folder, names = json.loads(python(code, tmp_path, installed))
+    assert Path(folder).is_relative_to(installed)
+    assert names == sorted(one.name for one in (ROOT / "firmware").iterdir() if one.is_dir())
 
 
 def test_a_wheel_has_the_command_line_and_renders(installed, tmp_path):

@@ -2,7 +2,7 @@
 
 Every value is a variable and every block a label. Loads and stores go through memcpy, so that
 neither aliasing nor alignment matters; arithmetic is the IR's own, operation by operation, and the
-head of the file forbids the compiler to fuse it. What isn't known here is an error, never a guess.
+`operations.h` forbids the compiler to fuse it. What isn't known here is an error, never a guess.
 """
 
 from __future__ import annotations
@@ -48,56 +48,7 @@ FLAGS = (
 NAME = r'%(?:"[^"]+"|[\w.$-]+)'
 TYPE = r"(?:<8 x double>|\w+)"
 
-HEAD = """\
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC optimize ("fp-contract=off")
-#elif defined(_MSC_VER)
-#pragma fp_contract(off)
-#endif
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
-
-#if defined(__GNUC__) && !defined(__TINYC__)
-#define OV_ACQUIRE() __atomic_thread_fence(__ATOMIC_ACQUIRE)
-#define OV_RELEASE() __atomic_thread_fence(__ATOMIC_RELEASE)
-#else /* x86, where loads and stores keep their order */
-#define OV_ACQUIRE() ((void)0)
-#define OV_RELEASE() ((void)0)
-#endif
-
-typedef struct { double v[8]; } ov_lanes;
-
-#define OV_ACCESS(letter, type) \\
-    static inline type ov_load_##letter(const unsigned char *p) { \\
-        type x; memcpy(&x, p, sizeof x); return x; } \\
-    static inline void ov_store_##letter(unsigned char *p, type x) { memcpy(p, &x, sizeof x); }
-OV_ACCESS(b, uint8_t)
-OV_ACCESS(i, uint32_t)
-OV_ACCESS(l, uint64_t)
-OV_ACCESS(d, double)
-OV_ACCESS(f, float)
-OV_ACCESS(p, unsigned char *)
-OV_ACCESS(v, ov_lanes)
-#define OV_LANES(name, operator) \\
-    static inline ov_lanes ov_##name(ov_lanes a, ov_lanes b) { \\
-        ov_lanes x; int i; for (i = 0; i < 8; i++) x.v[i] = a.v[i] operator b.v[i]; return x; }
-OV_LANES(add, +)
-OV_LANES(sub, -)
-OV_LANES(mul, *)
-static inline ov_lanes ov_splat(double a) {
-    ov_lanes x; int i; for (i = 0; i < 8; i++) x.v[i] = a; return x; }
-static inline uint64_t ov_smax(uint64_t a, uint64_t b) { return (int64_t)a > (int64_t)b ? a : b; }
-static inline uint64_t ov_smin(uint64_t a, uint64_t b) { return (int64_t)a < (int64_t)b ? a : b; }
-static inline uint64_t ov_umax(uint64_t a, uint64_t b) { return a > b ? a : b; }
-static inline uint64_t ov_umin(uint64_t a, uint64_t b) { return a < b ? a : b; }
-static inline uint32_t ov_smax32(uint32_t a, uint32_t b) {
-    return (int32_t)a > (int32_t)b ? a : b; }
-static inline uint64_t ov_bits(double x) { uint64_t b; memcpy(&b, &x, 8); return b; }
-static inline double ov_double(uint64_t b) { double x; memcpy(&x, &b, 8); return x; }
-"""
+HEAD = '#include "operations.h"\n'
 
 
 def split(text: str) -> list[str]:

@@ -4,31 +4,34 @@ Each holds what an observer tells apart too, on random timelines of the preset's
 feel --observer`), with a digest of the preset it was asked about. That takes most of the time;
 --no-observer keeps what the file has of it.
 
-python tools/measure_presets.py [--no-observer] [NAME ...]
+With --characters it writes nothing, but prints by how many just noticeable steps any two presets
+differ with their levels matched: in Markdown, the most of a match, a share, a recording and the
+matches in OVERVIEW_TEST_DATA, where that is a folder of them.
+
+python tools/measure_presets.py [--no-observer | --characters] [NAME ...]
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
+import os
+import warnings
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.batch.cache_keys import KEY_DIGITS, digest
+from overview_dsp.batch.cache_keys import KEY_DIGITS, preset_digest
 from overview_dsp.rendering.audition import pages
 
 FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 
 
-def preset_digest(preset: ov.Preset) -> str:
-    """What the observer was asked about, in short: its values and its kinds."""
-    return digest(preset.values, preset.kinds)[:KEY_DIGITS]
-
-
 def observed(preset: ov.Preset) -> dict[str, Any]:
     """What an observer tells apart on random timelines, in both sorts of hands."""
-    found: dict[str, Any] = {"preset_digest": preset_digest(preset), "strokes": []}
+    found: dict[str, Any] = {"preset_digest": preset_digest(preset)[:KEY_DIGITS], "strokes": []}
     for hands in ("steady", "mixed"):
         (scores,) = (report := ov.measure.observe(preset, hands=hands)).to_json()["sets"]
         found |= {"learned": report.learned, "timelines": scores["timelines"]}
@@ -51,11 +54,42 @@ def _rows(rows: list[Any]) -> str:
     return "[\n" + ",\n".join(json.dumps(row) for row in rows) + "\n]"
 
 
+def character_rows(names: Sequence[str]) -> Iterator[str]:
+    """The level-matched table: a row and a column a preset."""
+    timelines = [ov.load_timeline(name) for name in ("world-cup-final-2018", "made-up-share")]
+    timelines.append(ov.measure.random_crowd(1))
+    data = os.environ.get("OVERVIEW_TEST_DATA")
+    if data:
+        matches = sorted(Path(data, "football", "statsbomb").glob("*.json"))
+        timelines += [ov.load_timeline(path) for path in matches]
+    most: dict[tuple[str, str], float] = {}
+    for timeline in timelines:
+        with warnings.catch_warnings():
+            # kinds of other data are felt as the default
+            warnings.filterwarnings("ignore", "preset .* has no ", ov.OverviewWarning)
+            found = {name: ov.measure.characters(ov.load_preset(name), timeline) for name in names}
+        for one, other in itertools.combinations(names, 2):
+            steps = ov.measure.level_matched_steps(found[one], found[other])
+            most[one, other] = most[other, one] = max(steps, most.get((one, other), 0.0))
+    yield f"| |{'|'.join(names)}|"
+    yield "|---" * (len(names) + 1) + "|"
+    for one in names:
+        cells = (f"{most[one, other]:.1f}" if other != one else "" for other in names)
+        yield f"|{one}|{'|'.join(cells)}|"
+    (one, other), least = min(most.items(), key=lambda item: item[1])
+    yield f"\nthe nearest: {one} and {other}, {least:.2f} steps"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--no-observer", action="store_true")
+    parser.add_argument("--characters", action="store_true")
     parser.add_argument("names", nargs="*")
     options = parser.parse_args()
+    if options.characters:
+        for row in character_rows(options.names or ov.bundled_presets()):
+            print(row, flush=True)
+        return
     FOLDER.mkdir(exist_ok=True)
     for name in options.names or ov.bundled_presets():
         path = FOLDER / f"{name}.json"

@@ -18,7 +18,8 @@ lines of JSON (`json`). What is wrong with real wires can be had too: `--noise` 
 
 `motor` is a motor knob with SimpleFOC's Commander (`simulated_motor.py`), in a hand that sweeps,
 jiggles, holds or flicks it, on a wire with a delay each way. A line a second says where it is, what
-torque it gives and what work went which way.
+torque it gives and what work went which way. With `--board` the surface runs on its own board
+(`simulated_board.py`, which needs a C compiler), and the host only sends it.
 
     overview play world-cup-final-2018 --input serial:/tmp/simulated-knob --sensor simplefoc --force
 
@@ -255,14 +256,21 @@ def play_motor(options: argparse.Namespace) -> None:
     """Keep a motor in time until stopped; the last line is the whole as JSON."""
     from simulated_motor import HANDS, Hand, Motor, Session
 
-    motor = Motor(
-        inertia=options.inertia,
-        friction=options.friction,
-        counts=options.counts,
-        nm_per_unit=options.nm_per_unit,
-        watchdog=not options.no_watchdog,
-    )
-    session = Session(motor, Hand(HANDS[options.hand]()), options.delay_ms * 1e-3)
+    physics = {"inertia": options.inertia, "friction": options.friction}
+    if options.board:
+        from simulated_board import BoardMotor
+
+        motor = BoardMotor(**physics)
+        path = motor.patient(HANDS[options.hand]())
+    else:
+        path = HANDS[options.hand]()
+        motor = Motor(
+            counts=options.counts,
+            nm_per_unit=options.nm_per_unit,
+            watchdog=not options.no_watchdog,
+            **physics,
+        )
+    session = Session(motor, Hand(path), options.delay_ms * 1e-3)
     dice = random.Random(options.seed)
     wire = Wire(options.link)
     print(f"serial:{options.link or wire.name}  motor, {options.hand}", flush=True)
@@ -333,6 +341,11 @@ def main() -> None:
     motor = kinds.add_parser("motor", help="a motor knob")
     motor.set_defaults(play=play_motor)
     motor.add_argument("--hand", choices=("sweep", "jiggle", "hold", "flick"), default="sweep")
+    motor.add_argument(
+        "--board",
+        action="store_true",
+        help="with the surface on its own board: firmware/knob/surface.h, 14-bit encoder",
+    )
     motor.add_argument("--delay-ms", type=float, default=2.0, help="of the wire, each way")
     motor.add_argument("--inertia", type=float, default=5e-5, help="kg m2")
     motor.add_argument("--friction", type=float, default=3e-4, help="of the knob itself, N m")

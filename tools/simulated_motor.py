@@ -53,6 +53,7 @@ class Motor:
         letter: str = "M",
         watchdog: bool = True,
     ) -> None:
+        self.dt = DT
         self.inertia, self.friction, self.damping = inertia, friction, damping
         self.nm_per_unit, self.limit, self.letter = nm_per_unit, limit, letter
         self.step_rad = 2.0 * math.pi / counts
@@ -137,10 +138,11 @@ class Motor:
     def step(self, hand_torque: float) -> None:
         """On by 0.1 ms, with a hand's torque (N m)."""
         motor = self.torque
-        speed = self.speed + DT * (motor + hand_torque - self.damping * self.speed) / self.inertia
-        stopped = DT * self.friction / self.inertia
+        pull = motor + hand_torque - self.damping * self.speed
+        speed = self.speed + self.dt * pull / self.inertia
+        stopped = self.dt * self.friction / self.inertia
         speed = math.copysign(max(0.0, abs(speed) - stopped), speed)
-        turned = 0.5 * DT * (speed + self.speed)
+        turned = 0.5 * self.dt * (speed + self.speed)
         self.hand_work += hand_torque * turned
         work = motor * turned
         if work > 0.0:
@@ -149,7 +151,7 @@ class Motor:
             self.put_in -= work
         self.speed = speed
         self.angle += turned
-        self.time += DT
+        self.time += self.dt
 
 
 def _number(text: str) -> float:
@@ -181,7 +183,7 @@ class Hand:
             return 0.0
         if self._held_at is None:
             self._held_at, self._before = motor.angle - place, place
-        moving, self._before = (place - self._before) / DT, place
+        moving, self._before = (place - self._before) / motor.dt, place
         bent = self._held_at + place - motor.angle
         return self._stiffness * bent + self._damping * (moving - motor.speed)
 

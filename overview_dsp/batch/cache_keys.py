@@ -65,8 +65,10 @@ def _of_timeline(timeline: Timeline) -> str:
     )
 
 
-def _of_preset(preset: Preset) -> str:
-    return digest(preset.values, preset.kinds)
+def preset_digest(preset: Preset) -> str:
+    """Of all that is felt and heard of a preset: how a timeline grows under a hand is no sound."""
+    felt = {id: value for id, value in preset.values.items() if not id.startswith("follow.")}
+    return digest(felt, preset.kinds)
 
 
 class Keys:
@@ -75,7 +77,7 @@ class Keys:
     def __init__(self, study: Study) -> None:
         """Digest the study's inputs, once."""
         self._timelines = [_of_timeline(timeline) for timeline in study.timelines.values()]
-        self._presets = [_of_preset(preset) for preset in study.presets.values()]
+        self._presets = [preset_digest(preset) for preset in study.presets.values()]
         self._gestures = [digest(gesture) for gesture in study.gestures.values()]
         self._ids = tuple(study.parameters)
         self._common = digest(PROGRAM, study.settings)

@@ -61,27 +61,42 @@ _TAKE = ".csv"
 T = TypeVar("T")
 
 
-class _JobsFile:
-    """A jobs file's data; what is wrong names the file, the line and the key."""
+class JobsTable:
+    """A jobs file's data; what is wrong names the file, the line and the key.
 
-    def __init__(self, where: str) -> None:
-        self.where = where
-        self._text = read_text(where)
-        try:
-            self.data = tomllib.loads(self._text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise InputError(f"{where}: not TOML ({error})") from None
-        for key in self.data:
-            if key not in KEYS:
+    Parameters
+    ----------
+    where
+        The file, a path or an address.
+    text
+        All of it.
+    data
+        The table with the jobs' keys, and `within` where it stands in the file.
+    keys
+        Those it may have.
+    """
+
+    def __init__(
+        self,
+        where: str,
+        text: str,
+        data: dict[str, Any],
+        within: tuple[str, ...] = (),
+        keys: tuple[str, ...] = KEYS,
+    ) -> None:
+        self.where, self.data = where, data
+        self._text, self._within = text, within
+        for key in data:
+            if key not in keys:
                 raise self.wrong(
-                    key, f"no such key{did_you_mean(key, KEYS)}; there are {', '.join(KEYS)}"
+                    key, f"no such key{did_you_mean(key, keys)}; there are {', '.join(keys)}"
                 )
 
     def wrong(self, key: str, what: object, *path: str | int) -> InputError:
         """The error about a key."""
-        line = line_of(self._text, (key, *path))
+        line = line_of(self._text, (*self._within, key, *path))
         at = f"{self.where}, line {line}" if line is not None else self.where
-        return InputError(f"{at}: {key}: {what}")
+        return InputError(f"{at}: {'.'.join((*self._within, key))}: {what}")
 
     def resolved(self, text: str) -> str:
         """A path or address, relative to where the file is."""
@@ -124,15 +139,41 @@ def load_study(where: str | os.PathLike[str], out: str | None = None) -> Study:
     InputError
         What is wrong, with file, line and key.
     """
-    file = _JobsFile(os.fspath(where))
+    name = os.fspath(where)
+    text = read_text(name)
+    try:
+        data = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{name}: not TOML ({error})") from None
+    file = JobsTable(name, text, data)
     if out is None:
         out = file.data.get("out")
         if not isinstance(out, str) or not out:
             raise file.wrong("out", "is a folder or an address (s3://bucket/study)")
         out = file.resolved(out)
-    timelines = file.collected("timelines", _timelines(file))
+    return read_grid(file, out)
+
+
+def read_grid(
+    file: JobsTable,
+    out: str,
+    timelines: Mapping[str, Timeline] | None = None,
+    gestures: Mapping[str, Gesture] | None = None,
+) -> Study:
+    """The study of a table, its inputs loaded; given timelines and gestures come before its own.
+
+    Raises
+    ------
+    InputError
+        What is wrong, with file, line and key.
+    """
+    timelines = dict(timelines or {})
+    if "timelines" in file.data or not timelines:
+        timelines |= file.collected("timelines", _timelines(file))
     presets = file.collected("presets", _presets(file, timelines))
-    gestures = file.collected("gestures", _gestures(file))
+    gestures = dict(gestures or {})
+    if "gestures" in file.data or not gestures:
+        gestures |= file.collected("gestures", _gestures(file))
     parameters = _parameters(file, presets)
     study = Study(out, timelines, presets, gestures, parameters, _seeds(file), _settings(file))
     if len(study) > MOST_CASES:
@@ -143,7 +184,7 @@ def load_study(where: str | os.PathLike[str], out: str | None = None) -> Study:
 # --- what is combined -----------------------------------------------------------------------------
 
 
-def _timelines(file: _JobsFile) -> Iterable[tuple[str, Callable[[], Timeline]]]:
+def _timelines(file: JobsTable) -> Iterable[tuple[str, Callable[[], Timeline]]]:
     allowed = "names, files (with * too), addresses, or tables with a file"
     for entry in file.entries("timelines", (str, dict), allowed):
         options: dict[str, Any] = {}
@@ -165,7 +206,7 @@ def _plain(value: Any) -> str:
     return " to ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
-def _matching(file: _JobsFile, name: str) -> list[str]:
+def _matching(file: JobsTable, name: str) -> list[str]:
     """The files of a name with wildcards, sorted; a name without them as it is."""
     path = file.resolved(name)
     if not glob.has_magic(name):
@@ -180,7 +221,7 @@ def _matching(file: _JobsFile, name: str) -> list[str]:
     return sorted(found)
 
 
-def _timeline(file: _JobsFile, name: str, options: Mapping[str, Any]) -> Timeline:
+def _timeline(file: JobsTable, name: str, options: Mapping[str, Any]) -> Timeline:
     load = {key: value for key, value in options.items() if key not in ("window", "zoom_to")}
     for key in load:
         if key not in _LOAD_KEYS:
@@ -205,7 +246,7 @@ def _timeline(file: _JobsFile, name: str, options: Mapping[str, Any]) -> Timelin
 
 
 def _presets(
-    file: _JobsFile, timelines: Mapping[str, Timeline]
+    file: JobsTable, timelines: Mapping[str, Timeline]
 ) -> Iterable[tuple[str, Callable[[], Preset]]]:
     if "presets" not in file.data:
         name = fitting(next(iter(timelines.values())).kinds())
@@ -217,14 +258,14 @@ def _presets(
     ]
 
 
-def _preset(file: _JobsFile, name: str) -> Preset:
+def _preset(file: JobsTable, name: str) -> Preset:
     if not name.endswith(SUFFIX):
         return load_preset(name)
     with local_copy(file.resolved(name)) as path:
         return load_preset(path)
 
 
-def _gestures(file: _JobsFile) -> Iterable[tuple[str, Callable[[], Gesture]]]:
+def _gestures(file: JobsTable) -> Iterable[tuple[str, Callable[[], Gesture]]]:
     allowed = "gestures (sweep:0.5, tap:0.8:0.5, a take's file)"
     return [
         (spec, lambda spec=spec: _gesture(file, spec))  # type: ignore[misc]
@@ -232,7 +273,7 @@ def _gestures(file: _JobsFile) -> Iterable[tuple[str, Callable[[], Gesture]]]:
     ]
 
 
-def _gesture(file: _JobsFile, spec: str) -> Gesture:
+def _gesture(file: JobsTable, spec: str) -> Gesture:
     whole = file.resolved(spec)
     if spec.lower().endswith(_TAKE) and ("+" not in spec or os.path.exists(whole)):
         with local_copy(whole) as path:
@@ -244,7 +285,7 @@ def _gesture(file: _JobsFile, spec: str) -> Gesture:
     return sum(parts[1:], parts[0])
 
 
-def _parameters(file: _JobsFile, presets: Mapping[str, Preset]) -> dict[str, tuple[Value, ...]]:
+def _parameters(file: JobsTable, presets: Mapping[str, Preset]) -> dict[str, tuple[Value, ...]]:
     table = file.data.get("parameters", {})
     if not isinstance(table, dict):
         raise file.wrong("parameters", 'is a table: "tactor.gain_db" = [-6.0, 0.0]')
@@ -301,7 +342,7 @@ def _range(given: Mapping[str, Any]) -> list[float]:
     return [float(first), *inside[1:-1], float(last)]
 
 
-def _seeds(file: _JobsFile) -> tuple[int, ...]:
+def _seeds(file: JobsTable) -> tuple[int, ...]:
     given = file.data.get("seeds", [0])
     if type(given) is int and 1 <= given <= MOST_CASES:
         return tuple(range(given))
@@ -319,7 +360,7 @@ def _seeds(file: _JobsFile) -> tuple[int, ...]:
 # --- how it is rendered ---------------------------------------------------------------------------
 
 
-def _settings(file: _JobsFile) -> Settings:
+def _settings(file: JobsTable) -> Settings:
     rate = file.data.get("sample_rate", 48_000)
     if type(rate) not in (int, float):
         raise file.wrong("sample_rate", f"{shown(rate)} is not a number of Hz")

@@ -26,12 +26,14 @@ COMMANDS = {
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "plugin": ("plugin", "Build an audio plugin that plays a timeline in a DAW."),
     "batch": ("batch", "Render a study: a grid of many, here or on a cluster."),
+    "study": ("study", "Studies with people: lists, a page, answers, statistics, exports."),
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
+    "osc": ("osc", "Learn what the messages of other programs and apps do."),
     "midi": ("midi", "Learn what the controls of a MIDI controller do."),
     "sensor": ("sensor", "Learn what a sensor sends, by turning it."),
     "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
-    "devices": ("devices", "List audio outputs, serial and MIDI ports, and what is missing."),
+    "devices": ("devices", "List audio outputs, serial and MIDI ports, pads, and what is missing."),
     "bench": ("bench", "Measure how fast the engine runs here."),
 }
 

@@ -15,7 +15,7 @@ from overview_dsp.cli.common import print_json
               help="Speed to listen at.")  # fmt: skip
 @click.option("--port", "more", multiple=True, metavar="PORT", help="A port to list too.")
 def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> None:
-    """List audio outputs with their channels and latency, serial ports and MIDI ports.
+    """List audio outputs with their channels and latency, serial and MIDI ports, game pads.
 
     Each serial port is listened to, to say what it seems to speak: many boards start anew when
     theirs is opened.
@@ -23,6 +23,7 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
     from overview_dsp.errors import OverviewError
     from overview_dsp.live.midi_port import midi_ports
     from overview_dsp.live.output_devices import devices, no_output_hint
+    from overview_dsp.live.pad_port import Pad, pads
     from overview_dsp.live.serial_port import PortInfo, ports
     from overview_dsp.live.serial_port import listen as hear
 
@@ -36,6 +37,12 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
         midi = midi_ports()
     except OverviewError as error:
         why = str(error)
+    there: list[Pad] = []
+    why_no_pad = ""
+    try:
+        there = pads()
+    except OverviewError as error:
+        why_no_pad = str(error)
     if as_json:
         print_json(
             {
@@ -44,6 +51,7 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
                     {**vars(port), "speaks": heard.get(port.device)} for port in serial
                 ],
                 "midi_ports": midi,
+                "pads": [{"kind": pad.kind, "name": pad.name} for pad in there],
             }
         )
         return
@@ -66,3 +74,7 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
         click.echo(f"  midi:{name}")
     if not midi:
         click.echo(f"no MIDI port: {why or 'no controller is plugged in'}")
+    for pad in there:
+        click.echo(f"  pad:{pad.kind} {pad.name}")
+    if not there:
+        click.echo(f"no game pad: {why_no_pad or 'none is plugged in or paired'}")

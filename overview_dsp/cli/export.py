@@ -87,10 +87,10 @@ _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @click.option(
     "--zooms",
-    default=2,
+    default=3,
     show_default=True,
-    type=click.IntRange(0, 3),
-    help="Of a page: how often it can zoom in, by 3 each; 0.5 MB, 3, 13 and 41 MB.",
+    type=click.IntRange(0, 5),
+    help="Of a page: how often it can zoom in, by 3 each; of a match 0.4, 1.5, 5, 10, 23, 60 MB.",
 )
 @click.option(
     "--address",

@@ -54,7 +54,7 @@ def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def rate_given(context: Any, option: Any, rate: float | None) -> float | None:
     """A sample rate, refused here: the device would be asked for its own at 0."""
-    from overview_dsp.engine.engine import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
+    from overview_dsp.engine.prepared import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
     from overview_dsp.errors import InputError
 
     if rate is not None and not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:

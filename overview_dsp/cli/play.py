@@ -17,7 +17,7 @@ from overview_dsp.cli.live_session import (
     print_lines,
     seconds_given,
 )
-from overview_dsp.cli.options.follow import follow_options, followed, open_growing
+from overview_dsp.cli.options.follow import follow_options, followed, laid_out, open_growing
 from overview_dsp.cli.options.server import (
     open_server,
     refuse_server_options,
@@ -64,6 +64,7 @@ def command(
     baud: int | None,
     force: bool,
     midi_map: str | None,
+    osc_map: str | None,
     osc_out: str | None,
     window: tuple[str, str] | None,
     zoom_to: str | None,
@@ -99,7 +100,7 @@ def command(
         raise click.UsageError("--loop is for --replay")
     if hand is not None and sources:
         raise click.UsageError("--replay is the hand; leave --input out")
-    named = parse_sources(sources, sensor, baud, midi_map, force)
+    named = parse_sources(sources, sensor, baud, midi_map, osc_map, force)
     if force:
         choose_force_block(live)
     with ExitStack() as stack:
@@ -108,7 +109,8 @@ def command(
         part = part_of(data, window, zoom_to)
         if part is not None and window and growth is None:
             data, part = data.window(*part), None
-        name = preset_for(data, preset)
+        name = preset_for(data, preset if growth is None else preset or growth.preset)
+        data = laid_out(data, growth, name)
         player, received = stack.enter_context(opened_player(data, part, name, live, ab, growth))
         if hand is not None:
             assert replay is not None

@@ -9,6 +9,11 @@ import click
 
 from overview_dsp.cli.common import print_json, window_options
 from overview_dsp.cli.options.timeline import open_part, preset_for, timeline_options
+from overview_dsp.errors import InputError
+
+_FORMATS = ("clap", "vst3", "lv2")
+_TARGETS = ("x86_64-linux", "aarch64-linux", "x86_64-windows", "x86_64-macos", "aarch64-macos")
+_ALL_BUNDLED = "overView DSP"
 
 
 @click.group(name="plugin", epilog="Example: overview plugin build match.json --to clap -o plugins")
@@ -19,27 +24,31 @@ def command() -> None:
 @command.command(
     name="build", epilog="Example: overview plugin build match.json --to clap -o ~/.clap"
 )
-@click.argument("timeline")
+@click.argument("timelines", nargs=-1, metavar="[TIMELINE]...")
 @click.option(
     "--preset",
     "presets",
     multiple=True,
     help="A name or a .toml file; of several, one is chosen in the host.  "
-    "[default: the one that fits the data]",
+    "[default: those that fit the data; without TIMELINE, every bundled one]",
 )
+@click.option("--to", "to", required=True, type=click.Choice(_FORMATS), help="Its format.")
 @click.option(
-    "--to", "to", required=True, type=click.Choice(("clap", "lv2")), help="The plugin's format."
+    "--target",
+    type=click.Choice(_TARGETS),
+    help="The machine it is for; needs ziglang (pip install ziglang).  [default: this one]",
 )
 @click.option("-o", "--out", default=".", show_default=True, help="The folder it is put into.")
-@click.option("--name", help="What it is called.  [default: TIMELINE's name]")
+@click.option("--name", help="What it is called.  [default: the first TIMELINE's name]")
 @click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
 @window_options
 @timeline_options
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def build(
-    timeline: str,
+    timelines: tuple[str, ...],
     presets: tuple[str, ...],
     to: str,
+    target: str | None,
     out: str,
     name: str | None,
     seed: int,
@@ -48,15 +57,31 @@ def build(
     load: dict[str, Any],
     as_json: bool,
 ) -> None:
-    """Compile TIMELINE to a plugin, with the samples of `render`; it needs a C compiler."""
-    from overview_dsp.export.plugins import build_plugin
-    from overview_dsp.presets.library import load_preset
+    """Compile timelines to a plugin, with the samples of `render`; it needs a C compiler.
 
-    data = open_part(timeline, load, window, zoom_to)
-    chosen = [load_preset(preset) for preset in presets or (preset_for(data, None),)]
-    made = build_plugin(data, chosen, to, out, name=name or Path(timeline).stem, seed=seed)
+    Of several TIMELINEs, one is chosen in the host, as are presets. Without any it is a plugin of
+    everything that is bundled: the timelines, each in every preset.
+    """
+    from overview_dsp.export.plugins import build_plugin
+    from overview_dsp.presets.library import bundled_presets, load_preset
+    from overview_dsp.readers import BUNDLED
+
+    data = {
+        Path(timeline).stem: open_part(timeline, load, window, zoom_to)
+        for timeline in timelines or tuple(BUNDLED)
+    }
+    if len(data) < len(timelines):
+        raise InputError("two timelines of a plugin have the same name: name each once")
+    if not presets and not timelines:
+        presets = bundled_presets()
+    fitting = dict.fromkeys(preset_for(timeline, None) for timeline in data.values())
+    chosen = [load_preset(preset) for preset in presets or fitting]
+    called = name or (Path(timelines[0]).stem if timelines else _ALL_BUNDLED)
+    made = build_plugin(data, chosen, to, out, name=called, seed=seed, target=target)
     names = [preset.name for preset in chosen]
     if as_json:
-        print_json({"format": to, "file": str(made), "presets": names})
+        report = {"format": to, "file": str(made), "timelines": list(data), "presets": names}
+        print_json({**report, "target": target} if target else report)
         return
-    click.echo(f"{made}: {', '.join(names)}; clicks on output 1, the tactor on output 2")
+    timed = f"{', '.join(data)} in " if len(data) > 1 else ""
+    click.echo(f"{made}: {timed}{', '.join(names)}; clicks on output 1, the tactor on output 2")

@@ -1,4 +1,4 @@
-"""`overview sensor`: what a sensor's numbers are, learned by turning it."""
+"""`overview sensor`: what a sensor's numbers are, learned by turning it; firmware for boards."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from overview_dsp.cli.common import show
 
 @click.group(name="sensor", epilog="Example: overview sensor setup /dev/ttyACM0 -o mine.toml")
 def command() -> None:
-    """Learn what a sensor sends, for `overview play --sensor`."""
+    """Learn what a sensor sends, for `overview play --sensor`; get firmware for a board."""
 
 
 @command.command(name="setup", epilog="Example: overview sensor setup /dev/ttyACM0 -o mine.toml")
@@ -64,3 +64,29 @@ def setup(port: str, path: str, baud: int, seconds: float, as_json: bool) -> Non
         temporary.write_text(text, encoding="utf-8")
     report = {"port": opened.device, "file": path}
     show(as_json, report, f"{Path(path)}: play it with --input serial:{port} --sensor {path}")
+
+
+@command.command(name="firmware", epilog="Example: overview sensor firmware imu -o sketches")
+@click.argument("name", required=False)
+@click.option("-o", "--output", "folder", type=click.Path(file_okay=False),
+              help="The folder in which NAME is made; left out: it is only described.")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def firmware(name: str | None, folder: str | None, as_json: bool) -> None:
+    """Get the firmware NAME, to flash on a board; without NAME, list what there is."""
+    from pathlib import Path
+
+    from overview_dsp.errors import InputError
+    from overview_dsp.sensors.firmware import copy_firmware, firmware_head, firmware_names
+
+    if name is None:
+        if folder is not None:
+            raise InputError(f"which one? There is {', '.join(firmware_names())}")
+        heads = {one: firmware_head(one) for one in firmware_names()}
+        lines = (f"{one:12s} {' '.join(head.split(chr(10) * 2)[0].split())}"
+                 for one, head in heads.items())  # fmt: skip
+        show(as_json, heads, "\n".join(lines))
+        return
+    head = firmware_head(name)
+    to = None if folder is None else str(copy_firmware(name, Path(folder)))
+    text = head if to is None else f"{head}\n\n{to}: flash this"
+    show(as_json, {"name": name, "folder": to, "head": head}, text)

@@ -18,7 +18,7 @@ from overview_dsp.cli.live_session import (
     print_lines,
     seconds_given,
 )
-from overview_dsp.cli.options.follow import follow_options, followed, open_growing
+from overview_dsp.cli.options.follow import follow_options, followed, laid_out, open_growing
 from overview_dsp.cli.options.server import (
     Opened,
     open_server,
@@ -87,7 +87,8 @@ def command(
         part = part_of(data, window, zoom_to)
         if part is not None and window and growth is None:
             data, part = data.window(*part), None
-        name = preset_for(data, preset)
+        name = preset_for(data, preset if growth is None else preset or growth.preset)
+        data = laid_out(data, growth, name)
         require_server()
         if audio == "here":
             refuse_given(live, "is for --audio host; the page sounds by itself")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from overview_dsp.presets.parameter import Value
+from overview_dsp.units import HALF_TURN
 
 
 @dataclass(frozen=True)
@@ -50,13 +51,23 @@ class Dialled:
 
 
 @dataclass(frozen=True)
+class Nudged:
+    """What sets the parameter `id` goes on by `step` (1 is all) of its way from `low` to `high`."""
+
+    id: str
+    step: float
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
 class Command:
     """The session is asked for something that is no movement: a name and its words."""
 
     words: tuple[str, ...]
 
 
-Move = Turned | Touched | LetGo | Asked | Dialled | Command
+Move = Turned | Touched | LetGo | Asked | Dialled | Nudged | Command
 
 
 @dataclass
@@ -82,6 +93,12 @@ class Counters:
     unknown: int = 0
     clamped: int = 0
     overrun: int = 0
+
+
+def theta2_at(part: float, low: float | None, high: float | None) -> float:
+    """The angle (rad) at a part of a control's way between two parts of the timeline."""
+    first, last = 0.0 if low is None else low, 1.0 if high is None else high
+    return HALF_TURN * (first + (last - first) * part)
 
 
 class PositionControl:

@@ -2,7 +2,8 @@
 
 A spring holds a pitch bend wheel in its middle, as a wrist lies face up: bent either way is turned
 away, its end is the end of the timeline, and let go it is back at rest. A control change is a fader
-from 0 to 1; where its fine half (number + 32) is seen it has 14 bits, else 7. Keys tap: each holds
+from 0 to 1; where its fine half (number + 32) is seen it has 14 bits, else 7. One that the list
+says to be relative goes on by steps, and stays at its ends. Keys tap: each holds
 on at its position on the timeline until it is let go.
 """
 
@@ -13,11 +14,12 @@ from overview_dsp.controllers.control_messages import (
     Dialled,
     LetGo,
     Move,
+    Nudged,
     PositionControl,
     Touched,
+    theta2_at,
 )
 from overview_dsp.controllers.midi_map import DEFAULT, TAPS, THETA2, TOUCH, Control
-from overview_dsp.units import HALF_TURN
 
 FINE = 32
 """A control change below this has its lower 7 bits so many numbers above."""
@@ -51,6 +53,7 @@ class MidiReader:
         self._coarse: dict[tuple[int, int], int] = {}
         self._fine: set[tuple[int, int]] = set()
         self._pending: dict[tuple[int, int], float] = {}
+        self._parts: dict[Control, float] = {}
 
     def read(self, data: bytes, time_s: float) -> list[Move]:
         """The moves of one whole message."""
@@ -113,7 +116,9 @@ class MidiReader:
             if one.to == TAPS:
                 name = f"key {channel}/{number}"
                 part = (number - one.number) / (one.highest - one.number)
-                moves.append(Touched(name, _theta2(one, part)) if down else LetGo(name))
+                moves.append(
+                    Touched(name, theta2_at(part, one.low, one.high)) if down else LetGo(name)
+                )
             else:
                 moves += self._do(one, float(down))
         return moves
@@ -121,7 +126,10 @@ class MidiReader:
     def _change(self, number: int, value: int, channel: int, time_s: float) -> list[Move]:
         if number >= SOUND_OFF:
             return [LetGo()] if number in (SOUND_OFF, NOTES_OFF) else self._nothing()
-        if self._heard("cc", number, channel):
+        heard = self._heard("cc", number, channel)
+        if any(one.relative for one in heard):
+            return [move for one in heard for move in self._stepped(one, value)]
+        if heard:
             key = (channel, number)
             self._coarse[key] = value
             if key in self._fine:
@@ -142,16 +150,30 @@ class MidiReader:
             return self._nothing()
         return [move for one in heard for move in self._do(one, part)]
 
+    def _stepped(self, control: Control, value: int) -> list[Move]:
+        """One whose value is how far it was turned since the message before."""
+        if not control.relative:
+            return self._do(control, value / 127.0)
+        part = step_of(value, control.relative) / control.steps
+        part = -part if control.reverse else part
+        if control.to != THETA2:
+            return [Nudged(control.to, part, control.low, control.high)]
+        self._parts[control] = min(max(self._parts.get(control, 0.0) + part, 0.0), 1.0)
+        return self._do(control, self._parts[control])
+
     def _do(self, control: Control, part: float) -> list[Move]:
         if control.to == THETA2:
-            return self._positions[control].turn(_theta2(control, part))
+            return self._positions[control].turn(theta2_at(part, control.low, control.high))
         if control.to == TOUCH:
             touching = part >= 0.5
             return [move for one in self._positions.values() for move in one.touch(touching)]
         return [Dialled(control.to, part, control.low, control.high)]
 
 
-def _theta2(control: Control, part: float) -> float:
-    low = 0.0 if control.low is None else control.low
-    high = 1.0 if control.high is None else control.high
-    return HALF_TURN * (low + (high - low) * part)
+def step_of(value: int, relative: str) -> int:
+    """The steps that a relative control change says, -64 to 63; to the right is positive."""
+    if relative == "offset":
+        return value - 64
+    if relative == "signed":
+        return -(value & 0x3F) if value & 0x40 else value
+    return value - 128 if value > 63 else value

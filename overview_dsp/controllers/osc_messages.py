@@ -8,6 +8,8 @@
 /overview/replay 1           play the last take again and again (0: stop)
 /overview/preset football    change to a preset by its name; 1 or 2: to one of two
 /overview/window 0 2700      show a part of the timeline, s
+
+Other addresses are those of a list (`osc_map`), or nothing.
 """
 
 from __future__ import annotations
@@ -20,9 +22,14 @@ from overview_dsp.controllers.control_messages import (
     Asked,
     Command,
     Counters,
+    Dialled,
     Move,
     PositionControl,
+    theta2_at,
 )
+from overview_dsp.controllers.midi_map import THETA2, TOUCH
+from overview_dsp.controllers.osc_device import OscDevice
+from overview_dsp.controllers.osc_map import SENSED, OscControl
 from overview_dsp.controllers.osc_packets import decode_packet
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
@@ -43,11 +50,19 @@ class OscReader:
     counters : Counters
     """
 
-    def __init__(self, counters: Counters | None = None) -> None:
-        """Nothing has come yet."""
+    def __init__(
+        self, counters: Counters | None = None, controls: tuple[OscControl, ...] = ()
+    ) -> None:
+        """Nothing has come yet; `controls` are those of other programs."""
         self.counters = Counters() if counters is None else counters
         self._position = PositionControl("theta2")
+        self._controls = controls
+        self._positions = {
+            one: PositionControl(one.address) for one in controls if one.to == THETA2
+        }
+        self._device = OscDevice(tuple(one for one in controls if one.to in SENSED))
         self._said: list[str] = []
+        self._said_of_it = {""}
 
     def read(self, data: bytes, time_s: float) -> list[Move]:
         """The moves of a datagram; what is wrong with it is counted."""
@@ -56,7 +71,7 @@ class OscReader:
         except InputError as error:
             self._refuse(str(error))
             return []
-        return [move for address, values in messages for move in self._of(address, values)]
+        return [move for address, values in messages for move in self._of(address, values, time_s)]
 
     def tick(self, time_s: float) -> list[Move]:
         """What time alone does: nothing."""
@@ -67,13 +82,16 @@ class OscReader:
         said, self._said = self._said, []
         return said
 
-    def _of(self, address: str, values: Sequence[Any]) -> list[Move]:
-        if not address.startswith(PREFIX):
+    def _of(self, address: str, values: Sequence[Any], time_s: float) -> list[Move]:
+        heard = [one for one in self._controls if one.hears(address)]
+        if not heard and not address.startswith(PREFIX):
             self.counters.unknown += 1
             return []
-        name = address.removeprefix(PREFIX)
         try:
-            moves = self._named(name, values)
+            if heard:
+                moves = [move for one in heard for move in self._by(one, values, time_s)]
+            else:
+                moves = self._named(address.removeprefix(PREFIX), values)
         except InputError as error:
             self._refuse(f"{address}: {error}")
             return []
@@ -98,6 +116,28 @@ class OscReader:
             raise InputError("it takes a number, a text, true or false")
         return [Asked(name.replace("/", "."), values[0])]
 
+    def _by(self, control: OscControl, values: Sequence[Any], time_s: float) -> Sequence[Move]:
+        """What one of another program's messages means."""
+        if control.to in SENSED:
+            turns = self._device.step(control, [_number(one) for one in values], time_s)
+            if self._device.words not in self._said_of_it:
+                self._said_of_it.add(self._device.words)
+                self._said.append(self._device.words)
+            return turns
+        if len(values) < control.value:
+            raise InputError(f"value {control.value} of it is meant; {len(values)} came")
+        first, last = control.sends
+        part = (_number(values[control.value - 1]) - first) / (last - first)
+        kept = min(max(part, 0.0), 1.0)
+        self.counters.clamped += abs(kept - part) > ROUNDED
+        if control.to == TOUCH:
+            return [
+                one for position in self._positions.values() for one in position.touch(kept >= 0.5)
+            ]
+        if control.to == THETA2:
+            return self._positions[control].turn(theta2_at(kept, control.low, control.high))
+        return [Dialled(control.to, kept, control.low, control.high)]
+
     def _angle(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError("an angle is a number")
@@ -117,6 +157,12 @@ class OscReader:
         if not self.counters.refused:
             self._said.append(f"{why} (the first of them; counted on)")
         self.counters.refused += 1
+
+
+def _number(value: object) -> float:
+    if not isinstance(value, bool | int | float) or not math.isfinite(value):
+        raise InputError("its values are finite numbers")
+    return float(value)
 
 
 def _word(value: object) -> str:

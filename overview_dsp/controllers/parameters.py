@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
-from overview_dsp.controllers.control_messages import Dialled
+from overview_dsp.controllers.control_messages import Dialled, Nudged
 from overview_dsp.controllers.midi_map import TAPS, THETA2, TOUCH, Control
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.model import Preset
@@ -84,6 +85,16 @@ def part_of_way(known: Parameter, dialled: Dialled, value: Value | None) -> floa
     if known.scale == "log" and min(low, high, value) > 0.0:
         return math.log(value / low) / math.log(high / low)
     return (float(value) - low) / (high - low)
+
+
+def nudged(known: Parameter, by: Nudged, value: Value | None) -> Value:
+    """The value a step further on the control's way, no further than its end."""
+    dialled = Dialled(by.id, 0.0, by.low, by.high)
+    if known.choices:
+        at = known.choices.index(value) + (1 if by.step > 0.0 else -1)
+        return known.choices[min(max(at, 0), len(known.choices) - 1)]
+    part = part_of_way(known, dialled, value)
+    return value_at(known, replace(dialled, part=min(max((part or 0.0) + by.step, 0.0), 1.0)))
 
 
 class PickUp:

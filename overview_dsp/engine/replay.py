@@ -10,6 +10,8 @@ from overview_dsp.errors import InputError
 from overview_dsp.following.difference import applied
 from overview_dsp.following.pattern import pattern_of
 from overview_dsp.presets.dicts import preset_from_dict
+from overview_dsp.surface.ahead import joined
+from overview_dsp.surface.build import build_surface
 from overview_dsp.timeline import Timeline
 
 
@@ -40,7 +42,13 @@ def apply_change(
             grown = applied(whole, what["timeline"])
             window = what["timeline"].get("window")
             shown = grown if window is None else grown.window(*window)
-            engine.set_timeline(shown, sample_time, change=what)
+            ahead = what["timeline"].get("ahead")
+            surface = None
+            if ahead is not None:
+                surface = joined(engine.surface, build_surface(shown, engine.preset), float(ahead))
+                if surface is None:
+                    raise InputError(f"what was behind {ahead:g} isn't what it was")
+            engine.set_timeline(shown, sample_time, change=what, surface=surface)
             return grown
         else:
             start, end = what["window"]

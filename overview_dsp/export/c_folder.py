@@ -19,7 +19,7 @@ from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline
 
 IMAGE = "timeline.image"
-_FILES = ("kernel.c", "overview.h", "example.c", "Makefile", "CMakeLists.txt")
+_FILES = ("kernel.c", "operations.h", "overview.h", "example.c", "Makefile", "CMakeLists.txt")
 _IMAGE_RATE = 48_000.0  # of no consequence: a voice goes to its own when it is prepared
 
 
@@ -58,7 +58,8 @@ def export_c(
     >>> import overview_dsp as ov
     >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> [path.name for path in ov.export.export_c(match, football, "voice")]
-    ['kernel.c', 'overview.h', 'example.c', 'Makefile', 'CMakeLists.txt', 'timeline.image']
+    ['kernel.c', 'operations.h', 'overview.h', 'example.c', 'Makefile', 'CMakeLists.txt', \
+'timeline.image']
     """
     contents = c_sources(*_FILES)
     engine = Engine(preset, timeline, seed=seed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from overview_dsp.export.plugin_bundle import Image, label_of, parameter_ids
+from overview_dsp.export.plugin_bundle import Bundle, label_of, parameter_ids
 from overview_dsp.presets.parameters import PARAMETERS
 
 DESCRIPTIONS = "plugins.ttl"
@@ -35,26 +35,34 @@ _FIXED_PORTS = (
 )
 
 
-def manifest(library: str, images: Sequence[Image]) -> str:
-    """The text of `manifest.ttl`: a plugin for each image, all in one library."""
+def manifest(library: str, bundle: Bundle) -> str:
+    """The text of `manifest.ttl`: a plugin for each preset, all in one library."""
     plugins = "".join(
-        f"<{image.uri}> a lv2:Plugin ; lv2:binary <{library}> ; rdfs:seeAlso <{DESCRIPTIONS}> .\n"
-        for image in images
+        f"<{bundle.uri(number)}> a lv2:Plugin ; "
+        f"lv2:binary <{library}> ; rdfs:seeAlso <{DESCRIPTIONS}> .\n"
+        for number in range(len(bundle.presets))
     )
     return _PREFIXES + plugins
 
 
-def description(called: str, images: Sequence[Image]) -> str:
+def description(bundle: Bundle) -> str:
     """The text of the file that the manifest points to: names, ports, ranges, units."""
     plugins = []
-    for image in images:
-        name = called if len(images) == 1 else f"{called}, {image.name}"
-        ports = [*_FIXED_PORTS, *_controls(image)]
+    for number, preset in enumerate(bundle.presets):
+        name = bundle.name if len(bundle.presets) == 1 else f"{bundle.name}, {preset}"
+        ports = [*_FIXED_PORTS, *_controls(bundle.of_preset(number)[0].values)]
+        if len(bundle.timelines) > 1:
+            ports.append(
+                'a lv2:InputPort , lv2:ControlPort ; lv2:symbol "timeline" ; '
+                'lv2:name "Timeline" ; lv2:default 0.0 ; lv2:minimum 0.0 ; '
+                f"lv2:maximum {len(bundle.timelines) - 1}.0{_enumeration(bundle.timelines)}"
+            )
         listed = " ,\n    ".join(
-            f"[ {port} ; lv2:index {number} ]" for number, port in enumerate(ports)
+            f"[ {port} ; lv2:index {index} ]" for index, port in enumerate(ports)
         )
         plugins.append(
-            f"<{image.uri}> a lv2:InstrumentPlugin , lv2:Plugin ; doap:name {_text(name)} ;\n"
+            f"<{bundle.uri(number)}> a lv2:InstrumentPlugin , lv2:Plugin ; "
+            f"doap:name {_text(name)} ;\n"
             "    doap:license <https://spdx.org/licenses/MIT> ;\n"
             "    lv2:requiredFeature urid:map ; lv2:optionalFeature lv2:hardRTCapable ;\n"
             "    lv2:minorVersion 2 ; lv2:microVersion 0 ;\n"
@@ -63,9 +71,18 @@ def description(called: str, images: Sequence[Image]) -> str:
     return _PREFIXES + "".join(plugins)
 
 
-def _controls(image: Image) -> Iterator[str]:
+def _enumeration(choices: Sequence[str]) -> str:
+    """What makes a control port one of several choices."""
+    points = " , ".join(
+        f"[ rdfs:label {_text(choice)} ; rdf:value {number}.0 ]"
+        for number, choice in enumerate(choices)
+    )
+    return f" ; lv2:portProperty lv2:enumeration , lv2:integer ; lv2:scalePoint {points}"
+
+
+def _controls(values: Sequence[float]) -> Iterator[str]:
     """A control port for each parameter that isn't the surface's."""
-    for id, value in zip(parameter_ids(), image.values, strict=True):
+    for id, value in zip(parameter_ids(), values, strict=True):
         known = PARAMETERS[id]
         name, _, choices = label_of(id)
         low, high = (0.0, len(choices) - 1.0) if choices else (known.low, known.high)
@@ -77,11 +94,7 @@ def _controls(image: Image) -> Iterator[str]:
         if isinstance(known.default, bool):
             port += " ; lv2:portProperty lv2:toggled"
         elif choices:
-            points = " , ".join(
-                f"[ rdfs:label {_text(choice)} ; rdf:value {number}.0 ]"
-                for number, choice in enumerate(choices)
-            )
-            port += f" ; lv2:portProperty lv2:enumeration , lv2:integer ; lv2:scalePoint {points}"
+            port += _enumeration(choices)
         elif known.scale == "log":
             port += " ; lv2:portProperty pprops:logarithmic"
         if known.unit in _UNITS:

@@ -1,10 +1,10 @@
-"""What a plugin holds: images of a timeline by preset, embedded in the text of `bundle.c`."""
+"""What a plugin holds: images of timelines by preset, and `bundle.c`, which describes them."""
 
 from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 
@@ -15,15 +15,17 @@ from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.timeline import Timeline
 
+IMAGES = "images.bin"
+"""The file that `bundle.c` includes: all images, one behind the other."""
+
 _IMAGE_RATE = 48_000.0  # of no consequence: a voice goes to its own when it is prepared
 _UNIT_OF_KEY = re.compile(r"_(db|hz|ms|s|mnm)$")
 
 
 @dataclass(frozen=True)
 class Image:
-    """A preset of a bundle: the name, the image, its tail in seconds, its parameters' values."""
+    """A timeline in a preset: the bytes, the tail in seconds, the parameters' values."""
 
-    name: str
     data: bytes
     tail_s: float
     values: tuple[float, ...]
@@ -33,19 +35,62 @@ class Image:
         """SHA-256, in hexadecimal."""
         return hashlib.sha256(self.data).hexdigest()
 
+
+@dataclass(frozen=True)
+class Bundle:
+    """What a plugin is called, its timelines and presets by name, and an image for each pair.
+
+    The images of a timeline are in the presets' order, those of the next one behind them.
+    """
+
+    name: str
+    timelines: tuple[str, ...]
+    presets: tuple[str, ...]
+    images: tuple[Image, ...]
+
     @property
-    def uri(self) -> str:
-        """Of its LV2 plugin: of other data it is another plugin."""
-        return f"urn:overview-dsp:{self.digest[:32]}"
+    def slug(self) -> str:
+        """The name as it is written in ids and files."""
+        return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-") or "timeline"
+
+    @property
+    def id(self) -> str:
+        """What a project finds the plugin by, whatever data it holds."""
+        return f"org.overview-dsp.{self.slug}"
+
+    def of_preset(self, preset: int) -> tuple[Image, ...]:
+        """The images of a preset, by timeline."""
+        return self.images[preset :: len(self.presets)]
+
+    def uri(self, preset: int) -> str:
+        """Of a preset's LV2 plugin: of other data it is another plugin."""
+        digests = [image.digest for image in self.of_preset(preset)]
+        if len(digests) > 1:
+            digests = [hashlib.sha256("".join(digests).encode()).hexdigest()]
+        return f"urn:overview-dsp:{digests[0][:32]}"
+
+    @property
+    def data(self) -> bytes:
+        """The content of `images.bin`."""
+        return b"".join(image.data for image in self.images)
 
 
-def image_of(timeline: Timeline, preset: Preset, seed: int) -> Image:
-    """The image of a timeline in a preset."""
+def bundle_of(
+    name: str, timelines: Mapping[str, Timeline], presets: Sequence[Preset], seed: int
+) -> Bundle:
+    """The images of every timeline in every preset."""
+    images = (
+        _image_of(timeline, preset, seed) for timeline in timelines.values() for preset in presets
+    )
+    return Bundle(name, tuple(timelines), tuple(preset.name for preset in presets), tuple(images))
+
+
+def _image_of(timeline: Timeline, preset: Preset, seed: int) -> Image:
     engine = Engine(preset, timeline, seed=seed)
     engine.prepare(_IMAGE_RATE)
     data = encode_engine(engine)
     values = engine.memory[layout.PARAMS : layout.PARAMS + layout.PARAMETERS]
-    return Image(preset.name, data, engine.tail_seconds, tuple(map(float, values)))
+    return Image(data, engine.tail_seconds, tuple(map(float, values)))
 
 
 def _quoted(text: bytes) -> str:
@@ -79,21 +124,37 @@ def label_of(id: str) -> tuple[str, str, tuple[str, ...]]:
     return f"{section.capitalize()} {words}", section.capitalize(), choices
 
 
-def bundle_source(called: str, slug: str, images: Sequence[Image]) -> Iterator[str]:
-    """The text of `bundle.c`, in pieces."""
+_DATA = """
+#if defined __APPLE__
+__asm__(".const\\n.private_extern _bundle_data\\n.p2align 3\\n_bundle_data:\\n"
+        ".incbin \\"{file}\\"\\n.text\\n");
+#elif defined _WIN32
+__asm__(".section .rdata,\\"dr\\"\\n.globl bundle_data\\n.p2align 3\\nbundle_data:\\n"
+        ".incbin \\"{file}\\"\\n.text\\n");
+#else
+__asm__(".pushsection .rodata\\n.globl bundle_data\\n.hidden bundle_data\\n.p2align 3\\n"
+        "bundle_data:\\n.incbin \\"{file}\\"\\n.popsection\\n");
+#endif
+""".replace("{file}", IMAGES)
+
+
+def bundle_source(bundle: Bundle) -> Iterator[str]:
+    """The text of `bundle.c`, in pieces; it includes the file `images.bin` beside it."""
 
     def text(value: str) -> str:
         return _quoted(value.encode())
 
     yield '#include "bundle.h"\n\n'
-    version = metadata.version("overview-dsp")
     for what, value in (
-        ("id", f"org.overview-dsp.{slug}"),
-        ("name", called),
-        ("version", version),
+        ("id", bundle.id),
+        ("name", bundle.name),
+        ("version", metadata.version("overview-dsp")),
         ("description", "A timeline under the hand: clicks to hear, a vibration to feel."),
     ):
         yield f"const char bundle_{what}[] = {text(value)};\n"
+    named = hashlib.sha256(f"{bundle.id} in VST3".encode()).hexdigest()
+    words = ", ".join(f"0x{named[at : at + 8]}" for at in range(0, 32, 8))
+    yield f"const uint32_t bundle_class[4] = {{{words}}};\n"
     labels = []
     for number, id in enumerate(parameter_ids()):
         name, section, choices = label_of(id)
@@ -104,17 +165,17 @@ def bundle_source(called: str, slug: str, images: Sequence[Image]) -> Iterator[s
         labels.append(f"    {{{text(name)}, {text(section)}, {listed}}},\n")
     yield "const bundle_label bundle_labels[OVERVIEW_PARAMETERS] = {\n"
     yield "".join(labels) + "};\n"
-    for number, image in enumerate(images):
-        yield f"static const char image_{number}[] =\n"
-        for at in range(0, len(image.data), 1000):
-            yield f"    {_quoted(image.data[at : at + 1000])}\n"
-        yield ";\n"
-    yield f"const int bundle_presets_count = {len(images)};\n"
+    yield f"const int bundle_timelines_count = {len(bundle.timelines)};\n"
+    yield f"const char *const bundle_timelines[] = {{{', '.join(map(text, bundle.timelines))}}};\n"
+    yield f"const int bundle_presets_count = {len(bundle.presets)};\n"
     yield "const bundle_preset bundle_presets[] = {\n"
-    for number, image in enumerate(images):
-        values = ", ".join(value.hex() for value in image.values)
-        yield (
-            f"    {{{text(image.name)}, {text(image.uri)}, {text(image.digest)},\n"
-            f"     image_{number}, {len(image.data)}, {image.tail_s.hex()},\n     {{{values}}}}},\n"
-        )
-    yield "};\n"
+    for number, preset in enumerate(bundle.presets):
+        values = ", ".join(value.hex() for value in bundle.of_preset(number)[0].values)
+        yield f"    {{{text(preset)}, {text(bundle.uri(number))},\n     {{{values}}}}},\n"
+    yield "};\nconst bundle_image bundle_images[] = {\n"
+    at = 0
+    for image in bundle.images:
+        size = len(image.data)
+        yield f"    {{{text(image.digest)}, {at}, {size}, {image.tail_s.hex()}}},\n"
+        at += size
+    yield "};\n" + _DATA

@@ -6,6 +6,8 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 
+from overview_dsp.timeline.gaps import Gaps
+
 
 class Coverage:
     """Signs of life on a time axis, joined where they are no further apart than `reach_s`.
@@ -56,3 +58,18 @@ class Coverage:
 
     def __bool__(self) -> bool:
         return bool(self._starts)
+
+
+def merged_gaps(found: Iterable[tuple[float, float, str]]) -> tuple[Gaps, tuple[str, ...]]:
+    """Gaps (start_s, end_s, why) in order, those that overlap as one, and why each is there.
+
+    Of those that overlap, the first one's reason stays. Empty ones are left out.
+    """
+    merged: list[tuple[float, float, str]] = []
+    for start, end, why in sorted(one for one in found if one[0] < one[1]):
+        if merged and start < merged[-1][1]:
+            first, last, reason = merged[-1]
+            merged[-1] = (first, max(last, end), reason)
+        else:
+            merged.append((start, end, why))
+    return tuple((a, b) for a, b, _ in merged), tuple(why for *_, why in merged)

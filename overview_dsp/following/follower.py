@@ -6,6 +6,7 @@ import random
 import threading
 import time
 from collections import deque
+from collections.abc import Generator
 
 from overview_dsp.errors import InputError
 from overview_dsp.following.feed_lines import Lines, take_line
@@ -57,9 +58,9 @@ class Follower:
         return self
 
     def close(self) -> None:
-        """Stop; a source that waits for something is left to itself."""
+        """Stop; a source that waits for longer than it may is left to itself."""
         self._stop.set()
-        self._thread.join(0.5)
+        self._thread.join(self._source.ends_within_s)
 
     @property
     def over(self) -> bool:
@@ -91,8 +92,9 @@ class Follower:
         try:
             while not self._stop.is_set():
                 lines = Lines()
+                coming = self._source.come()
                 try:
-                    for came in self._source.come():
+                    for came in coming:
                         if self._stop.is_set():
                             return
                         if came is not None:
@@ -106,6 +108,9 @@ class Follower:
                     # apart from each other, where many have lost the same server
                     wait_s = min(2.0 * wait_s, AGAIN_S[1])
                     self._stop.wait(max(wait_s * random.uniform(0.5, 1.0), error.wait_s))
+                finally:
+                    if isinstance(coming, Generator):
+                        coming.close()  # what it opened is given back here, and now
         except InputError as error:
             self._say(f"{error}; nothing more is followed")
         except Exception as error:  # a fault of this program: the disk plays on

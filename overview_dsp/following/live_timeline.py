@@ -8,36 +8,30 @@ values for one sample or one id stands.
 from __future__ import annotations
 
 import math
-import threading
-from collections import OrderedDict, deque
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
-from typing import Literal, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from overview_dsp.errors import InputError
-from overview_dsp.following.coverage import Coverage
-from overview_dsp.following.kept_samples import KeptSamples
+from overview_dsp.following.coverage import merged_gaps
+from overview_dsp.following.feed_checks import (
+    MAPS,
+    Map,
+    checked_expectation,
+    checked_length,
+    checked_map,
+)
+from overview_dsp.following.gathered import Gathered
 from overview_dsp.public.reprs import counted, short
 from overview_dsp.readers.excitement import derive_intensity
-from overview_dsp.timeline import checks
-from overview_dsp.timeline.curve_checks import MAX_VALUE
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.units import clock_text
 
-Map = Literal["whole", "so far"]
-Key = tuple[float, str, str]
-
-MAPS: tuple[Map, ...] = ("whole", "so far")
-
-LONGEST_S = 100 * 366 * 86_400.0
-"""A time beyond this is no moment of a feed but a broken clock."""
+__all__ = ["MAPS", "LiveTimeline", "Map"]
 
 EXTRA_TIME = 0.05
 """By which part of the expected length it is extended, again and again, when play goes on: half an
@@ -52,26 +46,8 @@ SHORTEST_S = 1.0
 SILENCE_S = 120.0
 """A feed that tells its clock (or samples) and is silent for longer leaves a gap."""
 
-MAX_EVENTS = 20_000
-"""Most events (and most details) that are kept; more than a surface holds."""
 
-MAX_TAKEN_BACK = 10_000
-"""So many retractions are remembered, for events that come late or again."""
-
-MAX_CHANGES = 1_000
-"""So many of the latest changes are remembered for `changes_since`."""
-
-
-@dataclass(frozen=True)
-class Change:
-    """An event that came or was taken back."""
-
-    revision: int
-    what: Literal["added", "retracted"]
-    event: Event
-
-
-class LiveTimeline:
+class LiveTimeline(Gathered):
     """A timeline that grows: events and samples are appended, and events retracted, as they happen.
 
     `snapshot` gives the timeline as it is at that moment. It is mapped in one of two ways: `"so
@@ -126,188 +102,14 @@ class LiveTimeline:
         percentiles: tuple[float, float] = EXTREMES,
         silence_s: float = SILENCE_S,
     ) -> None:
-        self._lock = threading.RLock()
-        self._title = checks.text(title, "title")
-        self._unit = checks.text(unit, "unit")
-        checks.moment(start, LONGEST_S)
-        self._start = start
-        self._percentiles = percentiles
-        self._provenance = "a feed"
-        self._notes: tuple[str, ...] = ()
-        self._expect_s = _expected(expect_s)
-        self._map: Map = _map(map) if map is not None else "whole" if expect_s else "so far"
+        super().__init__(title, unit, start, percentiles, silence_s)
+        self._expect_s = checked_expectation(expect_s)
+        wanted: Map = "whole" if expect_s else "so far"
+        self._map: Map = wanted if map is None else checked_map(map)
         self._is_map_chosen = map is not None
-        self._events: dict[Key, Event] = {}
-        self._details: dict[Key, Event] = {}
-        self._ids: OrderedDict[str, Key] = OrderedDict()
-        self._taken_back: OrderedDict[Key | str | tuple[str, Key], None] = OrderedDict()
-        self._samples = KeptSamples()
-        self._heard = Coverage(checks.positive(silence_s, "silence_s"))
-        self._given_gaps: dict[tuple[float, float], str] = {}
-        self._clock_s = 0.0
-        self._last_s: float | None = 0.0  # of the events; None is to be looked up
         self._end_s: float | None = None
-        self._left_out = 0
-        self._document: Timeline | None = None
-        self._revision = 0
-        self._changes: deque[Change] = deque(maxlen=MAX_CHANGES)
         self._made: tuple[int, Timeline] | None = None
         self._felt: tuple[Timeline, Timeline] | None = None
-
-    # --- what comes -----------------------------------------------------------------------------
-
-    def append(
-        self,
-        events: Iterable[Event] = (),
-        intensity: Intensity | Iterable[ArrayLike] = (),
-        *,
-        details: Iterable[Event] = (),
-        clock_s: float | None = None,
-        ids: Iterable[str | None] = (),
-    ) -> None:
-        """Take what has happened: all of it, or none.
-
-        What is there already stays as it is; what was retracted stays away.
-
-        Parameters
-        ----------
-        events : iterable of Event
-            In any order.
-        intensity : Intensity or iterable of (float, float)
-            Samples: seconds and value; one for a time that is there already replaces that.
-        details : iterable of Event
-            Smaller things, felt in windows.
-        clock_s : float or None
-            What time it is, s: nothing else has happened up to then.
-        ids : iterable of (str or None)
-            The feed's name of each of the events: an event of the same name replaces the earlier
-            one, and is retracted by it.
-
-        Raises
-        ------
-        InputError
-            A time, value or type that isn't allowed; nothing is taken.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> live = ov.LiveTimeline()
-        >>> live.append(events=[ov.Event(10.0, "foul")], intensity=[(0.0, 0.2), (12.0, 0.7)])
-        >>> live.snapshot().duration_s
-        12.0
-        """
-        happened = tuple(_event(one, "events") for one in events)
-        smaller = tuple(_event(one, "details") for one in details)
-        unit = ""
-        if isinstance(intensity, Intensity):
-            unit = intensity.unit
-            intensity = np.column_stack([intensity.time_s[:], intensity.value])
-        samples = [_sample(one) for one in intensity]
-        named: tuple[str | None, ...] = tuple(ids)
-        if named and len(named) != len(happened):
-            raise InputError(f"{len(named)} ids for {len(happened)} events; give one for each")
-        clock = None if clock_s is None else _time(clock_s, "clock_s")
-        with self._lock:
-            before = self._sight()
-            changed = False
-            if unit and unit != self._unit:
-                self._unit, changed = unit, True
-            for event, name in zip(happened, named or (None,) * len(happened), strict=True):
-                changed |= self._put(event, name)
-            for detail in smaller:
-                changed |= self._put_detail(detail)
-            for time_s, value in samples:
-                changed |= self._samples.put(time_s, value)
-                changed |= self._heard.add(time_s)
-            if clock is not None:
-                changed |= self._heard.add(clock)
-                self._clock_s = max(self._clock_s, clock)
-            if changed or self._sight() != before:
-                self._revised()
-
-    def retract(self, event: Event | str) -> bool:
-        """Take an event back: a goal that was annulled.
-
-        It stays away, also if the feed gives it again or only gives it later.
-
-        Parameters
-        ----------
-        event : Event or str
-            An event of that time, kind and label, or the feed's id of it.
-
-        Returns
-        -------
-        bool
-            Whether it was there.
-
-        Raises
-        ------
-        InputError
-            Neither of both.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> live = ov.LiveTimeline()
-        >>> goal = ov.Event(786.2, "goal", "1-0 Parris")
-        >>> live.append(events=[goal, ov.Event(800.0, "foul")])
-        >>> live.retract(goal)
-        True
-        >>> live.snapshot().kinds()
-        {'foul': 1}
-        """
-        if not isinstance(event, Event | str):
-            raise InputError(f"{checks.shown(event)} is neither an Event nor an id")
-        with self._lock:
-            name = event if isinstance(event, str) else None
-            key = self._ids.get(name) if name is not None else _key(cast(Event, event))
-            self._take_back(name if name is not None else cast(Key, key))
-            if key is None:
-                return False
-            self._last_s = None
-            taken = self._events.pop(key, None)
-            if taken is None:
-                if self._details.pop(key, None) is None:
-                    return False
-                self._revised()
-                return True
-            self._revised()
-            self._changes.append(Change(self._revision, "retracted", taken))
-            return True
-
-    def gap(self, start_s: float, end_s: float, reason: str = "") -> None:
-        """Say that nothing is known of a stretch.
-
-        Parameters
-        ----------
-        start_s, end_s : float
-            Seconds.
-        reason : str
-            Why.
-
-        Raises
-        ------
-        InputError
-            Not 0 <= start_s < end_s.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> live = ov.LiveTimeline()
-        >>> live.append(events=[ov.Event(10.0, "foul")], clock_s=40.0)
-        >>> live.gap(20.0, 30.0, "no camera")
-        >>> live.snapshot().gaps
-        ((20.0, 30.0),)
-        """
-        start, end = _time(start_s, "start_s"), _time(end_s, "end_s")
-        if start >= end:
-            raise InputError(f"a gap from {start!r} to {end!r} s; it begins before it ends")
-        checks.text(reason, "reason")
-        with self._lock:
-            if self._given_gaps.get((start, end)) != reason and len(self._given_gaps) < MAX_CHANGES:
-                self._given_gaps[start, end] = reason
-                self._clock_s = max(self._clock_s, end)
-                self._revised()
 
     def end(self, duration_s: float | None = None) -> None:
         """Say that it is over: no map has a future any more.
@@ -333,134 +135,18 @@ class LiveTimeline:
         >>> live.snapshot().duration_s, live.ended
         (5790.0, True)
         """
-        hint = f"a duration is a finite number of seconds above 0, up to {LONGEST_S:g}"
-        given = None if duration_s is None else checks.positive(duration_s, "duration_s", hint)
-        if given is not None and given > LONGEST_S:
-            raise InputError(f"duration_s is {given!r}; {hint}")
+        rule = "a duration is a finite number of seconds"
+        given = None if duration_s is None else checked_length(duration_s, "duration_s", rule)
         with self._lock:
             over = max(self.now_s, SHORTEST_S) if given is None else given
             if self._end_s != over:
                 self._end_s = over
                 self._revised()
 
-    def describe(
-        self,
-        *,
-        title: str | None = None,
-        unit: str | None = None,
-        start: datetime | None = None,
-        provenance: str | None = None,
-        notes: Iterable[str] | None = None,
-        percentiles: tuple[float, float] | None = None,
-        silence_s: float | None = None,
-    ) -> None:
-        """Say what it is; what is left out stays as it was.
-
-        Parameters
-        ----------
-        title : str or None
-            Words for a person.
-        unit : str or None
-            Of the samples.
-        start : datetime or None
-            The calendar moment of time 0.
-        provenance : str or None
-            Where it is from.
-        notes : iterable of str or None
-            What a person should know.
-        percentiles : (float, float) or None
-            As an Intensity's.
-        silence_s : float or None
-            As in the constructor; nothing once the clock was told.
-
-        Raises
-        ------
-        InputError
-            A value that isn't allowed; nothing is changed.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> live = ov.LiveTimeline()
-        >>> live.describe(title="Home - Away")
-        >>> live.snapshot().title
-        'Home - Away'
-        """
-        told = {
-            "_title": None if title is None else checks.text(title, "title"),
-            "_unit": None if unit is None else checks.text(unit, "unit"),
-            "_provenance": None if provenance is None else checks.text(provenance, "provenance"),
-            "_notes": None if notes is None else tuple(checks.text(n, "notes") for n in notes),
-            "_start": start,
-            "_percentiles": percentiles,
-        }
-        checks.moment(start, LONGEST_S)
-        if percentiles is not None:
-            Intensity(np.zeros(1), np.zeros(1), percentiles=percentiles)  # checked there
-        reach = None if silence_s is None else checks.positive(silence_s, "silence_s")
-        with self._lock:
-            if reach is not None and not self._heard:
-                self._heard.reach_s = reach
-            said = {key: value for key, value in told.items() if value is not None}
-            if any(getattr(self, key) != value for key, value in said.items()):
-                self.__dict__.update(said)
-                self._revised()
-
-    def replace(self, timeline: Timeline) -> None:
-        """Take over a timeline that was read anew, in place of all that came.
-
-        Parameters
-        ----------
-        timeline : Timeline
-            All that has happened so far.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> live = ov.LiveTimeline(expect_s=5880.0)
-        >>> match = ov.load_timeline("world-cup-final-2018")
-        >>> live.replace(match.window(0.0, 2400.0))
-        >>> live.snapshot().until_s
-        2400.0
-        """
-        with self._lock:
-            if self._document == timeline:
-                return
-            before = {_key(event): event for event in self._all_events()}
-            after = {_key(event): event for event in timeline.events}
-            self._document = timeline
-            self._revised()
-            for key, event in before.items():
-                if key not in after:
-                    self._changes.append(Change(self._revision, "retracted", event))
-            for key, event in after.items():
-                if key not in before:
-                    self._changes.append(Change(self._revision, "added", event))
-
-    # --- how it stands --------------------------------------------------------------------------
-
-    @property
-    def now_s(self) -> float:
-        """Up to when it has happened, s: the latest of the clock, the events and the samples."""
-        with self._lock:
-            if self._document is not None:
-                document = self._document
-                return document.duration_s if document.until_s is None else document.until_s
-            if self._last_s is None:
-                both = (*self._events, *self._details)
-                self._last_s = max((key[0] for key in both), default=0.0)
-            last_s = self._samples.last_s if len(self._samples) else 0.0
-            return max(self._clock_s, self._last_s, last_s)
-
     @property
     def ended(self) -> bool:
         """Whether it is over."""
         return self._end_s is not None
-
-    @property
-    def revision(self) -> int:
-        """Counts up with every change."""
-        return self._revision
 
     @property
     def map(self) -> Map:
@@ -471,7 +157,7 @@ class LiveTimeline:
     def map(self, map: Map) -> None:
         with self._lock:
             self._is_map_chosen = True
-            if _map(map) != self._map:
+            if checked_map(map) != self._map:
                 self._map = map
                 self._revised()
 
@@ -483,7 +169,7 @@ class LiveTimeline:
     @expect_s.setter
     def expect_s(self, expect_s: float | None) -> None:
         with self._lock:
-            if _expected(expect_s) != self._expect_s:
+            if checked_expectation(expect_s) != self._expect_s:
                 self._expect_s = expect_s
                 self._revised()
 
@@ -510,8 +196,10 @@ class LiveTimeline:
         >>> live.map, live.expect_s
         ('so far', 5700.0)
         """
-        length = _expected(expect_s)
-        wanted = _map(map) if map is not None else "whole" if length is not None else self._map
+        length = checked_expectation(expect_s)
+        wanted = "whole" if length is not None else self._map
+        if map is not None:
+            wanted = checked_map(map)
         with self._lock:
             before = self._map, self._expect_s
             if self._expect_s is None:
@@ -520,11 +208,6 @@ class LiveTimeline:
                 self._map = wanted
             if before != (self._map, self._expect_s):
                 self._revised()
-
-    @property
-    def left_out(self) -> int:
-        """How many events were too many to be kept."""
-        return self._left_out
 
     @property
     def duration_s(self) -> float:
@@ -588,92 +271,6 @@ class LiveTimeline:
                 self._felt = (shown, room)
             return self._felt[1]
 
-    def changes_since(self, revision: int) -> tuple[Change, ...]:
-        """Look up which events came and which were taken back.
-
-        Parameters
-        ----------
-        revision : int
-            After which.
-
-        Returns
-        -------
-        tuple of Change
-            In order; each has `revision`, `what` (`"added"` or `"retracted"`) and `event`. The
-            latest 1000 are remembered.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> live = ov.LiveTimeline()
-        >>> live.append(events=[ov.Event(10.0, "foul")])
-        >>> [change.what for change in live.changes_since(0)]
-        ['added']
-        """
-        with self._lock:
-            return tuple(change for change in self._changes if change.revision > revision)
-
-    # --- inside -----------------------------------------------------------------------------------
-
-    def _sight(self) -> tuple[float, bool]:
-        return self.now_s, bool(self._heard)
-
-    def _revised(self) -> None:
-        self._revision += 1
-
-    def _all_events(self) -> Iterable[Event]:
-        return self._events.values() if self._document is None else self._document.events
-
-    def _take_back(self, key: Key | str | tuple[str, Key]) -> None:
-        self._taken_back[key] = None
-        while len(self._taken_back) > MAX_TAKEN_BACK:
-            self._taken_back.popitem(last=False)
-
-    def _put(self, event: Event, name: str | None) -> bool:
-        key = _key(event)
-        if not self._taken_back.keys().isdisjoint((key, name, (name, key))):
-            return False
-        corrected = self._named(name, key) if name is not None else None
-        there = self._events.get(key)
-        if there is not None and there.weight >= event.weight and corrected is None:
-            return False
-        self._events[key] = event
-        if self._last_s is not None:
-            self._last_s = max(self._last_s, event.time_s)
-        if corrected is not None:
-            self._changes.append(Change(self._revision + 1, "retracted", corrected))
-        if there is None:
-            self._changes.append(Change(self._revision + 1, "added", event))
-        self._keep_within(self._events)
-        return True
-
-    def _named(self, name: str, key: Key) -> Event | None:
-        """Give an event a name; the event that had it until now, which is gone."""
-        earlier = self._ids.get(name)
-        self._ids[name] = key
-        if len(self._ids) > MAX_EVENTS:
-            self._ids.popitem(last=False)
-        if earlier is None or earlier == key:
-            return None
-        self._take_back((name, earlier))  # a feed that begins again doesn't bring it back
-        self._last_s = None
-        return self._events.pop(earlier, None)
-
-    def _put_detail(self, event: Event) -> bool:
-        key = _key(event)
-        if key in self._details or key in self._taken_back:
-            return False
-        self._details[key] = event
-        if self._last_s is not None:
-            self._last_s = max(self._last_s, event.time_s)
-        self._keep_within(self._details)
-        return True
-
-    def _keep_within(self, events: dict[Key, Event]) -> None:
-        if len(events) > MAX_EVENTS:
-            self._left_out += _thin(events)
-            self._last_s = None
-
     def _build(self) -> Timeline:
         duration_s, now = self.duration_s, self.now_s
         growing = self._end_s is None and self._map == "whole" and self._expect_s is not None
@@ -685,7 +282,9 @@ class LiveTimeline:
             return replace(document, duration_s=duration_s, until_s=until_s)
         reach = duration_s if until_s is None else now
         # periods first, as the readers of matches list them: the same products to the bit
-        events = sorted(self._events.values(), key=lambda one: (one.kind != "period", one.time_s))
+        events = sorted(
+            self._kept.events.values(), key=lambda one: (one.kind != "period", one.time_s)
+        )
         provenance, notes = self._provenance, self._notes
         intensity: Intensity | None = None
         if len(self._samples):
@@ -699,8 +298,8 @@ class LiveTimeline:
             intensity = Intensity(np.zeros(1), np.zeros(1), self._unit)
             if now == 0.0:
                 notes = (*notes, "nothing has happened yet")
-        if self._left_out:
-            notes = (*notes, f"{self._left_out} events were too many to be kept")
+        if self._kept.left_out:
+            notes = (*notes, f"{self._kept.left_out} events were too many to be kept")
         gaps, reasons = self._gaps(events, reach)
         return Timeline(
             title=self._title,
@@ -712,86 +311,20 @@ class LiveTimeline:
             provenance=provenance,
             notes=notes,
             start=self._start,
-            details=tuple(self._details.values()),
+            details=tuple(self._kept.details.values()),
             until_s=until_s,
         )
 
     def _gaps(self, events: Iterable[Event], reach: float) -> tuple[Gaps, tuple[str, ...]]:
         """The stretches that were silent, and those that the feed names; joined where they meet."""
-        found: list[tuple[float, float, str]] = []
         # a feed that tells no clock may be silent, and what was before the first is not known
         signs = (event.time_s for event in events if event.time_s > self._heard.first_s)
+        found: list[tuple[float, float, str]]
         found = [(*gap, "the feed was silent") for gap in self._heard.gaps(signs)]
         found += [(start, min(end, reach), why) for (start, end), why in self._given_gaps.items()]
-        joined: list[tuple[float, float, str]] = []
-        for start, end, why in sorted(one for one in found if one[0] < one[1]):
-            if joined and start < joined[-1][1]:
-                first, last, reason = joined[-1]
-                joined[-1] = (first, max(last, end), reason)
-            else:
-                joined.append((start, end, why))
-        return tuple((a, b) for a, b, _ in joined), tuple(why for *_, why in joined)
+        return merged_gaps(found)
 
     def __repr__(self) -> str:
         over = "ended" if self.ended else f"{self._map}, now {clock_text(self.now_s)}"
         count = counted(sum(1 for _ in self._all_events()), "event")
         return f"<LiveTimeline {short(self._title)}: {over}, {count}>"
-
-
-def _key(event: Event) -> Key:
-    return event.time_s, event.kind, event.label
-
-
-def _event(value: object, where: str) -> Event:
-    if not isinstance(value, Event):
-        raise InputError(f"{where} holds {checks.shown(value)}; give Event")
-    _time(value.time_s, "time_s")
-    return value
-
-
-def _time(value: object, what: str) -> float:
-    hint = f"times are seconds from the start, 0 to {LONGEST_S:g}"
-    time_s = checks.number(value, what, hint)
-    if not 0.0 <= time_s <= LONGEST_S:
-        raise InputError(f"{what} is {time_s!r}; {hint}")
-    return time_s
-
-
-def _sample(value: object) -> tuple[float, float]:
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    if not isinstance(value, tuple | list) or len(value) != 2:
-        raise InputError(f"a sample is {checks.shown(value)}; give a time in s and a value")
-    hint = f"it is finite, up to {MAX_VALUE:g}"
-    level = checks.number(value[1], "a sample's value", hint)
-    if abs(level) > MAX_VALUE:
-        raise InputError(f"a sample's value is {level!r}; {hint}")
-    return _time(value[0], "a sample's time"), level
-
-
-def _expected(value: object) -> float | None:
-    if value is None:
-        return None
-    hint = f"the expected length is seconds, above 0, up to {LONGEST_S:g}"
-    expect_s = checks.positive(value, "expect_s", hint)
-    if expect_s > LONGEST_S:
-        raise InputError(f"expect_s is {expect_s!r}; {hint}")
-    return expect_s
-
-
-def _map(value: Map) -> Map:
-    if value not in MAPS:
-        raise InputError(f"map is {checks.shown(value)}; it is one of {', '.join(MAPS)}")
-    return value
-
-
-def _thin(events: dict[Key, Event]) -> int:
-    """Leave out every second event of the commonest kind; how many."""
-    counts: dict[str, int] = {}
-    for _, kind, _ in events:
-        counts[kind] = counts.get(kind, 0) + 1
-    common = max(counts, key=lambda kind: (counts[kind], kind))
-    gone = sorted(key for key in events if key[1] == common)[1::2]
-    for key in gone:
-        del events[key]
-    return len(gone)

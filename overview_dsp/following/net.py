@@ -11,7 +11,7 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.following.feed_lines import MAX_LINE_BYTES
-from overview_dsp.following.sources import CHUNK_BYTES, Came, LostError, is_feed
+from overview_dsp.following.sources import CHUNK_BYTES, ENDS_WITHIN_S, Came, LostError, is_feed
 from overview_dsp.readers.registry import load_timeline
 
 ASK_EVERY_S = 1.0
@@ -30,6 +30,8 @@ MAX_MESSAGE = 16 << 20
 
 class Http:
     """An address: server-sent events are listened to, any other file is asked for again."""
+
+    ends_within_s = ENDS_WITHIN_S
 
     def __init__(self, address: str) -> None:
         self.name = address
@@ -119,6 +121,8 @@ class Http:
 
 class WebSocket:
     """A WebSocket whose messages are lines of a feed."""
+
+    ends_within_s = ENDS_WITHIN_S
 
     def __init__(self, address: str) -> None:
         self.name = address

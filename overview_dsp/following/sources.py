@@ -11,7 +11,7 @@ import contextlib
 import json
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import BinaryIO, Protocol
 
 import numpy as np
@@ -27,6 +27,10 @@ LOOK_EVERY_S = 0.05
 
 READ_AGAIN_S = 0.25
 """A file that isn't a feed is read anew at most so often ..."""
+
+ENDS_WITHIN_S = 0.5
+DEVICE_ENDS_WITHIN_S = 10.0
+"""A device that isn't given back before the program ends takes the program with it."""
 
 BUSY_PART = 0.2
 """... and less often if that takes longer than this part of the time."""
@@ -45,9 +49,10 @@ class LostError(Exception):
 
 
 class Source(Protocol):
-    """Where a feed comes from."""
+    """Where a feed comes from; `ends_within_s`: what it opened is given back in so long."""
 
     name: str
+    ends_within_s: float
 
     def come(self) -> Iterator[Came]:
         """Connect, and give what comes from now on; LostError, or InputError for good."""
@@ -69,6 +74,8 @@ class GrowingFile:
     One that isn't there yet is waited for; one that is replaced or cut begins again, which
     changes nothing where it says the same.
     """
+
+    ends_within_s = ENDS_WITHIN_S
 
     def __init__(self, path: str) -> None:
         self.name = path
@@ -147,6 +154,8 @@ class GrowingFile:
 class Stream:
     """A stream of bytes: standard input, a pipe."""
 
+    ends_within_s = ENDS_WITHIN_S
+
     def __init__(self, stream: BinaryIO, name: str = "standard input") -> None:
         self._stream = stream
         self.name = name
@@ -165,9 +174,11 @@ class Sound:
         self,
         name: str,
         open_blocks: Callable[[], tuple[int, int, Iterator[np.ndarray | None]]],
+        ends_within_s: float = ENDS_WITHIN_S,
     ) -> None:
         """`open_blocks` gives a rate (Hz), the number of channels and float blocks of them."""
         self.name = name
+        self.ends_within_s = ends_within_s
         self._open = open_blocks
 
     def come(self) -> Iterator[Came]:
@@ -175,11 +186,15 @@ class Sound:
         rate, channels, blocks = self._open()
         told: list[Timeline] = []
         crowd = Crowd(rate, channels, told.append)
-        for block in blocks:
-            if block is not None:
-                crowd.feed(block)
-            yield from told or (None,)
-            told.clear()
+        try:
+            for block in blocks:
+                if block is not None:
+                    crowd.feed(block)
+                yield from told or (None,)
+                told.clear()
+        finally:
+            if isinstance(blocks, Generator):
+                blocks.close()
         crowd.end()
         yield from told
 

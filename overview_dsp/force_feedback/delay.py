@@ -55,6 +55,11 @@ class LoopDelay:
                     self._held += EASE * (took - self._held)
                 return
 
+    @property
+    def waits(self) -> bool:
+        """Whether a target is under way."""
+        return bool(self._waiting)
+
     def seconds(self, now_s: float) -> float:
         """From sending a target to hearing that it is applied, s: about the longest of late.
 

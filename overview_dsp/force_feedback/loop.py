@@ -55,13 +55,13 @@ class MotorLoop:
         self._commander = Commander(letter, round(sensor.number("motor.downsample")))
         self._controller = PassivityController(sensor.number("motor.inertia"), ceiling)
         resolution = math.radians(sensor.number("motor.resolution_deg"))
+        self._friction = sensor.number("motor.friction_nm")
+        self._probe = 0
         self._speed = SpeedEstimator(resolution)
         self._delay = LoopDelay(REPORTED_STEP)
         self._watchdog = Watchdog()
         self._check = ReportCheck(ceiling / self._per_target + TARGET_STEP)
-        self.ledger = EnergyLedger(
-            ceiling * CREDIT_RAD, sensor.number("motor.friction_nm"), resolution
-        )
+        self.ledger = EnergyLedger(ceiling * CREDIT_RAD, self._friction, resolution)
         self.commands = 0
         self.torque = 0.0
         self._was_alive = False
@@ -120,10 +120,25 @@ class MotorLoop:
     def _send(self, now_s: float) -> bytes:
         # towards 0, so that no rounding passes the ceiling
         steps = math.trunc(self.torque / (self._per_target * TARGET_STEP))
+        if steps == 0 and self._asks:
+            # the smallest torque there is, against the turn: how long does it take?
+            if not self._delay.waits:
+                self._probe = 0 if self._probe else -round(math.copysign(1.0, self._motion.speed))
+            steps = self._probe
         target = steps * TARGET_STEP
         self._delay.sent(now_s, target)
         self.commands += 1
         return self._commander.target(target)
+
+    @property
+    def _asks(self) -> bool:
+        """Whether the wire's delay isn't known yet, in a hand that moves.
+
+        The controller takes it for long until then, and a hand that jiggles would never be braked.
+        """
+        smallest = self._per_target * TARGET_STEP
+        moves = self._was_alive and self._motion.speed != 0.0
+        return moves and not self._delay.measured and smallest <= self._friction
 
     def end(self) -> bytes:
         """What to send last."""
@@ -150,6 +165,17 @@ class MotorLoop:
     def alive(self) -> bool:
         """Whether the device spoke as of the latest step."""
         return self._was_alive
+
+    def words(self, now_s: float) -> str:
+        """How it stands, for a person."""
+        if not self._was_alive:
+            return "no force: the motor doesn't report"
+        ledger = self.ledger
+        return (
+            f"force {1e3 * self.torque:+.2f} mN·m, loop {1e3 * self._delay.seconds(now_s):.0f} ms, "
+            f"hand {1e3 * ledger.put_in:.1f} mJ in, {1e3 * ledger.given:.1f} mJ back, "
+            f"{self._watchdog.silences} silences"
+        )
 
     def report(self, now_s: float) -> dict[str, Any]:
         """How it stands, for a line of JSON."""

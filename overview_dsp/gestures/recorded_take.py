@@ -13,7 +13,8 @@ name beside it holds the stamped parameter and surface changes::
                  {"sample": 144000, "pattern": {"kind": "goal", "weight": 1.0}}]}
 
 `timeline` is how one that grows has changed (`following.difference`) and which part of it is under
-the hand (null: all); the timeline at the take's beginning is in `NAME.timeline.json` beside it.
+the hand (null: all); with `ahead` (0 to 1) only what lies beyond there has (`surface.ahead`). The
+timeline at the take's beginning is in `NAME.timeline.json` beside it.
 """
 
 from __future__ import annotations

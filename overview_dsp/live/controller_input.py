@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Protocol
 
 from overview_dsp.controllers.control_messages import (
@@ -13,9 +14,10 @@ from overview_dsp.controllers.control_messages import (
     Counters,
     Dialled,
     Move,
+    Nudged,
     Turned,
 )
-from overview_dsp.controllers.parameters import PickUp, as_asked, find_parameter
+from overview_dsp.controllers.parameters import PickUp, as_asked, find_parameter, nudged
 from overview_dsp.controllers.source import ControllerSource
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
@@ -92,9 +94,10 @@ class ControllerInput(ThreadedInput[Port]):
         super().__init__(engine, source, port, port.name)
         self._source = ControllerSource(TouchRules.of(self._preset))
         self._reader = make_reader(self.counters)
-        self._wanted: dict[str, Asked | Dialled] = {}
+        self._wanted: dict[str, Asked | Dialled | Nudged] = {}
         self._wanting = threading.Lock()
         self._pick_ups: dict[str, PickUp] = {}
+        self._refused: set[str] = set()
         self._begin()
 
     # --- the session's thread -------------------------------------------------------------------
@@ -115,12 +118,14 @@ class ControllerInput(ThreadedInput[Port]):
                 self._set(engine, asked)
             except InputError as error:
                 self.counters.refused += 1
-                self._say_once(str(error))
+                if id not in self._refused:
+                    self._refused.add(id)
+                    self._say_once(f"{error} (the first of them; counted on)")
             except OverviewError:  # two surfaces fade already: the next time, unless another came
                 with self._wanting:
                     self._wanted.setdefault(id, asked)
 
-    def _set(self, engine: Engine, asked: Asked | Dialled) -> None:
+    def _set(self, engine: Engine, asked: Asked | Dialled | Nudged) -> None:
         try:
             known, present = find_parameter(engine.preset, asked.id)
         except InputError as error:
@@ -130,6 +135,8 @@ class ControllerInput(ThreadedInput[Port]):
             return
         if isinstance(asked, Asked):
             value = known.check(as_asked(known, asked.value))
+        elif isinstance(asked, Nudged):
+            value = nudged(known, asked, present)
         else:
             picked = self._pick_ups.setdefault(asked.id, PickUp()).value(engine.preset, asked)
             if picked is None:
@@ -174,8 +181,11 @@ class ControllerInput(ThreadedInput[Port]):
                 self._say_once('a control feels no taps: choose twist.release = "rest"')
             if isinstance(move, Command):
                 self._ask(*move.words)
-            elif isinstance(move, Asked | Dialled):
+            elif isinstance(move, Asked | Dialled | Nudged):
                 with self._wanting:
+                    before = self._wanted.get(move.id)
+                    if isinstance(move, Nudged) and isinstance(before, Nudged):
+                        move = replace(move, step=before.step + move.step)
                     self._wanted[move.id] = move
             else:
                 events += self._source.move(move, now, *found)

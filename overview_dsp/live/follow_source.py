@@ -12,7 +12,14 @@ import numpy as np
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.following.live_timeline import MAPS, Map
 from overview_dsp.following.net import Http, WebSocket
-from overview_dsp.following.sources import GrowingFile, Sound, Source, Stream, pcm_blocks
+from overview_dsp.following.sources import (
+    DEVICE_ENDS_WITHIN_S,
+    GrowingFile,
+    Sound,
+    Source,
+    Stream,
+    pcm_blocks,
+)
 from overview_dsp.timeline.moments import length_s
 
 FORMS = (
@@ -37,7 +44,7 @@ def source_named(text: str, stdin: BinaryIO) -> Source:
         return WebSocket(text)
     if text.startswith("audio:"):
         device = text.removeprefix("audio:")
-        return Sound(text, lambda: _heard(device))
+        return Sound(text, lambda: _heard(device), DEVICE_ENDS_WITHIN_S)
     if text.startswith("pcm:"):
         found = _PCM.fullmatch(text)
         if found is None:

@@ -1,7 +1,8 @@
 """A timeline that grows under a live hand: when what came arrives, and how it is told.
 
 A hand that holds the disk keeps the map that it touched. What comes meanwhile waits until it lets
-go, or for a chosen time. What is new and strong enough is told by a pattern of its own
+go, or for a chosen time; where the map is the whole, what lies ahead of disk and hand comes at
+once, since no place moves. What is new and strong enough is told by a pattern of its own
 (`following.pattern`) while nobody holds the disk.
 """
 
@@ -17,16 +18,22 @@ from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.following.follower import Follower
 from overview_dsp.following.live_timeline import LiveTimeline
 from overview_dsp.following.pattern import HOLDS_S, LASTS_S, TAP, pattern_change, pattern_of
+from overview_dsp.live.follow_source import map_named
 from overview_dsp.live.under_hand import UnderHand
 from overview_dsp.presets.model import DEFAULT_KIND, Preset
-from overview_dsp.timeline import Event
+from overview_dsp.timeline import Event, Timeline
 from overview_dsp.units import HALF_TURN, clock_text
 
 EVERY_S = 0.05
 """A new map is made at most so often: it is felt within a tenth of a second of its coming."""
 
+AHEAD = 0.05
+"""What lies at least so far ahead (of 1) of the disk and of the hand that holds it may change."""
+
 FRESH_S = 180.0
 """An event longer ago than this, on the feed's clock, is no news: it is felt, but not told."""
+
+MAP = "follow.map"
 
 DISCREET = "in company"
 """A preset for this use tells nothing by itself."""
@@ -47,12 +54,24 @@ class Growth:
     tell
         The kind of event from whose strength on a new one is told; "none" is never, None is by the
         preset: own goals and more, nothing of a discreet one.
+    map_is_given
+        Whether a person chose the map; else a preset that says one does.
+    preset
+        What fits it, where that is known before anything has come.
     """
 
     live: LiveTimeline
     follower: Follower | None = None
     after_s: float | None = None
     tell: str | None = None
+    map_is_given: bool = False
+    preset: str | None = None
+
+    def lay_out(self, preset: Preset) -> None:
+        """Lay the timeline under the hand as the preset says."""
+        said = str(preset.values[MAP])
+        if said != "auto" and not self.map_is_given:
+            self.live.map = map_named(said)
 
 
 class Growing:
@@ -78,6 +97,8 @@ class Growing:
         self._news: Event | None = None
         self._pattern: tuple[float, bool] | None = None  # since when, and whether it still holds
         self._put_back = False
+        self._refused: tuple[Timeline, float] | None = None
+        self._map = engine.preset.values[MAP]
         self.told: list[Event] = []
 
     @property
@@ -99,6 +120,9 @@ class Growing:
         if self._growth.follower is not None:
             for line in self._growth.follower.take_messages():
                 self._say(line)
+        if self._engine.preset.values[MAP] != self._map:  # another preset
+            self._map = self._engine.preset.values[MAP]
+            self._growth.lay_out(self._engine.preset)
         self._look_at_news()
         hands = finger or self._held_by_a_hand()
         self._held_since = None if not hands else self._held_since or now
@@ -107,9 +131,12 @@ class Growing:
             return
         after_s = math.inf if self._growth.after_s is None else self._growth.after_s
         keeps = self._held_since is not None and now - self._held_since < after_s
-        if keeps or now < self._next:
+        if now < self._next:
             return
         snapshot = self.live.felt()
+        if keeps:
+            self._bring_ahead(snapshot, now)
+            return
         if snapshot is not self._under_hand.timeline or self._put_back:
             if not self._under_hand.grow(snapshot):
                 return  # two surfaces fade already
@@ -118,6 +145,24 @@ class Growing:
             self._held_since = now if hands else None
         if self._news is not None and not hands:
             self._tell(self._news, now)
+
+    def _bring_ahead(self, snapshot: Timeline, now: float) -> None:
+        """Hand over what lies ahead of the disk and of who holds it, and nothing else."""
+        under, holder = self._under_hand, self._engine.holder
+        grows = self.live.map == "whole" and snapshot is not under.timeline
+        if not grows or holder is None or under.timeline.until_s is None:
+            return
+        place = max(self._engine.meters.cursor, holder[1] / HALF_TURN) + AHEAD
+        happened = under.timeline.until_s / under.timeline.duration_s
+        refused = self._refused
+        tried = refused is not None and refused[0] is snapshot and place >= refused[1] - AHEAD
+        if tried or place >= happened + AHEAD:
+            return
+        if under.grow_ahead(snapshot, place):
+            self._put_back = True  # all of it comes when the hand lets go
+            self._next = now + EVERY_S
+        else:
+            self._refused = (snapshot, place)
 
     def _held_by_a_hand(self) -> bool:
         """Whether anybody holds the disk but the pattern's tap."""

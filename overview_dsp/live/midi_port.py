@@ -1,4 +1,7 @@
-"""MIDI ports: found, opened, read. `rtmidi` is imported here alone, and late."""
+"""MIDI ports: found, opened, read. `rtmidi` and `rtmidi2` are imported here alone, and late.
+
+Either will do: python-rtmidi has ready-made files up to Python 3.12, rtmidi2 also for later ones.
+"""
 
 from __future__ import annotations
 
@@ -8,18 +11,18 @@ import re
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Protocol
 
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.port_lost import PortLostError
 
-HINT = (
-    "MIDI needs python-rtmidi: pip install 'overview-dsp[midi]' (from Python 3.13 on it is built "
-    "there, and needs a C++ compiler)"
-)
+HINT = "MIDI needs python-rtmidi or rtmidi2: pip install 'overview-dsp[midi]'"
 MOST = 4096
 """Messages that wait; of more, the latest."""
+
+QUEUED = 1024
+SYSTEMS_OF_RTMIDI2 = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
 
 LOOK_EVERY_S = 0.5
 ACTIVE_SENSING = 0xFE
@@ -29,12 +32,64 @@ SENSED_WITHIN_S = 0.5
 _NUMBERS = re.compile(r" \d+:\d+$")
 
 
-def _import_rtmidi() -> Any:
-    try:
-        import rtmidi
-    except ImportError:
-        raise OverviewError(HINT) from None
-    return rtmidi
+class _System(Protocol):
+    """An input of one of the machine's MIDI systems (ALSA, JACK, ...)."""
+
+    def ports(self) -> list[str]:
+        """The names of those that messages can come from."""
+
+    def open(self, index: int, take: Callable[[bytes], None]) -> None:
+        """Hear one of them; `take` is called by a thread of its own."""
+
+    def close(self) -> None:
+        """Give it back; what was opened is heard no more."""
+
+
+class _PythonRtmidi:
+    """An input of python-rtmidi."""
+
+    def __init__(self, rtmidi: Any, api: int) -> None:
+        self._input = rtmidi.MidiIn(api, name="overview")
+        self._opened = False
+
+    def ports(self) -> list[str]:
+        return list(self._input.get_ports())
+
+    def open(self, index: int, take: Callable[[bytes], None]) -> None:
+        self._input.ignore_types(sysex=True, timing=True, active_sense=False)
+        self._input.set_callback(lambda event, _: take(bytes(event[0])))
+        self._input.open_port(index, name="in")
+        self._opened = True
+
+    def close(self) -> None:
+        if self._opened:
+            self._input.cancel_callback()
+            self._input.close_port()
+        self._input.delete()
+
+
+class _Rtmidi2:
+    """An input of rtmidi2."""
+
+    def __init__(self, rtmidi2: Any, api: int) -> None:
+        self._input = rtmidi2.MidiIn("overview", QUEUED, api)
+        if self._input.get_current_api() != api:  # it takes another in place of one it hasn't got
+            raise RuntimeError("not this system")
+        self._opened = False
+
+    def ports(self) -> list[str]:
+        return [str(name) for name in self._input.ports]
+
+    def open(self, index: int, take: Callable[[bytes], None]) -> None:
+        self._input.ignore_types(True, True, False)  # sysex, time; not active sensing
+        self._input.callback = lambda message, _: take(bytes(message))
+        self._input.open_port(index)
+        self._opened = True
+
+    def close(self) -> None:
+        if self._opened:
+            self._input.callback = None
+            self._input.close_port()
 
 
 @contextlib.contextmanager
@@ -52,14 +107,27 @@ def _quiet() -> Iterator[None]:
         os.close(nothing)
 
 
-def _systems() -> list[Any]:
-    """An unopened input of each of the machine's MIDI systems that answers (ALSA, JACK, ...)."""
-    rtmidi = _import_rtmidi()
-    found = []
+def _library() -> tuple[Callable[[Any, int], _System], Any, Iterable[int]]:
+    """What makes an input of a library and one of its systems, the library, and its systems."""
+    try:
+        import rtmidi
+    except ImportError:
+        try:
+            import rtmidi2
+        except ImportError:
+            raise OverviewError(HINT) from None
+        return _Rtmidi2, rtmidi2, [getattr(rtmidi2, name) for name in SYSTEMS_OF_RTMIDI2]
+    return _PythonRtmidi, rtmidi, rtmidi.get_compiled_api()
+
+
+def _systems() -> list[_System]:
+    """An unopened input of each of the machine's MIDI systems that answers; OverviewError."""
+    make, library, systems = _library()
+    found: list[_System] = []
     with _quiet():
-        for api in rtmidi.get_compiled_api():
+        for api in systems:
             try:
-                found.append(rtmidi.MidiIn(api, name="overview"))
+                found.append(make(library, api))
             except Exception:  # one that isn't there; rtmidi has a class of its own for it
                 continue
     return found
@@ -68,9 +136,9 @@ def _systems() -> list[Any]:
 def midi_ports() -> list[str]:
     """The names of the ports that messages can come from; OverviewError without rtmidi."""
     systems = _systems()
-    names = [_plain(name) for one in systems for name in one.get_ports()]
+    names = [_plain(name) for one in systems for name in one.ports()]
     for one in systems:
-        one.delete()
+        one.close()
     return list(dict.fromkeys(names))
 
 
@@ -105,7 +173,7 @@ class MidiPort:
         InputError
             No such port, or several.
         OverviewError
-            python-rtmidi isn't installed.
+            Neither python-rtmidi nor rtmidi2 is installed.
         """
         self.name = f"midi:{wanted}"
         self.dropped = 0
@@ -115,23 +183,21 @@ class MidiPort:
         self._looked_at = time.monotonic()
         self._sensed_at: float | None = None
 
-    def _open(self, wanted: str) -> tuple[Any, str]:
+    def _open(self, wanted: str) -> tuple[_System, str]:
         systems = _systems()
-        chosen: Any = None
+        chosen: _System | None = None
         try:
             for one in systems:
-                names = one.get_ports()
+                names = one.ports()
                 found = _matching(names, wanted)
                 if len(found) > 1:
                     several = ", ".join(_plain(names[index]) for index in found)
                     raise InputError(f"{self.name}: several are called so: {several}")
                 if found:
                     chosen = one
-                    one.ignore_types(sysex=True, timing=True, active_sense=False)
-                    one.set_callback(self._take)
-                    one.open_port(found[0], name="in")
+                    one.open(found[0], self._take)
                     return one, names[found[0]]
-            known = ", ".join(_plain(name) for one in systems for name in one.get_ports())
+            known = ", ".join(_plain(name) for one in systems for name in one.ports())
             raise InputError(f"{self.name}: no such port; there are: {known or 'none'}")
         except RuntimeError as error:  # rtmidi's
             raise InputError(f"{self.name}: can't be opened ({error}); is it held by another "
@@ -139,14 +205,14 @@ class MidiPort:
         finally:
             for one in systems:
                 if one is not chosen:
-                    one.delete()
+                    one.close()
 
-    def _take(self, event: tuple[list[int], float], _: object) -> None:
+    def _take(self, message: bytes) -> None:
         """Called by a thread of rtmidi's."""
         if len(self._messages) >= MOST:
             self._messages.popleft()
             self.dropped += 1
-        self._messages.append(bytes(event[0]))
+        self._messages.append(message)
         self._came.set()
 
     def receive(self, wait_s: float) -> list[bytes]:
@@ -170,12 +236,10 @@ class MidiPort:
             raise PortLostError(f"{self.name}: it has stopped to say that it is there")
         if now - self._looked_at > LOOK_EVERY_S:
             self._looked_at = now
-            if self._port not in self._input.get_ports():
+            if self._port not in self._input.ports():
                 raise PortLostError(f"{self.name}: gone")
         return [one for one in found if one[0] < 0xF0]
 
     def close(self) -> None:
         """Give it back."""
-        self._input.cancel_callback()
-        self._input.close_port()
-        self._input.delete()
+        self._input.close()

@@ -8,17 +8,22 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from overview_dsp.engine.engine import Engine
+from overview_dsp.force_feedback.board_loop import BoardLoop
 from overview_dsp.force_feedback.loop import MotorLoop
 from overview_dsp.force_feedback.mean_torque import MeanTorque
 from overview_dsp.force_feedback.watchdog import SILENT_S
 from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.sensor_input import Port, SensorInput
 from overview_dsp.live.serial_port import SerialPort
-from overview_dsp.sensors.profile import Sensor
+from overview_dsp.sensors.frames import KNOB_MOTION
+from overview_dsp.sensors.profile import MOTOR_COLUMNS, Sensor
 
 WAIT_S = 0.002
 """How long a read waits: the loop's longest step."""
 
+
+RENDER_S = 0.1
+"""How often a board is asked to render what the engine plays, if that has changed."""
 
 SLOWEST_HZ = 200
 """Reports a second."""
@@ -39,6 +44,9 @@ def open_motor_port(device: str, baud: int) -> MotorPort:
 class MotorInput(SensorInput):
     """Plays a motor knob into a running engine and brakes it as the disk is braked.
 
+    A board that runs the surface itself says so by its frames, and is given the surface; any other
+    gets torques.
+
     Thread: as `SensorInput`; the port's thread reads the disk's torque and writes to the motor.
     """
 
@@ -57,36 +65,29 @@ class MotorInput(SensorInput):
         InputError
             The port can't be opened, or the profile has no motor.
         """
-        self._loop = MotorLoop(sensor)
+        self._loop: MotorLoop | BoardLoop = MotorLoop(sensor)
         self._torque = MeanTorque()
-        self._blocked = 0
+        self._sent = self._blocked = 0
         self._was_alive = False
         self._began_at = time.monotonic()
+        self._rendered_at = -1e300
         self._motor: MotorPort | None = None
 
         def opened(device: str, baud: int) -> Port:
             self._motor = open_port(device, baud)
-            return _EndedPort(self._motor, self._loop.end)
+            return _EndedPort(self._motor, lambda: self._loop.end())
 
         super().__init__(engine, device, sensor, baud, opened)
 
     @property
     def words(self) -> str:
         """As `SensorInput.words`, and the force."""
-        said = self._loop.report(time.monotonic())
-        force = (
-            f"force {1e3 * said['torque_nm']:+.2f} mN·m, loop {said['loop_delay_ms']:.0f} ms, "
-            f"hand {said['put_in_mj']:.1f} mJ in, {said['given_mj']:.1f} mJ back, "
-            f"{said['silences']} silences"
-            if said["alive"]
-            else "no force: the motor doesn't report"
-        )
-        return f"{super().words}; {force}"
+        return f"{super().words}; {self._loop.words(time.monotonic())}"
 
     def report(self) -> dict[str, Any]:
         """As `SensorInput.report`, with `force`: the loop's, and what the port didn't accept."""
         now = time.monotonic()
-        rate = self._loop.commands / max(now - self._began_at, 1e-3)
+        rate = self._sent / max(now - self._began_at, 1e-3)
         force = {**self._loop.report(now), "per_s": round(rate, 1), "blocked": self._blocked}
         return {**super().report(), "force": force}
 
@@ -96,12 +97,9 @@ class MotorInput(SensorInput):
         super()._take(data)
         now = time.monotonic()
         if data:
+            self._choose_loop()
             self._loop.hear(self._source.heard, now)
-        torque = self._torque.look(self._engine.impulse, now)
-        held = self._engine.holder
-        if held is None or held[0] != self.SOURCE:  # the disk is another source's, or nobody's
-            torque = 0.0
-        sent = self._loop.step(torque, now)
+        sent = self._next(now)
         if self._was_alive and not self._loop.alive:
             self._let_go()
             self._say_once(
@@ -117,7 +115,37 @@ class MotorInput(SensorInput):
             )
         if not sent or self._motor is None:
             return
+        self._sent += 1
         self._blocked += not self._motor.write(sent)
+
+    def _choose_loop(self) -> None:
+        for _, reading in self._source.heard:
+            if KNOB_MOTION[0] in reading and not isinstance(self._loop, BoardLoop):
+                self._loop = BoardLoop(self._sensor, self._baud)
+                self._rendered_at = -1e300
+            elif MOTOR_COLUMNS[0] in reading and not isinstance(self._loop, MotorLoop):
+                self._loop = MotorLoop(self._sensor)
+
+    def _next(self, now: float) -> bytes:
+        """What to send."""
+        held = self._engine.holder
+        mine = held is not None and held[0] == self.SOURCE
+        torque = self._torque.look(self._engine.impulse, now)
+        if isinstance(self._loop, MotorLoop):
+            return self._loop.step(torque if mine else 0.0, now)
+        if now - self._rendered_at >= RENDER_S:
+            self._rendered_at = now
+            self._render(self._loop)
+        return self._loop.step(mine or held is None, now)
+
+    def _render(self, loop: BoardLoop) -> None:
+        surface = self._engine.surface
+        loop.render(surface, self._engine.preset.values)
+        if surface.bristles is not None or surface.detents is not None:
+            self._say_once(
+                "the knob's board makes viscous friction: what sticks or pulls brakes there as it "
+                "does at 1 rad/s"
+            )
 
     def _lose(self) -> None:
         super()._lose()

@@ -32,10 +32,11 @@ from overview_dsp.live.session_output import SessionOutput
 from overview_dsp.live.status import Status
 from overview_dsp.live.stream import OpenStream
 from overview_dsp.live.stream_meters import take_peaks
-from overview_dsp.live.takes import Takes
+from overview_dsp.live.takes import Takes, timeline_beside
 from overview_dsp.live.under_hand import UnderHand
 from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import Preset
+from overview_dsp.readers.registry import load_timeline
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 
@@ -435,20 +436,26 @@ class Player:
         if not self.takes:
             self.say("nothing to replay yet: R begins a take, and ends it")
             return
+        path = Path(self.takes[-1])
+        beside = timeline_beside(path)
         try:
-            gesture = load_gesture(self.takes[-1])
+            gesture = load_gesture(path)
+            whole = load_timeline(beside) if beside.exists() else None
         except InputError as error:
             self.say(str(error))
         else:
-            self.replay(gesture, Path(self.takes[-1]).name)
+            self.replay(gesture, path.name, whole=whole)
 
-    def replay(self, gesture: Gesture, name: str, loop: bool = True) -> None:
+    def replay(
+        self, gesture: Gesture, name: str, loop: bool = True, whole: Timeline | None = None
+    ) -> None:
         """Play a hand through the present preset, each time from the engine's first sample on.
 
-        What else a take recorded but its hands and windows is left out: its presets aren't those
-        that are to be felt. Each pass in which nothing is changed sounds as it is rendered offline.
+        A take's windows are shown again, and a timeline that grew grows again, from `whole` on
+        (None: the present one). Its parameters and presets are left out: they aren't those that are
+        to be felt. Each pass in which nothing is changed sounds as it is rendered offline.
         """
-        self._replaying.begin(gesture, name, loop)
+        self._replaying.begin(gesture, name, loop, whole)
 
     @property
     def replaying(self) -> bool:

@@ -15,12 +15,16 @@ from overview_dsp.live.inputs import TakeInput
 from overview_dsp.live.under_hand import UnderHand
 from overview_dsp.timeline import Timeline
 
+KEPT = {"window", "timeline", "pattern"}
+"""Of a take's changes those of what lies under the hand; parameters and presets are whoever plays
+it again's to choose."""
+
 LONGEST_TAIL_S = 5.0
 """A disk that isn't at rest so long after the hand's end doesn't keep the loop."""
 
 
 class Replay:
-    """A hand and its windows, pass by pass.
+    """A hand and what lay under it, pass by pass.
 
     Thread: control.
 
@@ -32,9 +36,11 @@ class Replay:
         Begun so far.
     """
 
-    def __init__(self, gesture: Gesture, name: str, loop: bool) -> None:
-        windows = tuple(change for change in gesture.changes if "window" in change.what)
-        self._gesture = replace(gesture, changes=windows)
+    def __init__(self, gesture: Gesture, name: str, loop: bool, whole: Timeline) -> None:
+        """`whole` is the timeline that each pass begins on."""
+        kept = tuple(change for change in gesture.changes if KEPT & change.what.keys())
+        self._gesture = replace(gesture, changes=kept)
+        self._whole = whole
         self._name = name
         self.loop = loop
         self.passes = 0
@@ -48,22 +54,16 @@ class Replay:
     def first(self, under_hand: UnderHand) -> tuple[Timeline, tuple[float, float]]:
         """What each pass begins on: the whole, for a take that says itself what is shown."""
         if self._gesture.changes:
-            return under_hand.timeline, (0.0, under_hand.timeline.duration_s)
+            return self._whole, (0.0, self._whole.duration_s)
         return under_hand.shown, under_hand.window
 
-    def begin(
-        self,
-        engine: Engine,
-        show: Callable[[tuple[float, float], int], None],
-        whole: Timeline,
-    ) -> None:
-        """Begin a pass with an engine that is as new and that nothing runs yet.
-
-        `show` puts a window under the hand at a sample.
-        """
+    def begin(self, engine: Engine, under_hand: UnderHand) -> None:
+        """Begin a pass with an engine that is as new and that nothing runs yet."""
         self.passes += 1
-        self._input = TakeInput(self._gesture, lambda what, at: show(tuple(what["window"]), at))
-        self._input.begin(engine, 0, whole)
+        if self._gesture.changes:
+            under_hand.timeline = self._whole
+        self._input = TakeInput(self._gesture, under_hand.change_at)
+        self._input.begin(engine, 0, self._whole)
 
     def poll(self, engine: Engine) -> None:
         """Hand over what is due soon."""
@@ -97,12 +97,12 @@ class Replaying:
         self._say = say
         self.now: Replay | None = None
 
-    def begin(self, gesture: Gesture, name: str, loop: bool) -> None:
-        """Play a hand; of a take's changes its windows alone."""
-        left_out = sum("window" not in change.what for change in gesture.changes)
+    def begin(self, gesture: Gesture, name: str, loop: bool, whole: Timeline | None) -> None:
+        """Play a hand; of a take's changes those of `KEPT`, on `whole` (None: the present one)."""
+        left_out = sum(not KEPT & change.what.keys() for change in gesture.changes)
         if left_out:
             self._say(f"{name}: {left_out} changes of parameters and presets are left out")
-        self.now = Replay(gesture, name, loop)
+        self.now = Replay(gesture, name, loop, whole or self._under_hand.timeline)
         self._begin_pass(self.now)
 
     def poll(self, at_rest: bool) -> None:
@@ -136,5 +136,5 @@ class Replaying:
         self._fresh.begin(
             *replay.first(under),
             preset,
-            lambda: replay.begin(self._engine, under.put_at, under.timeline),
+            lambda: replay.begin(self._engine, under),
         )

@@ -60,8 +60,11 @@ class SensorInput(ThreadedInput[Port]):
         sensor: Sensor,
         baud: int | None = None,
         open_port: Callable[[str, int], Port] = SerialPort,
+        silent_s: float = SILENT_S,
     ) -> None:
         """Open the port and begin; `open_port` is called again when it is lost.
+
+        What says nothing that is understood for `silent_s` lets go.
 
         Raises
         ------
@@ -71,6 +74,7 @@ class SensorInput(ThreadedInput[Port]):
         self._sensor = sensor
         self._baud = baud if baud is not None else round(sensor.number("stream.baud"))
         self._open_port = open_port
+        self._silent_s = silent_s
         self._identity = identity_of(device)
         port = open_port(device, self._baud)
         super().__init__(engine, self.SOURCE, port, device)
@@ -127,9 +131,9 @@ class SensorInput(ThreadedInput[Port]):
         self._messages.extend(self._diagnostics.new(counters))
         if counters.readings - counters.repeated > understood:
             self._understood_at, self._silent = now, False
-        elif now - self._understood_at > SILENT_S and not self._silent:
+        elif now - self._understood_at > self._silent_s and not self._silent:
             self._silent = True
-            self._fall_silent(now - self._heard_at > SILENT_S)
+            self._fall_silent(now - self._heard_at > self._silent_s)
 
     def _keep_up(self, port: Port) -> None:
         now = time.monotonic()
@@ -144,7 +148,7 @@ class SensorInput(ThreadedInput[Port]):
     def _fall_silent(self, silent: bool) -> None:
         if self._let_go():
             what = "silent" if silent else "nothing new understood"
-            self._messages.append(f"{what} for {SILENT_S:g} s; the disk is let go")
+            self._messages.append(f"{what} for {self._silent_s:g} s; the disk is let go")
 
     def _release(self) -> Event | None:
         return self._source.release()
@@ -170,3 +174,25 @@ class SensorInput(ThreadedInput[Port]):
         self._understood_at = self._kept_up_at = time.monotonic()
         self._behind = 0
         return port
+
+
+class NamedInput(SensorInput):
+    """A sensor that isn't on a serial port: a pad, a phone's app, a radio.
+
+    Thread: as `ThreadedInput`.
+    """
+
+    GONE = "gone"
+
+    def __init__(
+        self,
+        engine: Engine,
+        kind: str,
+        where: str,
+        sensor: Sensor,
+        open_port: Callable[[str], Port],
+        silent_s: float = SILENT_S,
+    ) -> None:
+        """As `SensorInput`; `kind` is what `--input` puts before where it is."""
+        self.KIND = f"{kind}:"
+        super().__init__(engine, where, sensor, None, lambda name, _: open_port(name), silent_s)

@@ -5,17 +5,19 @@ Both are wished for, and handed to the engine as soon as it has a surface free.
 
 from __future__ import annotations
 
-import contextlib
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from overview_dsp.engine.engine import Engine
+from overview_dsp.engine.replay import apply_change
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.following.difference import difference
 from overview_dsp.live.preset_pair import PresetPair
 from overview_dsp.presets.model import Preset
+from overview_dsp.surface.ahead import joined
+from overview_dsp.surface.build import build_surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.zooming import Zoom
 
@@ -67,6 +69,30 @@ class UnderHand:
         self._make_changes()
         done, self._wanted_whole = self._wanted_whole is None, None
         return done
+
+    def grow_ahead(self, timeline: Timeline, place: float) -> bool:
+        """Take over what is new beyond a place of the whole (0 to 1), whoever touches it.
+
+        False where that can't be: a part is shown, places move, what lies behind has changed.
+        """
+        waits = (self._wanted_window, self._wanted_preset) != (None, None)
+        same = self.shown is self.timeline and timeline.duration_s == self.timeline.duration_s
+        if waits or not same:
+            return False
+        engine = self._engine
+        try:
+            with warnings.catch_warnings():  # they are said when the whole comes
+                warnings.simplefilter("ignore", OverviewWarning)
+                surface = joined(engine.surface, build_surface(timeline, engine.preset), place)
+            if surface is None:
+                return False
+            note = self._note(timeline, {"window": None, "ahead": place})
+            engine.set_timeline(timeline, change=note, surface=surface)
+        except OverviewError:  # two surfaces fade already
+            return False
+        self.timeline = timeline
+        self.put(timeline, (0.0, timeline.duration_s))
+        return True
 
     def zoom(self, factor: float, about: float) -> None:
         """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
@@ -126,6 +152,13 @@ class UnderHand:
         self._engine.set_timeline(shown, sample, window)
         self.put(shown, window)
 
+    def change_at(self, what: Mapping[str, Any], sample: int) -> None:
+        """Make a take's change of what lies under the hand; errors as `apply_change`."""
+        self.timeline = apply_change(self._engine, self.timeline, what, sample)
+        if "pattern" not in what:  # what it tells lies over the timeline for a moment
+            window = what["window"] if "window" in what else what["timeline"]["window"]
+            self.put(self._engine.timeline, tuple(window or (0.0, self.timeline.duration_s)))
+
     def _make_changes(self) -> None:
         """Hand over what is wanted; what finds no free surface slot waits for the next poll."""
         if (self._wanted_whole, self._wanted_window, self._wanted_preset) == (None, None, None):
@@ -174,10 +207,14 @@ class UnderHand:
             start, end = 0.0, whole.duration_s
         all_of_it = (start, end) == (0.0, whole.duration_s) and self.shown is self.timeline
         shown = whole if all_of_it else whole.window(start, end)
-        note: dict[str, Any] | None = None
-        with contextlib.suppress(InputError):  # too long for a take
-            note = difference(self.timeline, whole)
-            note = {"timeline": {**note, "window": None if all_of_it else [start, end]}}
+        note = self._note(whole, {"window": None if all_of_it else [start, end]})
         self._engine.set_timeline(shown, change=note)
         self.timeline = whole
         self.put(shown, (start, end))
+
+    def _note(self, whole: Timeline, more: dict[str, Any]) -> dict[str, Any] | None:
+        """What a take holds of the timeline's growth; None where that is too long for one."""
+        try:
+            return {"timeline": {**difference(self.timeline, whole), **more}}
+        except InputError:
+            return None

@@ -22,8 +22,11 @@ from overview_dsp.public.lazy import lazy_names
 if TYPE_CHECKING:
     from overview_dsp.measure.apart import events_felt_apart
     from overview_dsp.measure.character import Character, characters, level_matched_steps
-    from overview_dsp.measure.crowd import CrowdKind, CrowdReport, CrowdStroke, crowd_report
+    from overview_dsp.measure.comparing import character_steps, steps_apart
+    from overview_dsp.measure.crowd import crowd_report
+    from overview_dsp.measure.crowd_kind import CrowdKind, CrowdReport, CrowdStroke
     from overview_dsp.measure.felt import Stroke, event_levels, strokes, window_db
+    from overview_dsp.measure.kind_feel import FeelReport, KindFeel, StrokeReport
     from overview_dsp.measure.observer.observing import observe
     from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
     from overview_dsp.measure.observer.scoring import ObserverScores
@@ -35,14 +38,7 @@ if TYPE_CHECKING:
     from overview_dsp.measure.random_data.match import random_match
     from overview_dsp.measure.random_data.series import random_share, random_weather
     from overview_dsp.measure.random_hands import random_hand
-    from overview_dsp.measure.report import (
-        FeelReport,
-        KindFeel,
-        StrokeReport,
-        character_steps,
-        feel_report,
-        steps_apart,
-    )
+    from overview_dsp.measure.report import feel_report
     from overview_dsp.measure.tuning.in_crowd import tuned_on
     from overview_dsp.measure.tuning.moves import Tuned
     from overview_dsp.measure.tuning.ordering import tuned
@@ -93,20 +89,20 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
         __name__,
         {
             "Character": "character",
-            "CrowdKind": "crowd",
-            "CrowdReport": "crowd",
-            "CrowdStroke": "crowd",
-            "FeelReport": "report",
-            "KindFeel": "report",
+            "CrowdKind": "crowd_kind",
+            "CrowdReport": "crowd_kind",
+            "CrowdStroke": "crowd_kind",
+            "FeelReport": "kind_feel",
+            "KindFeel": "kind_feel",
             "ObserverReport": "observer.report",
             "ObserverScores": "observer.scoring",
             "Onsets": "onset_detector",
             "SetScores": "observer.report",
             "Stroke": "felt",
-            "StrokeReport": "report",
+            "StrokeReport": "kind_feel",
             "StrokeScores": "observer.report",
             "Tuned": "tuning.moves",
-            "character_steps": "report",
+            "character_steps": "comparing",
             "characters": "character",
             "crowd_report": "crowd",
             "event_levels": "felt",
@@ -124,7 +120,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "random_timelines": "random_data.choosing",
             "random_weather": "random_data.series",
             "separated": "tuning.separating",
-            "steps_apart": "report",
+            "steps_apart": "comparing",
             "strokes": "felt",
             "tuned": "tuning.ordering",
             "tuned_on": "tuning.in_crowd",

@@ -28,7 +28,7 @@ from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import CLICK, TACTOR
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import strokes, window_db
-from overview_dsp.measure.report import FALL_DB, GESTURES, STEP_DURATION, STEP_SHARPNESS
+from overview_dsp.measure.steps import FALL_DB, GESTURES, STEP_DURATION, STEP_SHARPNESS
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.offline import Result, render
 from overview_dsp.timeline import Timeline
@@ -109,7 +109,7 @@ def characters(
     Raises
     ------
     InputError
-        As `render`.
+        A preset or a gesture that `render` refuses.
 
     Examples
     --------

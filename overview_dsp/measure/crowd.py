@@ -20,17 +20,16 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import Gesture
+from overview_dsp.measure.crowd_kind import CrowdKind, CrowdReport, CrowdStroke
 from overview_dsp.measure.felt import Stroke, passages, stroke_feel, strokes
-from overview_dsp.measure.report import GESTURES, MERGED_S, STEP_DB
+from overview_dsp.measure.steps import GESTURES, MERGED_S, STEP_DB
 from overview_dsp.presets.model import Preset
-from overview_dsp.public.reprs import counted, short
 from overview_dsp.rendering.offline import Result, render
 from overview_dsp.timeline import Timeline
 
@@ -56,255 +55,6 @@ class _Events:
     def masked(self) -> NDArray[np.bool_]:
         """Which are less than a step above what is no event."""
         return np.asarray(self.level_db < self.free_db + STEP_DB)
-
-
-@dataclass(frozen=True)
-class CrowdKind:
-    """A kind of event in a stroke, over all timelines.
-
-    Attributes
-    ----------
-    kind : str
-        Its name.
-    events, missed, masked, lost : int
-        How many there are; of these never met, less than a step above the rest, and drowned by one
-        with more friction within 30 ms.
-    level_db, low_db, high_db : float
-        Median, and the tenth and ninetieth percentile of the levels of those met, dB of full scale.
-    lag_ms : float
-        Median distance of click and knock, ms; NaN where none clicked.
-
-    Examples
-    --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-    >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
-    >>> goal = report.strokes[0].kind("goal")
-    >>> goal.events, goal.missed, goal.low_db <= goal.level_db
-    (5, 0, True)
-    """
-
-    kind: str
-    events: int
-    missed: int
-    masked: int
-    lost: int
-    level_db: float
-    low_db: float
-    high_db: float
-    lag_ms: float
-
-    def __repr__(self) -> str:
-        return (
-            f"<CrowdKind {short(self.kind)}: {counted(self.events, 'event')}, "
-            f"{self.level_db:.1f} dB>"
-        )
-
-
-@dataclass(frozen=True)
-class CrowdStroke:
-    """A stroke over all timelines.
-
-    Attributes
-    ----------
-    name : str
-        `slow`, `slow recoil`, ..., `tap`, `tap recoil`.
-    event_free_db : float
-        Median level outside all events, dB of full scale.
-    kinds : tuple of CrowdKind
-        In the order of importance.
-    gaps : tuple of (str, str, float)
-        Each kind, the next one, and the just noticeable steps from one's median to the other's.
-    lost : tuple of (str, str, int)
-        A kind, the kind that is felt in its place, and how often.
-
-    Examples
-    --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-    >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
-    >>> [stroke.name for stroke in report.strokes]
-    ['fast', 'fast recoil']
-    """
-
-    name: str
-    event_free_db: float
-    kinds: tuple[CrowdKind, ...]
-    gaps: tuple[tuple[str, str, float], ...]
-    lost: tuple[tuple[str, str, int], ...]
-
-    def kind(self, name: str) -> CrowdKind:
-        """Find a kind by its name.
-
-        Parameters
-        ----------
-        name : str
-            Of a kind that the timelines have.
-
-        Returns
-        -------
-        CrowdKind
-            That one.
-
-        Raises
-        ------
-        StopIteration
-            There is none.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
-        >>> report.strokes[0].kind("foul").kind
-        'foul'
-        """
-        return next(one for one in self.kinds if one.kind == name)
-
-    def __repr__(self) -> str:
-        return f"<CrowdStroke {short(self.name)}: {counted(len(self.kinds), 'kind')}>"
-
-
-@dataclass(frozen=True)
-class CrowdReport:
-    """How the events of real timelines feel where they lie.
-
-    Attributes
-    ----------
-    preset : str
-        Its name.
-    timelines : tuple of str
-        Their titles.
-    strokes : tuple of CrowdStroke
-        Each gesture's way out, and its recoil.
-
-    See Also
-    --------
-    crowd_report : Makes one.
-
-    Examples
-    --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-    >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
-    >>> report.preset, len(report.timelines)
-    ('football', 1)
-    """
-
-    preset: str
-    timelines: tuple[str, ...]
-    strokes: tuple[CrowdStroke, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """Make plain data of it; what was not felt is None.
-
-        Returns
-        -------
-        dict
-            Of texts, numbers and lists, for JSON.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
-        >>> sorted(report.to_json())
-        ['preset', 'strokes', 'timelines']
-        """
-        return {
-            "preset": self.preset,
-            "timelines": list(self.timelines),
-            "strokes": [
-                {
-                    "name": stroke.name,
-                    "event_free_db": _rounded(stroke.event_free_db),
-                    "kinds": [
-                        {key: _rounded(value) for key, value in vars(kind).items()}
-                        for kind in stroke.kinds
-                    ],
-                    "gaps": [[a, b, _rounded(steps)] for a, b, steps in stroke.gaps],
-                    "lost": [list(one) for one in stroke.lost],
-                }
-                for stroke in self.strokes
-            ],
-        }
-
-    def table(self) -> str:
-        """Write the report as text: a block a stroke.
-
-        Returns
-        -------
-        str
-            Of many lines.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
-        >>> report.table().splitlines()[0]
-        'football, each event where it lies: 1 timeline'
-        """
-        lines = [
-            f"{self.preset}, each event where it lies: {counted(len(self.timelines), 'timeline')}",
-            f"{'':<24}{'events':>7}{'missed':>8}{'masked':>8}{'lost':>6}{'level':>8}"
-            f"{'10 to 90 %':>18}{'lag':>6}",
-            f"{'':<24}{'':>7}{'':>8}{'':>8}{'':>6}{'dB':>8}{'dB':>18}{'ms':>6}",
-        ]
-        for stroke in self.strokes:
-            lines.append(f"{stroke.name}: {stroke.event_free_db:.1f} dB between the events")
-            lines += [
-                f"  {one.kind[:22]:<22}{one.events:>7}{one.missed:>8}{one.masked:>8}{one.lost:>6}"
-                f"{_cell(one.level_db):>8}{_cell(one.low_db) + ' .. ' + _cell(one.high_db):>18}"
-                f"{_cell(one.lag_ms, 0):>6}"
-                for one in stroke.kinds
-            ]
-            steps = "; ".join(f"{a} > {b} by {gap:.1f}" for a, b, gap in stroke.gaps)
-            if steps:
-                lines.append(f"  steps: {steps}")
-            if stroke.lost:
-                lost = ", ".join(f"{kind} beside {other}: {n}" for kind, other, n in stroke.lost)
-                lines.append(f"  lost: {lost}")
-        return "\n".join(lines)
-
-    def warnings(self) -> list[str]:
-        """List where the order of importance isn't kept, and what is missed.
-
-        Returns
-        -------
-        list of str
-            A line each.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
-        >>> all(isinstance(line, str) for line in report.warnings())
-        True
-        """
-        lines = []
-        pairs: dict[tuple[str, str], list[str]] = {}
-        for stroke in self.strokes:
-            for first, second, steps in stroke.gaps:
-                if not steps >= 1.0:  # NaN too
-                    pairs.setdefault((first, second), []).append(f"{stroke.name} ({steps:.1f})")
-        for (first, second), where in pairs.items():
-            lines.append(
-                f"{first} is less than a step above {second} in {', '.join(where)}: move their "
-                "heights apart, or overview presets tune"
-            )
-        for stroke in self.strokes:
-            missed = [f"{one.missed} {one.kind}" for one in stroke.kinds if one.missed]
-            if missed:
-                lines.append(f"never met in {stroke.name}: {', '.join(missed)}")
-        return lines
-
-    def __repr__(self) -> str:
-        return (
-            f"<CrowdReport: {short(self.preset)} on {counted(len(self.timelines), 'timeline')}, "
-            f"{counted(len(self.strokes), 'stroke')}>"
-        )
 
 
 def crowd_report(
@@ -343,7 +93,7 @@ def crowd_report(
     Raises
     ------
     InputError
-        As `render`.
+        What `render` refuses.
 
     Examples
     --------
@@ -461,13 +211,3 @@ def _stroke(name: str, events: Sequence[_Events], order: Sequence[str]) -> Crowd
     lost = tuple((a, b, n) for (a, b), n in pairs.most_common())
     free = float(np.median([one.free_db for one in events]))
     return CrowdStroke(name, free, tuple(kinds), gaps, lost)
-
-
-def _cell(value: float, digits: int = 1) -> str:
-    return f"{value:.{digits}f}" if math.isfinite(value) else "-"
-
-
-def _rounded(value: Any) -> Any:
-    if isinstance(value, float):
-        return round(value, 3) if math.isfinite(value) else None
-    return value

@@ -21,7 +21,7 @@ from overview_dsp.rendering.offline import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from overview_dsp.measure.report import FeelReport
+    from overview_dsp.measure.kind_feel import FeelReport
 
 
 def plot_preset(preset: Preset) -> Figure:
@@ -68,7 +68,8 @@ def plot_gallery(result: Result, preset: Preset) -> Figure:
     for axes in (heard, felt):
         tidy(axes)
     figure.suptitle(f"{preset.title}: {preset.description}", x=0.01, ha="left", fontsize=10)
-    figure.subplots_adjust(left=0.065, right=0.985, top=0.74, bottom=0.11, hspace=0.1)
+    figure.subplots_adjust(left=0.085, right=0.985, top=0.79, bottom=0.11, hspace=0.1)
+    figure.align_ylabels((heard, felt))
     return figure
 
 

@@ -75,7 +75,7 @@ def _between(first: Preset, second: Preset, names: tuple[str, ...], part: float,
     title = f"{first.title} to {second.title}, {100.0 * part:.0f} %"
     description = f"{100.0 * (1.0 - part):.0f} % {first.name}, {100.0 * part:.0f} % {second.name}"
     name = f"{first.name}-{second.name}-{k}"
-    return Preset(name, title, description, values, kinds, near.tags, near.authors)
+    return Preset(name, title, description, values, kinds, near.tags, near.authors, near.points)
 
 
 def _mix(known: Parameter, first: Value | None, second: Value | None, part: float) -> Value:
@@ -102,7 +102,7 @@ def _mixed_kind(
         # a width of the other sort can't be mixed: the nearer preset's stays
         values[key] = getattr(near, key) if None in pair else _mix(known, *pair, part)
     modes = _mixed_modes(first.modes, second.modes, part)
-    # a course by hand can't be mixed: the nearer preset's stays
+    # what was drawn by hand can't be mixed: the nearer preset's stays
     return EventKind(modes=modes, points=near.points, also=also, **values)
 
 
@@ -189,6 +189,7 @@ def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
         kinds,
         preset.tags,
         preset.authors,
+        preset.points,
     )
 
 

@@ -61,6 +61,8 @@ def differences(first: Preset, second: Preset) -> list[Difference]:
         for id, known in PARAMETERS.items()
         if first.values[id] != second.values[id]
     ]
+    if first.points != second.points:
+        found.append(_drawn("surface.points", first, second))
     for name in dict.fromkeys((*first.kinds, *second.kinds)):
         one, other = first.kinds.get(name), second.kinds.get(name)
         if one is None or other is None:
@@ -74,11 +76,14 @@ def differences(first: Preset, second: Preset) -> list[Difference]:
             names = [", ".join(kind.also) or "none" for kind in (one, other)]
             found.append(Difference(f"kinds.{name}.also", names[0], names[1], ""))
         if one.points != other.points:
-            counts = [f"{len(kind.points)} points" for kind in (one, other)]
-            found.append(Difference(f"kinds.{name}.points", counts[0], counts[1], ""))
+            found.append(_drawn(f"kinds.{name}.points", one, other))
         if one.modes != other.modes:
             found.append(Difference(f"kinds.{name}.modes", _modes(one), _modes(other), "Hz, ms"))
     return found
+
+
+def _drawn(id: str, first: Preset | EventKind, second: Preset | EventKind) -> Difference:
+    return Difference(id, f"{len(first.points)} points", f"{len(second.points)} points", "")
 
 
 def _has(kind: EventKind | None) -> str:

@@ -67,6 +67,12 @@ def _hold_lines(preset: Preset) -> list[str]:
     ]
 
 
+def _drawn_lines(preset: Preset) -> list[str]:
+    if not preset.points:
+        return []
+    return [f"The curve is felt through a map of {len(preset.points)} points, drawn by hand."]
+
+
 def describe(preset: Preset) -> str:
     """The preset as a page of text; a star marks what differs from the default."""
     lines = [f"{preset.name}: {preset.title}", preset.description, ""]
@@ -82,6 +88,7 @@ def describe(preset: Preset) -> str:
     facts = character(preset)
     lines += [
         "",
+        *_drawn_lines(preset),
         *_hold_lines(preset),
         f"On the bare surface: held {facts['held_hz']:.2f} Hz, damping {facts['held_damping']:.2f};"
         f" let go {facts['free_hz']:.2f} Hz, damping {facts['free_damping']:.2f}, "
@@ -111,5 +118,5 @@ def describe_json(preset: Preset) -> dict[str, Any]:
         },
         "character": character(preset)
         | (bristle_hold(preset) if preset.values["surface.model"] == "bristle" else {}),
-        "kinds": preset_to_dict(preset)["kinds"],
+        **{key: preset_to_dict(preset)[key] for key in ("points", "kinds")},
     }

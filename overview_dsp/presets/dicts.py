@@ -28,6 +28,7 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
         },
         "tags": {**vars(preset.tags), "usage": list(preset.tags.usage)},
         "authors": list(preset.authors),
+        "points": list(preset.points),
     }
 
 
@@ -53,9 +54,10 @@ def _preset_of(data: Any) -> Preset:
         description,
         data["values"],
         {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
-        # states of before had neither
+        # states of before had none of these
         Tags(**data.get("tags", {})),
         tuple(data.get("authors", ())),
+        tuple(data.get("points", ())),
     )
 
 

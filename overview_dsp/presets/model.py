@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -146,17 +146,23 @@ class EventKind:
             raise InputError("also is a list of event kinds")
         if len(self.also) > MAX_ALSO:
             raise InputError(f"{len(self.also)} names in also; a kind stands for up to {MAX_ALSO}")
-        object.__setattr__(self, "points", tuple(float(point) for point in self.points))
-        if self.points and not 2 <= len(self.points) <= MAX_POINTS:
-            raise InputError(f"{len(self.points)} points; a course has 2 to {MAX_POINTS}")
-        # written so that NaN fails
-        if self.points and not (
-            all(0.0 <= point <= 1.0 for point in self.points) and any(self.points)
-        ):
+        object.__setattr__(self, "points", _drawn(self.points))
+        if self.points and not any(self.points):
             raise InputError("points are 0 to 1, and not all of them 0")
 
     def __repr__(self) -> str:
         return changed_fields(self, modes=f"<{len(self.modes)}>")
+
+
+def _drawn(points: Iterable[float]) -> tuple[float, ...]:
+    """What was drawn by hand, checked."""
+    found = tuple(float(point) for point in points)
+    if found and not 2 <= len(found) <= MAX_POINTS:
+        raise InputError(f"{len(found)} points; what is drawn has 2 to {MAX_POINTS}")
+    # written so that NaN fails
+    if not all(0.0 <= point <= 1.0 for point in found):
+        raise InputError("points are 0 to 1")
+    return found
 
 
 TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")
@@ -216,6 +222,9 @@ class Preset:
         What it feels like and is for.
     authors : tuple of str
         Names.
+    points : tuple of float
+        The intensity map: of even steps of the timeline's curve, 2 to 256, the part of the ambience
+        that is felt there, 0 to 1; none is a straight line.
 
     Raises
     ------
@@ -242,6 +251,7 @@ class Preset:
     kinds: Mapping[str, EventKind] = field(default_factory=dict)
     tags: Tags = field(default_factory=Tags)
     authors: tuple[str, ...] = ()
+    points: tuple[float, ...] = ()
     _served: Mapping[str, str] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -263,6 +273,7 @@ class Preset:
         object.__setattr__(self, "values", MappingProxyType(values))
         object.__setattr__(self, "kinds", MappingProxyType(dict(self.kinds)))
         object.__setattr__(self, "authors", tuple(self.authors))
+        object.__setattr__(self, "points", _drawn(self.points))
         served = {name: kind for kind, members in self.kinds.items() for name in members.also}
         for kind, members in self.kinds.items():
             for name in members.also:
@@ -447,6 +458,7 @@ class Preset:
             dict(self.kinds),
             self.tags,
             self.authors,
+            self.points,
         )
 
     def __repr__(self) -> str:

@@ -9,7 +9,7 @@ from overview_dsp.presets.migrations import SCHEMA
 from overview_dsp.presets.model import TAG_SCALES
 from overview_dsp.presets.parameter import Parameter, value_text
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
-from overview_dsp.presets.validation import preset_model
+from overview_dsp.presets.validation import MAP_DOC, preset_model
 
 _HEAD = """# Preset parameters
 
@@ -35,6 +35,9 @@ def reference() -> str:
         sections.setdefault(id.split(".")[0], []).append(known)
     for section, members in sections.items():
         parts.append(f"## [{section}]\n\n{_table(members)}")
+        if section == "surface":
+            drawn = MAP_DOC[0].lower() + MAP_DOC[1:]
+            parts.append(f"`points` (a list of 2 to 256 numbers): {drawn}\n")
     parts.append(
         "## [kinds.NAME]\n\nAn event kind's profile and click; exactly one of the two widths. "
         "`kinds.default` serves\nevents of any other kind.\n\n" + _table(KIND_PARAMETERS.values())

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import pydantic
 
@@ -28,6 +28,10 @@ from overview_dsp.presets.parameters import (
 )
 
 HEADER_KEYS = ("schema", "extends", "title", "description", "authors", "tags", "variables")
+MAP_DOC = (
+    "The intensity map: of even steps of the timeline's curve, the part of the ambience that is "
+    "felt there, 0 to 1; none is a straight line."
+)
 _STRICT = pydantic.ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
@@ -62,6 +66,9 @@ def preset_model() -> type[pydantic.BaseModel]:
         "tags": (_tags_model(), pydantic.Field(default_factory=_tags_model())),
         "variables": (dict[str, float], pydantic.Field(default_factory=dict)),
     }
+    drawn: Any = pydantic.Field(default_factory=list, max_length=MAX_POINTS, description=MAP_DOC)
+    part = Annotated[float, pydantic.Field(ge=0.0, le=1.0)]
+    sections["surface"]["points"] = (list[part], drawn)
     for section, members in sections.items():
         # any: the fields come from the table
         model: Any = pydantic.create_model(section.capitalize(), __config__=_STRICT, **members)
@@ -113,7 +120,8 @@ def _known_keys(path: tuple[str | int, ...]) -> tuple[str, ...]:
     if path[0] == "kinds":
         keys = MODE_PARAMETERS if "modes" in path[1:] else KIND_PARAMETERS
         return (*keys, "also", "points", "modes") if "modes" not in path[1:] else tuple(keys)
-    return tuple(id.split(".")[1] for id in PARAMETERS if id.split(".")[0] == path[0])
+    drawn = ("points",) if path[0] == "surface" else ()
+    return (*(id.split(".")[1] for id in PARAMETERS if id.split(".")[0] == path[0]), *drawn)
 
 
 def _parameter_at(path: tuple[str | int, ...]) -> Parameter | None:
@@ -212,7 +220,10 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
     tags = Tags(**dumped["tags"])
     authors = tuple(dumped["authors"])
     try:
-        return Preset(name, dumped["title"], dumped["description"], values, kinds, tags, authors)
+        return Preset(
+            *(name, dumped["title"], dumped["description"], values, kinds, tags, authors),
+            points=tuple(dumped["surface"]["points"]),
+        )
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
 

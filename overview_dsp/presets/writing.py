@@ -37,6 +37,8 @@ def preset_toml(preset: Preset) -> str:
         section, key = id.split(".")
         if preset.values[id] != known.default:
             data.setdefault(section, {})[key] = preset.values[id]
+    if preset.points:
+        data.setdefault("surface", {})["points"] = list(preset.points)
     data["kinds"] = {name: _kind(kind) for name, kind in preset.kinds.items()}
     return tomli_w.dumps(data)
 

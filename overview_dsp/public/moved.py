@@ -38,6 +38,8 @@ MODULES = {
 NAMES = {
     "actuators.actuator_names": "actuators.names",
     "actuators.load_actuator": "actuators.load",
+    "measure.feel_report.character_steps": "measure.character_steps",
+    "measure.feel_report.steps_apart": "measure.steps_apart",
     "measure.onsets.find_onsets": "measure.onsets",
     "plots.draw_timeline": "plots.timeline.draw_timeline",
     "plots.plot_feel": "plots.presets.plot_feel",

@@ -173,17 +173,18 @@ _PLAIN = {
     "roll_deg": "roll in degrees",
     "count": "encoder",
     "shaft_rad": "motor knob",
+    "theta2_rad": "motor knob with the surface on its board",
     "pot": "potentiometer",
 }
 
 
 class PlainAngle:
-    """Roll in degrees, an encoder's count, a motor's shaft or a potentiometer's wiper."""
+    """Roll in degrees, an encoder's count, a motor's shaft, a potentiometer's wiper, or theta2."""
 
     taps = False
 
     def __init__(self, sensor: Sensor, column: str) -> None:
-        """`column`: roll_deg, count, shaft_rad or pot."""
+        """`column`: one of `_PLAIN`."""
         self._column = column
         self._low = sensor.number("potentiometer.low")
         self._span = sensor.number("potentiometer.high") - self._low
@@ -208,6 +209,8 @@ class PlainAngle:
             self._theta2 = abs(math.remainder(math.radians(value), 2.0 * HALF_TURN))
         elif self._column in ("count", "shaft_rad"):
             self._theta2 = self._counted(value)
+        elif self._column == "theta2_rad":
+            self._theta2 = max(0.0, min(HALF_TURN, value))
         else:
             part = (value - self._low) / self._span
             self._theta2 = HALF_TURN * max(0.0, min(1.0, part))

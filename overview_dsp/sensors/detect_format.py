@@ -22,6 +22,7 @@ from overview_dsp.sensors.labelled_lines import (
 from overview_dsp.sensors.lines import LineDecoder, LineSplitter
 from overview_dsp.sensors.orientation import HIGHEST_BIAS_DEG_S
 from overview_dsp.sensors.packets import TeapotDecoder, WitDecoder, teapots_on_end, wit_columns
+from overview_dsp.sensors.pads import DualSenseDecoder, JoyConDecoder
 from overview_dsp.sensors.reading import (
     ACCELERATION,
     ANGLES,
@@ -35,7 +36,9 @@ from overview_dsp.sensors.text_lines import columns_of, numbers_of
 from overview_dsp.sensors.text_lines import reading_of as text_reading_of
 from overview_dsp.sensors.units import shows_gravity
 
-Format = Literal["frames", "json", "text", "labels", "witmotion", "teapot", "app"]
+Format = Literal[
+    "frames", "json", "text", "labels", "witmotion", "teapot", "app", "dualsense", "joycon"
+]
 
 FRAMES = 2
 LINES = 5
@@ -82,6 +85,10 @@ class DetectedFormat:
             return TeapotDecoder(counters)
         if self.format == "app":
             return app_json.BatchDecoder(counters)
+        if self.format == "dualsense":
+            return DualSenseDecoder(counters)
+        if self.format == "joycon":
+            return JoyConDecoder(counters)
         if self.format == "json":
             return LineDecoder(counters, reading_of)
         if self.round is not None:
@@ -91,7 +98,8 @@ class DetectedFormat:
     def __str__(self) -> str:
         names = {"frames": "binary frames", "json": "JSON lines", "text": "lines of ",
                  "labels": "labelled lines of ", "witmotion": "WitMotion packets of ",
-                 "teapot": "teapot packets", "app": "an app's JSON"}  # fmt: skip
+                 "teapot": "teapot packets", "app": "an app's JSON",
+                 "dualsense": "a DualSense's reports", "joycon": "a Joy-Con's reports"}  # fmt: skip
         return names[self.format] + ",".join(self.columns)
 
 
@@ -119,6 +127,18 @@ def detect(
     rounds = _labels(lines, over)
     if rounds is not None:
         return rounds
+    return _unknown(data, lines, over)
+
+
+def detect_columns(
+    data: bytes, columns: tuple[str, ...], over: bool
+) -> DetectedFormat | str | None:
+    """As `detect`, of a stream that is frames or lines of `columns`."""
+    if len(FrameDecoder(Counters()).feed(data)) >= FRAMES:
+        return DetectedFormat("frames")
+    lines = LineSplitter(Counters()).feed(data)
+    if any(text_reading_of(line, columns) for line in lines):
+        return DetectedFormat("text", columns)
     return _unknown(data, lines, over)
 
 

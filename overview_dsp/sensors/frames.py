@@ -12,11 +12,14 @@ The payload, little-endian:
 
 | bytes | what |
 |---|---|
-| 1 | kind: 1 acceleration, 2 the same and angular velocity, 3 roll, 4 encoder, 5 potentiometer |
+| 1 | kind: 1 acceleration, 2 the same and angular velocity, 3 roll, 4 encoder, 5 potentiometer, |
+|   | 6 and 7 a knob that runs the surface itself (`firmware/knob/surface.h`) |
 | 2 | sequence number, counting up by one a sample, modulo 65536 |
 | 4 | stamp: the sensor's clock, microseconds, modulo 2^32 |
 | 12 | six int16 (ax ay az gx gy gz; kind 1: the last three 0), or one int32 (thousandths of a |
-|   | degree, counts, wiper) and eight bytes of 0 |
+|   | degree, counts, wiper) and eight bytes of 0; kind 6 two int32 (theta2 and the disk's surface |
+|   | angle, microradians) and two int16 (torque, 1e-5 N m; stretch, 1e-4 rad); kind 7 three |
+|   | uint16, four bytes and an uint16 (`KNOB_STATE`) |
 
 What the check promises, of bits in the order a UART sends them: a burst of up to 16 bits anywhere,
 a frame's end included, is never taken for a sample. Within a frame the check is over the bytes as
@@ -38,25 +41,44 @@ PAYLOAD = 19
 FRAME = PAYLOAD + 1 + 3
 """Bytes of a frame before its zero."""
 
-KINDS = {
-    1: ACCELERATION,
-    2: ACCELERATION + ANGULAR_VELOCITY,
-    3: ("roll_deg",),
-    4: ("count",),
-    5: ("pot",),
-}
+KNOB_MOTION = ("theta2_rad", "surface_rad", "torque_nm", "stretch_rad")
+"""Of a knob with the surface on its board: the hand's angle, the disk's, the motor's torque, how
+far the spring between them is stretched, which is less than they are apart where its clutch slips.
+"""
+
+KNOB_STATE = ("knob_points", "knob_hz", "knob_missing", "knob_filling", "knob_table", "knob_disk",
+              "knob_level", "knob_refused")  # fmt: skip
+"""Points of its table, steps a second, the first part that hasn't come, of which table; the table
+and the disk it uses, how much torque there may be (of 255), frames it refused."""
+
 _SIX = struct.Struct("<BHI6h")
 _ONE = struct.Struct("<BHIi8x")
-_MILLIDEGREE = 1e-3
+_MOTION = struct.Struct("<BHI2i2h")
+_STATE = struct.Struct("<BHI3H4BH")
+_WHOLE = (1.0,) * 8
+_LAYOUTS = {
+    1: (ACCELERATION, _SIX, _WHOLE),
+    2: (ACCELERATION + ANGULAR_VELOCITY, _SIX, _WHOLE),
+    3: (("roll_deg",), _ONE, (1e-3,)),
+    4: (("count",), _ONE, _WHOLE),
+    5: (("pot",), _ONE, _WHOLE),
+    6: (KNOB_MOTION, _MOTION, (1e-6, 1e-6, 1e-5, 1e-4)),
+    7: (KNOB_STATE, _STATE, _WHOLE),
+}
+"""By kind: what it says, how it is packed, what 1 of each is."""
 
 
 def encode_frame(kind: int, sequence: int, stamp_us: int, values: tuple[int, ...]) -> bytes:
     """One frame with its zero: what a device sends. `values` as the payload holds them."""
     head = (kind, sequence & 0xFFFF, stamp_us & 0xFFFFFFFF)
-    if kind in (1, 2):
-        payload = _SIX.pack(*head, *values, *(0,) * (6 - len(values)))
-    else:
-        payload = _ONE.pack(*head, *values)
+    packing = _LAYOUTS[kind][1]
+    if packing is _SIX:
+        values = (*values, *(0,) * (6 - len(values)))
+    return framed(packing.pack(*head, *values))
+
+
+def framed(payload: bytes) -> bytes:
+    """At most 253 bytes as a frame with its zero."""
     encoded = cobs.encode(payload)
     check = crc16(encoded)
     return encoded + bytes(0x80 | check >> shift & 0x7F for shift in (0, 7, 14)) + b"\0"
@@ -71,21 +93,16 @@ def decode_frame(frame: bytes | bytearray) -> Reading | None:
         if frame[at] != 0x80 | check >> shift & 0x7F:
             return None
     payload = cobs.decode(frame[:-3])
-    if payload is None or len(payload) != PAYLOAD or payload[0] not in KINDS:
+    if payload is None or len(payload) != PAYLOAD or payload[0] not in _LAYOUTS:
         return None
-    columns = KINDS[payload[0]]
-    if len(columns) > 1:
-        _, sequence, stamp, *numbers = _SIX.unpack(payload)
-        if any(numbers[len(columns) :]):
-            return None
-        values = [float(number) for number in numbers]
-    else:
-        if any(payload[-8:]):
-            return None
-        _, sequence, stamp, number = _ONE.unpack(payload)
-        values = [number * _MILLIDEGREE if columns == ("roll_deg",) else float(number)]
+    columns, packing, units = _LAYOUTS[payload[0]]
+    _, sequence, stamp, *numbers = packing.unpack(payload)
+    if any(numbers[len(columns) :]) or (packing is _ONE and any(payload[-8:])):
+        return None
     reading = {"sequence": float(sequence), "t_us": float(stamp)}
-    reading.update(zip(columns, values, strict=False))
+    reading.update(
+        (name, number * unit) for name, number, unit in zip(columns, numbers, units, strict=False)
+    )
     return reading
 
 

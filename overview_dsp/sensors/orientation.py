@@ -19,6 +19,10 @@ TRUSTED = 0.2
 LONGEST_GAP_S = 0.5
 """Turning is not guessed over a longer silence: gravity is looked for anew."""
 
+HALF_WAY = 0.5
+"""Between two samples the gyroscope's speed is that half way. Taken as a sample's own (0) it lags
+by half a sample less, which is no gain here (tests/sensors/test_optical.py prints both)."""
+
 HIGHEST_BIAS_DEG_S = 10.0
 """A gyroscope at rest that says more is turning."""
 
@@ -92,7 +96,7 @@ class ByTurning:
         stretch = elapsed_s / (steps * self._period)
         for n in range(1, steps + 1):
             # what it turned since the step before: its speed half way
-            gyr = self._turning + (turned - self._turning) * ((n - 0.5) / steps)
+            gyr = self._turning + (turned - self._turning) * ((n - HALF_WAY) / steps)
             acc = self._acceleration + (now - self._acceleration) * (n / steps)
             self._filter.update(gyr * stretch, acc)
         self._acceleration, self._turning = now, turned

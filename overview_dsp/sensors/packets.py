@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import struct
+from abc import ABC, abstractmethod
 
 from overview_dsp.sensors.reading import (
     ACCELERATION,
@@ -25,6 +26,7 @@ from overview_dsp.sensors.reading import (
 )
 
 WIT = 11
+WIT_NOTIFIED = 20
 TEAPOT = 14
 UNIT_LENGTH = 0.02
 """A quaternion's length may be off by so much."""
@@ -65,7 +67,21 @@ def teapot_packet(packet: bytes) -> Reading | None:
     return {"sequence": float(count), **dict(zip(QUATERNION, quaternion, strict=True))}
 
 
-class _Packets:
+def as_wit_packets(notification: bytes) -> bytes:
+    """A notification of WitMotion's by Bluetooth (55 61 and nine int16) as its wire's packets.
+
+    It has no sum, as the radio checks what it carries; nothing if it isn't one.
+    """
+    if len(notification) != WIT_NOTIFIED or notification[:2] != b"\x55\x61":
+        return b""
+    packets = []
+    for kind, at in ((0x51, 2), (0x52, 8), (0x53, 14)):
+        packet = bytes([0x55, kind]) + notification[at : at + 6] + b"\0\0"
+        packets.append(packet + bytes([sum(packet) & 0xFF]))
+    return b"".join(packets)
+
+
+class _Packets(ABC):
     """Finds packets of fixed length by their first byte, in bytes that come in any cuts."""
 
     def __init__(self, counters: Counters, first: bytes, length: int) -> None:
@@ -74,11 +90,13 @@ class _Packets:
         self._pending = bytearray()
         self._found = False
 
+    @abstractmethod
     def _read(self, packet: bytes) -> Reading | None:
-        raise NotImplementedError
+        """What a packet says, None if it is none."""
 
+    @abstractmethod
     def _joined(self, reading: Reading) -> Reading | None:
-        raise NotImplementedError
+        """The reading that a packet completes, if it does."""
 
     def feed(self, data: bytes) -> list[Reading]:
         """The readings that these bytes complete."""

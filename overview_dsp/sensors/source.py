@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 from typing import Any
 
 from overview_dsp.errors import InputError
@@ -11,6 +12,12 @@ from overview_dsp.sensors.profile import Sensor
 from overview_dsp.sensors.reading import Counters
 from overview_dsp.sensors.stream import Sample, Stream
 from overview_dsp.sensors.touching import Event, TouchRules, TwistTouch
+from overview_dsp.units import HALF_TURN
+
+FOLLOWING = 6.0
+"""Where a knob's own board moves the disk, the disk here is pulled as that one is: theta2 is where
+its spring rests, and so much further for each radian that the disk here lies behind. Then both
+cross an event together, and ear and hand agree."""
 
 CLOSEST_S = 0.9e-3
 """Events closer together than a millisecond move the disk no differently."""
@@ -42,6 +49,7 @@ class SensorSource:
         self._said: set[str] = set()
         self._words = ""
         self._stopped = False
+        self._follows = False  # a disk that a knob's own board moves
         self._event_at = -1e300
 
     @property
@@ -107,6 +115,7 @@ class SensorSource:
         self, sample: Sample, elsewhere: float | None, position: float, yields: bool
     ) -> Event | None:
         time_s, reading = sample
+        self._follows = reading.get("knob_level", self._follows) > 0.0
         if self._stopped:
             return None
         try:
@@ -135,6 +144,10 @@ class SensorSource:
         if was == event.touching and not event.again and time_s - self._event_at < CLOSEST_S:
             return None
         self._event_at = time_s
+        if self._follows and "surface_rad" in reading and event.touching and elsewhere is None:
+            surface = reading["surface_rad"]
+            rest = surface + reading["stretch_rad"] + FOLLOWING * (surface - position)
+            return replace(event, theta2=max(0.0, min(HALF_TURN, rest)))
         return event
 
     def _watch(self, angle: Angle) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from overview_dsp.sensors.app_json import LONGEST
 from overview_dsp.sensors.clock import ArrivalClock, StampClock
-from overview_dsp.sensors.detect_format import Decoder, DetectedFormat, detect
-from overview_dsp.sensors.profile import DETECT, Sensor
+from overview_dsp.sensors.detect_format import Decoder, DetectedFormat, detect, detect_columns
+from overview_dsp.sensors.profile import DETECT, MOTOR_COLUMNS, Sensor
 from overview_dsp.sensors.reading import STAMPS, Counters, Reading
 from overview_dsp.sensors.sequence import SequenceCheck
 
@@ -46,7 +46,8 @@ class Stream:
         self.detected: DetectedFormat | None = None
         self.problem = ""
         form = sensor.values["stream.format"]
-        if form == DETECT and self._columns:
+        # a motor's board speaks lines, or frames if it runs the surface itself
+        if form == DETECT and self._columns and self._columns != MOTOR_COLUMNS:
             form = "text"
         if form != DETECT:
             self._know(DetectedFormat(form, self._columns))  # type: ignore[arg-type]
@@ -68,7 +69,11 @@ class Stream:
                 return []
             self._tried = arrival_s
             over = arrival_s - self._began >= PATIENCE_S
-            found = detect(bytes(self._pending), over, self._accelerates)
+            found = (
+                detect_columns(bytes(self._pending), self._columns, over)
+                if self._columns
+                else detect(bytes(self._pending), over, self._accelerates)
+            )
             if not isinstance(found, DetectedFormat):
                 self._counters.received_bytes += len(data)
                 # said once: the next one would only show a later line

@@ -2,11 +2,12 @@
 
     B = friction * ((1 + ambience)**intensity + pattern_height * pattern)
 
-The intensity is the timeline's curve scaled to 0..1. Equal steps of it are equal ratios of
-friction, which a finger takes for equal steps (Weber's law). Where data is missing there are ribs
-instead (`gaps.ribs`), and what hasn't happened yet is smooth and heavy (`future`). With the model
-`detent` the pattern is detents in place of friction, deeper where there is more of it (a period's
-mean); in a gap and in the future there are none.
+The intensity is the timeline's curve scaled to 0..1, through the preset's map (`points`) where it
+has one. Equal steps of it are equal ratios of friction, which a finger takes for equal steps
+(Weber's law). Where data is missing there are ribs instead (`gaps.ribs`), and what hasn't happened
+yet is smooth and heavy (`future`). With the model `detent` the pattern is detents in place of
+friction, deeper where there is more of it (a period's mean); in a gap and in the future there are
+none.
 """
 
 from __future__ import annotations
@@ -63,7 +64,11 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
     """
     number = preset.number
     bare, model = number("surface.friction"), preset.values["surface.model"]
-    loud = np.exp(math.log1p(number("surface.ambience")) * timeline.normalised_levels(cells))
+    intensity = timeline.normalised_levels(cells)
+    if preset.points:
+        steps = np.linspace(0.0, 1.0, len(preset.points))
+        intensity = np.interp(intensity, steps, preset.points)
+    loud = np.exp(math.log1p(number("surface.ambience")) * intensity)
     friction = bare * loud
     made_of = str(preset.values["surface.pattern"])
     period = number("surface.pattern_period_percent")

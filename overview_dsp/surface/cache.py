@@ -23,7 +23,7 @@ _OF_SURFACE = tuple(id for id, known in PARAMETERS.items() if known.surface)
 
 def _key(timeline: Timeline, preset: Preset) -> Hashable:
     values = tuple(preset.values[id] for id in _OF_SURFACE)
-    return id(timeline), values, tuple(preset.kinds.items())
+    return id(timeline), values, preset.points, tuple(preset.kinds.items())
 
 
 class SurfaceCache:

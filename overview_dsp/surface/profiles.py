@@ -158,7 +158,6 @@ def bumps(
         distance = low[some, None] + steps - centre[some, None]
         high = height[some, None] * profile(shape, distance, width, points)
         numbers = range(start, start + len(high))
-        for i, bump, a, b, skip in zip(
-            numbers, high, begin[some], end[some], skipped[some], strict=True
-        ):
-            yield i, int(a), bump[skip : skip + b - a]
+        places = (row[some].tolist() for row in (begin, end, skipped))
+        for i, bump, a, b, skip in zip(numbers, high, *places, strict=True):
+            yield i, a, bump[skip : skip + b - a]

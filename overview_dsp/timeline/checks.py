@@ -61,6 +61,8 @@ def number(value: object, what: str, hint: str = "give a finite number") -> floa
     InputError
         Not a number, NaN, infinite or beyond the range of a float.
     """
+    if type(value) is float and math.isfinite(value):
+        return value  # nearly always
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise InputError(f"{what} is {shown(value)}, not a number; {hint}")
     try:

@@ -116,7 +116,9 @@ class EvenTimes:
         >>> times.at(np.array([2]))
         array([1.])
         """
-        times: NDArray[np.float64] = self.first_s + index.astype(np.float64) * self.step_s
+        times = index.astype(np.float64)
+        times *= self.step_s
+        times += self.first_s
         return times
 
     def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -140,11 +142,12 @@ class EvenTimes:
         >>> times.first_from(np.array([0.5, 0.6]))
         array([1, 2])
         """
-        guess = np.ceil(np.clip((times - self.first_s) / self.step_s, 0.0, float(self.count)))
+        guess = (times - self.first_s) / self.step_s
+        np.ceil(np.clip(guess, 0.0, float(self.count), out=guess), out=guess)
         index = guess.astype(np.int64)
         # rounding may have put it one off
-        index -= (index > 0) & (self.at(index - 1) >= times)
-        index += (index < self.count) & (self.at(index) < times)
+        index -= (self.at(index - 1) >= times) & (index > 0)
+        index += (self.at(index) < times) & (index < self.count)
         return index
 
     def first_after(self, times: NDArray[np.float64]) -> NDArray[np.int64]:

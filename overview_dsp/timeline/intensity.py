@@ -3,39 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
 from overview_dsp.public.reprs import counted
-from overview_dsp.timeline import checks
-from overview_dsp.timeline.curve_checks import (
-    as_given,
-    checked_percentiles,
-    float_points,
-    require_increasing,
-    require_values,
-)
-from overview_dsp.timeline.even_times import EvenTimes
+from overview_dsp.timeline.curve_points import EXTREMES
+from overview_dsp.timeline.curve_scale import CurveScale
 from overview_dsp.timeline.gaps import Gaps, in_gap
-from overview_dsp.timeline.minmax_pyramid import CHUNK, Values
 from overview_dsp.timeline.peaks import with_peaks
-from overview_dsp.timeline.samples import Points, Times
 
-EXTREMES = (0.0, 100.0)
-"""Percentiles of the smallest and the largest value."""
+__all__ = ["EXTREMES", "LONG", "Intensity", "Part"]
 
 LONG = 65_536
 """A curve of more points isn't copied, and a surface shows it by runs of points."""
 
-SAMPLED = 1 << 14
-"""A long curve's percentiles are those of so many of its values, spread evenly and at random."""
-
 
 @dataclass(frozen=True, eq=False)
-class Intensity:
+class Intensity(CurveScale):
     """A curve over time, straight between its points; a single point is a constant.
 
     Arrays are copied to float64 and made read-only. With `EvenTimes` the values are kept as they
@@ -67,114 +52,6 @@ class Intensity:
     >>> curve.at(np.array([5.0]))
     array([2.5])
     """
-
-    time_s: Times
-    value: Values
-    unit: str = ""
-    percentiles: tuple[float, float] = EXTREMES
-
-    def __post_init__(self) -> None:
-        if isinstance(self.time_s, EvenTimes):
-            time_s: Times = self.time_s
-            value = as_given(self.value, "intensity.value")
-        else:
-            time_s = float_points(self.time_s, "intensity.time_s")
-            value = float_points(self.value, "intensity.value")
-        checks.text(self.unit, "intensity.unit")
-        if len(time_s) != len(value):
-            raise InputError(
-                f"intensity.time_s has {len(time_s)} points and intensity.value {len(value)}; "
-                "give one value for each time"
-            )
-        if len(time_s) == 0:
-            raise InputError(
-                "intensity has no points; give two or more, or one for a constant, "
-                "or leave the intensity out"
-            )
-        if not isinstance(time_s, EvenTimes):
-            require_increasing(time_s)
-        for start in range(0, len(value), CHUNK):
-            require_values(np.asarray(value[start : start + CHUNK]), start)
-        object.__setattr__(self, "percentiles", checked_percentiles(self.percentiles))
-        object.__setattr__(self, "time_s", time_s)
-        object.__setattr__(self, "value", value)
-
-    @classmethod
-    def checked(
-        cls, points: Points, unit: str = "", percentiles: tuple[float, float] = EXTREMES
-    ) -> Intensity:
-        """Make a curve of points that were checked already, which are not copied.
-
-        Parameters
-        ----------
-        points : Points
-            Of another curve, or of a `CurveBuilder`.
-        unit : str
-            What the values are, for a person.
-        percentiles : (float, float)
-            As in the constructor.
-
-        Returns
-        -------
-        Intensity
-            The curve.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
-        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
-        >>> ov.Intensity.checked(curve.points, unit="km/h").unit
-        'km/h'
-        """
-        curve = object.__new__(cls)
-        curve.__dict__.update(
-            time_s=points.time_s,
-            value=points.value,
-            unit=checks.text(unit, "intensity.unit"),
-            percentiles=checked_percentiles(percentiles),
-            points=points,
-        )
-        return curve
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Intensity):
-            return NotImplemented
-        return (
-            self.unit == other.unit
-            and self.percentiles == other.percentiles
-            and self.count == other.count
-            and _same_times(self.time_s, other.time_s)
-            and np.array_equal(self.value, other.value)
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.unit, self.percentiles, self.count, self.first_s, self.last_s))
-
-    @property
-    def count(self) -> int:
-        """How many points there are."""
-        return len(self.value)
-
-    @property
-    def first_s(self) -> float:
-        """The first point's time, s."""
-        return float(self.time_s[0])
-
-    @property
-    def last_s(self) -> float:
-        """The last point's time, s."""
-        return float(self.time_s[-1])
-
-    @property
-    def is_constant(self) -> bool:
-        """Whether it is a curve of one point, which has that value at all times."""
-        return self.count == 1
-
-    @cached_property
-    def points(self) -> Points:
-        """The points, however many, with what was worked out of them."""
-        return Points(self.time_s, self.value)
 
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Look up the curve: straight between points, exact at them.
@@ -239,7 +116,9 @@ class Intensity:
         if len(empty):  # uneven times, or hardly more points than times
             mean[empty] = top[empty] = self.at(times[empty])
         felt = with_peaks(mean, top)
-        return np.where((times >= self.first_s) & (times <= self.last_s), felt, 0.0)
+        felt[: np.searchsorted(times, self.first_s)] = 0.0
+        felt[np.searchsorted(times, self.last_s, side="right") :] = 0.0
+        return felt
 
     def band(
         self, times: NDArray[np.float64]
@@ -323,96 +202,6 @@ class Intensity:
         values = np.asarray(self.points.value[first:stop], np.float64)
         values = np.concatenate((self.at(times[:1]), values, self.at(times[-1:])))
         return Intensity(shifted[apart], values[apart], self.unit, self.percentiles)
-
-    def scale(self, known: NDArray[np.bool_]) -> tuple[float, float]:
-        """Find the values that become 0 and 1: the percentiles of the known points.
-
-        Where those are equal (more than half of a rainfall is 0), the smallest and the largest.
-
-        Parameters
-        ----------
-        known : bool (n,)
-            Which points count.
-
-        Returns
-        -------
-        (float, float)
-            In the curve's unit.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
-        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
-        >>> curve.scale(np.array([True, True]))
-        (0.0, 5.0)
-        """
-        value = self.value[known] if known.any() else self.value
-        if self.percentiles == EXTREMES:
-            return float(value.min()), float(value.max())
-        low, high = (float(edge) for edge in np.percentile(value, self.percentiles))
-        return (low, high) if low < high else (float(value.min()), float(value.max()))
-
-    def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
-        """Find the values that become 0 and 1 of a long curve, without looking at all points.
-
-        Parameters
-        ----------
-        gaps : tuple of (float, float)
-            Spans (start_s, end_s) whose points don't count, unless all points lie in them.
-
-        Returns
-        -------
-        (float, float)
-            In the curve's unit.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
-        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
-        >>> curve.scale_outside(((8.0, 10.5),))
-        (0.0, 0.0)
-        """
-        first, stop = self._known(gaps)
-        extremes = self.points.extremes(first, stop)
-        if self.percentiles == EXTREMES:
-            return extremes
-        random = np.random.default_rng(0)
-        behind = np.cumsum(stop - first)
-        step = behind[-1] / SAMPLED
-        place = ((np.arange(SAMPLED) + random.random(SAMPLED)) * step).astype(np.int64)
-        stretch = np.searchsorted(behind, place, side="right")
-        index = place - behind[stretch] + stop[stretch]
-        low, high = np.percentile(self._picked(index), self.percentiles)
-        return (float(low), float(high)) if low < high else extremes
-
-    def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
-        return self.points.picked(index)
-
-    def _known(self, gaps: Gaps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """The stretches of points (first, stop) that lie in no gap; all, if there are none."""
-        first, stop = self._between
-        starts, ends = np.array(gaps, dtype=np.float64).reshape(-1, 2).T + self._shift
-        inside = np.clip(self.points.first_after(starts), first, stop)
-        behind = np.clip(self.points.first_from(ends), first, stop)
-        holding = inside < behind
-        firsts = np.concatenate(([first], behind[holding]))
-        stops = np.concatenate((inside[holding], [stop]))
-        some = firsts < stops
-        return (firsts[some], stops[some]) if some.any() else (np.array([first]), np.array([stop]))
-
-    # --- where the points lie ---------------------------------------------------------------------
-
-    @property
-    def _shift(self) -> float:
-        """What to add to a time of this curve for the time of its points."""
-        return 0.0
-
-    @property
-    def _between(self) -> tuple[int, int]:
-        """The first point's index and the last one's + 1."""
-        return 0, self.count
 
     def _filled(
         self, times: NDArray[np.float64], after: NDArray[np.int64] | None
@@ -515,13 +304,12 @@ class Part(Intensity):
         return np.clip(times, *self._bounds)
 
 
-def _same_times(one: Times, other: Times) -> bool:
-    if isinstance(one, EvenTimes) and isinstance(other, EvenTimes):
-        return one == other
-    return np.array_equal(one, other)
-
-
 def _counted(points_s: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The number of points at or before each of `times`, which ascend."""
-    begins = np.searchsorted(times, points_s, side="left")
+    """The number of points at or before each of `times`, which are evenly spaced."""
+    last = len(times) - 1
+    begins = np.ceil(np.clip((points_s - times[0]) / (times[1] - times[0]), 0.0, last))
+    begins = begins.astype(np.int64)
+    # rounding may have put it one off
+    begins -= (begins > 0) & (times[begins - 1] >= points_s)
+    begins += times[begins] < points_s
     return np.cumsum(np.bincount(begins, minlength=len(times) + 1)[: len(times)])

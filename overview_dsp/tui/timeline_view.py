@@ -25,6 +25,9 @@ from overview_dsp.units import clock_text
 BLOCKS = " ▁▂▃▄▅▆▇█"
 MARKS = "▲◆●■✚★◇○"
 COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
+NOW = "┊"
+"""Up to where a timeline that grows has happened."""
+
 AXIS, FINGER, EVENTS = 1, 1, 1
 MARK_EVERY = 2
 """Looks: the disk's column is marked less often than the disk moves. A part of a line is written
@@ -59,6 +62,7 @@ class TimelineView(Widget):
         self._cursor = self._finger = 0.0
         self._touching = False
         self._mark = self._looks = 0
+        self._now: int | None = None
         self._drawn: tuple[object, int, int] | None = None
         self._pressed: tuple[float, float] | None = None
         self._moved = False
@@ -139,6 +143,9 @@ class TimelineView(Widget):
         for where, kind in zip(surface.position, surface.kind, strict=True):
             mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
             self._marks[column(float(where), width)] = mark
+        shown = self._player.shown
+        until = shown.until_s
+        self._now = None if until is None else column(until / shown.duration_s, width)
 
     def render_line(self, y: int) -> Strip:
         """One line: events, the friction's columns, the finger, the axis."""
@@ -169,7 +176,9 @@ class TimelineView(Widget):
         for x in range(width):
             block = BLOCKS[round(float(parts[x]) * (len(BLOCKS) - 1))]
             colour = self._marks[x][1] if x in self._marks else "bright_black"
-            if x == self._mark and row == 0:
+            if x == self._now and block == " ":
+                line.append(Segment(NOW, Style(color="bright_white")))
+            elif x == self._mark and row == 0:
                 line.append(Segment("│" if block == " " else block, Style(color="bright_white")))
             else:
                 line.append(Segment(block, Style(color=colour)))
@@ -189,12 +198,16 @@ class TimelineView(Widget):
     def _axis(self, width: int) -> str:
         start, end = self._player.window
         cells = [" "] * width
+        if self._now is not None:
+            first = max(0, min(self._now, width - len("now")))
+            cells[first : first + len("now")] = "now"
         count = max(1, width // 16)
         for i in range(count + 1):
             text = axis_text(self._player, start + (end - start) * i / count)
             at = min(round(i / count * (width - 1)), width - len(text))
             at = max(0, at - len(text) // 2) if 0 < i < count else max(0, at)
-            cells[at : at + len(text)] = text
+            if not "".join(cells[max(0, at - 1) : at + len(text) + 1]).strip():
+                cells[at : at + len(text)] = text
         return "".join(cells[:width])
 
 

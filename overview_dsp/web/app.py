@@ -35,6 +35,7 @@ def make_app(
     note: Callable[[str], None],
     session: Session | None = None,
     more: Collection[BaseRoute] = (),
+    public: Collection[str] | None = None,
 ) -> ASGIApp:
     """The application behind its guard.
 
@@ -48,6 +49,8 @@ def make_app(
         What sounds here; None if only the page sounds.
     more
         Routes of the data.
+    public
+        Where `more` is another page with its files: those of its paths that anyone may get.
     """
 
     def enter(request: Request) -> Response:
@@ -74,14 +77,17 @@ def make_app(
         session.use(preset_given(asked["preset"]))
         return Response(status_code=204)
 
-    routes: list[BaseRoute] = [Route(path, _send_asset) for path in served_paths()]
+    routes: list[BaseRoute] = []
+    if public is None:
+        public = served_paths()
+        routes += [Route(path, _send_asset) for path in public]
     routes += [Route("/session", enter, methods=["POST"]), *more]
     if session is not None:
         routes.append(WebSocketRoute("/control", control))
         routes.append(Route("/host/preset", answering(use), methods=["POST"]))
     # a router alone: the guard reports what fails
     app = Router(routes, redirect_slashes=False)
-    return Guard(app, access, names, served_paths(), note)
+    return Guard(app, access, names, public, note)
 
 
 def _send_asset(request: Request) -> Response:

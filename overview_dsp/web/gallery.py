@@ -27,7 +27,7 @@ def write_gallery(
     shown: Sequence[tuple[Timeline, Preset]],
     path: str | os.PathLike[str],
     *,
-    levels: int = 2,
+    levels: int = 3,
     seed: int = 0,
     actuator: Actuator | None = None,
     address: str | None = None,

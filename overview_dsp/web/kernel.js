@@ -7,6 +7,7 @@ import { DIGEST, ENCODING, L, PARAMETERS, SOURCES } from "./layout.js";
 
 export const { WHOLE, CHANGE } = ENCODING;
 const { FILL, DATA, TABLE, INTEGRAL, HEAD } = ENCODING;
+/** @type {Record<number, string>} */
 const WHAT = { [WHOLE]: "a memory", [CHANGE]: "a change" };
 
 export const AT_ONCE = -1;
@@ -24,7 +25,11 @@ export const METERS = Object.freeze([
   "limited", "silentSamples", "stillSamples", "changesWaiting",
 ]);
 
-/** Sample rate (Hz) and channels of encoded bytes; an Error in one line if not of this kind. */
+/**
+ * Sample rate (Hz) and channels of encoded bytes; an Error in one line if not of this kind.
+ * @param {ArrayBuffer} bytes
+ * @param {number} kind
+ */
 export function checkBytes(bytes, kind) {
   const what = WHAT[kind];
   if (!(bytes instanceof ArrayBuffer) || bytes.byteLength % 8 || bytes.byteLength < 8 * HEAD) {
@@ -60,19 +65,27 @@ export function checkBytes(bytes, kind) {
   return { sampleRate: numbers[3], channels: numbers[4] };
 }
 
-/** The kernel's number of a parameter; an Error in one line if it can't have that value. */
+/**
+ * The kernel's number of a parameter; an Error in one line if it can't have that value.
+ * @param {string} id
+ * @param {number} value
+ */
 export function parameterNumber(id, value) {
   if (!Object.hasOwn(PARAMETERS, id)) {
     throw new Error(`no parameter is called ${id}; known: ${Object.keys(PARAMETERS).join(", ")}`);
   }
-  const [number, lowest, highest] = PARAMETERS[id];
+  const [number, lowest, highest] = PARAMETERS[/** @type {keyof typeof PARAMETERS} */ (id)];
   if (!(value >= lowest && value <= highest)) {
     throw new Error(`${id} = ${value} is out of range; it is ${lowest} to ${highest}`);
   }
   return number;
 }
 
-/** How many values a run has for its columns. */
+/**
+ * How many values a run has for its columns.
+ * @param {number} how
+ * @param {number} count
+ */
 function valuesOf(how, count) {
   if (how === FILL) return 1;
   if (how === INTEGRAL) return 0;
@@ -81,6 +94,7 @@ function valuesOf(how, count) {
 
 /** Encoded columns on their way into the memory, in pieces. */
 class Copy {
+  /** @param {ArrayBuffer} bytes */
   constructor(bytes) {
     this.from = new Int32Array(bytes);
     this.values = new Float64Array(bytes);
@@ -92,7 +106,12 @@ class Copy {
     this.copied = 0; // of all
   }
 
-  /** Copy up to `room` columns more; whether that was all. */
+  /**
+   * Copy up to `room` columns more; whether that was all.
+   * @param {Float64Array} m
+   * @param {Int32Array} words
+   * @param {number} room
+   */
   advance(m, words, room) {
     const { from, values } = this;
     while (room > 0 && this.at < values.length) {
@@ -145,6 +164,9 @@ export class Kernel {
   /**
    * `wasm`: the bytes of kernel.wasm; `image`: those of browser_memory.py's `encode_engine`, which
    * goes on from where it was, or begins anew at a `sampleRate` of another one.
+   * @param {BufferSource} wasm
+   * @param {ArrayBuffer} image
+   * @param {number} [sampleRate]
    */
   constructor(wasm, image, sampleRate = undefined) {
     const { sampleRate: given, channels } = checkBytes(image, WHOLE);
@@ -167,21 +189,32 @@ export class Kernel {
     }
     this.samples = new Float32Array(memory.buffer, this.out, LARGEST_BLOCK * channels);
     this.dropped = 0;
+    /** @type {Copy[]} */
     this.waiting = []; // changes, each a Copy
     this.slot = -1; // where the surface of the first of them goes
   }
 
-  /** An int64 column as a number. */
+  /**
+   * An int64 column as a number.
+   * @param {number} column
+   */
   read(column) {
     return this.words[2 * column + 1] * TWO_32 + (this.words[2 * column] >>> 0);
   }
 
+  /**
+   * @param {number} column
+   * @param {number} value
+   */
   write(column, value) {
     this.words[2 * column] = value | 0;
     this.words[2 * column + 1] = Math.floor(value / TWO_32);
   }
 
-  /** Push hands' events: rows of sample time (-1 = at once), source's number, theta2, touching. */
+  /**
+   * Push hands' events: rows of sample time (-1 = at once), source's number, theta2, touching.
+   * @param {ArrayLike<number>} events
+   */
   control(events) {
     for (let i = 0; i + EVENT_FIELDS <= events.length; i += EVENT_FIELDS) {
       const source = events[i + 1];
@@ -201,14 +234,22 @@ export class Kernel {
     }
   }
 
-  /** Set a parameter by its number, which glides from sample `stamp` on. */
+  /**
+   * Set a parameter by its number, which glides from sample `stamp` on.
+   * @param {number} number
+   * @param {number} value
+   * @param {number} stamp
+   */
   set(number, value, stamp = AT_ONCE) {
     if (this.adjust(this.block, number, value, stamp) !== 1) {
       throw new Error(`parameter ${number} = ${value}: too many wait, or the rate is too low`);
     }
   }
 
-  /** Queue a change of browser_memory.py's `encode_change`: in the order of their coming. */
+  /**
+   * Queue a change of browser_memory.py's `encode_change`: in the order of their coming.
+   * @param {ArrayBuffer} bytes
+   */
   change(bytes) {
     const { sampleRate } = checkBytes(bytes, CHANGE);
     if (sampleRate !== this.sampleRate) {
@@ -217,7 +258,10 @@ export class Kernel {
     this.waiting.push(new Copy(bytes));
   }
 
-  /** Take over queued changes, copying up to `room` columns of their surfaces. */
+  /**
+   * Take over queued changes, copying up to `room` columns of their surfaces.
+   * @param {number} room
+   */
   takeChanges(room) {
     while (this.waiting.length > 0) {
       const copy = this.waiting[0];
@@ -240,6 +284,7 @@ export class Kernel {
     }
   }
 
+  /** @param {number} changes */
   hasRoom(changes) {
     return this.read(L.HOST_WRITTEN) - this.read(L.HOST_READ) + changes <= L.HOST_RING;
   }
@@ -259,7 +304,12 @@ export class Kernel {
     return -1;
   }
 
-  /** Push one parameter or command. */
+  /**
+   * Push one parameter or command.
+   * @param {number} what
+   * @param {number} value
+   * @param {number} stamp
+   */
   tell(what, value, stamp) {
     const written = this.read(L.HOST_WRITTEN);
     const at = written % L.HOST_RING;
@@ -269,7 +319,10 @@ export class Kernel {
     this.write(L.HOST_WRITTEN, written + 1);
   }
 
-  /** Ask for the device's gain, ceiling (linear) and delay (frames) of each signal; they glide. */
+  /**
+   * Ask for the device's gain, ceiling (linear) and delay (frames) of each signal; they glide.
+   * @param {{ gain: number, ceiling: number, delay: number }[]} signals
+   */
   output(signals) {
     signals.forEach(({ gain, ceiling, delay }, signal) => {
       const limited = ceiling < 1 || gain > 1;
@@ -285,7 +338,10 @@ export class Kernel {
     this.write(L.L_STOP, 1);
   }
 
-  /** Overwrite a block: one Float32Array a channel, all of one length; whether the sound is over. */
+  /**
+   * Overwrite a block: one Float32Array a channel, all of one length; whether the sound is over.
+   * @param {Float32Array[]} outputs
+   */
   render(outputs) {
     const frames = outputs[0].length;
     let over = false;
@@ -337,6 +393,10 @@ export class Kernel {
   }
 }
 
+/**
+ * @param {WebAssembly.Memory} memory
+ * @param {number} bytes
+ */
 function grow(memory, bytes) {
   const missing = bytes - memory.buffer.byteLength;
   if (missing > 0) memory.grow(Math.ceil(missing / PAGE_BYTES));

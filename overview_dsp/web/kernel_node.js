@@ -5,6 +5,9 @@ import {
 } from "./kernel.js";
 import { SOURCES } from "./layout.js";
 
+/** @import { HandEvent, Look, Signal } from "./kernel_node" */
+/** @typedef {{ over: boolean, meters: Float64Array, strikes: Float64Array }} Answer */
+
 const PROCESSOR = new URL("./processor.js", import.meta.url);
 const KERNEL = new URL("./kernel.wasm", import.meta.url);
 
@@ -15,6 +18,9 @@ const KERNEL = new URL("./kernel.wasm", import.meta.url);
  * bytes of `encode_change`. Clicks are left, the tactor is right, unless the image's settings say
  * otherwise. One image serves every sample rate. Throws an Error in one line: another version's
  * bytes.
+ * @param {BaseAudioContext} context
+ * @param {ArrayBuffer} image
+ * @param {{ events?: HandEvent[], changes?: ArrayBuffer[] }} given
  */
 export async function openKernel(context, image, { events = [], changes = [] } = {}) {
   const { channels } = checkBytes(image, WHOLE);
@@ -26,16 +32,23 @@ export async function openKernel(context, image, { events = [], changes = [] } =
 }
 
 export class KernelNode extends AudioWorkletNode {
+  /**
+   * @param {BaseAudioContext} context
+   * @param {number} channels
+   * @param {object} processorOptions
+   */
   constructor(context, channels, processorOptions) {
     super(context, "overview-kernel", {
       numberOfInputs: 0,
       outputChannelCount: [channels],
       processorOptions,
     });
+    /** @type {HandEvent[]} */
     this.unsent = [];
+    /** @type {((told: Answer) => void)[]} */
     this.asked = [];
     /** Called with a sentence when the audio thread can't do what it was sent. */
-    this.onfault = (message) => console.error(message);
+    this.onfault = (/** @type {string} */ message) => console.error(message);
     this.port.onmessage = ({ data }) => {
       if (data.kind === "error") this.onfault(data.message);
       else this.asked.shift()(data);
@@ -45,6 +58,8 @@ export class KernelNode extends AudioWorkletNode {
   /**
    * A hand's event: theta2 in rad (0 to pi) and whether it holds on; `sampleTime` counts from the
    * node's first sample. All events of one task go in one message.
+   * @param {number} theta2
+   * @param {boolean} touching
    */
   control(theta2, touching, source = "touch", sampleTime = AT_ONCE) {
     if (!SOURCES.includes(source)) {
@@ -65,6 +80,9 @@ export class KernelNode extends AudioWorkletNode {
   /**
    * Set a parameter of the preset that isn't the surface's (`tactor.gain_db`), in the preset's unit;
    * a switch is 0 or 1. It glides for 20 ms. Those that aren't set stay the image's.
+   * @param {string} id
+   * @param {number | boolean} value
+   * @param {number} sampleTime
    */
   set(id, value, sampleTime = AT_ONCE) {
     const number = parameterNumber(id, Number(value));
@@ -72,7 +90,10 @@ export class KernelNode extends AudioWorkletNode {
     this.port.postMessage({ kind: "set", number, value: Number(value), sampleTime });
   }
 
-  /** Bytes of `encode_change`: other parameters, another surface. The buffer goes over. */
+  /**
+   * Bytes of `encode_change`: other parameters, another surface. The buffer goes over.
+   * @param {ArrayBuffer} bytes
+   */
   change(bytes) {
     const { sampleRate } = checkBytes(bytes, CHANGE);
     if (sampleRate !== this.context.sampleRate) {
@@ -84,7 +105,11 @@ export class KernelNode extends AudioWorkletNode {
     this.port.postMessage({ kind: "change", bytes }, [bytes]);
   }
 
-  /** The device's way out of click and tactor: gain and ceiling (linear), delay (s, to 0.1). */
+  /**
+   * The device's way out of click and tactor: gain and ceiling (linear), delay (s, to 0.1).
+   * @param {Signal} click
+   * @param {Signal} tactor
+   */
   output(click, tactor) {
     const signals = [click, tactor].map(({ gain = 1, ceiling = 1, delay = 0 }) => {
       if (!(gain >= 0 && gain <= 16 && ceiling > 0 && ceiling <= 1 && delay >= 0 && delay <= 0.1)) {
@@ -98,12 +123,16 @@ export class KernelNode extends AudioWorkletNode {
     this.port.postMessage({ kind: "output", signals });
   }
 
-  /** What the kernel tells of itself: meters by name, strikes since the last look, over. */
+  /**
+   * What the kernel tells of itself: meters by name, strikes since the last look, over.
+   * @returns {Promise<Look>}
+   */
   look() {
     this.flush();
     return new Promise((resolve) => {
       this.asked.push(({ over, meters, strikes }) => {
-        const told = Object.fromEntries(METERS.map((name, i) => [name, meters[i]]));
+        const named = Object.fromEntries(METERS.map((name, i) => [name, meters[i]]));
+        const told = /** @type {Look} */ (named);
         const struck = [];
         for (let i = 0; i < strikes.length; i += STRIKE_FIELDS) {
           const [sample, event, torque, level] = strikes.subarray(i, i + STRIKE_FIELDS);
@@ -122,7 +151,10 @@ export class KernelNode extends AudioWorkletNode {
   }
 }
 
-/** Control events as the audio thread takes them. */
+/**
+ * Control events as the audio thread takes them.
+ * @param {HandEvent[]} events
+ */
 function rows(events) {
   const table = new Float64Array(4 * events.length);
   events.forEach(({ sampleTime = AT_ONCE, source = "touch", theta2, touching }, i) => {

@@ -3,17 +3,19 @@
 | path | answers |
 |---|---|
 | `GET /live/events?since=V` | server-sent events: a notice a version, its id the version |
+| `GET /live/events?since=V&rate=HZ&have=H` | the same, with the update from version H in each |
 | `GET /live/update?since=V&rate=HZ` | what a page with version V lacks; V -1: it has none yet |
 
 A notice is ``{"version", "now_s", "duration_s", "ended", "words", "news": [{"what": "added" or
-"retracted", "kind", "label", "time_s", "pulse", "version"}]}``. A page that slept is
-told the news since the version that it knew (`Last-Event-ID`).
+"retracted", "kind", "label", "time_s", "pulse", "version"}]}``, and "update", base64,
+where the update comes with it. A page that slept is told the news since the version that it knew
+(`Last-Event-ID`).
 
 An update is uint32 n, n bytes of JSON ``{"version", "info", "view", "rate", "bytes"}`` (`info` what
 has changed of ``data/timeline.json``, `view` as ``data/window-0.json``), blanks up to a multiple of
 8, and a patch (`site_sound`) that makes the change to the whole's surface of that of version V,
 which is cut or filled up with 0 to `bytes` first. It is made once a version, however many pages
-ask. Rate 0: no patch, as the host sounds.
+want it, and an event's bytes are, too. Rate 0: no patch, as the host sounds.
 
 Thread: the server's.
 """
@@ -21,6 +23,7 @@ Thread: the server's.
 from __future__ import annotations
 
 import asyncio
+import base64
 import json
 import threading
 from collections import OrderedDict
@@ -40,6 +43,7 @@ from overview_dsp.units import clock_text
 from overview_dsp.web.pulses import pulse_of
 from overview_dsp.web.site_data import kind_looks, window_json
 from overview_dsp.web.site_sound import patch_of, window_bytes
+from overview_dsp.web.values import series_json
 
 LOOK_EVERY_S = 0.05
 TELL_EVERY_S = 0.25
@@ -68,8 +72,10 @@ class LiveData:
         self._ticking: asyncio.Task[None] | None = None
         self._pages = 0
         self._making = threading.Lock()
+        self._telling = asyncio.Lock()
         self._bytes: OrderedDict[tuple[int, int], bytes] = OrderedDict()
         self._updates: OrderedDict[tuple[int, int, int], bytes] = OrderedDict()
+        self._events_made: OrderedDict[tuple[int, int, int | None, int], bytes] = OrderedDict()
 
     def routes(self) -> list[BaseRoute]:
         """The routes of the table above."""
@@ -107,25 +113,32 @@ class LiveData:
     async def _events(self, request: Request) -> Response:
         known = request.query_params.get("since", "")
         known = request.headers.get("last-event-id", known)
-        since = int(known) if known.isdecimal() and len(known) < 16 else self.version
+        since = _version(known, self.version)
+        rate, have = None, since
+        if "rate" in request.query_params:
+            rate = _version(request.query_params["rate"], -1)
+            if not _is_rate(rate):
+                return PlainTextResponse("events?since=VERSION&rate=HZ&have=VERSION\n", 400)
+            if "last-event-id" not in request.headers:  # each of these brought its update
+                have = _version(request.query_params.get("have", ""), -1)
         headers = {"cache-control": "no-store", "x-accel-buffering": "no"}
         return StreamingResponse(
-            self._notices(since), headers=headers, media_type="text/event-stream"
+            self._notices(since, have, rate), headers=headers, media_type="text/event-stream"
         )
 
-    async def _notices(self, since: int) -> AsyncIterator[bytes]:
+    async def _notices(self, since: int, have: int, rate: int | None) -> AsyncIterator[bytes]:
         if self._ticking is None or self._ticking.done():
             self._ticking = asyncio.create_task(self._tick())
         self._pages += 1
         try:
-            known = since
             yield b"retry: 1000\n\n"
             while True:
-                if known != self.version:
-                    text = json.dumps(self.notice(since), ensure_ascii=False)
-                    known = since = self.version
-                    yield f"id: {since}\ndata: {text}\n\n".encode()
-                told = self._told
+                told = self._told  # what comes from now on is heard of
+                if since != self.version or (rate is not None and have != self.version):
+                    since, text = await self._event(since, have, rate)
+                    have = since
+                    yield text
+                    continue
                 try:
                     async with asyncio.timeout(ALIVE_EVERY_S):
                         await told.wait()
@@ -133,6 +146,27 @@ class LiveData:
                     yield b": alive\n\n"
         finally:
             self._pages -= 1
+
+    async def _event(self, since: int, have: int, rate: int | None) -> tuple[int, bytes]:
+        """The present version, and the event that brings a page there."""
+        async with self._telling:  # pages that wait for the same make it once
+            while True:
+                version = self.version
+                key = (since, have, rate, version)
+                if key in self._events_made:
+                    return version, self._events_made[key]
+                update = b""
+                if rate is not None:
+                    update = await run_in_threadpool(self.update, have, rate)
+                if version == self.version:
+                    break
+            notice = self.notice(since)
+            if rate is not None:
+                notice["update"] = base64.b64encode(update).decode()
+            text = json.dumps(notice, ensure_ascii=False)
+            made = f"id: {version}\ndata: {text}\n\n".encode()
+            _keep(self._events_made, key, made)
+            return version, made
 
     async def _tick(self) -> None:
         """Look whether there is a new version, as long as there are pages."""
@@ -150,7 +184,9 @@ class LiveData:
         """Make the present revision the version."""
         revision = self._live.revision
         # what comes in between is in the timeline already, and news of the next version
-        self.version, self.timeline = revision, self._live.felt()
+        timeline = self._live.felt()
+        with self._making:
+            self.version, self.timeline = revision, timeline
 
     # --- updates ----------------------------------------------------------------------------------
 
@@ -159,8 +195,7 @@ class LiveData:
             since, rate = (int(request.query_params[name]) for name in ("since", "rate"))
         except (KeyError, ValueError):
             since, rate = -1, -1
-        none, lowest, highest = RATES
-        if rate != none and not lowest <= rate <= highest:
+        if not _is_rate(rate):
             return PlainTextResponse("update?since=VERSION&rate=HZ\n", 400)
         if not self._pages and self._live.revision != self.version:  # nobody looks
             await run_in_threadpool(self.take)
@@ -187,6 +222,7 @@ class LiveData:
                     "duration_s": timeline.duration_s,
                     "kinds": kind_looks(timeline, preset),
                     "notes": list(timeline.notes),
+                    "series": series_json(timeline),
                 },
                 "view": window_json(timeline, surface, 0.0),
             }
@@ -205,6 +241,15 @@ class LiveData:
             made = len(head).to_bytes(4, "little") + head + patch
             _keep(self._updates, key, made)
             return made
+
+
+def _version(text: str, otherwise: int) -> int:
+    return int(text) if text.isdecimal() and len(text) < 16 else otherwise
+
+
+def _is_rate(rate: int) -> bool:
+    none, lowest, highest = RATES
+    return rate == none or lowest <= rate <= highest
 
 
 def _keep(kept: OrderedDict[Any, bytes], key: Any, content: bytes) -> None:

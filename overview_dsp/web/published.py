@@ -4,6 +4,7 @@ The folder is that of `static_site`, and in `live/` of it::
 
     now.json              the notice of the present version (`live_data`); pages ask for it
     VERSION-RATE.update   the update to that version for a page that has none
+    VERSION-points.json   the values of a series
 
 A version's files never change, so they may be cached for ever; `now.json` is replaced once they
 are there. The versions before stay for pages that are just fetching them.
@@ -27,6 +28,7 @@ from overview_dsp.presets.model import Preset
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.site_content import RATES
 from overview_dsp.web.static_site import write_site
+from overview_dsp.web.values import has_values, points_json
 
 EVERY_S = 2.0
 """A version is published at most so often, and pages ask as often."""
@@ -94,6 +96,12 @@ class Published:
             files.append(self._folder / f"{version}-{rate}.update")
             with whole_file(files[-1]) as temporary:
                 temporary.write_bytes(self._data.update(-1, rate))
+        timeline = self._data.timeline
+        if has_values(timeline):
+            files.append(self._folder / f"{version}-points.json")
+            with whole_file(files[-1]) as temporary:
+                points = points_json(timeline, 0.0, timeline.duration_s)
+                temporary.write_text(json.dumps(points), encoding="utf-8")
         with whole_file(self._folder / "now.json") as temporary:
             temporary.write_text(json.dumps(self._data.notice(0)), encoding="utf-8")
         self._kept.append(files)

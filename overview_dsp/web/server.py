@@ -41,9 +41,13 @@ def listen(host: str, port: int) -> socket.socket:
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         family, *_, address = found[0]
-        return socket.create_server(
+        server = socket.create_server(
             address[:2], family=socket.AddressFamily(family), backlog=BACKLOG
         )
+        # asyncio does so only for sockets that name their protocol: an answer in two parts
+        # (head and body) would wait 40 ms for the first one's acknowledgement
+        server.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return server
     except (OSError, UnicodeError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(

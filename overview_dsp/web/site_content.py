@@ -15,6 +15,7 @@ from overview_dsp.presets.model import Preset
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
+from overview_dsp.web.packing import packed
 from overview_dsp.web.site_data import timeline_json, window_json
 from overview_dsp.web.site_sound import patch_of, whole_bytes, window_bytes
 from overview_dsp.web.site_windows import site_windows
@@ -85,7 +86,7 @@ class SiteContent:
         return self._files[name]()
 
     def _add_sound(self, name: str, i: int) -> None:
-        self._files[f"sound/{name}.bin"] = partial(self._sound, i)
+        self._files[f"sound/{name}.packed"] = lambda: packed(self._sound(i))
         for rate in RATES[1:]:
             self._files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
 

@@ -15,7 +15,7 @@
 ``data/window-N.json``, places being 0 to 1 in that window::
 
     {"level": [COLUMNS numbers 0 to 1], "resistance": [COLUMNS numbers, N m s/rad],
-     "gaps": [[from, to], ...],
+     "gaps": [[from, to], ...], "now": the place up to where it has happened, or null,
      "events": [{"place", "time_s", "kind", "label"}, ...],
      "struck": [of each number that a strike may name, its index in "events", or -1],
      "scale": [the value at level 0, how much more it is at level 1]}
@@ -132,13 +132,15 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
     first = np.searchsorted(nearest, np.arange(COLUMNS))
     resistance = np.maximum.reduceat(surface.resistance, first)
     length = shown.duration_s
+    now = None if shown.until_s is None else shown.until_s / length
     return {
         "level": [round(one, 4) for one in shown.normalised_levels(COLUMNS - 1).tolist()],
         "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
         "gaps": [
             *([start / length, end / length] for start, end in shown.gaps),
-            *([[shown.until_s / length, 1.0]] if shown.until_s is not None else []),
+            *([[now, 1.0]] if now is not None else []),
         ],
+        "now": now,
         "events": [
             {
                 "place": event.time_s / length,

@@ -1,8 +1,8 @@
 """What a page sounds with: a window's bytes for one sample rate, and what differs at others.
 
-``sound/N.bin`` are `encoding`'s bytes for the first rate, of the whole's memory (N = 0) or of a
-change to window N (N = ``back``: to the whole again). ``sound/N-RATE.patch``
-makes those of another rate of them, little-endian::
+``sound/N.packed`` are `browser_memory`'s bytes, packed (`packing`), for the first rate, of the
+whole's memory (N = 0) or of a change to window N (N = ``back``: to the whole again).
+``sound/N-RATE.patch`` makes those of another rate of them, little-endian::
 
     uint32 1 (replace all) or 0, uint32 number of runs; then, if 1, the bytes themselves, else runs:
     uint32 column (of 8 bytes), uint32 columns, the columns

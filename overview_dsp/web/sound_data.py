@@ -32,7 +32,7 @@ def window(timeline: Timeline, served: Preset, asked: dict[str, Any]) -> dict[st
     """What is drawn of a window; InputError for what can't be."""
     _require_keys(asked, WINDOW_KEYS, {"window"})
     start, end = _window(timeline, asked["window"])
-    part = timeline.window(start, end)
+    part = _part(timeline, start, end)
     surface = build_surface(part, _preset(asked, "preset", served))
     drawn = window_json(part, surface, start)
     if has_values(timeline) and not all_points(timeline):
@@ -46,7 +46,7 @@ def change(timeline: Timeline, served: Preset, asked: dict[str, Any]) -> bytes:
     before, after = _preset(asked, "before", served), _preset(asked, "after", served)
     surface = None
     if "window" in asked:
-        part = timeline.window(*_window(timeline, asked["window"]))
+        part = _part(timeline, *_window(timeline, asked["window"]))
         surface = build_surface(part, after)
     return encode_change(before, after, _rate(asked["sample_rate"]), surface)
 
@@ -59,6 +59,12 @@ def _window(timeline: Timeline, given: Any) -> tuple[float, float]:
     if not isinstance(given, list) or len(given) != 2:
         raise InputError("window is [start_s, end_s]")
     return timeline.require_window(*given)
+
+
+def _part(timeline: Timeline, start: float, end: float) -> Timeline:
+    """What a window is felt as; the whole as it is, without what only a closer look finds."""
+    whole = start <= 0.0 and end >= timeline.duration_s
+    return timeline if whole else timeline.window(start, end)
 
 
 def _rate(given: Any) -> float:

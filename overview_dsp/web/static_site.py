@@ -29,7 +29,7 @@ def write_site(
     preset: Preset,
     path: str | os.PathLike[str],
     *,
-    levels: int = 2,
+    levels: int = 3,
     seed: int = 0,
     actuator: Actuator | None = None,
     progress: Callable[[float], None] | None = None,
@@ -43,7 +43,7 @@ def write_site(
     path
         A new or empty folder, or one that this wrote before.
     levels
-        How many times the page can zoom, 0 to 3.
+        How many times the page can zoom, to a third each.
     actuator
         What the tactor's signal drives.
     live

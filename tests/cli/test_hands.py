@@ -7,10 +7,12 @@ import os
 import socket
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
 
+from overview_dsp.controllers.osc_map import load_osc_map
 from tests.cli.running import MATCH, ROOT, overview, refused
 from tests.controllers.osc_bytes import message
 
@@ -31,10 +33,47 @@ PLAY = ("play", MATCH, "--device", "none")
         (("--input", "osc:9000", "--midi-map", "x.toml"), ("--midi-map", "midi:NAME")),
         (("--input", "midi:x", "--midi-map", "nowhere.toml"), ("nowhere.toml", "midi learn")),
         (("--osc-out", "x"), ("'x'", "9000")),
+        (("--input", "midi:x", "--osc-map", "zigsim"), ("--osc-map", "osc:PORT")),
+        (("--input", "osc:9000", "--osc-map", "zigsin"), ("osc learn", "zigsim")),
+        (("--input", "http://"), ("http", "phyphox")),
+        (("--input", "post:x"), ("'x'", "9000")),
+        (("--input", "post:8000", "--input", "serial:x"), ("serial:x", "one of a kind")),
     ],
 )
 def test_wrong_hands_are_one_line(arguments, words):
     refused(overview(*PLAY, *arguments), *words)
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+def test_a_fader_that_is_moved_is_learned_and_played(tmp_path):
+    number, path, over = free_port(), tmp_path / "tablet.toml", threading.Event()
+
+    def move():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+            n = 0
+            while not over.wait(0.01):
+                n += 1
+                if n < 200:
+                    place = abs(1.0 - n / 100.0)
+                    client.sendto(message("/1/fader7", 127.0 * place), ("127.0.0.1", number))
+
+    moving = threading.Thread(target=move)
+    moving.start()
+    outcome = overview("osc", "learn", number, "theta2", "-o", path, "--json")
+    over.set()
+    moving.join()
+    assert outcome.code == 0, outcome.err
+    assert json.loads(outcome.out)["address"] == "/1/fader7"
+    assert "move it from one end to the other" in outcome.err
+    assert overview("osc", "learn", number, "device", "-o", path, "--seconds", 0.2).code == 2
+    assert load_osc_map(path)[0].hears("/1/fader7")
+    played = overview(*PLAY, "--input", f"osc:{number}", "--osc-map", path, "--seconds", 0.2)
+    assert played.code == 0, played.err
 
 
 def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_path):
@@ -50,19 +89,20 @@ def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_pat
         ("pythonosc", ("--input", "osc:9000"), "pip install 'overview-dsp[osc]'"),
         ("pythonosc", ("--osc-out", "9000"), "pip install 'overview-dsp[osc]'"),
         ("rtmidi", ("--input", "midi:x"), "pip install 'overview-dsp[midi]'"),
+        ("hid", ("--input", "pad:"), "pip install 'overview-dsp[pads]'"),
+        ("bleak", ("--input", "ble:x"), "pip install 'overview-dsp[ble]'"),
     ],
 )
 def test_a_missing_library_is_one_line_that_says_how_to_get_it(
     monkeypatch, module, arguments, hint
 ):
-    monkeypatch.setitem(sys.modules, module, None)
+    for other in (module, {"rtmidi": "rtmidi2", "hid": "hidraw"}.get(module, module)):
+        monkeypatch.setitem(sys.modules, other, None)
     refused(overview(*PLAY, *arguments), hint, code=1)
 
 
 def test_lines_and_osc_play_together_and_each_is_reported(tmp_path):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        number = free.getsockname()[1]
+    number = free_port()
     take = tmp_path / "take.csv"
     command = [sys.executable, "-m", "overview_dsp", *PLAY, "--input", "-", "--input",
                f"osc:{number}", "--record", str(take), "--seconds", "4"]  # fmt: skip
@@ -88,12 +128,17 @@ def test_lines_and_osc_play_together_and_each_is_reported(tmp_path):
 
 def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
     pytest.importorskip("sounddevice", exc_type=OSError, reason="needs PortAudio")
-    from overview_dsp.live import midi_port
+    from overview_dsp.live import midi_port, pad_port
 
     monkeypatch.setattr(midi_port, "midi_ports", lambda: ["nanoKONTROL2"])
     assert "midi:nanoKONTROL2" in overview("devices", "--listen", 0).out
     found = json.loads(overview("devices", "--listen", 0, "--json").out)
     assert found["midi_ports"] == ["nanoKONTROL2"]
+    monkeypatch.setattr(pad_port, "pads", lambda: [pad_port.Pad("joycon", "Joy-Con (L)", b"")])
+    assert "pad:joycon Joy-Con (L)" in overview("devices", "--listen", 0).out
     monkeypatch.undo()
-    monkeypatch.setitem(sys.modules, "rtmidi", None)
-    assert "overview-dsp[midi]" in overview("devices", "--listen", 0).out
+    for name in ("rtmidi", "rtmidi2", "hid", "hidraw"):
+        monkeypatch.setitem(sys.modules, name, None)
+    missing = overview("devices", "--listen", 0).out
+    assert "overview-dsp[midi]" in missing
+    assert "overview-dsp[pads]" in missing

@@ -122,13 +122,13 @@ def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_pictu
     folder, monkeypatch
 ):
     # a hundred timelines take too long here
-    few = functools.partial(observing.observe, learned=8, held_out=3)
+    few = functools.partial(observing.observe, learned=3, held_out=2)
     monkeypatch.setattr(observing, "observe", few)
     asked = ("presets", "feel", "crowd", "--observer", "--modality", "touch", "--hands", "mixed")
     ov.save_timeline(ov.measure.random_crowd(1), "crowd.json")
     text = done(*asked, "crowd.json", "--picture", "observer.png")
-    assert text.startswith("crowd, mixed hands, an observer that learned from 8 random timelines")
-    assert "random timelines (3), touch: recall / precision, %" in text
+    assert text.startswith("crowd, mixed hands, an observer that learned from 3 random timelines")
+    assert "random timelines (2), touch: recall / precision, %" in text
     assert "timelines given (1), touch: recall / precision, %" in text
     assert (folder / "observer.png").stat().st_size > 5_000
     report = json.loads(done(*asked, "--json", "--seed", "1"))

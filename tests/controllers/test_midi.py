@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import math
+import sys
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.controllers.control_messages import Dialled, LetGo, Touched, Turned
+from overview_dsp.controllers.control_messages import Dialled, LetGo, Nudged, Touched, Turned
 from overview_dsp.controllers.midi_learn import Learner
 from overview_dsp.controllers.midi_map import (
     DEFAULT,
@@ -23,6 +25,7 @@ from overview_dsp.controllers.midi_map import (
     write_map,
 )
 from overview_dsp.controllers.midi_messages import MidiReader
+from overview_dsp.live.midi_port import MidiPort, midi_ports
 
 
 def read(reader, *messages, at=0.0):
@@ -252,3 +255,102 @@ def test_what_is_learnt_can_be_written(messages, to):
     found = learned(to, *messages)
     if found is not None:
         assert parse_map(write_map((found,)), "x") == (found,)
+
+
+# --- knobs without ends ---------------------------------------------------------------------------
+
+SAID = {"twos": (1, 127), "offset": (65, 63), "signed": (1, 65)}
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("relative", SAID)
+def test_a_knob_without_ends_is_learnt_by_a_turn_to_the_right_and_one_to_the_left(
+    relative, reverse
+):
+    right, left = SAID[relative][::-1] if reverse else SAID[relative]
+    trembling = [change(5, 60 + n % 3) for n in range(12)]
+    sent = [*trembling, *8 * [change(20, right)], *8 * [change(20, left)]]
+    found = learned("theta2", *sent)
+    assert found == Control("cc", 20, channel=1, relative=relative, reverse=reverse)
+    assert parse_map(write_map((found,)), "x") == (found,)
+    reader = MidiReader((found,))
+    moves = read(reader, *30 * [change(20, right)], *10 * [change(20, left)])
+    assert angles(moves)[29] == pytest.approx(math.pi / 2)
+    assert angles(moves)[-1] == pytest.approx(math.pi / 3)
+
+
+def test_a_knob_turned_fast_says_larger_steps_and_is_none_with_ends():
+    steps = [1, 1, 2, 3, 5, 4, 2, 2, 1, 1, 1]
+    sent = [change(20, one) for one in steps] + [change(20, 128 - one) for one in steps]
+    assert learned("theta2", *sent) == Control("cc", 20, channel=1, relative="twos")
+
+
+def test_it_stays_at_its_ends_and_comes_back_at_once():
+    reader = MidiReader((Control("cc", 20, relative="twos", steps=10.0),))
+    moves = read(reader, *25 * [change(20, 1)], change(20, 126), *25 * [change(20, 127)])
+    assert angles(moves)[24] == math.pi
+    assert angles(moves)[25] == pytest.approx(0.8 * math.pi)
+    assert angles(moves)[-1] == 0.0
+
+
+def test_a_parameter_goes_on_by_steps_of_its_way():
+    reader = MidiReader((Control("cc", 20, to="tactor.gain_db", relative="signed", steps=20.0),))
+    assert read(reader, change(20, 2), change(20, 66)) == [
+        Nudged("tactor.gain_db", 0.1), Nudged("tactor.gain_db", -0.1)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [('relative = "up"', "twos, offset, signed"), ("reverse = true", "relative"),
+     ('relative = "twos"\nsteps = 0', "steps"),
+     ('relative = "twos"\nreverse = 1', "true or false")],
+)  # fmt: skip
+def test_a_relative_control_that_cannot_be_is_one_line(line, word):
+    text = f'schema = 1\n[[control]]\ncontrol = "cc 1"\nto = "theta2"\n{line}\n'
+    with pytest.raises(ov.InputError, match=word):
+        parse_map(text, "x")
+
+
+# --- either library -------------------------------------------------------------------------------
+
+
+class MadeRtmidi2:
+    """rtmidi2 as it is: a system that it hasn't got gives the first that it has."""
+
+    API_MACOSX_CORE, API_LINUX_ALSA, API_UNIX_JACK, API_WINDOWS_MM = 1, 2, 3, 4
+    made: ClassVar[list] = []
+
+    class MidiIn:
+        def __init__(self, name, queued, api):
+            if api == 3:
+                raise RuntimeError("no server")
+            self.api, self.callback, self.open = 2, None, None
+            self.ports = ["nano 20:0", "other 24:0"]
+            MadeRtmidi2.made.append(self)
+
+        def get_current_api(self):
+            return self.api
+
+        def ignore_types(self, sysex, timing, sensing):
+            self.ignored = (sysex, timing, sensing)
+
+        def open_port(self, index):
+            self.open = index
+
+        def close_port(self):
+            self.open = None
+
+
+def test_rtmidi2_serves_where_python_rtmidi_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "rtmidi", None)
+    monkeypatch.setitem(sys.modules, "rtmidi2", MadeRtmidi2)
+    assert midi_ports() == ["nano", "other"]
+    port = MidiPort("nano")
+    (one,) = [made for made in MadeRtmidi2.made if made.open is not None]
+    assert (one.open, one.ignored) == (0, (True, True, False))
+    one.callback([0x90, 60, 100], 0.0)
+    one.callback([0xFE], 0.0)
+    assert port.receive(0.0) == [bytes([0x90, 60, 100])]
+    port.close()
+    assert one.callback is None

@@ -156,7 +156,11 @@ def test_a_level_in_db_is_a_correctly_rounded_power_of_ten(level):
 
 
 def test_every_parameter_of_the_voice_has_a_column():
-    elsewhere = {id for id, known in PARAMETERS.items() if known.surface or id.startswith("twist.")}
+    elsewhere = {
+        id
+        for id, known in PARAMETERS.items()
+        if known.surface or id.startswith(("twist.", "follow."))
+    }
     of_the_voice = {
         f"PARAM_{id.upper().replace('.', '_')}" for id in PARAMETERS if id not in elsewhere
     }

@@ -3,6 +3,8 @@
    NUMBER: which plugin, in the order of their names. EVENTS: rows of kind (0 a control port, else
    MIDI), number (the port, or three bytes), frame, value; a port is set before the block that holds
    its frame, with all others as they were. OUT: the two outputs' samples in turn. */
+#include "interposed.h"
+
 #include <lilv/lilv.h>
 #include <lv2/atom/atom.h>
 #include <lv2/midi/midi.h>
@@ -83,7 +85,10 @@ int main(int count, char **given) {
             }
         sequence.head.atom.type = map(NULL, LV2_ATOM__Sequence);
         sequence.head.atom.size = (uint32_t)(sizeof sequence.head.body + events * sizeof(midi_event));
+        processing = 1;
         lilv_instance_run(instance, (uint32_t)n);
+        processing = 0;
+        if (allocations) return fprintf(stderr, "allocated in run\n"), 5;
         for (i = 0; i < n; i++) fwrite(&out[0][i], 4, 1, file), fwrite(&out[1][i], 4, 1, file);
     }
     lilv_instance_deactivate(instance);

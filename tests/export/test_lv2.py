@@ -12,7 +12,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.export.plugin_bundle import parameter_ids
-from tests.export.test_plugins import (
+from tests.export.plugin_playing import (
     DOWN,
     FRAMES,
     MIDI,
@@ -20,6 +20,8 @@ from tests.export.test_plugins import (
     ROW,
     UP,
     VALUE,
+    both_halves,
+    faded,
     natively,
     preset_named,
     score,
@@ -27,7 +29,7 @@ from tests.export.test_plugins import (
 
 HOST = Path(__file__).with_name("lv2_host.c")
 BLOCK = 128
-PORTS = {id: 3 + n for n, id in enumerate(["theta2", "touch", *parameter_ids()])}
+PORTS = {id: 3 + n for n, id in enumerate(["theta2", "touch", *parameter_ids(), "timeline"])}
 SYSTEM_BUNDLES = Path("/usr/lib/lv2")
 
 
@@ -37,10 +39,15 @@ def presets():
 
 
 @pytest.fixture(scope="module")
-def bundle(match, presets, tmp_path_factory):
+def timelines(match):
+    return both_halves(match)
+
+
+@pytest.fixture(scope="module")
+def bundle(timelines, presets, tmp_path_factory):
     folder = tmp_path_factory.mktemp("lv2")
     named = 'a "quoted" \\ name'
-    return ov.export.build_plugin(match, [*presets.values()], "lv2", folder, name=named, seed=3)
+    return ov.export.build_plugin(timelines, [*presets.values()], "lv2", folder, name=named, seed=3)
 
 
 @pytest.fixture(scope="module")
@@ -78,24 +85,56 @@ def as_row(kind, number, frame, value):
     return kind, (0x90_00_7F if kind == DOWN else 0x80_00_00) | number << 8, frame, value
 
 
-@pytest.mark.parametrize("rate", [44_100, 48_000, 96_000])
+@pytest.fixture
+def play(bundle, host, tmp_path):
+    def run(events, name, rate=48_000):
+        rows = np.array([as_row(*event) for event in events], ROW)
+        (tmp_path / "events").write_bytes(rows.tobytes())
+        which = sorted(PRESETS).index(name)
+        given = (f"file://{bundle}/", which, rate, BLOCK, FRAMES, tmp_path / "events")
+        command = [host, *map(str, given), tmp_path / "out"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+        assert done.returncode == 0, done.stderr
+        return np.fromfile(tmp_path / "out", np.float32).reshape(-1, 2)
+
+    return run
+
+
+@pytest.mark.parametrize("rate", [44_100, 48_000, 96_000, 12_345.678])
 @pytest.mark.parametrize("name", PRESETS)
-def test_ports_at_blocks_and_midi_at_any_frame_are_the_engines(
-    match, presets, bundle, host, tmp_path, name, rate
-):
+def test_ports_at_blocks_and_midi_at_any_frame_are_the_engines(match, presets, play, name, rate):
     # a wheel without a key would move what a port holds: a host's next change moves it back
     events = at_blocks(score()[:-1])
     assert {DOWN, UP, MIDI} < {kind for kind, *_ in events}
-    rows = np.array([as_row(*event) for event in events], ROW)
-    (tmp_path / "events").write_bytes(rows.tobytes())
-    which = sorted(PRESETS).index(name)
-    given = (f"file://{bundle}/", which, rate, BLOCK, FRAMES, tmp_path / "events", tmp_path / "out")
-    done = subprocess.run([host, *map(str, given)], capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stderr
-    heard = np.fromfile(tmp_path / "out", np.float32).reshape(-1, 2)
     expected = natively(match, presets[name], rate, events)
     assert np.abs(expected).max(axis=0).min() > 0.01
-    assert np.array_equal(heard, expected)
+    assert np.array_equal(play(events, name, rate), expected)
+
+
+def test_another_timeline_fades_in(timelines, presets, play):
+    at = 70 * BLOCK
+    early = [(VALUE, "theta2", 0, 0.25), (VALUE, "touch", 0, 1.0)]
+    late = [(VALUE, "theta2", at + 8 * BLOCK * n, 0.25 + n / 64) for n in range(1, 24)]
+    heard = play([*early, (VALUE, "timeline", at, 1.0), *late], "wells")
+    wells = presets["wells"]
+    before = natively(timelines["match"], wells, 48_000, early)
+    later = [*early, *((kind, id, frame - at, value) for kind, id, frame, value in late)]
+    after = natively(timelines["second half"], wells, 48_000, later, FRAMES - at)
+    assert np.abs(after).max() > 0.01
+    assert np.array_equal(heard, faded(before, after, at))
+
+
+def test_any_values_leave_numbers(play):
+    random = np.random.default_rng(5)
+    wild = (np.nan, np.inf, -np.inf, 1e30, -1.0, 0.0, 1e-45, 1.0)
+    ids = list(PORTS)
+    events = [
+        (VALUE, ids[random.integers(len(ids))], int(at), float(random.choice(wild)))
+        for at in np.sort(random.integers(0, FRAMES, 2_000))
+    ]
+    heard = play(events, "wells")
+    assert np.isfinite(heard).all()
+    assert np.abs(heard).max() <= 1.0
 
 
 def test_what_it_says_of_itself_is_valid(bundle):

@@ -1,141 +1,40 @@
-"""A plugin plays the native engine's bits in a host, whatever the host does."""
+"""A CLAP or VST3 plugin plays the native engine's bits in a host, whatever the host does."""
 
 from __future__ import annotations
 
-import shutil
 import struct
-import subprocess
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.export.plugin_bundle import parameter_ids
 from overview_dsp.kernels import layout
 from overview_dsp.presets.parameters import PARAMETERS
-from tests.cli.running import MATCH, overview
-from tests.web.surfaces import preset_of
+from tests.export.plugin_playing import (
+    DOWN,
+    EARLIER,
+    FLUSHED,
+    MIDI,
+    NOT_THE_PRESETS,
+    PRESETS,
+    UP,
+    VALUE,
+    Host,
+    both_halves,
+    built_host,
+    faded,
+    library_of,
+    natively,
+    normal,
+    number_of,
+    preset_named,
+    score,
+)
 
-HOST = Path(__file__).with_name("clap_host.c")
-HEADERS = Path(ov.export.__file__).with_name("plugin")
-VALUE, DOWN, UP, MIDI = range(4)
-EARLIER, FLUSHED = -1, -2
-"""Frames of events before the plugin is active, and in a flush after it is."""
-
-ROW = np.dtype([("kind", "i8"), ("number", "i8"), ("frame", "i8"), ("value", "f8")])
-PRESETS = ("viscous", "bristles", "wells")
-FRAMES = 40_000
-NOT_THE_PRESETS = ("theta2", "touch", "preset")
-NO_MORE_TAIL = 2**31 - 1
-
-
-def preset_named(name):
-    given = {"viscous": ov.load_preset("football")}.get(name)
-    given = given or preset_of({"bristles": "door", "wells": "dial"}[name])
-    return replace(given, name=name)
-
-
-def number_of(id):
-    """A parameter's number in a CLAP host: FNV-1a of its id."""
-    value = 2166136261
-    for byte in id.encode():
-        value = (value ^ byte) * 16777619 % 2**32
-    return value
-
-
-@dataclass
-class Hands:
-    """What a host's events say to the engine: the plugin's rules, in Python."""
-
-    engine: ov.Engine
-    theta2: float = 0.0
-    touch: bool = False
-    note: int = -1
-    finger: float = 0.0
-    events: list = field(default_factory=list)
-
-    def hear(self, kind, number, frame, value):
-        source = "touch"
-        if kind == VALUE and number == "theta2":
-            self.theta2 = value
-        elif kind == VALUE and number == "touch":
-            self.touch = value > 0.0
-        elif kind == VALUE:
-            known = PARAMETERS[number]
-            said = known.choices[int(value)] if known.choices else value
-            self.engine.set(number, said, sample_time=frame)
-            return
-        elif kind == MIDI and self.note < 0:
-            self.theta2 = (number & 127) / 127.0
-        else:
-            source = "midi"
-            if kind == DOWN:
-                self.note, self.finger = number, number / 127.0
-            elif kind == UP and number == self.note:
-                self.note = -1
-            elif kind == UP:
-                return
-            else:
-                self.finger = (number & 127) / 127.0
-        place, held = (
-            (self.theta2, self.touch) if source == "touch" else (self.finger, self.note >= 0)
-        )
-        self.engine.control(np.pi * place, held, frame, source)
-
-
-def natively(match, preset, rate, events, frames=FRAMES):
-    engine = ov.Engine(preset, match, seed=3)
-    engine.prepare(rate, frames)
-    hands = Hands(engine)
-    for event in events:
-        hands.hear(*event)
-    out = np.zeros((frames, 2), np.float32)
-    engine.process(out)
-    return out
-
-
-def score(rate=48_000, frames=FRAMES, seed=1):
-    """A hand that sweeps and lets go, keys, a wheel and parameters, at frames of no order."""
-    random = np.random.default_rng(seed)
-    places = np.sort(random.integers(0, frames // 2, 60))
-    events = [(VALUE, "touch", 0, 1.0)]
-    events += [(VALUE, "theta2", int(at), float(at / frames * 1.6)) for at in places]
-    events += [(VALUE, "touch", frames // 2 + 17, 0.0)]
-    ids = [id for id in PARAMETERS if id.startswith(("disk.", "tactor.", "click.", "texture."))]
-    for at in np.sort(random.integers(0, frames, 12)):
-        known = PARAMETERS[ids[random.integers(len(ids))]]
-        value = (
-            float(random.integers(2)) if known.choices else random.uniform(known.low, known.high)
-        )
-        if known.id.startswith("disk.") and not known.choices:
-            value = known.default
-        events.append((VALUE, known.id, int(at), float(value)))
-    later = int(frames * 0.6)
-    events += [(DOWN, 90, later, 1.0), (MIDI, 0xB0_01_40, later + 1001, 0.0)]
-    events += [(UP, 5, later + 1500, 0.0), (UP, 90, later + 3001, 0.0)]
-    events += [(MIDI, 0xB0_01_20, later + 4000, 0.0)]
-    return sorted(events, key=lambda event: event[2])
-
-
-@pytest.fixture(scope="session")
-def host(tmp_path_factory):
-    if not shutil.which("gcc"):
-        pytest.skip("needs gcc")
-    program = tmp_path_factory.mktemp("host") / "clap_host"
-    warn = ("-Wall", "-Wextra", "-Werror")
-    command = ["gcc", "-std=gnu11", *warn, f"-I{HEADERS}", str(HOST), "-rdynamic", "-o"]
-    subprocess.run([*command, str(program), "-ldl"], check=True, timeout=600)
-
-    def run(*arguments, fails=False):
-        said = subprocess.run(
-            [program, *map(str, arguments)], capture_output=True, text=True, timeout=600
-        )
-        assert (said.returncode != 0) == fails, said.stderr
-        return said.stderr if fails else said.stdout
-
-    return run
+FORMATS = ("clap", "vst3")
+NO_MORE_TAIL = {"clap": 2**31 - 1, "vst3": 2**32 - 1}
 
 
 @pytest.fixture(scope="module")
@@ -144,26 +43,29 @@ def presets():
 
 
 @pytest.fixture(scope="module")
-def plugin(match, presets, tmp_path_factory):
+def timelines(match):
+    return both_halves(match)
+
+
+@pytest.fixture(scope="module", params=FORMATS)
+def host(request, timelines, presets, tmp_path_factory):
     folder = tmp_path_factory.mktemp("plugins")
-    return ov.export.build_plugin(match, [*presets.values()], "clap", folder, name="Match!", seed=3)
+    program = built_host(request.param, folder)
+    plugin = ov.export.build_plugin(
+        timelines, [*presets.values()], request.param, folder, name="Match!", seed=3
+    )
+    return Host(request.param, program, library_of(plugin))
 
 
 @pytest.fixture
-def play(host, plugin, tmp_path):
-    def run(events, *, rate=48_000, block=0, frames=FRAMES, state="-", saved="-", warm=0):
-        rows = [
-            (kind, number_of(number) if kind == VALUE else number, frame, value)
-            for kind, number, frame, value in events
-        ]
-        (tmp_path / "events").write_bytes(np.array(rows, ROW).tobytes())
-        given = (rate, block, frames, tmp_path / "events", tmp_path / "out", state, saved, warm)
-        said = host(plugin, "play", *given).split()
-        names = ("status", "latency", "tail", "tail_changes", "rescans", "told")
-        report = dict(zip(names, map(int, said), strict=True))
-        return np.fromfile(tmp_path / "out", np.float32).reshape(-1, 2), report
+def play(host, tmp_path):
+    def run(events, **options):
+        return host.play(tmp_path, events, **options)
 
     return run
+
+
+SECOND_HALF = (VALUE, "timeline", EARLIER, 1.0)
 
 
 def chosen(name):
@@ -173,9 +75,9 @@ def chosen(name):
 @pytest.mark.parametrize("rate", [44_100, 48_000, 96_000, 12_345.678])
 @pytest.mark.parametrize("name", PRESETS)
 def test_events_at_any_frame_in_blocks_of_any_size_are_the_engines(
-    match, presets, play, name, rate
+    match, presets, host, play, name, rate
 ):
-    expected = natively(match, presets[name], rate, score())
+    expected = natively(match, presets[name], rate, host.heard(score(), presets[name]))
     assert np.abs(expected).max(axis=0).min() > 0.01
     heard, report = play([chosen(name), *score()], rate=rate)
     assert np.array_equal(heard, expected)
@@ -183,9 +85,23 @@ def test_events_at_any_frame_in_blocks_of_any_size_are_the_engines(
 
 
 @pytest.mark.parametrize("block", [1, 17, 64, 512, 4096])
-def test_no_block_size_changes_a_bit(match, presets, play, block):
-    expected = natively(match, presets["viscous"], 48_000, score(), 20_000)
+def test_no_block_size_changes_a_bit(match, presets, host, play, block):
+    events = host.heard(score(), presets["viscous"])
+    expected = natively(match, presets["viscous"], 48_000, events, 20_000)
     assert np.array_equal(play(score(), block=block, frames=20_000)[0], expected)
+
+
+def test_a_hosts_floats_are_the_values_that_it_was_told(match, presets, host, play):
+    own = [(id, presets["viscous"].values[id]) for id in parameter_ids()]
+    own = [(id, value) for id, value in own if isinstance(value, float)]
+    said = [np.float32(normal(*one)) if host.to == "vst3" else one[1] for one in own]
+    again = [(VALUE, id, 100, value) for (id, _), value in zip(own, said, strict=True)]
+    heard, _ = play([again[0], *again, *turned(101, 9_000), (DOWN, 90, 9_500, 1.0)])
+    expected = natively(
+        match, presets["viscous"], 48_000, [*turned(101, 9_000), (DOWN, 90, 9_500, 1.0)]
+    )
+    assert np.abs(expected).max() > 0.01
+    assert np.array_equal(heard, expected)
 
 
 def test_a_reset_is_a_new_voice_with_the_values_of_the_moment(play):
@@ -197,30 +113,35 @@ def test_a_reset_is_a_new_voice_with_the_values_of_the_moment(play):
     assert np.array_equal(again, fresh)
 
 
-def test_state_opens_in_a_fresh_host(match, presets, play, tmp_path):
-    values = {"tactor.gain_db": -7.25, "click.mute": 1.0, "disk.release": 1.0}
+def test_state_opens_in_a_fresh_host(timelines, presets, host, play, tmp_path):
+    values = {"tactor.gain_db": -7.3, "click.mute": 1.0, "disk.release": 1.0}
     settings = [(VALUE, id, EARLIER, value) for id, value in values.items()]
     state = tmp_path / "state"
-    play([chosen("wells"), *settings], frames=100, saved=state)
+    play([SECOND_HALF, chosen("wells"), *settings], frames=100, saved=state)
+    (*_, gain), *_ = host.heard(settings, presets["wells"])
     changed = presets["wells"].with_changes(
-        {"tactor.gain_db": -7.25, "click.mute": True, "disk.release": "return"}
+        {"tactor.gain_db": gain, "click.mute": True, "disk.release": "return"}
     )
     hands = [event for event in score() if event[1] in NOT_THE_PRESETS or event[0] != VALUE]
     heard, report = play(hands, state=state, saved=tmp_path / "again")
-    assert np.array_equal(heard, natively(match, changed, 48_000, hands))
-    assert report["rescans"] == 2  # of two instances
+    assert np.array_equal(heard, natively(timelines["second half"], changed, 48_000, hands))
+    # of two instances; a VST3 host asks by itself
+    assert report["rescans"] == (2 if host.to == "clap" else 0)
     play([], state=state, frames=1, saved=tmp_path / "again")
     assert (tmp_path / "again").read_bytes() == state.read_bytes()
 
 
-def test_a_flush_and_a_state_that_come_while_it_is_active_glide_in(match, presets, play, tmp_path):
+def test_a_flush_and_a_state_that_come_while_it_is_active_glide_in(
+    match, presets, host, play, tmp_path
+):
     values = {"tactor.gain_db": -7.25, "texture.gain_db": -20.0}
     hands = [
         (VALUE, "touch", 0, 1.0),
         *((VALUE, "theta2", at, at / 9e3) for at in range(1, 8000, 80)),
     ]
     changes = [(VALUE, id, 0, value) for id, value in values.items()]
-    expected = natively(match, presets["viscous"], 48_000, [*changes, *hands], 9_000)
+    events = host.heard([*changes, *hands], presets["viscous"])
+    expected = natively(match, presets["viscous"], 48_000, events, 9_000)
     flushed = [(VALUE, id, FLUSHED, value) for id, value in values.items()]
     assert np.array_equal(play([*flushed, *hands], frames=9_000)[0], expected)
     earlier = [(VALUE, id, EARLIER, value) for id, value in values.items()]
@@ -231,7 +152,7 @@ def test_a_flush_and_a_state_that_come_while_it_is_active_glide_in(match, preset
     assert not np.array_equal(play([*earlier, *hands], frames=9_000)[0], expected)
 
 
-def test_damaged_state_is_refused(host, plugin, play, tmp_path):
+def test_damaged_state_is_refused(host, play, tmp_path):
     good = tmp_path / "good"
     play([], frames=1, saved=good)
     state, random = good.read_bytes(), np.random.default_rng(1)
@@ -254,28 +175,73 @@ def test_damaged_state_is_refused(host, plugin, play, tmp_path):
     for path, content in zip(paths, wrong, strict=True):
         path.write_bytes(content)
     # after a good one, whose bytes no short one may take for its own
-    assert host(plugin, "load", good, *paths, good).strip() == f"1{'0' * len(wrong)}1"
+    assert host.run("load", good, *paths, good).strip() == f"1{'0' * len(wrong)}1"
 
 
-def test_another_preset_fades_in_and_then_is_the_only_one(match, presets, play):
-    at, frames, fade = 9_001, 30_000, int(0.03 * 48_000) + 1
-    hands = [(VALUE, "touch", 0, 1.0)]
-    hands += [(VALUE, "theta2", frame, frame / 20_000) for frame in range(0, 20_000, 111)]
-    heard, report = play([*hands[:83], (VALUE, "preset", at, 2.0), *hands[83:]], frames=frames)
-    assert hands[82][2] < at <= hands[83][2]
-    before = natively(match, presets["viscous"], 48_000, hands[:83], frames)
-    later = [(VALUE, "theta2", 0, hands[82][3]), hands[0]]
-    later += [(kind, id, frame - at, value) for kind, id, frame, value in hands[83:]]
-    after = natively(match, presets["wells"], 48_000, later, frames - at)
-    assert np.array_equal(heard[:at], before[:at])
-    assert np.array_equal(heard[at + fade :], after[fade:])
-    left = np.arange(fade, 0, -1)[:, None] / fade
-    mixed = after[:fade] + (before[at : at + fade].astype(float) - after[:fade]) * left
-    assert np.array_equal(heard[at : at + fade], mixed.astype(np.float32))
-    assert report["told"] == 2 * 22  # its values, of two instances
+def turned(first, last):
+    """A finger that is down from the beginning on."""
+    down = [(VALUE, "touch", 0, 1.0)] if first == 0 else []
+    return [*down, *((VALUE, "theta2", at, at / 20_000) for at in range(first, last, 111))]
 
 
-def test_any_values_at_any_time_leave_numbers_and_a_voice_that_recovers(match, presets, play):
+def begun(events, at, place):
+    """What a voice that begins at a frame hears of events behind it: who touches, and the rest."""
+    held = [(VALUE, "theta2", 0, place), (VALUE, "touch", 0, 1.0)]
+    return [*held, *((kind, id, frame - at, value) for kind, id, frame, value in events)]
+
+
+@pytest.mark.parametrize("id", ["preset", "timeline"])
+def test_another_image_fades_in_and_then_is_the_only_one(match, timelines, presets, play, id):
+    at, frames = 9_001, 30_000
+    early, late = turned(0, at), turned(9_102, 20_000)
+    assert early[-1][2] + 111 == late[0][2] > at
+    heard, report = play([*early, (VALUE, id, at, 1.0), *late], frames=frames)
+    timeline, preset = {
+        "preset": (match, presets["bristles"]),
+        "timeline": (timelines["second half"], presets["viscous"]),
+    }[id]
+    before = natively(match, presets["viscous"], 48_000, early, frames)
+    later = begun(late, at, early[-1][3])
+    after = natively(timeline, preset, 48_000, later, frames - at)
+    assert np.abs(before[at : at + 1000]).max() > 1e-3
+    assert np.array_equal(heard, faded(before, after, at))
+    # a preset's values, of two instances
+    assert report["told"] == (2 * layout.PARAMETERS if id == "preset" else 0)
+
+
+def test_an_image_that_comes_in_a_fade_waits_for_its_end(match, presets, play):
+    fade, first, frames = int(0.03 * 48_000) + 1, 9_001, 20_000
+    second = first + fade
+    early, late = turned(0, first), turned(10_545, 20_000)
+    assert early[-1][2] < first < second < late[0][2]
+    # the last of those that come meanwhile
+    switches = [(first, 1.0), (first + 100, 0.0), (first + 700, 2.0)]
+    events = [*early, *((VALUE, "preset", at, value) for at, value in switches), *late]
+    heard, _ = play(events, frames=frames)
+    place = early[-1][3]
+    before = natively(match, presets["viscous"], 48_000, early, frames)
+    between = natively(match, presets["bristles"], 48_000, begun([], first, place), frames - first)
+    after = natively(match, presets["wells"], 48_000, begun(late, second, place), frames - second)
+    assert np.array_equal(heard, faded(faded(before, between, first), after, second))
+
+
+def test_a_damaged_image_is_refused(host, timelines, presets, tmp_path):
+    library = host.library.read_bytes()
+    engine = ov.Engine(presets["viscous"], timelines["match"], seed=3)
+    engine.prepare(48_000)
+    image = ov.export.encode_engine(engine)
+    begin, random = library.index(image), np.random.default_rng(1)
+    for size in (1, 8, 40, len(image)):
+        # an image begins with the digest of its layout
+        damaged = random.bytes(size) if size > 1 else bytes([image[0] ^ 1])
+        path = tmp_path / host.library.name
+        path.write_bytes(library[:begin] + damaged + library[begin + size :])
+        (tmp_path / "events").write_bytes(b"")
+        given = (48_000, 0, 100, tmp_path / "events", tmp_path / "out", "-", "-", 0)
+        assert "not activated" in replace(host, library=path).run("play", *given, fails=True)
+
+
+def test_any_values_at_any_time_leave_numbers_and_a_voice_that_recovers(match, presets, host, play):
     random = np.random.default_rng(5)
     ids = [*NOT_THE_PRESETS, *(id for id in PARAMETERS if not id.startswith("surface."))]
     wild = (np.nan, np.inf, -np.inf, 1e300, -1.0, 0.0, 5e-324, 1.0)
@@ -293,13 +259,14 @@ def test_any_values_at_any_time_leave_numbers_and_a_voice_that_recovers(match, p
     full = [(VALUE, "tactor.gain_db", 3, float(n % 72 - 60)) for n in range(3_000)]
     full += [(VALUE, "tactor.gain_db", 3, -3.0)]
     full += [(VALUE, "theta2", 9_000, 0.9), (VALUE, "touch", 9_000, 1.0)]
-    quieter = presets["viscous"].with_changes({"tactor.gain_db": -3.0})
+    (*_, gain), *_ = host.heard(full[-3:], presets["viscous"])
+    quieter = presets["viscous"].with_changes({"tactor.gain_db": gain})
     expected = natively(match, quieter, 48_000, full[-2:])
     assert expected[9_000:, 1].any()
     assert np.array_equal(play(full)[0][9_000:], expected[9_000:])
 
 
-def test_silence_sleeps_and_the_tail_is_true(match, presets, play):
+def test_silence_sleeps_and_the_tail_is_true(match, presets, host, play):
     tapped = [(DOWN, 100, 0, 1.0), (UP, 100, 9_600, 0.0)]
     rate = 48_000
     _, report = play(tapped, frames=9_700)
@@ -313,59 +280,46 @@ def test_silence_sleeps_and_the_tail_is_true(match, presets, play):
     assert not heard[9_600 + tail :].any()
     assert (report["status"], report["tail_changes"]) == (4, 0)
     _, report = play([*tapped, (VALUE, "tactor.decay_ms", 1_000, 90.0)], frames=9_700)
-    assert (report["tail"], report["tail_changes"]) == (NO_MORE_TAIL, 2)
+    # of two instances; a VST3 host asks by itself
+    told = 2 if host.to == "clap" else 0
+    assert (report["tail"], report["tail_changes"]) == (NO_MORE_TAIL[host.to], told)
 
 
-def test_the_host_is_told_every_parameter(host, plugin, presets):
-    lines = [line.split("\t") for line in host(plugin, "list").splitlines()]
-    assert lines[:3] == [
-        ["org.overview-dsp.match", "Match!"],
-        ["output", "Click", "1"],
-        ["output", "Tactor", "1"],
-    ]
+def test_markers_of_a_render_are_where_the_plugin_strikes(match, presets, play):
+    sweep, rate = ov.sweep(1.0), 48_000
+    rendered = ov.render(match, presets["viscous"], sweep, rate, 3, tail="none")
+    line = zip(sweep.stamps(rate).tolist(), sweep.theta2.tolist(), strict=True)
+    # a render lets go when the disk has arrived, which a line of automation can't know
+    angles = [(VALUE, "theta2", at, theta2 / np.pi) for at, theta2 in line if at <= rate]
+    heard, _ = play([angles[0], (VALUE, "touch", 0, 1.0), *angles[1:]], frames=rate)
+    passed = [time for time in rendered.strikes.of_events().time_s.tolist() if time < 0.95]
+    assert len(passed) > 10
+    for time in passed:
+        at, near = round(time * rate), 96
+        assert np.abs(heard[at : at + near, 0]).max() > 4 * np.abs(heard[at - near : at, 0]).max()
+    assert np.abs(heard - rendered.samples[:rate]).max() < 1e-5
+
+
+def test_the_host_is_told_every_parameter(host, presets):
+    lines = [line.split("\t") for line in host.run("list").splitlines()]
+    kind = {"clap": "org.overview-dsp.match", "vst3": "Instrument|Synth"}[host.to]
+    assert lines[:3] == [[kind, "Match!"], ["output", "Click", "1"], ["output", "Tactor", "1"]]
     rows = {int(line[0]): line[1:] for line in lines[3:]}
     ids = [id for id in PARAMETERS if hasattr(layout, f"PARAM_{id.upper().replace('.', '_')}")]
     assert len(ids) == layout.PARAMETERS
-    assert set(rows) == {number_of(id) for id in (*NOT_THE_PRESETS, *ids)}
+    bits = {"clap": 2**32 - 1, "vst3": 2**31 - 1}[host.to]
+    numbers = {id: number_of(id) & bits for id in (*NOT_THE_PRESETS, *ids)}
+    midi = {"clap": set(), "vst3": {0, 1}}[host.to]
+    assert set(rows) == {*numbers.values(), *midi}
     first = presets["viscous"].values
     for id in ids:
-        known, (_, section, low, high, default, _, text) = PARAMETERS[id], rows[number_of(id)]
-        assert section.lower() == id.partition(".")[0]
+        known, (_, section, low, high, default, _, text) = PARAMETERS[id], rows[numbers[id]]
+        assert host.to == "vst3" or section.lower() == id.partition(".")[0]
         if known.choices:
             assert (float(low), float(high)) == (0.0, len(known.choices) - 1)
             assert known.choices[int(float(default))] == first[id]
         else:
             assert (float(low), float(high), float(default)) == (known.low, known.high, first[id])
             assert text.endswith(known.unit)
-    assert rows[number_of("preset")][-1] == "viscous"
-
-
-def test_the_command_builds_one(host, tmp_path):
-    done = overview("plugin", "build", MATCH, "--preset", "gravel", "--to", "clap", "-o", tmp_path)
-    assert done.code == 0, done.err
-    assert done.out.startswith(f"{tmp_path / MATCH}.clap: gravel;")
-    assert host(tmp_path / f"{MATCH}.clap", "list").startswith(
-        f"org.overview-dsp.{MATCH}\t{MATCH}\n"
-    )
-
-
-def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatch):
-    build = ov.export.build_plugin
-    with pytest.raises(InputError, match="no plugin format 'vst3'; it is clap or lv2"):
-        build(match, football, "vst3", tmp_path)
-    with pytest.raises(InputError, match="1 to 16 presets, not 0"):
-        build(match, [], "clap", tmp_path)
-    with pytest.raises(InputError, match="the same name"):
-        build(match, [football, football], "clap", tmp_path)
-    monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(OverviewError, match="no compiler 'no-such-compiler', which CC names"):
-        build(match, football, "clap", tmp_path)
-    monkeypatch.setenv("CC", "false")
-    with pytest.raises(OverviewError, match="the C compiler false failed"):
-        build(match, football, "clap", tmp_path)
-    monkeypatch.setenv("CC", "")
-    monkeypatch.setattr("shutil.which", lambda name: None)
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(OverviewError, match="apt install gcc"):
-        build(match, football, "clap", tmp_path)
-    assert not [*tmp_path.iterdir()]
+    assert rows[numbers["preset"]][-1].strip() == "viscous"
+    assert rows[numbers["timeline"]][-1].strip() == "match"

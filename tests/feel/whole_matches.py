@@ -40,15 +40,21 @@ class Stroke(NamedTuple):
     length_s: float  # until the disk is past 95 % of its way
 
 
+def real_files(data: Path) -> list[Path]:
+    """Matches among other people's data."""
+    folder = data / "football"
+    return [
+        *(folder / "statsbomb" / f"{name}.json" for name in (15986, 22936, 69321)),
+        folder / "metrica" / "Sample_Game_1_RawEventsData.csv",
+        folder / "wyscout" / "wyscout_v2_match_2499773.json",
+    ]
+
+
 def real_matches(data: Path) -> list[ov.Timeline]:
     """The bundled match and those of other people's data."""
-    folder = data / "football"
-    files = [folder / "statsbomb" / f"{name}.json" for name in (15986, 22936, 69321)]
-    files.append(folder / "metrica" / "Sample_Game_1_RawEventsData.csv")
-    files.append(folder / "wyscout" / "wyscout_v2_match_2499773.json")
     return [
         ov.load_timeline("world-cup-final-2018"),
-        *(ov.load_timeline(file) for file in files),
+        *(ov.load_timeline(file) for file in real_files(data)),
     ]
 
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.following import kept_samples, live_timeline
+from overview_dsp.following import kept_events, kept_samples
 from overview_dsp.following.feed_lines import encode_line, take_line
 from tests.following.feeds import MATCHES, lines_of, read_prefix
 
@@ -213,7 +213,7 @@ def test_what_is_wrong_is_refused_whole():
 
 
 def test_too_many_events_leave_out_the_commonest_and_never_the_goal(monkeypatch):
-    monkeypatch.setattr(live_timeline, "MAX_EVENTS", 100)
+    monkeypatch.setattr(kept_events, "MAX_EVENTS", 100)
     live = ov.LiveTimeline()
     live.append(events=[ov.Event(5.5, "goal")])
     for n in range(1000):

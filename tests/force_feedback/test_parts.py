@@ -326,13 +326,15 @@ def test_a_rate_is_that_of_the_latest_second():
 # --- the loop -------------------------------------------------------------------------------------
 
 
-def reports(loop, seconds, start=0.0, target=0.0):
-    sent = []
+def reports(loop, seconds, start=0.0):
+    """Of a motor that applies what it is sent at once."""
+    sent, target = [], 0.0
     for n in range(round(seconds * 1000)):
         now = start + n * 1e-3
         angle = 2.0 * now
         loop.hear([(now, {"motor_target": target, "shaft_rad": angle})], now)
         sent.append((now, loop.step(1e-3, now)))
+        target = float(sent[-1][1].split()[-1][1:]) if sent[-1][1] else target
     return sent
 
 

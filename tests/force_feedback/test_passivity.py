@@ -47,6 +47,16 @@ def test_the_hand_gets_no_more_than_it_put_in(match, football, hand, times, dela
     assert np.abs(course["torque"]).max() > 5e-4  # and it is felt
 
 
+@pytest.mark.parametrize(("hertz", "delay_s"), [(5.0, 0.0), (5.0, 0.005), (15.0, 0.0)])
+def test_a_hand_that_only_ever_jiggles_is_braked_too(match, football, hertz, delay_s):
+    def path(t):
+        return 0.3 * np.sin(2.0 * np.pi * hertz * t)
+
+    course, motor, loop = simulate(football, match, SENSOR, path, 2.0, delay_s)
+    check_passive(course, motor, loop)
+    assert np.abs(course["torque"]).max() > 2e-4
+
+
 @pytest.mark.parametrize("model", ["bristle", "detent"])
 def test_friction_that_sticks_and_wells_that_pull_give_nothing_either(match, football, model):
     preset = football.with_changes({"surface.model": model})

@@ -39,8 +39,8 @@ class Server:
     is in `log` afterwards. A process finds it by `environment`.
     """
 
-    def __init__(self, period: int = 256, rate: int = 48_000) -> None:
-        self.period, self.rate = period, rate
+    def __init__(self, period: int = 256, rate: int = 48_000, outputs: int = 2) -> None:
+        self.period, self.rate, self.outputs = period, rate, outputs
         self.name = f"overview-test-{os.getpid()}-{next(_numbers)}"
         self.environment = {**os.environ, "JACK_DEFAULT_SERVER": self.name}
 
@@ -55,7 +55,8 @@ class Server:
         raise RuntimeError(f"jackd did not start: {self.log[-3000:]}")
 
     def _start(self, priority: list[str]) -> bool:
-        driver = ["-d", "dummy", "-r", str(self.rate), "-p", str(self.period), "-C", "2", "-P", "2"]
+        driver = ["-d", "dummy", "-r", str(self.rate), "-p", str(self.period), "-C", "2",
+                  "-P", str(self.outputs)]  # fmt: skip
         self._process = subprocess.Popen(
             ["jackd", "-n", self.name, *priority, *driver],
             stdout=self._printed,

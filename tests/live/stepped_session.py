@@ -56,24 +56,26 @@ class SteppedOutput:
 class Session:
     """A player of a timeline that grows, 20 ms a step as its callers poll it."""
 
-    def __init__(self, live, monkeypatch, preset="football", **keywords):
+    def __init__(self, live, monkeypatch, preset="football", timeline=None, **keywords):
+        """With a `timeline` nothing grows."""
         self.now = 1000.0
         for module in (growing, finger):
             monkeypatch.setattr(module, "time", self)
         self.live = live
         self.messages = []
         growth = growing.Growth(
-            live, **{k: keywords.pop(k) for k in ("after_s", "tell") if k in keywords}
+            live,
+            **{k: keywords.pop(k) for k in ("after_s", "tell", "map_is_given") if k in keywords},
         )
         self.player = Player(
-            live.felt(),
+            live.felt() if timeline is None else timeline,
             PresetWatch(preset),
             self._open,
             OutputSettings(),
             sample_rate=RATE,
             max_block_size=BLOCK,
             callback="python",
-            growth=growth,
+            growth=growth if timeline is None else None,
             **keywords,
         )
 

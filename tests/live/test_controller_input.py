@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.controllers.midi_map import Control
 from overview_dsp.controllers.midi_messages import MidiReader
 from overview_dsp.controllers.osc_messages import OscReader
 from overview_dsp.gestures import SOURCES
@@ -171,6 +172,33 @@ def test_a_preset_whose_twist_lets_go_by_taps_alone_is_pointed_out(opened, runni
     hand.poll(running)
     port.put(message("/overview/theta2", 0.1), message("/overview/theta2", 0.2))
     assert len(said(hand, "twist.release")) == 1
+
+
+def test_values_that_cannot_be_are_said_once_a_parameter_and_counted(opened, running):
+    hand, port = opened.open("osc", OscReader)
+    for n in range(20):
+        port.put(message("/overview/tactor/gain_db", 100.0 + n), message(f"/other/{n}", 1.0))
+        until(lambda n=n: hand.report()["messages"] == n + 1)
+        hand.poll(running)
+    (line,) = hand.take_messages()
+    assert "100" in line
+    assert "counted on" in line
+    assert hand.report()["refused"] == hand.report()["unknown"] == 20
+
+
+def test_a_knob_without_ends_goes_on_from_where_the_parameter_is(opened, running):
+    controls = (Control("cc", 20, to="tactor.gain_db", low=-24.0, high=0.0, relative="twos",
+                        steps=24.0),)  # fmt: skip
+    hand, port = opened.open("midi", lambda counters: MidiReader(controls, counters))
+    running.set("tactor.gain_db", -6.0)
+    port.put(*(bytes((0xB0, 20, 127)) for _ in range(4)), bytes((0xB0, 20, 1)))
+    until(lambda: hand.report()["messages"] == 5)
+    hand.poll(running)
+    assert running.preset.values["tactor.gain_db"] == pytest.approx(-9.0)
+    port.put(*(bytes((0xB0, 20, 10)) for _ in range(9)))
+    until(lambda: hand.report()["messages"] == 14)
+    hand.poll(running)
+    assert running.preset.values["tactor.gain_db"] == 0.0
 
 
 def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):

@@ -11,6 +11,7 @@ from scipy.signal import butter, sosfilt
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.takes import timeline_beside
+from overview_dsp.presets.library import preset_path
 from tests.live.stepped_session import RATE, Session, event
 
 
@@ -37,7 +38,11 @@ def session(live, monkeypatch):
         one.player.close()
 
 
-def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touched(session, live):
+@pytest.mark.parametrize("map", ["whole", "so far"])
+def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touched(
+    session, live, map
+):
+    live.map = map
     one = session()
     snapshot = one.shown
     alone = ov.Engine(one.player.preset, snapshot)
@@ -58,11 +63,78 @@ def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touch
         alone.process(out)
         heard.append(out.copy())
     assert np.array_equal(one.samples, np.concatenate(heard))
-    assert one.shown is snapshot
+    assert one.shown is snapshot or map == "whole"  # what lies ahead comes at once
     one.player.release()
     one.run(1.5)
     assert one.shown is live.felt()
     assert one.shown.kinds()["goal"] == 50
+
+
+def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched(
+    session, live, tmp_path
+):
+    """The map is the whole: no place moves; the hand goes on and meets what is new."""
+    take = tmp_path / "take.csv"
+    one = session(record=take)
+    alone = ov.Engine(one.player.preset, one.shown)
+    alone.prepare(RATE, 160)
+    one.player.touch(0.04)
+    alone.control(0.04 * math.pi, True, 0)
+    one.run(0.5)
+    for n in range(50):
+        at = 1000.0 + 20.0 * n
+        live.append(events=[event(at, "goal" if n == 25 else "foul", str(n))], clock_s=at)
+        one.run(0.06)
+    assert one.shown.until_s > 1900.0
+    assert one.shown.kinds()["goal"] == 1
+    out, heard = np.empty((160, 2), np.float32), []
+    for _ in one.output.sound:
+        alone.process(out)
+        heard.append(out.copy())
+    assert np.array_equal(one.samples, np.concatenate(heard))
+    for n in range(40):
+        one.player.touch(0.04 + 0.008 * n)
+        one.run(0.02)
+    one.run(1.0)
+    struck = [found.kind for found, _ in one.player.engine.take_struck_events()]
+    assert "goal" in struck
+    assert one.player.growing.told == []
+    joined = one.player.surface.friction
+    one.player.release()
+    one.run(2.5)
+    assert one.shown is live.felt()
+    assert not np.array_equal(one.player.surface.friction, joined)  # all of it now
+    heard = one.samples
+    one.player.close()
+    changes = ov.load_gesture(take).changes
+    assert any("ahead" in change.what.get("timeline", {}) for change in changes)
+    again = ov.render(str(timeline_beside(take)), "football", str(take), RATE, tail="none").samples
+    count = min(len(heard), len(again))
+    assert np.array_equal(again[:count], heard[:count])
+
+
+@pytest.mark.parametrize("how", ["so far", "a part", "behind", "retracted"])
+def test_nothing_comes_under_a_hand_where_places_move_or_what_is_behind_has_changed(
+    session, live, how
+):
+    one = session()
+    if how == "so far":
+        live.map = "so far"
+    if how == "a part":
+        one.player.show(200.0, 800.0)
+    one.run(0.2)
+    one.player.touch(0.08)
+    one.run(0.2)
+    before = one.shown
+    new = 100 if how == "behind" else 2000
+    live.append(events=[event(new, "goal", "1-0")], clock_s=2000.0)
+    if how == "retracted":
+        live.retract(event(300, "foul", "a"))
+    one.run(0.5)
+    assert one.shown is before
+    one.player.release()
+    one.run(0.1)
+    assert one.shown is not before
 
 
 def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
@@ -86,7 +158,7 @@ def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
 def test_an_update_comes_under_a_finger_after_the_time_that_was_chosen(session, live):
     one = session(after_s=0.5)
     one.run(0.1)
-    one.player.touch(0.1)
+    one.player.touch(0.13)
     one.run(0.1)
     live.append(events=[event(900, "foul")], clock_s=900.0)
     one.run(0.3)
@@ -237,6 +309,24 @@ def test_map_and_length_change_while_it_runs(session, live):
     assert sum("half" in line or "soon" in line for line in one.messages) == 2
 
 
+def test_the_map_is_a_presets_choice_until_a_person_makes_one(session, live, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(preset_path("football").read_text() + '\n[follow]\nmap = "so-far"\n')
+    one = session()
+    one.run(0.1)
+    assert one.shown.duration_s == 5700.0
+    one.player.use_preset(str(path))
+    one.run(0.2)
+    assert one.shown.duration_s == 824.0
+    one.player.ask("map", "whole")
+    one.run(0.2)
+    assert one.shown.duration_s == 5700.0
+    given = session(map_is_given=True)
+    given.player.use_preset(str(path))
+    given.run(0.2)
+    assert given.shown.duration_s == 5700.0
+
+
 def test_a_part_that_is_shown_stays_while_the_whole_grows(session, live):
     one = session()
     one.player.show(200.0, 800.0)
@@ -245,6 +335,40 @@ def test_a_part_that_is_shown_stays_while_the_whole_grows(session, live):
     one.run(0.1)
     assert one.player.window == (200.0, 800.0)
     assert [e.time_s for e in one.shown.events if e.kind == "foul"] == [100.0, 300.0]
+
+
+def test_a_take_of_a_live_session_is_replayed_as_it_grew_to_the_bit(
+    session, live, tmp_path, monkeypatch
+):
+    take = tmp_path / "take.csv"
+    one = session(record=take)
+    one.run(0.3)
+    one.player.tap(0.13)
+    one.run(1.5)
+    live.append(events=[event(850, "goal", "1-0")], clock_s=860.0)
+    one.run(1.5)
+    one.player.show(400.0, 860.0)
+    one.player.tap(0.9)
+    one.run(2.5)
+    live.append(events=[event(900, "foul", "z")], clock_s=900.0)
+    one.run(0.5)
+    one.player.close()
+    beside = ov.load_timeline(timeline_beside(take))
+    gesture = ov.load_gesture(take)
+    assert {"timeline", "pattern", "window"} <= {key for c in gesture.changes for key in c.what}
+    rendered = ov.render(beside, "football", gesture, RATE, tail="none").samples
+    again = Session(ov.LiveTimeline(), monkeypatch, timeline=beside)
+    again.player.replay(gesture, "take")
+    for passes in (1, 2):
+        again.run(0.02)
+        while again.player._replaying.now.passes == passes:
+            heard = again.samples
+            again.run(0.02)
+        assert len(heard) > 6.0 * RATE
+        assert np.array_equal(rendered[: len(heard)], heard[: len(rendered)])
+        assert np.abs(heard).max() > 0.01
+    assert not any("left out" in line for line in again.messages)
+    again.player.close()
 
 
 def test_a_take_of_a_live_session_is_rendered_again_to_the_bit(session, live, tmp_path):

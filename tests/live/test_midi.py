@@ -135,7 +135,7 @@ def test_learning_writes_a_list_that_play_takes(tmp_path):
     path = tmp_path / "keys.toml"
     with jack_server.Server(period=256) as server:
         said = server.run(LEARN, "tactor.gain_db", "-o", path, "--low", -24, "--high", 0)
-        assert "turn it to and fro" in said
+        assert "turn it to the right" in said
         assert "cc 7, channel 3, is tactor.gain_db" in said
         server.run(LEARN, "theta2", "-o", path)
         done = server.attempt(

@@ -179,6 +179,104 @@ def test_a_motor_that_reports_too_seldom_is_reported_once(bench):
     assert "motor.downsample" in said[0]
 
 
+class BoardBench:
+    """An engine run by hand, and a knob whose own board runs the surface."""
+
+    def __init__(self, engine, clock):
+        self.engine, self.clock = engine, clock
+        self.motor = board_module().BoardMotor()
+        self.input = MotorInput(engine, "made", SENSOR, 1_000_000, open_port=self._open)
+        self.torques = []
+
+    def _open(self, *_):
+        self.port = SteppedPort()
+        self.sent = b""
+        self.port.write = self._write
+        return self.port
+
+    def _write(self, data):
+        self.sent += data
+        return True
+
+    def turn(self, speed, seconds):
+        """Turn at `speed` (rad/s), the engine kept in time with it."""
+        motor = self.motor
+        for _ in range(round(seconds * 500)):
+            self.clock.now += 0.002
+            sent, self.sent, said = self.sent, b"", b""
+            for _ in range(16):
+                said += motor.loop(sent)
+                sent = b""
+                motor.angle += speed * motor.dt
+                motor.time += motor.dt
+            self.torques.append(motor.torque)
+            self.port.step(said)
+            self.engine.process(np.zeros((round(0.002 * RATE), 2), dtype=np.float32))
+
+
+def board_module():
+    sys.path.insert(0, str(ROOT / "tools"))
+    try:
+        import simulated_board
+    finally:
+        sys.path.pop(0)
+    if simulated_board.compiler() is None:
+        pytest.skip("needs a C compiler")
+    return simulated_board
+
+
+@pytest.fixture
+def board(match, football, monkeypatch):
+    clock = SteppedTime()
+    stepped.use(clock, monkeypatch)
+    engine = ov.Engine(football, match)
+    engine.prepare(RATE, 48_000)
+    bench = BoardBench(engine, clock)
+    yield bench
+    bench.input.close()
+
+
+def test_a_knob_that_runs_the_surface_itself_is_given_it_and_played(board):
+    board.turn(0.0, 1.2)
+    assert board.motor.table == 1
+    assert not any(board.torques)
+    board.turn(1.0, 1.0)
+    assert min(board.torques) < -1e-3
+    assert max(board.torques) <= 0.0
+    assert board.engine.holder[0] == "serial"
+    assert board.engine.meters.cursor == pytest.approx(board.motor.disk, abs=0.02)
+    report = board.input.report()
+    assert (report["damaged"], report["lost"]) == (0, 0)
+    assert (report["force"]["on_board"], report["force"]["ready"]) == (True, True)
+    assert "made on its board" in board.input.words
+
+
+def test_a_changed_surface_and_another_hand_reach_the_board(board, football):
+    board.turn(0.0, 1.0)
+    board.turn(1.0, 0.4)
+    board.engine.set_preset(football.with_changes({"surface.friction": 8e-4}))
+    board.turn(0.0, 0.6)
+    assert board.motor.table == 2
+    board.engine.control(0.2, True)
+    board.turn(1.0, 0.1)
+    board.torques.clear()
+    board.turn(1.0, 0.1)
+    assert board.engine.holder[0] == "touch"
+    assert not any(board.torques)
+
+
+def test_the_board_is_told_at_the_end(board):
+    board.turn(0.0, 1.0)
+    board.turn(1.0, 0.4)
+    board.sent = b""
+    board.input.close()
+    assert board.motor.torque < 0.0
+    board.motor.loop(board.sent)
+    for _ in range(160):  # 20 ms, less than its own silence takes
+        board.motor.loop(b"")
+    assert board.motor.torque == 0.0
+
+
 @pytest.fixture
 def motor(tmp_path):
     """Start simulated motors; the port of each, and what it told at its end."""
@@ -226,6 +324,24 @@ def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms)
     assert not told["enabled"]
     assert told["target"] == 0.0
     assert lines[-1]["summary"]["block_size"] == 128
+
+
+@pytest.mark.realtime
+@needs_pty
+def test_a_board_that_runs_the_surface_gets_it_over_a_port_and_brakes_the_hand(motor):
+    board_module()
+    port = motor("--board", "--delay-ms", 5)
+    lines, _ = played("--input", f"serial:{port}", *FORCE, "--baud", 1_000_000, "--seconds", 10)
+    report = lines[-1]["summary"]["input"]
+    told = motor.told()
+    print(report, told)
+    assert report["force"]["on_board"]
+    assert report["force"]["ready"]
+    assert report["damaged"] == 0
+    assert any(line["input"]["force"]["torque_nm"] < -1e-3 for line in lines[:-1])
+    assert any(line["touching"] and line["cursor"] > 0.5 for line in lines[:-1])
+    assert told["put_in_mj"] > 0.5
+    assert told["hand_mj"] > 0.0
 
 
 @pytest.mark.realtime

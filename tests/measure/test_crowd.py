@@ -9,6 +9,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.measure.crowd import crowd_report
+from overview_dsp.measure.tuning import in_crowd
 from overview_dsp.measure.tuning.in_crowd import REST, VERIFIED, gaps_on, tuned_on
 from overview_dsp.presets.retuning import save_retuned
 from tests.cli.running import MATCH, overview
@@ -143,9 +144,13 @@ def test_a_child_of_a_file_extends_it_from_another_folder_too(tmp_path):
     assert made.title == "Mine"
 
 
-def test_a_preset_is_tuned_where_its_events_lie_and_says_what_it_cannot_reach(match, football):
+def test_a_preset_is_tuned_where_its_events_lie_and_says_what_it_cannot_reach(
+    match, football, monkeypatch
+):
     target = ["goal", "yellow_card", "foul"]
-    found = tuned_on(football, target, [match])
+    with monkeypatch.context() as short:
+        short.setattr(in_crowd, "ROUNDS", 3)  # whatever it reaches by then
+        found = tuned_on(football, target, [match])
     gaps = gaps_on(found.preset, target, [match], VERIFIED)
     least = min(gap + (second == REST) for *_, second, gap in gaps)
     assert found.least_steps == pytest.approx(least)
@@ -177,6 +182,7 @@ def test_a_kind_that_no_timeline_has_is_one_line(match, football):
 
 def test_the_command_tunes_on_timelines_and_keeps_the_text(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(in_crowd, "ROUNDS", 3)
     (tmp_path / "child.toml").write_text(CHILD)
     done = overview(
         *("presets", "tune", "child.toml", MATCH, "--target", "goal>yellow_card>foul"),

@@ -10,7 +10,7 @@ import overview_dsp as ov
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import sweep
 from overview_dsp.measure.report import GESTURES, feel_report
-from overview_dsp.measure.tuning import separated, tuned
+from overview_dsp.measure.tuning import ordering, separated, separating, tuned
 from overview_dsp.measure.tuning.ordering import SPEEDS, WANTED_STEPS
 from overview_dsp.rendering.audition import pages
 
@@ -103,14 +103,17 @@ def test_the_report_is_json_and_a_table():
     assert "slow recoil" in report.table()
 
 
-def test_tuning_sets_kinds_two_steps_apart_at_every_speed():
-    preset = preset_of(strong=20.0, weak=18.0)
-    found = tuned(preset, ("strong", "weak"), seed=1)
+@pytest.fixture(scope="module")
+def two_apart():
+    """Two kinds that are nearly one, tuned."""
+    return tuned(preset_of(strong=20.0, weak=18.0), ("strong", "weak"), seed=1)
+
+
+def test_tuning_sets_kinds_two_steps_apart_at_every_speed(two_apart):
+    found = two_apart
     assert found.reached
     assert found.least_steps >= WANTED_STEPS
     assert found.preset.kinds["strong"].height > found.preset.kinds["weak"].height
-    again = tuned(preset, ("strong", "weak"), seed=1)
-    assert again.preset.kinds == found.preset.kinds
     report = feel_report(found.preset, timeline_of("strong", "weak", "weak", "strong"), SPEEDS)
     for name in SPEEDS:
         strong, weak = report.stroke(name).kinds
@@ -131,9 +134,14 @@ def test_no_two_kinds_feel_alike_once_they_are_set_apart():
     assert separated(found.preset, ("a", "d"), seed=2).preset.kinds == found.preset.kinds
 
 
-def test_setting_kinds_apart_gives_the_same_preset_for_a_seed():
+@pytest.mark.parametrize(
+    ("search", "module", "length"),
+    [(tuned, ordering, "GENERATIONS"), (separated, separating, "TRIES")],
+)
+def test_a_search_gives_the_same_preset_for_a_seed(monkeypatch, search, module, length):
+    monkeypatch.setattr(module, length, 4)  # however far it comes
     preset = preset_of(a=20.0, d=20.0)
-    one, again = (separated(preset, ("a", "d"), seed=1).preset for _ in range(2))
+    one, again = (search(preset, ("a", "d"), seed=1).preset for _ in range(2))
     assert one.kinds == again.kinds != preset.kinds
 
 
@@ -148,8 +156,8 @@ def test_a_target_that_is_none_is_one_line():
             tuned(preset, target)
 
 
-def test_a_preset_that_is_apart_already_stays_as_it_is():
-    apart = tuned(preset_of(strong=20.0, weak=18.0), ("strong", "weak"), seed=1).preset
+def test_a_preset_that_is_apart_already_stays_as_it_is(two_apart):
+    apart = two_apart.preset
     found = tuned(apart, ("strong", "weak"), seed=2)
     assert found.preset.kinds == apart.kinds
     assert found.reached

@@ -50,7 +50,8 @@ def presets(draw: st.DrawFn, max_kinds: int = 5) -> ov.Preset:
         like = draw(st.sampled_from(sorted(named)))
         named[like] = replace(named[like], also=(*named[like].also, other))
     given = {id: draw(values(known)) for id, known in PARAMETERS.items()}
-    return ov.Preset("drawn", draw(TEXT), draw(TEXT), given, named)
+    points = draw(st.just([]) | st.lists(st.floats(0.0, 1.0), min_size=2, max_size=9))
+    return ov.Preset("drawn", draw(TEXT), draw(TEXT), given, named, points=tuple(points))
 
 
 def toml_value(value: float | bool | str) -> str:
@@ -78,6 +79,8 @@ def toml_of(preset: ov.Preset) -> str:
             for id, known in PARAMETERS.items()
             if id.split(".")[0] == section
         ]
+        if section == "surface" and preset.points:
+            lines.append(f"points = {list(preset.points)}")
     for name, kind in preset.kinds.items():
         lines.append(f"[kinds.{name}]")
         lines += [

@@ -14,9 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.batch.cache_keys import KEY_DIGITS, digest
+from overview_dsp.batch.cache_keys import KEY_DIGITS, preset_digest
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.report import character_steps, feel_report
+from overview_dsp.measure.comparing import character_steps
+from overview_dsp.measure.report import feel_report
 from overview_dsp.presets import library
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.rendering.audition import pages
@@ -118,7 +119,7 @@ def test_the_committed_feel_report_is_up_to_date(name):
     now = feel_report(preset, pages(preset)).to_json()
     committed = json.loads(path.read_text(encoding="utf-8"))
     # what an observer tells apart takes too long to be found again here; its preset is known
-    asked = digest(preset.values, preset.kinds)[:KEY_DIGITS]
+    asked = preset_digest(preset)[:KEY_DIGITS]
     assert committed.pop("observer", {"preset_digest": asked})["preset_digest"] == asked
     assert committed["preset"] == name
     assert differences(committed, now) == []

@@ -160,6 +160,21 @@ def test_an_unknown_key_is_named_with_its_line_and_the_nearest_known_one(before,
         assert word in message
 
 
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ("[0.5]", ["1 points", "2 to 256"]),
+        ("[0.0, 1.5]", [":6:", "surface.points.1", "less than or equal to 1"]),
+        ("[0.0, nan]", [":6:", "surface.points.1", "finite"]),
+        ('"line"', [":6:", "surface.points", "list"]),
+        (f"{[0.5] * 257}", [":6:", "surface.points", "256"]),
+    ],
+)
+def test_a_map_that_is_none_names_file_line_and_what_it_may_be(points, words):
+    text = SMALL.replace("[disk]", f"[surface]\npoints = {points}\n[disk]")
+    refused(text, *words)
+
+
 @pytest.mark.parametrize("key", ["schema", "title", "description"])
 def test_a_missing_header_is_named(key):
     file = "\n".join(line for line in SMALL.splitlines() if not line.startswith(key))

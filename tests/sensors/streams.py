@@ -14,8 +14,10 @@ int32 = st.integers(-(1 << 31), (1 << 31) - 1)
 
 @st.composite
 def frame_arguments(draw):
-    kind = draw(st.integers(1, 5))
-    sizes = {1: (int16,) * 3, 2: (int16,) * 6}
+    kind = draw(st.integers(1, 7))
+    byte, uint16 = st.integers(0, 255), st.integers(0, 65535)
+    sizes = {1: (int16,) * 3, 2: (int16,) * 6, 6: (int32, int32, int16, int16),
+             7: (uint16,) * 3 + (byte,) * 4 + (uint16,)}  # fmt: skip
     values = draw(st.tuples(*sizes.get(kind, (int32,))))
     return kind, draw(st.integers(0, 65535)), draw(st.integers(0, (1 << 32) - 1)), values
 

@@ -59,7 +59,8 @@ def test_a_frame_comes_back_whole(arguments):
     assert frame.index(0) == FRAME
     reading = decode_frame(frame[:-1])
     assert (reading["sequence"], reading["t_us"]) == (sequence, stamp)
-    sent = [value / 1000 if kind == 3 else value for value in values]
+    units = {3: (1e-3,), 6: (1e-6, 1e-6, 1e-5, 1e-4)}.get(kind, (1.0,) * 8)
+    sent = [value * unit for value, unit in zip(values, units, strict=False)]
     assert list(reading.values())[2:] == pytest.approx(sent, abs=1e-9)
 
 

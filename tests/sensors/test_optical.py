@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.sensors import orientation
 from overview_dsp.sensors.orientation import ByGravity
 from tests.sensors.moving import frames, hand
 from tests.sensors.optical import TRIALS, load_trial, needs_data
@@ -45,6 +46,24 @@ def test_roll_is_within_a_degree_of_the_truth(streamed):
     assert trial.rmse(roll) <= 1.0
     assert by_theta2 <= 1.0
     assert trial.rmse(raw) > 4.0
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", TRIALS)
+def test_half_a_sample_less_of_lag_is_no_gain(name, monkeypatch):
+    trial = load_trial(name)
+    found = []
+    for part in (0.5, 0.0):
+        monkeypatch.setattr(orientation, "HALF_WAY", part)
+        one = hand(calibration__level_deg=0.0)
+        roll = np.full(len(trial.roll), math.nan)
+        for n, frame in enumerate(frames(trial.acceleration, trial.turning, trial.rate)):
+            one.feed(frame, n / trial.rate)
+            if one.turn is not None:
+                roll[n] = math.degrees(one._angle.roll.roll)
+        found.append(trial.rmse(roll))
+    print(f"{name}: half way between samples {found[0]:.3f}, a sample's own {found[1]:.3f} degrees")
+    assert abs(found[1] - found[0]) < 0.05
 
 
 @pytest.mark.parametrize(("name", "most"), [*zip(TRIALS, (4.6, 7.9), strict=True)])

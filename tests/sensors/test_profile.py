@@ -14,7 +14,10 @@ HEAD = "schema = 1\n"
 
 
 def test_every_bundled_sensor_is_read():
-    assert LIBRARY.bundled == ("encoder", "imu", "potentiometer", "roll", "simplefoc")
+    assert LIBRARY.bundled == (
+        "dualsense", "encoder", "imu", "joycon", "joycon-right", "phone", "potentiometer", "roll",
+        "simplefoc",
+    )  # fmt: skip
     for name in LIBRARY.bundled:
         assert load_sensor(name).title
 

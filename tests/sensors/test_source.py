@@ -11,7 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import overview_dsp as ov
 from overview_dsp.sensors.clock import WRAP
+from overview_dsp.sensors.frames import encode_frame
+from overview_dsp.sensors.profile_file import load_sensor
+from overview_dsp.sensors.source import SensorSource
+from overview_dsp.sensors.touching import TouchRules
 from tests.sensors.moving import course, fed, frames, hand, lines, turning
 from tests.sensors.streams import cut, damages, harm, places
 
@@ -98,6 +103,46 @@ def test_a_gyroscope_without_its_filter_is_said_in_one_line(monkeypatch):
     other = hand(angular_velocity__use=False)
     events, _ = fed(other, frames(*turning(ROLL, RATE), RATE), RATE)
     assert any(event.touching for event in events)
+
+
+def knob_frames(level, motions):
+    """What a motor knob's own board sends: its state; hand, disk and stretch each 2 ms."""
+    state = encode_frame(7, 0, 0, (8193, 4000, 257, 1, 1, 1, level, 0))
+    return state + b"".join(
+        encode_frame(6, n, 2000 * n, (round(1e6 * hand), round(1e6 * disk), 0, round(1e4 * bent)))
+        for n, (hand, disk, bent) in enumerate(motions, 1)
+    )
+
+
+@pytest.mark.parametrize(("level", "theta2"), [(255, 0.7 + 0.1 + 6.0 * (0.7 - 0.65)), (0, 1.2)])
+def test_the_disk_is_pulled_as_a_knobs_board_pulls_its_own(level, theta2):
+    """Where it runs one; else by the hand's angle."""
+    source = SensorSource(load_sensor("simplefoc"), TouchRules.of(ov.load_preset("football")))
+    at_rest = [(0.0, 0.0, 0.0)] * 3
+    events = []
+    for n, frame in enumerate(
+        knob_frames(level, at_rest + [(1.2, 0.7, 0.1)] * 400).split(b"\0")[:-1]
+    ):
+        events += source.feed(frame + b"\0", 0.002 * n, None, 0.65)
+    assert source.holding
+    assert events[-1].theta2 == pytest.approx(theta2, abs=1e-4)
+
+
+def test_a_motors_board_is_detected_as_frames_or_as_lines():
+    rules = TouchRules.of(ov.load_preset("football"))
+    for said, detected in (
+        (b"# overview knob 1\r\n\0" + knob_frames(0, [(0.0, 0.0, 0.0)] * 2), "binary frames"),
+        (b"12\t1.0\r\n0.0000\t1.0000\r\n0.0000\t1.0000\r\n", "lines of motor_target"),
+    ):
+        source = SensorSource(load_sensor("simplefoc"), rules)
+        for n, byte in enumerate(said):
+            source.feed(bytes((byte,)), 1e-4 * n)
+        assert source.report()["told"].startswith(detected)
+    source = SensorSource(load_sensor("simplefoc"), rules)
+    for n in range(400):
+        source.feed(b"\x80\x91noise", 0.01 * n)
+    assert source.report()["told"] is None
+    assert len(source.take_messages()) == 1
 
 
 def test_events_are_at_most_a_thousand_a_second():

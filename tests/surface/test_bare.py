@@ -46,6 +46,15 @@ def test_friction_is_the_curve_and_the_pattern_in_bare_surfaces(made, model):
     assert not bare.energy.any()
 
 
+@pytest.mark.parametrize(
+    ("points", "felt"), [((0.0, 1.0), [0.0, 0.5, 1.0]), ((1.0, 0.2, 0.0), [1.0, 0.2, 0.0])]
+)
+def test_a_drawn_map_says_how_much_of_the_ambience_is_felt_at_each_intensity(points, felt):
+    bare = bare_surface(RAMP, replace(made_of("none"), points=points), CELLS)
+    expected = 2e-3 * 3.0 ** np.interp(np.arange(CELLS + 1) / CELLS, [0.0, 0.5, 1.0], felt)
+    assert bare.friction == pytest.approx(expected, rel=1e-12)
+
+
 @pytest.mark.parametrize(("made", "under"), [("none", 1.0), ("waves", 4.0)])
 def test_the_ribs_of_a_gap_stand_out_of_the_pattern_too(made, under):
     bare = bare_surface(GAPPED, made_of(made), CELLS)

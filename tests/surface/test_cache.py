@@ -41,6 +41,7 @@ def test_what_does_not_change_the_surface_builds_none(built):
     [
         (timeline_of(50.0), PRESET),  # equal, but not the same
         (TIMELINE, PRESET.with_changes({"surface.friction": 3e-3})),
+        (TIMELINE, replace(PRESET, points=(1.0, 0.0))),
         (TIMELINE, replace(PRESET, kinds={"default": preset_with(height=1.0).kinds["default"]})),
     ],
 )

@@ -40,3 +40,7 @@ def test_it_says_how_far_the_data_reach_and_what_is_new():
     seen = run(watched())
     assert "new: goal 1-0 Parris" in seen
     assert "data until 15:05" in seen
+    # now is marked above the axis and on it, where nothing else is written
+    (axis,) = [line for line in seen.splitlines() if "1:35:00" in line and "now" in line]
+    assert abs(axis.index("now") - 905.0 / 5700.0 * 99.0) < 3.0
+    assert "┊" in seen

@@ -8,7 +8,7 @@ import json
 import queue
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,9 @@ import pytest
 from tests.web.site import Site, opened_site
 
 PROBED = ["--autoplay-policy=no-user-gesture-required", "--enable-precise-memory-info"]
+UNTOUCHED = ("media.autoplay.default", "media.autoplay.blocking_policy")
+"""Firefox's settings that let a page sound that nobody has touched, at 0."""
+
 PATIENCE_S = 60.0
 
 
@@ -62,6 +65,8 @@ class Firefox(Browser):
         super().__init__(site)
         self._program = program
         self._profile = profile
+        settings = "".join(f"user_pref({json.dumps(name)}, 0);\n" for name in UNTOUCHED)
+        (profile / "user.js").write_text(settings)
 
     def call(self, function: str, *given: Any) -> Any:
         self.give(job=json.dumps({"name": function, "given": given}).encode())
@@ -69,14 +74,33 @@ class Firefox(Browser):
         assert "error" not in answer, answer
         return answer["value"]
 
-    def visit(self, url: str, answers: queue.Queue[bytes]) -> Any:
-        """What a page posts, which is open meanwhile."""
+    def visit(
+        self,
+        url: str,
+        answers: queue.Queue[bytes],
+        picture: Path | None = None,
+        release: Callable[[], None] = lambda: None,
+        environment: dict[str, str] | None = None,
+    ) -> Any:
+        """What a page posts, which is open meanwhile; a picture of it as it is then.
+
+        Firefox pictures a page as soon as it is loaded: it must be held until `release`.
+        """
         command = [self._program, "--headless", "--no-remote", "--profile", str(self._profile)]
+        if picture is not None:
+            command += ["--screenshot", str(picture), "--window-size", "390,844"]
         process = subprocess.Popen(
-            [*command, url], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            [*command, url],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env=environment,
         )
         try:
-            return json.loads(answers.get(timeout=PATIENCE_S))
+            told = json.loads(answers.get(timeout=PATIENCE_S))
+            release()
+            if picture is not None:
+                process.wait(PATIENCE_S)
+            return told
         except queue.Empty:
             pytest.fail(f"Firefox said nothing in {PATIENCE_S:g} s")
         finally:

@@ -19,11 +19,19 @@ POLICY = "; ".join(
     ]
 )
 
+HELD = "/held.png"
+HOLDS_S = 120.0
+
 
 class Handler(SimpleHTTPRequestHandler):
     def end_headers(self) -> None:
         self.send_header("Content-Security-Policy", POLICY)
         super().end_headers()
+
+    def do_GET(self) -> None:
+        if self.path == HELD:  # a page that has it isn't loaded before
+            self.server.released.wait(HOLDS_S)
+        super().do_GET()
 
     def do_POST(self) -> None:
         self.server.told.put(self.rfile.read(int(self.headers["Content-Length"])))
@@ -35,10 +43,11 @@ class Handler(SimpleHTTPRequestHandler):
 
 
 class Server(ThreadingHTTPServer):
-    """`told` is what pages posted."""
+    """`told` is what pages posted; `HELD` is answered once `released` is set."""
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
+        self.released = threading.Event()
         self.told: queue.Queue[bytes] = queue.Queue()
 
     def handle_error(self, *unused: Any) -> None:
@@ -55,6 +64,7 @@ class Host:
         self.url = f"http://127.0.0.1:{self.server.server_port}/"
 
     def close(self) -> None:
+        self.server.released.set()
         self.server.shutdown()
         self.server.server_close()
         self.thread.join()

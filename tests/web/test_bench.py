@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 
+import numpy as np
 import pytest
 
 import overview_dsp as ov
@@ -61,7 +62,7 @@ def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, rigid_football, chr
             tab.mouse.move(*at(tab, 0.9), steps=30)
             behind = tab.evaluate("0.9 - overview.cursor")
             tab.mouse.up()
-            until(tab, "p.cursor < 0.02")
+            until(tab, "p.cursor < 0.01")
             return behind
 
         light = lag()
@@ -203,36 +204,79 @@ def test_axe_finds_nothing_on_the_bench_and_at_the_host(match, chromium, axe, sc
     ):
         tab.set_viewport_size(size)
         opened(tab)
-        for section in ("disk", "tactor", "event: goal"):
+        for section in ("disk", "surface", "tactor", "event: goal"):
             tab.locator(f"summary:text-is('{section}')").click()
         assert violations(tab, axe) == []
+
+
+def stroke(tab, *places):
+    """A pointer that draws through places (0 to 1, from the left and from below)."""
+    pad = tab.locator("details[open] .drawing")
+    pad.scroll_into_view_if_needed()
+    box = pad.bounding_box()
+    (first, *rest) = [
+        (box["x"] + x * box["width"], box["y"] + (1.0 - y) * box["height"]) for x, y in places
+    ]
+    tab.mouse.move(*first)
+    tab.mouse.down()
+    for place in rest:
+        tab.mouse.move(*place, steps=8)
+    tab.mouse.up()
+
+
+def test_a_drawn_map_of_the_curve_is_felt_at_once_undone_and_kept(chromium, own_folder, tmp_path):
+    ramp = ov.Intensity(np.array([0.0, 60.0]), np.array([0.0, 1.0]))
+    timeline = ov.Timeline("a ramp", 60.0, (), ramp)
+    series = ov.load_preset("series").with_changes({"surface.ambience": 9.0})
+    path = ov.presets.save(series, tmp_path / "steep.toml")
+    with (
+        served(timeline, plays=False, preset=str(path)) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        opened(tab)
+        tab.click("summary:text-is('surface')")
+
+        def ratio():
+            return tab.evaluate("overview.view.resistance[1000] / overview.view.resistance[24]")
+
+        straight = ratio()
+        stroke(tab, (0.004, 0.9), (0.996, 0.1))
+        until(tab, "!p.bench.busy && p.bench.sounding.points.length === 33")
+        falling = tab.evaluate("overview.bench.preset.points")
+        assert falling == sorted(falling, reverse=True)
+        assert falling[0] > 0.85
+        assert falling[-1] < 0.15
+        until(tab, "p.view.resistance[1000] < p.view.resistance[24]")
+        # nine times more at the top than at the bottom, by 0.8 of the way, and upside down
+        assert ratio() == pytest.approx(straight ** (falling[-1] - falling[0]), rel=0.1)
+        tab.mouse.click(*at(tab, 0.01))  # and it sounds
+        until(tab, "p.meters?.clock > 0")
+        tab.click("details[open] .drawn button:text-is('Undo')")
+        until(tab, "!p.bench.busy && p.bench.sounding.points.length === 0")
+        stroke(tab, (0.5, 0.004), (0.996, 0.004))  # what is louder than half is felt no more
+        upper = tab.evaluate("overview.bench.preset.points")
+        assert upper[:16] == pytest.approx([k / 32 for k in range(16)], abs=1e-3)
+        assert max(upper[16:]) < 0.02
+        until(tab, "!p.bench.busy")
+        tab.fill("#bench-name", "mapped")
+        tab.click("#bench-save")
+        says(tab, "bench-told", "kept as mapped")
+        assert list(ov.load_preset("mapped").points) == upper
+        tab.click("details[open] .drawn button:text-is('Back to a straight line')")
+        until(tab, "!p.bench.busy && p.bench.sounding.points.length === 0")
+        assert wrong == []
 
 
 def test_a_drawn_course_is_felt_at_once_undone_and_kept(match, chromium, own_folder):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
         opened(tab)
         tab.click("summary:text-is('event: goal')")
-        pad = tab.locator("details[open] .drawing")
-        pad.scroll_into_view_if_needed()
-        box = pad.bounding_box()
-
-        def stroke(*places):
-            (first, *rest) = [
-                (box["x"] + x * box["width"], box["y"] + (1.0 - y) * box["height"])
-                for x, y in places
-            ]
-            tab.mouse.move(*first)
-            tab.mouse.down()
-            for place in rest:
-                tab.mouse.move(*place, steps=8)
-            tab.mouse.up()
-
-        stroke((0.004, 0.1), (0.996, 0.9))
+        stroke(tab, (0.004, 0.1), (0.996, 0.9))
         until(tab, "!p.bench.busy && p.bench.sounding.kinds.goal.points.length === 33")
         rising = tab.evaluate("overview.bench.preset.kinds.goal.points")
         assert rising == sorted(rising)
         assert 0.0 < rising[0] < 0.2 < 0.8 < rising[-1] <= 1.0
-        stroke((0.5, 0.02), (0.6, 0.02))
+        stroke(tab, (0.5, 0.02), (0.6, 0.02))
         assert min(tab.evaluate("overview.bench.preset.kinds.goal.points")[16:20]) < 0.05
         tab.click("details[open] .drawn button:text-is('Undo')")
         assert tab.evaluate("overview.bench.preset.kinds.goal.points") == rising

@@ -52,7 +52,8 @@ def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_pat
     files = [path for path in (tmp_path / "site").rglob("*") if path.is_file()]
     told = page.get("/data/timeline.json").json()
     names = {path.relative_to(tmp_path / "site").as_posix() for path in files}
-    assert {"data/window-5.json", "sound/0.bin", "sound/back.bin", "sound/5-44100.patch"} <= names
+    sound = {f"sound/{name}" for name in ("0.packed", "back.packed", "5-44100.patch")}
+    assert {"data/window-5.json"} | sound <= names
     for path in files:
         name = path.relative_to(tmp_path / "site").as_posix()
         # what keeps a folder for use without a network, and its picture for who shares it
@@ -108,11 +109,11 @@ def test_a_preset_file_is_read_again_with_the_page(match, tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('schema = 2\nextends = "football"\n')
     with served(match, plays=False, preset=str(path)) as server, server.client() as page:
-        before = page.get("/sound/0.bin").content
+        before = page.get("/sound/0.packed").content
         path.write_text('schema = 2\nextends = "football"\n[tactor]\ngain_db = -9\n')
-        assert page.get("/sound/0.bin").content == before  # the page that is open keeps its own
+        assert page.get("/sound/0.packed").content == before  # the page that is open keeps its own
         page.get("/data/timeline.json")
-        assert page.get("/sound/0.bin").content != before
+        assert page.get("/sound/0.packed").content != before
         assert page.get("/data/preset").json()["preset"]["values"]["tactor.gain_db"] == -9.0
 
 
@@ -238,6 +239,27 @@ def test_methods_that_arent_there_are_refused(page):
     assert page.put("/").status_code == 405
 
 
+def test_the_whole_of_a_series_is_the_same_whichever_way_it_is_asked_for(tmp_path):
+    value = np.cumsum(np.random.default_rng(5).normal(size=2000))
+    rows = "".join(f"{time},{one:.3f}\n" for time, one in enumerate(value))
+    (tmp_path / "walk.csv").write_text("time_s,value\n" + rows)
+    timeline = ov.load_timeline(tmp_path / "walk.csv")
+    whole = {"window": [0, timeline.duration_s]}
+    with (
+        served(timeline, plays=False, preset="series") as server,
+        server.client(Origin=server.origin) as page,
+    ):
+        drawn = page.get("/data/window-0.json").json()
+        assert page.post("/data/window", json=whole).json() == drawn
+        change = page.post("/sound/change", json={**whole, "sample_rate": 48_000})
+        series = ov.load_preset("series")
+        assert change.content == encode_change(
+            series, series, 48_000, build_surface(timeline, series)
+        )
+        # a closer look finds more in as much of it
+        assert len(timeline.window(0, timeline.duration_s).events) > len(drawn["events"])
+
+
 def test_a_series_and_a_bare_timeline_are_served_too(tmp_path):
     curve = ov.Intensity(np.arange(100.0), np.sin(np.arange(100.0)), "dB")
     times = [0.0, 10.0]
@@ -251,4 +273,4 @@ def test_a_series_and_a_bare_timeline_are_served_too(tmp_path):
             drawn = page.get("/data/window-0.json").json()
             assert all(math.isfinite(level) for level in drawn["level"])
             assert drawn["gaps"] == [[start / 120.0, end / 120.0] for start, end in timeline.gaps]
-            assert page.get("/sound/0.bin").status_code == 200
+            assert page.get("/sound/0.packed").status_code == 200

@@ -5,18 +5,22 @@ from __future__ import annotations
 import json
 import math
 import shutil
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 import overview_dsp as ov
 from overview_dsp.live.python_path import connect, run_block
 from overview_dsp.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
+from overview_dsp.web.packing import packed
 from overview_dsp.web.site_sound import patch_of, window_bytes
 from tests.web.driving import DESKTOP, PHONE, at, until, violations
-from tests.web.exported import opened_host
+from tests.web.exported import HELD, opened_host
+from tests.web.null_sink import null_sink
 
 RATE = 48_000
 BLOCK = 128
@@ -320,6 +324,57 @@ def test_hiding_the_page_lets_the_disk_go(opened):
     page.mouse.up()
 
 
+def test_a_call_lets_the_disk_go_is_said_once_and_a_touch_goes_on(opened):
+    page = opened
+    page.evaluate("""() => {
+        window.said = [];
+        const fault = document.getElementById("fault");
+        new MutationObserver(() => said.push(fault.textContent)).observe(fault, {
+            childList: true, characterData: true, subtree: true,
+        });
+    }""")
+    page.mouse.move(*at(page, 0.4))
+    page.mouse.down()
+    until(page, "Math.abs(p.cursor - 0.4) < 0.01")
+    page.evaluate("overview.sound.context.suspend()")  # as the system does
+    until(page, "p.hand.holder === null && said.length > 0")
+    page.mouse.move(*at(page, 0.6), steps=5)
+    page.mouse.up()
+    page.wait_for_timeout(200)
+    assert page.evaluate("said") == ["the sound was interrupted: touch to go on"]
+    page.mouse.move(*at(page, 0.2))
+    page.mouse.down()
+    until(page, "p.sound.running && Math.abs(p.cursor - 0.2) < 0.01 && p.meters.touching === 1")
+    page.mouse.up()
+    until(page, "p.meters.touching === 0 && p.cursor < 0.001")
+    assert page.evaluate("said.at(-1)") == ""
+    # one that ended while the page was away needs no touch
+    page.evaluate("overview.sound.context.suspend()")
+    until(page, "said.at(-1) !== ''")
+    page.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
+    until(page, "p.sound.running && said.at(-1) === ''")
+
+
+def test_a_phone_that_is_turned_under_a_finger_goes_on(opened):
+    page = opened
+    page.mouse.move(*at(page, 0.4))
+    page.mouse.down()
+    until(page, "Math.abs(p.cursor - 0.4) < 0.01")
+    for width, height in ((844, 390), (390, 844), (844, 390)):
+        page.set_viewport_size({"width": width, "height": height})
+        until(page, f"Math.abs(p.picture.geometry.width - {width}) < 60")
+        require_laid_out(page, width, height)
+    page.mouse.move(*at(page, 0.7), steps=10)
+    until(page, "Math.abs(p.cursor - 0.7) < 0.01")
+    x, drawn = page.evaluate("""() => {
+        const { x } = document.getElementById("cursor").getBoundingClientRect();
+        return [x, overview.picture.left + overview.picture.geometry.x(overview.cursor)];
+    }""")
+    assert x == pytest.approx(drawn, abs=3.0)
+    page.mouse.up()
+    until(page, "p.meters.touching === 0 && p.cursor < 0.001")
+
+
 def test_a_twist_holds_on_where_nobody_looks_and_keeps_the_screen_from_locking(opened):
     page = opened
     page.evaluate("""() => {
@@ -430,6 +485,8 @@ def test_axe_finds_nothing(chromium, site, axe, scheme, size):
         page.click("#in")
         until(page, "p.view.zoom === 1 && !document.getElementById('strip').hidden")
         assert violations(page, axe) == []
+        page.evaluate("overview.fault('the sound was interrupted: touch to go on')")
+        assert violations(page, axe) == []
         page.click("#out")
         for contrast in (False, True):
             page.evaluate(
@@ -447,6 +504,10 @@ def test_axe_finds_nothing(chromium, site, axe, scheme, size):
         context.close()
 
 
+LEAST_WIDE = 0.25
+"""Of the screen: a curve beside its disk."""
+
+
 @pytest.mark.parametrize("text", [1, 2])
 @pytest.mark.parametrize(
     ("width", "height"),
@@ -460,25 +521,40 @@ def test_the_disk_is_large_and_nothing_is_cut_off(chromium, site, width, height,
         until(page, "p.view")
         page.evaluate(f"document.documentElement.style.fontSize = '{100 * text}%'")
         page.evaluate("overview.picture.resize()")
-        shown = page.evaluate("""() => {
-            const { disk, top, bottom, left, right, width, height } = overview.picture.geometry;
-            const wide = [...document.querySelectorAll("button, h1, #window, #clock, #value")]
-                .filter((one) => one.offsetParent !== null)
-                .filter((one) => one.getBoundingClientRect().right > innerWidth + 1 ||
-                    (one.matches("button") && one.scrollWidth > one.clientWidth + 1));
-            return {
-                disk: disk && 2 * disk.radius, plot: [bottom - top, right - left],
-                inside: disk && disk.x + disk.radius <= width && disk.y + disk.radius <= height + 1,
-                sideways: document.documentElement.scrollWidth - innerWidth,
-                cut: wide.map((one) => one.id),
-            };
-        }""")
-        assert shown["disk"] >= 0.4 * min(width, height) - 1
-        assert shown["inside"]
-        assert min(shown["plot"]) > 40
-        assert shown["sideways"] <= 0
-        assert shown["cut"] == []
+        require_laid_out(page, width, height)
+        page.focus("#slider")
+        page.keyboard.press("+")
+        until(page, "p.view.zoom === 1 && !document.getElementById('strip').hidden")
+        page.wait_for_timeout(100)  # the strip has taken its room
+        require_laid_out(page, width, height)
         context.close()
+
+
+def require_laid_out(page, width, height):
+    """A large disk, a curve, nothing cut off or over anything else, nothing to scroll sideways."""
+    shown = page.evaluate("""() => {
+        const { disk, top, bottom, left, right, width, height } = overview.picture.geometry;
+        const box = (id) => document.querySelector(id).getBoundingClientRect();
+        const wide = [...document.querySelectorAll("button, h1, #window, #clock, #value")]
+            .filter((one) => one.offsetParent !== null)
+            .filter((one) => one.getBoundingClientRect().right > innerWidth + 1 ||
+                (one.matches("button") && one.scrollWidth > one.clientWidth + 1));
+        return {
+            disk: disk && 2 * disk.radius, plot: [bottom - top, right - left],
+            inside: disk && disk.x + disk.radius <= width && disk.y + disk.radius <= height + 1,
+            sideways: document.documentElement.scrollWidth - innerWidth,
+            cut: wide.map((one) => one.id),
+            rows: ["header", "#moment", "#strip", "#slider", "nav"].map(box)
+                .filter(({ height }) => height > 0).map(({ top, bottom }) => [top, bottom]),
+        };
+    }""")
+    assert shown["disk"] >= 0.4 * min(width, height) - 1
+    assert shown["inside"]
+    assert shown["plot"][0] > 40
+    assert shown["plot"][1] > LEAST_WIDE * width
+    assert shown["sideways"] <= 0
+    assert shown["cut"] == []
+    assert all(before[1] <= after[0] + 1 for before, after in pairwise(shown["rows"]))
 
 
 @pytest.mark.parametrize("way", ["keys", "buttons"])
@@ -543,6 +619,24 @@ def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
         assert bytes(made) == expected
 
 
+UNPACK = """async (packed) => {
+    const { unpacked } = await import("./unpack.js");
+    const bytes = await unpacked(Uint8Array.from(packed).buffer);
+    return Array.from(new Uint8Array(bytes));
+}"""
+
+
+def test_the_page_unpacks_every_bit_of_what_was_packed(opened):
+    random = np.random.default_rng(3)
+    smooth = np.exp(np.sin(np.linspace(0.0, 9.0, 2000)))
+    ends = np.array([-(2**63), 2**63 - 1, -1, 0, 1] * 7).view(float)
+    columns = [smooth, random.bytes(800), ends, np.zeros(50), -smooth, np.full(3, np.nan)]
+    for raw in (b"".join(bytes(one) for one in columns), bytes(smooth), random.bytes(4000), b""):
+        packed_bytes = packed(raw)
+        assert bytes(opened.evaluate(UNPACK, list(packed_bytes))) == raw
+    assert len(packed(bytes(smooth))) < smooth.nbytes / 3
+
+
 @pytest.mark.soak
 def test_firefox_shows_it_to_keys_zooms_and_plays_it_too(firefox, site, tmp_path):
     folder = shutil.copytree(site, tmp_path / "site")
@@ -550,11 +644,22 @@ def test_firefox_shows_it_to_keys_zooms_and_plays_it_too(firefox, site, tmp_path
     start = folder / "index.html"
     own = '<script type="module" src="main.js"></script>'
     assert own in start.read_text()
-    start.write_text(start.read_text().replace(own, own + own.replace("main", "alone")))
-    with opened_host(folder) as host:
-        told = firefox.visit(host.url, host.server.told)
+    held = f'<img src="{HELD}" alt="" hidden>'
+    page = start.read_text().replace(own, own + own.replace("main", "alone"))
+    start.write_text(page.replace("</main>", f"{held}</main>"))
+    picture = tmp_path / "firefox.png"
+    with opened_host(folder) as host, null_sink(tmp_path) as environment:
+        told = firefox.visit(
+            host.url, host.server.told, picture, host.server.released.set, environment
+        )
     assert "error" not in told, told
     assert told["event"] == "9:50, near miss (synthetic)"
-    assert told["drawn"] > 30
+    drawn = np.round(255 * imread(picture)[:, :, :3]).astype(int)
+    for colour, least in (((228, 234, 238), 5_000), ((125, 146, 164), 100), ((36, 64, 90), 5_000)):
+        # the curve's area, its line, the disk
+        assert (np.abs(drawn - colour).max(axis=2) <= 2).sum() > least
     assert 0.2 < told["swept"] < 1
+    assert told["meters"]["clock"] > 0
+    assert told["meters"]["strikes"] > 3
+    assert told["meters"]["resets"] + told["meters"]["dropped"] == 0
     assert told["fault"] == ""

@@ -61,6 +61,48 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
         assert wrong == []
 
 
+def test_a_page_that_was_hidden_has_what_came_meanwhile(live, chromium):
+    with (
+        served(live.felt(), plays=False, live=live) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, f"p.view && p.live && {kinds('foul')}")
+        live.append(events=[event(900, "goal", "1-0")], clock_s=905.0)
+        until(tab, f"{kinds('goal')} && p.live.pushed")
+        hide = (
+            "(state) => { Object.defineProperty(document, 'hidden', "
+            "{ value: state, configurable: true }); "
+            "document.dispatchEvent(new Event('visibilitychange')); }"
+        )
+        tab.evaluate(hide, True)
+        live.append(events=[event(1000, "red_card", "x")], clock_s=1000.0)
+        says(tab, "live", "data until 16:40.0")
+        assert not tab.evaluate("overview.live.pushed")
+        assert not tab.evaluate("overview.view.events.some(({ kind }) => kind === 'red_card')")
+        tab.evaluate(hide, False)
+        until(tab, kinds("red_card"))
+        assert wrong == []
+
+
+def test_values_and_now_of_a_series_that_grows_are_shown(chromium):
+    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
+    with (
+        served(live.felt(), plays=False, live=live, preset="series") as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, "p.view && p.live")
+        values = [(10.0 * n, 20.0 + n) for n in range(121)]
+        live.append(intensity=values, clock_s=1200.0)
+        until(tab, "Math.abs(p.view.now - 1 / 3) < 1e-6 && p.view.points?.value.length === 121")
+        assert tab.evaluate("overview.view.points.value.at(-1)") == 140.0
+        texts = tab.locator("#canvas text").all_text_contents()
+        assert "now" in texts
+        tab.mouse.click(*at(tab, 1 / 6))
+        until(tab, "Math.abs(p.place - 1 / 6) < 0.01")
+        assert "kW" in tab.locator("#slider").get_attribute("aria-valuetext")
+        assert wrong == []
+
+
 def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
     with (
         served(live.felt(), live=live) as server,

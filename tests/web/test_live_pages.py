@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import base64
 import contextlib
 import json
 import struct
@@ -14,6 +16,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.surface.build import build_surface
+from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.published import OLD, Published
 from overview_dsp.web.site_sound import window_bytes
 from tests.live.stepped_session import event
@@ -44,10 +47,11 @@ def patched(base, patch, length):
 class Listening:
     """The notices that a page gets, from a thread of its own."""
 
-    def __init__(self, server, since="", **headers):
+    def __init__(self, server, since="", more="", **headers):
         self.notices, self.at = [], []
         self._over = threading.Event()
-        threading.Thread(target=self._run, args=(server, since, headers), daemon=True).start()
+        asked = (server, f"{since}{more}", headers)
+        threading.Thread(target=self._run, args=asked, daemon=True).start()
 
     def _run(self, server, since, headers):
         with (
@@ -114,6 +118,76 @@ def test_what_is_new_is_told_in_a_line_and_fetched_as_the_surface_of_the_moment(
     page.close()
 
 
+def surface_of(live, rate=48_000):
+    preset = ov.load_preset("football")
+    return window_bytes(build_surface(live.felt(), preset), preset, rate)
+
+
+def unpacked(notice):
+    made = base64.b64decode(notice["update"])
+    (length,) = struct.unpack("<I", made[:4])
+    return json.loads(made[4 : 4 + length]), made[4 + length :]
+
+
+def test_updates_come_with_what_is_told_of_them_from_version_to_version(server, live):
+    page = Listening(server, since=live.revision, more="&rate=48000&have=-1")
+    first, patch = unpacked(page.until(lambda one: True))
+    mine = patched(b"", patch, first["bytes"])
+    assert mine == surface_of(live)
+    taken = 1
+    for n in range(3):
+        live.append(events=[event(900 + 60 * n, "goal", str(n))], clock_s=901.0 + 60 * n)
+        page.until(lambda one, n=n: any(news["label"] == str(n) for news in one["news"]))
+        for notice in page.notices[taken:]:
+            update, patch = unpacked(notice)
+            assert update["version"] == notice["version"]
+            assert len(patch) < len(mine) / 2
+            mine = patched(mine, patch, update["bytes"])
+        taken = len(page.notices)
+        assert mine == surface_of(live)
+    page.close()
+    # one that was cut off goes on from the last event that it had
+    live.append(events=[event(1200, "foul", "late")], clock_s=1201.0)
+    again = Listening(server, more="&rate=48000&have=-1",
+                      **{"Last-Event-ID": str(update["version"])})  # fmt: skip
+    update, patch = unpacked(again.until(lambda one: True))
+    assert patched(mine, patch, update["bytes"]) == surface_of(live)
+    again.close()
+
+
+def test_a_hundred_pages_that_have_the_same_get_one_events_bytes(live):
+    data = LiveData(live, lambda: ov.load_preset("football"))
+    made = []
+    build = data.update
+    data.update = lambda *key: made.append(key) or build(*key)
+
+    async def pages():
+        live.append(events=[event(900, "goal", "1-0")], clock_s=905.0)
+        data.take()
+        return await asyncio.gather(*(data._event(0, -1, 0) for _ in range(100)))
+
+    answers = asyncio.run(pages())
+    assert made == [(-1, 0)]
+    assert len({id(text) for _, text in answers}) == 1
+    assert len(answers[0][1]) < 40_000
+
+
+def test_a_series_has_its_values_also_where_it_began_with_none():
+    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
+    with served(live.felt(), plays=False, live=live) as server, server.client() as client:
+        assert client.get("/data/timeline.json").json()["series"]["unit"] == "kW"
+        for now in (60.0, 120.0):
+            values = [(float(t), 20.0 + t / 7.0) for t in range(0, int(now) + 1, 10)]
+            live.append(intensity=values, clock_s=now)
+            told, _ = update(client, -1)
+            assert told["info"]["series"]["unit"] == "kW"
+            points = client.get("/data/points-0.json").json()
+            assert points["time_s"] == [at for at, _ in values]
+            assert points["value"] == pytest.approx([value for _, value in values])
+            low, span = told["view"]["scale"]
+            assert (low, low + span) == pytest.approx((20.0, values[-1][1]))
+
+
 def test_a_page_that_slept_is_told_the_news_that_it_lacks(server, live):
     version = live.revision
     for n in range(3):
@@ -146,6 +220,7 @@ def test_only_whoever_is_let_in_is_told(server):
         assert client.get("/live/events").status_code == 401
         assert client.get("/live/update?since=-1&rate=48000").status_code == 401
     with server.client() as client:
+        assert client.get("/live/events?since=0&rate=1").status_code == 400
         for query in ("", "?since=x&rate=48000", "?since=-1&rate=1", "?since=-1&rate=1e9"):
             answer = client.get(f"/live/update{query}")
             assert answer.status_code == 400
@@ -181,9 +256,11 @@ def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
                 # whatever it names is there
                 assert (folder / "live" / f"{now['version']}-44100.update").stat().st_size > 5e5
         assert [one["label"] for one in now["news"] if one["kind"] == "goal"][-1] == "7-0"
-        kept = {path.name for path in (folder / "live").iterdir()}
+        kept = set()
+        while len(kept) != 1 + 2 * (OLD + 1):  # the oldest go last
+            assert time.monotonic() < end, kept
+            kept = {path.name for path in (folder / "live").iterdir()}
         assert f"{now['version']}-48000.update" in kept
-        assert len(kept) == 1 + 2 * (OLD + 1)
         content = (folder / "live" / f"{now['version']}-48000.update").read_bytes()
         (length,) = struct.unpack("<I", content[:4])
         view = json.loads(content[4 : 4 + length])
@@ -194,3 +271,15 @@ def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
     finally:
         published.close()
     assert notes == []
+
+
+def test_a_folder_of_a_series_has_the_values_of_each_version(tmp_path):
+    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
+    live.append(intensity=[(0.0, 1.5), (60.0, 2.5)])
+    folder = tmp_path / "site"
+    published = Published(live, ov.load_preset("series"), folder, print, every_s=0.02)
+    live.append(intensity=[(120.0, 4.25)])
+    published.close()
+    version = json.loads((folder / "live" / "now.json").read_bytes())["version"]
+    points = json.loads((folder / "live" / f"{version}-points.json").read_bytes())
+    assert points == {"time_s": [0, 60, 120], "value": [1.5, 2.5, 4.25]}

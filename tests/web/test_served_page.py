@@ -9,7 +9,7 @@ import wave
 import pytest
 
 from overview_dsp.web.media import open_media
-from tests.web.driving import PHONE, at, until
+from tests.web.driving import DESKTOP, PHONE, at, until, violations
 from tests.web.serving import served
 
 GOAL = 4050.0 / 5880.0  # 4-1
@@ -287,6 +287,19 @@ def test_a_film_that_is_gone_says_so_and_plays_once_it_is_back(match, chromium, 
         (tmp_path / "elsewhere.wav").rename(tmp_path / "match.wav")
         tab.click("#play")
         watched(tab)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
+def test_axe_finds_nothing_where_a_film_plays(match, chromium, tmp_path, axe, scheme, size):
+    with with_film(match, chromium, tmp_path, color_scheme=scheme) as tab:
+        tab.set_viewport_size(size)
+        assert violations(tab, axe) == []
+        tab.click("#list")
+        assert violations(tab, axe) == []
+        tab.get_by_role("button", name="Watch 67:30, goal, 4-1 Mbappé").click()
+        until(tab, "document.getElementById('film').open")
+        assert violations(tab, axe) == []
 
 
 def test_a_page_without_a_film_offers_none(match, chromium):

@@ -71,6 +71,7 @@ def followed(
         raise InputError(f"--follow {source} is the timeline; leave {timeline} out")
     from overview_dsp.following.follower import Follower
     from overview_dsp.following.live_timeline import LiveTimeline
+    from overview_dsp.following.sources import Sound
     from overview_dsp.live.follow_source import expected_s, map_named, source_named
     from overview_dsp.live.growing import Growth
 
@@ -85,16 +86,28 @@ def followed(
         expect_s=None if expect is None else expected_s(expect),
         map=None if map is None else map_named(map),
     )
-    follower = Follower(live, source_named(source, sys.stdin.buffer)).start()
+    named = source_named(source, sys.stdin.buffer)
+    follower = Follower(live, named).start()
     try:
         until = time.monotonic() + FIRST_WITHIN_S
         while live.revision == 0 and not follower.over and time.monotonic() < until:
             time.sleep(0.02)
         if live.revision == 0 and follower.over:
             raise InputError("; ".join(follower.take_messages()) or f"{source}: nothing in it")
-        yield Growth(live, follower, after_s, following["tell"])
+        fits = "crowd" if isinstance(named, Sound) else None  # it is silent at first
+        yield Growth(live, follower, after_s, following["tell"], map is not None, fits)
     finally:
         follower.close()
+
+
+def laid_out(data: Timeline, growth: Growth | None, preset: str) -> Timeline:
+    """What `open_growing` gave, as the preset (a name or a path) lays it unless an option does."""
+    if growth is None:
+        return data
+    from overview_dsp.presets.library import load_preset
+
+    growth.lay_out(load_preset(preset))
+    return growth.live.felt()
 
 
 def open_growing(timeline: str | None, load: dict[str, Any], growth: Growth | None) -> Timeline:

@@ -97,10 +97,11 @@ def open_server(
     session: Session | None = None,
     more: Collection[BaseRoute] = (),
     crowd: bool = False,
+    public: Collection[str] | None = None,
 ) -> Iterator[Opened]:
     """Serve the page (and a session's `/control`, and more routes) meanwhile; where it is.
 
-    `crowd`: to hundreds of pages.
+    `crowd`: to hundreds of pages; `public`: as in `make_app`.
 
     The address goes to standard error, with a QR code where a phone can reach it.
 
@@ -131,7 +132,7 @@ def open_server(
         secure = secure_context(certificate, None if key is None else Path(key))
     names = address.own_names() | ({host.lower()} if reached == host else set())
     access = Access() if kept is None else Access(token=kept_token(kept))
-    app = make_app(access, names, note, session, more)
+    app = make_app(access, names, note, session, more, public)
     socket = listen(host, port)
     scheme = "http" if secure is None else "https"
     where = address.page_address(scheme, reached, socket.getsockname()[1], access.token)

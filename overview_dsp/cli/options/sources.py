@@ -17,7 +17,13 @@ if TYPE_CHECKING:
     from overview_dsp.live.inputs import LineInput
     from overview_dsp.live.player import Player
 
-DEVICES = ("serial", "osc", "midi")
+DEVICES = ("serial", "osc", "midi", "pad", "http", "post", "ble")
+SENSORS = {"serial", "pad", "http", "post", "ble"}
+"""Of those, what is turned in the hand: one of them, as they are one source."""
+
+BATCHES_S = 2.0
+"""An app that posts what it measured in batches is silent between them."""
+
 SILENT_OSC_S = 5.0
 """UDP knows no connection: who holds on by it and says nothing for so long has let go."""
 
@@ -28,6 +34,7 @@ _OF = {
     "sensor": "serial:PORT",
     "baud": "serial:PORT",
     "midi_map": "midi:NAME",
+    "osc_map": "osc:PORT",
     "force": "serial:PORT",
 }
 
@@ -35,9 +42,11 @@ _OF = {
 def input_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """The options of control sources, for `parse_sources`."""
     options = (
-        click.option("--input", "sources", multiple=True, help="serial:PORT, a sensor; osc:PORT or "
-                     "osc:HOST:PORT; midi:NAME; - for lines of standard input: theta2 (rad) and "
-                     "touching (0 or 1); several together. Or a gesture or take to play."),
+        click.option("--input", "sources", multiple=True, help="serial:PORT, a sensor; pad:, "
+                     "a DualSense or Joy-Con; http://PHONE:8080 (phyphox); post:PORT (Sensor "
+                     "Logger); ble:NAME; osc:PORT or osc:HOST:PORT; midi:NAME; - for lines of "
+                     "standard input: theta2 (rad) and touching (0 or 1); several together. Or a "
+                     "gesture or take to play."),
         click.option("--sensor", help="What is on the serial port: a name (imu, roll, encoder, "
                      "potentiometer, simplefoc) or a TOML file; left out: detected by content."),
         click.option("--baud", type=click.IntRange(300, 4_000_000), help="Of the serial port, "
@@ -47,6 +56,8 @@ def input_options(function: Callable[..., Any]) -> Callable[..., Any]:
                      "no size is given."),
         click.option("--midi-map", metavar="FILE.toml", help="What the controls of a MIDI "
                      "controller do; `overview midi learn` writes one."),
+        click.option("--osc-map", metavar="NAME", help="What other messages do: gyrosc, zigsim, "
+                     "touchosc or a TOML file; `overview osc learn` writes one."),
         click.option("--osc-out", metavar="[HOST:]PORT", help="Send cursor, torque and events."),
     )  # fmt: skip
     for option in reversed(options):
@@ -93,6 +104,7 @@ def parse_sources(
     sensor: str | None,
     baud: int | None,
     midi_map: str | None,
+    osc_map: str | None,
     force: bool = False,
 ) -> Sources:
     """The sources that the options name; nothing is opened.
@@ -111,10 +123,17 @@ def parse_sources(
         if source == "-":
             name, open_one = "lines", _open_lines
         elif colon and kind in DEVICES:
-            if not where:
+            if not where and kind != "pad":
                 raise InputError(f"--input {source} names no port; `overview devices` lists them")
-            name = kind
-            open_one = _device(kind, where, sensor, baud, midi_map, force)
+            name = "serial" if kind in SENSORS else kind
+            if kind == "osc":
+                open_one = _osc(where, osc_map)
+            elif kind == "midi":
+                open_one = _midi(where, midi_map)
+            elif kind == "serial":
+                open_one = _serial(where, sensor, baud, force)
+            else:
+                open_one = _named(kind, where, sensor)
         else:
             name, open_one = "take", _take(source)
         if name in openers:
@@ -122,7 +141,8 @@ def parse_sources(
         openers[name] = open_one
     if "take" in openers and len(openers) > 1:
         raise InputError("--input: a gesture or take plays alone; leave it or the others out")
-    options = {"sensor": sensor, "baud": baud, "midi_map": midi_map, "force": force or None}
+    options = {"sensor": sensor, "baud": baud, "midi_map": midi_map, "osc_map": osc_map,
+               "force": force or None}  # fmt: skip
     for option, value in options.items():
         if value is not None and _OF[option].partition(":")[0] not in openers:
             raise InputError(
@@ -144,14 +164,6 @@ def _take(source: str) -> Callable[[Player], Input]:
     return lambda player: TakeInput(gesture)
 
 
-def _device(
-    kind: str, where: str, sensor: str | None, baud: int | None, midi_map: str | None, force: bool
-) -> Callable[[Player], Input]:
-    if kind == "serial":
-        return _serial(where, sensor, baud, force)
-    return _osc(where) if kind == "osc" else _midi(where, midi_map)
-
-
 def _serial(
     where: str, sensor: str | None, baud: int | None, force: bool
 ) -> Callable[[Player], Input]:
@@ -168,14 +180,49 @@ def _serial(
     return lambda player: SensorInput(player.engine, where, profile, baud)
 
 
-def _osc(where: str) -> Callable[[Player], Input]:
+def _named(kind: str, where: str, sensor: str | None) -> Callable[[Player], Input]:
+    """A pad, a phone's app or a radio."""
+    from overview_dsp.live.sensor_input import SILENT_S, NamedInput, Port
+    from overview_dsp.sensors.profile_file import load_sensor
+
+    silent_s, usual = SILENT_S, "phone"
+    open_port: Callable[[str], Port]
+    if kind == "pad":
+        from overview_dsp.live.pad_port import PadPort as open_port  # noqa: N813
+        from overview_dsp.live.pad_port import find_pad
+
+        usual = find_pad(where).kind
+    elif kind == "ble":
+        from overview_dsp.live.ble_port import BlePort as open_port  # noqa: N813
+
+        usual = "imu"
+    elif kind == "post":
+        from overview_dsp.live.phone_ports import PostPort as open_port  # noqa: N813
+
+        silent_s = BATCHES_S
+    else:
+        from overview_dsp.live.phone_ports import PhyphoxPort as open_port  # noqa: N813
+
+        kind, where = "phyphox", f"http:{where}"
+    profile = load_sensor(usual if sensor is None else sensor)
+    return lambda player: NamedInput(player.engine, kind, where, profile, open_port, silent_s)
+
+
+def _osc(where: str, osc_map: str | None) -> Callable[[Player], Input]:
+    from overview_dsp.controllers.control_messages import Counters
+    from overview_dsp.controllers.osc_map import load_osc_map
     from overview_dsp.controllers.osc_messages import OscReader
     from overview_dsp.live.controller_input import ControllerInput
     from overview_dsp.live.osc_port import OscPort, parse_address
 
     parse_address(where)
+    controls = () if osc_map is None else load_osc_map(osc_map)
+
+    def reader(counters: Counters) -> Reader:
+        return OscReader(counters, controls)
+
     return lambda player: ControllerInput(
-        player.engine, "osc", lambda: OscPort(where), OscReader, SILENT_OSC_S, player.ask
+        player.engine, "osc", lambda: OscPort(where), reader, SILENT_OSC_S, player.ask
     )
 
 

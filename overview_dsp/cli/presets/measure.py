@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from overview_dsp.measure.crowd import CrowdReport
+    from overview_dsp.measure.crowd_kind import CrowdReport
+    from overview_dsp.measure.kind_feel import FeelReport
     from overview_dsp.measure.observer.report import ObserverReport
-    from overview_dsp.measure.report import FeelReport
     from overview_dsp.presets.model import EventKind, Preset
     from overview_dsp.timeline import Timeline
 
@@ -258,7 +258,7 @@ def tune(
         )
     reached = "reached" if found.reached else "not reached: use fewer kinds, or allow more height"
     wanted = "from any other at every speed; one" if apart else "above the next at every speed; two"
-    click.echo(f"{path}: each at least {found.least_steps:.1f} steps {wanted} {reached}")
+    click.echo(f"{path}: each at least {found.least_steps:.2f} steps {wanted} {reached}")
     for line in found.unreached:
         click.echo(f"not reached: {line}")
 

@@ -1,4 +1,4 @@
-/* What a plugin holds: bundle.c, which `overview plugin build` writes. */
+/* What a plugin holds: bundle.c, which `overview plugin build` writes, with the images' bytes. */
 #ifndef OVERVIEW_BUNDLE_H
 #define OVERVIEW_BUNDLE_H
 #include "overview.h"
@@ -8,12 +8,14 @@
 typedef struct {
     const char *name;
     const char *uri; /* of its LV2 plugin */
-    const char *digest; /* SHA-256 of the image */
-    const char *image;
-    int64_t bytes;
-    double tail; /* s, from the last release to exact silence, with these values */
-    double values[OVERVIEW_PARAMETERS]; /* the preset's own, in the table's order */
+    double values[OVERVIEW_PARAMETERS]; /* its own, in the table's order */
 } bundle_preset;
+
+typedef struct {
+    const char *digest; /* SHA-256 of the image */
+    int64_t at, bytes; /* in bundle_data */
+    double tail; /* s, from the last release to exact silence, with the preset's own values */
+} bundle_image;
 
 typedef struct {
     const char *name, *section;
@@ -21,8 +23,12 @@ typedef struct {
 } bundle_label;
 
 extern const char bundle_id[], bundle_name[], bundle_version[], bundle_description[];
-extern const int bundle_presets_count;
+extern const uint32_t bundle_class[4]; /* in VST3 */
+extern const int bundle_presets_count, bundle_timelines_count;
+extern const char *const bundle_timelines[];
 extern const bundle_preset bundle_presets[];
+extern const bundle_image bundle_images[]; /* a timeline's in every preset, then the next one's */
 extern const bundle_label bundle_labels[OVERVIEW_PARAMETERS];
+extern const char bundle_data[];
 
 #endif

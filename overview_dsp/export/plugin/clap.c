@@ -1,12 +1,6 @@
 /* A bundle as a CLAP plugin: an instrument with two mono outputs, the clicks and the tactor's. */
 #include "clap.h"
-#include "voice.h"
-
-#include <stdio.h>
-
-enum { STATE_ID = 32, STATE_HEAD = 8 + 2 * BUNDLE_DIGEST, STATE_ROW = STATE_ID + 8 };
-enum { STATE_BYTES = STATE_HEAD + (VOICE_VALUES - 1) * STATE_ROW };
-static const char state_magic[8] = {'O', 'V', 'D', 'S', 'P', 0, 0, 1}; /* its end is the version */
+#include "state.h"
 
 typedef struct {
     clap_plugin_t plugin;
@@ -18,48 +12,23 @@ typedef struct {
 
 static instance *of(const clap_plugin_t *plugin) { return (instance *)plugin->plugin_data; }
 
-/* ---- values: what the host calls parameters. Ids stay, whatever is added to the table. */
+/* ---- values: what the host calls parameters */
 
-static const char *value_id(int which) {
-    static const char *const hands[] = {"theta2", "touch", "preset"};
-    return which < VOICE_OWN ? hands[which] : overview_parameters[which - VOICE_OWN].id;
-}
-static clap_id number_of(int which) {
-    const char *id;
-    uint32_t hash = 2166136261u; /* FNV-1a */
-    for (id = value_id(which); *id; id++) hash = (hash ^ (uint8_t)*id) * 16777619u;
-    return hash;
-}
-static int which_is(clap_id number) {
-    int which;
-    for (which = 0; which < VOICE_VALUES; which++)
-        if (number_of(which) == number) return which;
-    return -1;
-}
-static const char *choice_of(const voice *v, int which, int choice) {
-    static const char *const switched[] = {"off", "on"};
-    if (which == VOICE_PRESET) return voice_preset(v, choice)->name;
-    return which == VOICE_TOUCH ? switched[choice] : bundle_labels[which - VOICE_OWN].choices[choice];
-}
-static const char *unit_of(int which) {
-    return which < VOICE_OWN ? "" : overview_parameters[which - VOICE_OWN].unit;
-}
+static int which_is(clap_id number) { return value_of(number, UINT32_MAX); }
 
 static uint32_t CLAP_ABI params_count(const clap_plugin_t *plugin) {
     (void)plugin;
     return VOICE_VALUES;
 }
 static bool CLAP_ABI params_info(const clap_plugin_t *plugin, uint32_t index, clap_param_info_t *info) {
-    static const char *const names[] = {"Angle", "Touch", "Preset"};
     const voice *v = &of(plugin)->voice;
     int which = (int)index;
     if (index >= VOICE_VALUES) return false;
     memset(info, 0, sizeof *info);
-    info->id = number_of(which);
+    info->id = value_number(which);
     info->flags = CLAP_PARAM_IS_AUTOMATABLE | (voice_is_choice(which) ? CLAP_PARAM_IS_STEPPED : 0);
-    if (which == VOICE_PRESET && v->count == 1) info->flags = CLAP_PARAM_IS_STEPPED | CLAP_PARAM_IS_HIDDEN;
-    snprintf(info->name, sizeof info->name, "%s",
-             which < VOICE_OWN ? names[which] : bundle_labels[which - VOICE_OWN].name);
+    if (value_is_hidden(v, which)) info->flags = CLAP_PARAM_IS_STEPPED | CLAP_PARAM_IS_HIDDEN;
+    snprintf(info->name, sizeof info->name, "%s", value_name(which));
     if (which >= VOICE_OWN)
         snprintf(info->module, sizeof info->module, "%s", bundle_labels[which - VOICE_OWN].section);
     info->min_value = voice_lowest(which), info->max_value = voice_highest(v, which);
@@ -74,24 +43,17 @@ static bool CLAP_ABI params_value(const clap_plugin_t *plugin, clap_id id, doubl
 }
 static bool CLAP_ABI params_to_text(
     const clap_plugin_t *plugin, clap_id id, double value, char *text, uint32_t size) {
-    const voice *v = &of(plugin)->voice;
     int which = which_is(id);
-    if (which < 0 || !(value >= voice_lowest(which) && value <= voice_highest(v, which))) return false;
-    if (voice_is_choice(which)) snprintf(text, size, "%s", choice_of(v, which, (int)(value + 0.5)));
-    else snprintf(text, size, "%.9g%s%s", value, *unit_of(which) ? " " : "", unit_of(which));
+    size_t length;
+    if (which < 0 || !size || !value_to_text(&of(plugin)->voice, which, value, text, size)) return false;
+    length = strlen(text);
+    if (*value_unit(which)) snprintf(text + length, size - length, " %s", value_unit(which));
     return true;
 }
 static bool CLAP_ABI params_from_text(
     const clap_plugin_t *plugin, clap_id id, const char *text, double *value) {
-    const voice *v = &of(plugin)->voice;
-    int which = which_is(id), choice;
-    char *end;
-    if (which < 0) return false;
-    if (voice_is_choice(which))
-        for (choice = 0; choice <= (int)voice_highest(v, which); choice++)
-            if (!strcmp(text, choice_of(v, which, choice))) return *value = choice, true;
-    *value = strtod(text, &end);
-    return end != text && *value >= voice_lowest(which) && *value <= voice_highest(v, which);
+    int which = which_is(id);
+    return which >= 0 && value_from_text(&of(plugin)->voice, which, text, value);
 }
 
 /* ---- events */
@@ -101,7 +63,7 @@ static void tell(const clap_output_events_t *out, const voice *v, int which, uin
     memset(&event, 0, sizeof event);
     event.header.size = sizeof event, event.header.time = time;
     event.header.space_id = CLAP_CORE_EVENT_SPACE_ID, event.header.type = CLAP_EVENT_PARAM_VALUE;
-    event.param_id = number_of(which), event.value = v->applied[which];
+    event.param_id = value_number(which), event.value = v->applied[which];
     event.note_id = event.port_index = event.channel = event.key = -1;
     if (out) out->try_push(out, &event.header);
 }
@@ -130,8 +92,8 @@ static void hear(voice *v, const clap_event_header_t *event, int32_t at, const c
 
 /* A tail that depends on changed values isn't known: then it is without end, and sleep tells. */
 static uint32_t CLAP_ABI tail_get(const clap_plugin_t *plugin) {
-    const voice *v = &of(plugin)->voice;
-    int64_t tail = v->memories ? voice_tail(v) : 0;
+    voice *v = &of(plugin)->voice;
+    int64_t tail = voice_active(v) ? voice_tail(v) : 0;
     return tail < 0 || tail > INT32_MAX ? INT32_MAX : (uint32_t)tail;
 }
 
@@ -139,7 +101,7 @@ static void CLAP_ABI params_flush(
     const clap_plugin_t *plugin, const clap_input_events_t *in, const clap_output_events_t *out) {
     voice *v = &of(plugin)->voice;
     uint32_t i;
-    if (v->memories) voice_begin(v, NULL, NULL);
+    if (voice_active(v)) voice_begin(v, NULL, NULL);
     for (i = 0; i < in->size(in); i++) hear(v, in->get(in, i), VOICE_AT_ONCE, out);
 }
 
@@ -149,7 +111,7 @@ static clap_process_status CLAP_ABI process(const clap_plugin_t *plugin, const c
     float *outputs[2] = {NULL, NULL};
     int32_t at = 0, frames = (int32_t)block->frames_count;
     uint32_t i, count = block->in_events ? block->in_events->size(block->in_events) : 0;
-    if (!v->memories) return CLAP_PROCESS_ERROR;
+    if (!voice_active(v)) return CLAP_PROCESS_ERROR;
     for (i = 0; i < 2 && i < block->audio_outputs_count; i++) {
         clap_audio_buffer_t *buffer = &block->audio_outputs[i];
         buffer->constant_mask = 0;
@@ -170,22 +132,12 @@ static clap_process_status CLAP_ABI process(const clap_plugin_t *plugin, const c
     return voice_asleep(v) ? CLAP_PROCESS_SLEEP : CLAP_PROCESS_CONTINUE;
 }
 
-/* ---- state: the magic and version, the image's digest, then a row of id and value each */
+/* ---- state */
 
 static bool CLAP_ABI state_save(const clap_plugin_t *plugin, const clap_ostream_t *stream) {
-    voice *v = &of(plugin)->voice;
-    char bytes[STATE_BYTES] = {0}, *row = bytes + STATE_HEAD;
-    int preset = (int)atomic_load(&v->values[VOICE_PRESET]), which;
+    char bytes[STATE_BYTES];
     size_t done = 0;
-    memcpy(bytes, state_magic, 8);
-    memcpy(bytes + 8, voice_preset(v, preset)->digest, 2 * BUNDLE_DIGEST);
-    for (which = 0; which < VOICE_VALUES; which++) {
-        double value = atomic_load(&v->values[which]);
-        if (which == VOICE_PRESET) continue;
-        strncpy(row, value_id(which), STATE_ID - 1);
-        memcpy(row + STATE_ID, &value, 8);
-        row += STATE_ROW;
-    }
+    state_write(&of(plugin)->voice, bytes);
     while (done < sizeof bytes) {
         int64_t n = stream->write(stream, bytes + done, sizeof bytes - done);
         if (n <= 0) return false;
@@ -194,15 +146,12 @@ static bool CLAP_ABI state_save(const clap_plugin_t *plugin, const clap_ostream_
     return true;
 }
 
-/* All of it is read and checked before a value changes. */
 static bool CLAP_ABI state_load(const clap_plugin_t *plugin, const clap_istream_t *stream) {
     instance *self = of(plugin);
-    voice *v = &self->voice;
     const clap_host_params_t *params;
-    char bytes[STATE_BYTES + 1], *row = bytes + STATE_HEAD;
+    char bytes[STATE_BYTES + 1];
     double values[VOICE_VALUES];
     size_t done = 0;
-    int which, preset = 0;
     for (;;) {
         int64_t n = stream->read(stream, bytes + done, sizeof bytes - done);
         if (n < 0 || (size_t)n > sizeof bytes - done) return false;
@@ -210,25 +159,8 @@ static bool CLAP_ABI state_load(const clap_plugin_t *plugin, const clap_istream_
         done += (size_t)n;
         if (done == sizeof bytes) return false;
     }
-    if (done != STATE_BYTES || memcmp(bytes, state_magic, 8)) return false;
-    while (preset < v->count && memcmp(bytes + 8, voice_preset(v, preset)->digest, 2 * BUNDLE_DIGEST)) preset++;
-    if (preset == v->count) return false; /* of other data, or another preset */
-    values[VOICE_PRESET] = preset;
-    for (which = 0; which < VOICE_VALUES; which++) {
-        char id[STATE_ID] = {0};
-        if (which == VOICE_PRESET) continue;
-        strncpy(id, value_id(which), STATE_ID - 1);
-        memcpy(&values[which], row + STATE_ID, 8);
-        if (memcmp(id, row, STATE_ID)
-            || !(values[which] >= voice_lowest(which) && values[which] <= voice_highest(v, which))) return false;
-        if (voice_is_choice(which) && values[which] != (int)values[which]) return false;
-        row += STATE_ROW;
-    }
-    for (which = 0; which < VOICE_VALUES; which++) {
-        atomic_store(&v->values[which], values[which]);
-        if (!v->memories) v->applied[which] = values[which];
-    }
-    atomic_store(&v->restored, 1);
+    if (!state_read(&self->voice, bytes, done, values)) return false;
+    state_take(&self->voice, values);
     params = (const clap_host_params_t *)self->host->get_extension(self->host, CLAP_EXT_PARAMS);
     if (params) params->rescan(self->host, CLAP_PARAM_RESCAN_VALUES);
     return true;
@@ -290,11 +222,11 @@ static bool CLAP_ABI activate(const clap_plugin_t *plugin, double rate, uint32_t
 }
 static void CLAP_ABI deactivate(const clap_plugin_t *plugin) { voice_deactivate(&of(plugin)->voice); }
 static bool CLAP_ABI start_processing(const clap_plugin_t *plugin) {
-    return of(plugin)->voice.memories != NULL;
+    return voice_active(&of(plugin)->voice);
 }
 static void CLAP_ABI stop_processing(const clap_plugin_t *plugin) { (void)plugin; }
 static void CLAP_ABI reset(const clap_plugin_t *plugin) {
-    if (of(plugin)->voice.memories) voice_restart(&of(plugin)->voice);
+    if (voice_active(&of(plugin)->voice)) voice_restart(&of(plugin)->voice);
 }
 static void CLAP_ABI on_main_thread(const clap_plugin_t *plugin) { (void)plugin; }
 

@@ -2,9 +2,10 @@
 #include "lv2.h"
 #include "voice.h"
 
-/* Ports, as in the bundle's Turtle file: of the values all but the preset. */
-enum { PORT_EVENTS, PORT_CLICK, PORT_TACTOR, PORT_THETA2, PORT_TOUCH, PORT_OWN, MOST_PRESETS = 16 };
-enum { PORTS = PORT_OWN + OVERVIEW_PARAMETERS };
+/* Ports, as in the bundle's Turtle file, the last one where there are several timelines: of the
+   values all but the preset. */
+enum { PORT_EVENTS, PORT_CLICK, PORT_TACTOR, PORT_THETA2, PORT_TOUCH, PORT_OWN, MOST_PRESETS = 64 };
+enum { PORT_TIMELINE = PORT_OWN + OVERVIEW_PARAMETERS, PORTS };
 
 typedef struct {
     void *ports[PORTS];
@@ -15,6 +16,7 @@ typedef struct {
 } instance;
 
 static int value_at(int port) {
+    if (port == PORT_TIMELINE) return VOICE_TIMELINE;
     return port < PORT_OWN ? port - PORT_THETA2 + VOICE_THETA2 : port - PORT_OWN + VOICE_OWN;
 }
 

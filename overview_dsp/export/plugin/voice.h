@@ -1,4 +1,4 @@
-/* A voice with presets, a hand and notes: what every plugin format plays.
+/* A voice with timelines, presets, a hand and notes: what every plugin format plays.
 
    Threads: `values` and `restored` belong to any; voice_activate and voice_deactivate to the main
    thread, while nothing is processed; all else to the audio thread, which allocates and locks
@@ -10,7 +10,8 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-enum { VOICE_THETA2, VOICE_TOUCH, VOICE_PRESET, VOICE_OWN, VOICE_VALUES = VOICE_OWN + OVERVIEW_PARAMETERS };
+enum { VOICE_THETA2, VOICE_TOUCH, VOICE_TIMELINE, VOICE_PRESET, VOICE_OWN };
+enum { VOICE_VALUES = VOICE_OWN + OVERVIEW_PARAMETERS };
 enum { VOICE_CHUNK = 256, VOICE_AT_ONCE = -1, VOICE_NO_NOTE = -1 };
 
 static const double voice_pi = 3.141592653589793;
@@ -19,10 +20,12 @@ static const double voice_silence_s = 0.05; /* so long, a zero is not one betwee
 
 typedef struct {
     int first, count; /* which presets of the bundle */
-    void **memories;  /* one each; NULL while not active */
+    void *memories[2]; /* the image that plays and the one before; NULL while not active */
+    const bundle_image *loaded[2];
     double rate;
-    int current, leaving; /* of the presets; -1: none leaves */
-    int64_t fade_left, fade;
+    int current; /* of the memories */
+    int64_t fade, fade_left; /* frames; above 0 the other memory is heard too */
+    int waits; /* another image, until the fade is over */
     double applied[VOICE_VALUES]; /* what the memory was told */
     _Atomic double values[VOICE_VALUES]; /* what the host sees */
     atomic_bool restored; /* values that the memory wasn't told yet */
@@ -38,6 +41,7 @@ static inline double voice_lowest(int which) {
     return which < VOICE_OWN ? 0.0 : overview_parameters[which - VOICE_OWN].lowest;
 }
 static inline double voice_highest(const voice *v, int which) {
+    if (which == VOICE_TIMELINE) return bundle_timelines_count - 1;
     if (which == VOICE_PRESET) return v->count - 1;
     return which < VOICE_OWN ? 1.0 : overview_parameters[which - VOICE_OWN].highest;
 }
@@ -45,8 +49,13 @@ static inline int voice_is_choice(int which) {
     if (which < VOICE_OWN) return which != VOICE_THETA2;
     return bundle_labels[which - VOICE_OWN].choices != NULL;
 }
+/* Whether it says which image plays. */
+static inline int voice_chooses(int which) { return which == VOICE_TIMELINE || which == VOICE_PRESET; }
 static inline const bundle_preset *voice_preset(const voice *v, int which) {
     return &bundle_presets[v->first + which];
+}
+static inline const bundle_image *voice_image(const voice *v, double timeline, double preset) {
+    return &bundle_images[(int)timeline * bundle_presets_count + v->first + (int)preset];
 }
 static inline double voice_default(const voice *v, int which) {
     return which < VOICE_OWN ? 0.0 : voice_preset(v, 0)->values[which - VOICE_OWN];
@@ -55,7 +64,7 @@ static inline double voice_default(const voice *v, int which) {
 static void voice_init(voice *v, int first, int count) {
     int i;
     memset(v, 0, sizeof *v);
-    v->first = first, v->count = count, v->leaving = -1, v->note = VOICE_NO_NOTE;
+    v->first = first, v->count = count, v->note = VOICE_NO_NOTE;
     for (i = 0; i < VOICE_VALUES; i++) {
         v->applied[i] = voice_default(v, i);
         atomic_init(&v->values[i], v->applied[i]);
@@ -64,23 +73,28 @@ static void voice_init(voice *v, int first, int count) {
 
 static void voice_deactivate(voice *v) {
     int i;
-    for (i = 0; v->memories && i < v->count; i++) free(v->memories[i]);
-    free(v->memories);
-    v->memories = NULL;
+    for (i = 0; i < 2; i++) free(v->memories[i]), v->memories[i] = NULL, v->loaded[i] = NULL;
 }
 
+static inline int voice_active(const voice *v) { return v->memories[1] != NULL; }
 static inline void *voice_memory(const voice *v) { return v->memories[v->current]; }
 
 static void voice_hand(voice *v, int source, int32_t at);
 
-/* The current preset's memory as new, with the values of the moment and whoever touches. */
+/* The image of the moment as new, with the values of the moment and whoever touches. */
 static int voice_start(voice *v) {
     void *memory = voice_memory(v);
+    const bundle_image *image = voice_image(v, v->applied[VOICE_TIMELINE], v->applied[VOICE_PRESET]);
+    if (v->loaded[v->current] != image) {
+        v->loaded[v->current] = NULL;
+        if (overview_load(memory, bundle_data + image->at, image->bytes)) return OVERVIEW_REFUSED;
+        v->loaded[v->current] = image;
+    }
     memcpy((char *)memory + 8 * OVERVIEW_PARAMETER, v->applied + VOICE_OWN, 8 * OVERVIEW_PARAMETERS);
     if (overview_prepare(memory, v->rate)) {
         /* the carrier is too high for this rate: its own may do */
         int at = OVERVIEW_PARAMETER + OVERVIEW_TACTOR_FREQUENCY_HZ;
-        const double *own = voice_preset(v, v->current)->values;
+        const double *own = voice_preset(v, (int)v->applied[VOICE_PRESET])->values;
         memcpy((char *)memory + 8 * at, own + OVERVIEW_TACTOR_FREQUENCY_HZ, 8);
         if (overview_prepare(memory, v->rate)) return OVERVIEW_REFUSED;
     }
@@ -94,23 +108,22 @@ static int voice_restart(voice *v) {
     int i;
     atomic_store(&v->restored, 0);
     for (i = 0; i < VOICE_VALUES; i++) v->applied[i] = atomic_load(&v->values[i]);
-    v->current = (int)v->applied[VOICE_PRESET];
-    v->leaving = -1;
+    v->fade_left = v->waits = 0;
     v->note = VOICE_NO_NOTE;
     return voice_start(v);
 }
 
+/* While it is active, too: anew, at another rate. */
 static int voice_activate(voice *v, double rate) {
     int i;
-    v->memories = (void **)calloc((size_t)v->count, sizeof *v->memories);
+    voice_deactivate(v);
     v->rate = rate, v->fade = (int64_t)(voice_fade_s * rate) + 1;
-    for (i = 0; v->memories && i < v->count; i++) {
-        const bundle_preset *preset = voice_preset(v, i);
-        v->memories[i] = calloc(1, (size_t)OVERVIEW_MEMORY_BYTES);
-        if (!v->memories[i] || overview_load(v->memories[i], preset->image, preset->bytes)
-            || overview_prepare(v->memories[i], rate)) break;
+    for (i = 0; i < 2; i++) v->memories[i] = calloc(1, (size_t)OVERVIEW_MEMORY_BYTES);
+    if (v->memories[0] && v->memories[1] && !voice_restart(v)) {
+        /* the system finds the pages now, not at the first switch */
+        memset(v->memories[!v->current], 0, (size_t)OVERVIEW_MEMORY_BYTES);
+        return OVERVIEW_DONE;
     }
-    if (v->memories && i == v->count && !voice_restart(v)) return OVERVIEW_DONE;
     voice_deactivate(v);
     return OVERVIEW_REFUSED;
 }
@@ -128,26 +141,29 @@ static void voice_pay(voice *v) {
     }
 }
 
+static void voice_switch(voice *v, int32_t at);
+
 /* Render the block's frames below `until`. */
 static void voice_run(voice *v, int32_t until) {
     while (v->done < until) {
         int32_t i, n = until - v->done < VOICE_CHUNK ? until - v->done : VOICE_CHUNK;
+        if (v->fade_left > 0 && v->fade_left < n) n = (int32_t)v->fade_left;
         overview_process(voice_memory(v), v->block, n, 2);
-        if (v->leaving >= 0) {
-            overview_process(v->memories[v->leaving], v->before, n, 2);
-            for (i = 0; i < n && v->fade_left > 0; i++, v->fade_left--) {
+        if (v->fade_left > 0) {
+            overview_process(v->memories[!v->current], v->before, n, 2);
+            for (i = 0; i < n; i++, v->fade_left--) {
                 double part = (double)v->fade_left / (double)v->fade;
                 float *to = v->block + 2 * i, *from = v->before + 2 * i;
                 to[0] = (float)((double)to[0] + ((double)from[0] - (double)to[0]) * part);
                 to[1] = (float)((double)to[1] + ((double)from[1] - (double)to[1]) * part);
             }
-            if (v->fade_left == 0) v->leaving = -1;
         }
         for (i = 0; i < n; i++) {
             if (v->click) v->click[v->done + i] = v->block[2 * i];
             if (v->tactor) v->tactor[v->done + i] = v->block[2 * i + 1];
         }
         v->done += n;
+        if (v->waits && v->fade_left == 0) voice_switch(v, v->done);
         if (v->owed_hands || v->owed_parameters) voice_pay(v);
     }
 }
@@ -172,6 +188,7 @@ static void voice_hand(voice *v, int source, int32_t at) {
 
 static void voice_change(voice *v, int parameter, double value, int32_t at) {
     int tries;
+    if (v->waits) return; /* the image that waits begins with it */
     for (tries = 0; tries < 2; tries++) {
         if (!overview_change(voice_memory(v), parameter, value, voice_stamp(v, at))) return;
         if (at > v->done) voice_run(v, at);
@@ -179,12 +196,15 @@ static void voice_change(voice *v, int parameter, double value, int32_t at) {
     v->owed_parameters = 1;
 }
 
-/* Another preset from frame `at` on: it begins anew, and the one before fades out, as it is held. */
-static void voice_switch(voice *v, int preset, int32_t at) {
+/* Another image from frame `at` on: it begins anew, and the one before fades out, as it is held. One
+   that comes while another fades in waits for it. A damaged one is not switched to. */
+static void voice_switch(voice *v, int32_t at) {
     if (at > v->done) voice_run(v, at);
-    v->leaving = v->current, v->fade_left = v->fade;
-    v->current = preset;
-    voice_start(v);
+    v->waits = v->fade_left > 0;
+    if (v->waits) return;
+    v->current = !v->current;
+    if (voice_start(v)) v->current = !v->current;
+    else v->fade_left = v->fade;
 }
 
 /* Keep a value, within its range, and tell no memory; NaN is no value. A preset comes with its own
@@ -195,7 +215,7 @@ static int voice_keep(voice *v, int which, double value) {
     if (value < voice_lowest(which)) value = voice_lowest(which);
     if (value > voice_highest(v, which)) value = voice_highest(v, which);
     if (voice_is_choice(which)) value = (double)(int)(value + 0.5);
-    if (which == VOICE_PRESET && value == v->applied[which]) return 0;
+    if (voice_chooses(which) && value == v->applied[which]) return 0;
     v->applied[which] = value;
     atomic_store(&v->values[which], value);
     if (which == VOICE_PRESET)
@@ -206,25 +226,33 @@ static int voice_keep(voice *v, int which, double value) {
     return 1;
 }
 
+/* Before what is heard at frame `at`: an image that waits may begin until then. */
+static void voice_reach(voice *v, int32_t at) {
+    if (v->waits && at > v->done) voice_run(v, at);
+}
+
 /* A value from frame `at` of the block on; the memory is told while active. */
 static void voice_set(voice *v, int which, double value, int32_t at) {
-    if (!voice_keep(v, which, value) || !v->memories) return;
-    if (which == VOICE_PRESET) voice_switch(v, (int)v->applied[which], at);
-    else if (which < VOICE_PRESET) voice_hand(v, OVERVIEW_TOUCH, at);
+    voice_reach(v, at);
+    if (!voice_keep(v, which, value) || !voice_active(v)) return;
+    if (voice_chooses(which)) voice_switch(v, at);
+    else if (which < VOICE_OWN) voice_hand(v, OVERVIEW_TOUCH, at);
     else voice_change(v, which - VOICE_OWN, v->applied[which], at);
 }
 
 /* A key taps its place on the timeline, the lowest at the start; the last one pressed holds. */
 static void voice_press(voice *v, int key, int32_t at) {
+    voice_reach(v, at);
     v->note = key, v->finger = key / 127.0;
-    if (v->memories) voice_hand(v, OVERVIEW_MIDI, at);
+    if (voice_active(v)) voice_hand(v, OVERVIEW_MIDI, at);
 }
 
 /* A key, or any (-1), lets go. */
 static void voice_release(voice *v, int key, int32_t at) {
     if (v->note == VOICE_NO_NOTE || (key >= 0 && key != v->note)) return;
+    voice_reach(v, at);
     v->note = VOICE_NO_NOTE;
-    if (v->memories) voice_hand(v, OVERVIEW_MIDI, at);
+    if (voice_active(v)) voice_hand(v, OVERVIEW_MIDI, at);
 }
 
 /* MIDI's own messages; the modulation wheel moves the finger that holds. Whether theta2 moved. */
@@ -238,8 +266,9 @@ static int voice_midi(voice *v, const uint8_t *data, int32_t at) {
             voice_set(v, VOICE_THETA2, value / 127.0, at);
             return 1;
         }
+        voice_reach(v, at);
         v->finger = value / 127.0;
-        if (v->memories) voice_hand(v, OVERVIEW_MIDI, at);
+        if (voice_active(v)) voice_hand(v, OVERVIEW_MIDI, at);
     }
     return 0;
 }
@@ -251,9 +280,9 @@ static void voice_begin(voice *v, float *click, float *tactor) {
     v->done = 0, v->click = click, v->tactor = tactor;
     if (!atomic_exchange(&v->restored, 0)) return;
     for (i = 0; i < VOICE_VALUES; i++) now[i] = atomic_load(&v->values[i]);
-    if (now[VOICE_PRESET] != v->applied[VOICE_PRESET]) {
+    if (now[VOICE_PRESET] != v->applied[VOICE_PRESET] || now[VOICE_TIMELINE] != v->applied[VOICE_TIMELINE]) {
         memcpy(v->applied, now, sizeof now);
-        voice_switch(v, (int)now[VOICE_PRESET], VOICE_AT_ONCE);
+        voice_switch(v, VOICE_AT_ONCE);
         return;
     }
     for (i = 0; i < VOICE_VALUES; i++)
@@ -261,22 +290,25 @@ static void voice_begin(voice *v, float *click, float *tactor) {
 }
 
 /* Whether it stays silent until the next event. */
-static int voice_asleep(const voice *v) {
+static inline int voice_asleep(const voice *v) {
     const void *memory = voice_memory(v);
     int64_t silence = (int64_t)(voice_silence_s * v->rate);
-    return v->leaving < 0 && v->note == VOICE_NO_NOTE && v->applied[VOICE_TOUCH] == 0.0
+    return v->fade_left == 0 && v->note == VOICE_NO_NOTE && v->applied[VOICE_TOUCH] == 0.0
         && overview_count(memory, OVERVIEW_M_SILENT) > silence
         && overview_count(memory, OVERVIEW_M_STILL) > silence;
 }
 
 /* Frames from the last release to silence; -1 where values were changed that it depends on. */
-static int64_t voice_tail(const voice *v) {
-    const bundle_preset *preset = voice_preset(v, (int)atomic_load(&v->values[VOICE_PRESET]));
+static inline int64_t voice_tail(voice *v) {
+    double now[VOICE_VALUES];
+    const bundle_preset *preset;
     int i;
-    for (i = OVERVIEW_DISK_INERTIA; i < OVERVIEW_PARAMETERS; i++)
-        if (i != OVERVIEW_TACTOR_MUTE && i != OVERVIEW_CLICK_MUTE
-            && atomic_load(&v->values[VOICE_OWN + i]) != preset->values[i]) return -1;
-    return (int64_t)(preset->tail * v->rate) + 1;
+    for (i = 0; i < VOICE_VALUES; i++) now[i] = atomic_load(&v->values[i]);
+    preset = voice_preset(v, (int)now[VOICE_PRESET]);
+    for (i = 0; i < OVERVIEW_PARAMETERS; i++)
+        if (i != OVERVIEW_TACTOR_MUTE && i != OVERVIEW_CLICK_MUTE && now[VOICE_OWN + i] != preset->values[i])
+            return -1;
+    return (int64_t)(voice_image(v, now[VOICE_TIMELINE], now[VOICE_PRESET])->tail * v->rate) + 1;
 }
 
 #endif

@@ -11,6 +11,7 @@ import numpy as np
 
 from overview_dsp.measure.observer.noticed import Modality
 from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
+from overview_dsp.measure.report_base import Report
 from overview_dsp.public.reprs import counted, short
 
 LEAST_SHARE = 1.0 / 12.5
@@ -34,9 +35,9 @@ class StrokeScores:
     Examples
     --------
     >>> import overview_dsp as ov
-    >>> football = ov.load_preset("football")
+    >>> preset = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     preset, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report.sets[0].strokes["mixed"]["touch"].groups.kinds
     ('minor', 'goal', 'card')
@@ -62,9 +63,9 @@ class SetScores:
     Examples
     --------
     >>> import overview_dsp as ov
-    >>> football = ov.load_preset("football")
+    >>> preset = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     preset, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report.sets[0].timelines
     1
@@ -79,8 +80,12 @@ class SetScores:
 
 
 @dataclass(frozen=True)
-class ObserverReport:
+class ObserverReport(Report):
     """Which kinds of events can be told apart.
+
+    Its table has recall and precision of each kind, then each confusion matrix, in hundredths. Its
+    warnings list what is taken for what, and what goes unnoticed, as often as 1 in 12, of groups of
+    kinds of which twelve or more were met.
 
     Attributes
     ----------
@@ -100,9 +105,9 @@ class ObserverReport:
     Examples
     --------
     >>> import overview_dsp as ov
-    >>> football = ov.load_preset("football")
+    >>> preset = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     preset, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report
     <ObserverReport: 'football', mixed hands, 1 set>
@@ -113,24 +118,7 @@ class ObserverReport:
     learned: int
     sets: tuple[SetScores, ...]
 
-    def to_json(self) -> dict[str, Any]:
-        """Make plain data of it.
-
-        Returns
-        -------
-        dict
-            Of texts, numbers and lists, for JSON.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> football = ov.load_preset("football")
-        >>> report = ov.measure.observe(
-        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
-        ... )
-        >>> report.to_json()["sets"][0]["strokes"][0]["name"]
-        'mixed'
-        """
+    def _plain(self) -> dict[str, Any]:
         return {
             "preset": self.preset,
             "hands": self.hands,
@@ -154,59 +142,24 @@ class ObserverReport:
             ],
         }
 
-    def table(self) -> str:
-        """Write the report as text: recall and precision of each kind, then each confusion matrix.
-
-        Returns
-        -------
-        str
-            Of many lines; parts are in hundredths.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> football = ov.load_preset("football")
-        >>> report = ov.measure.observe(
-        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
-        ... )
-        >>> report.table().splitlines()[0]
-        'football, mixed hands, an observer that learned from 2 random timelines'
-        """
-        lines = [
+    def _lines(self) -> Iterator[str]:
+        yield (
             f"{self.preset}, {self.hands} hands, an observer that learned from "
             f"{self.learned} random timelines"
-        ]
+        )
         for one in self.sets:
             for modality in next(iter(one.strokes.values())):
                 by_stroke = {name: found[modality] for name, found in one.strokes.items()}
-                lines += ["", f"{one.name} ({one.timelines}), {modality}: recall / precision, %"]
-                lines += _recalls(by_stroke)
+                yield ""
+                yield f"{one.name} ({one.timelines}), {modality}: recall / precision, %"
+                yield from _recalls(by_stroke)
                 for stroke, scores in by_stroke.items():
-                    lines.append(f"{modality}, {stroke}: of 100 of each kind, taken for")
-                    lines += _confusion(scores.kinds)
-        return "\n".join(lines)
+                    yield f"{modality}, {stroke}: of 100 of each kind, taken for"
+                    yield from _confusion(scores.kinds)
 
-    def warnings(self) -> list[str]:
-        """List what is taken for what, and what goes unnoticed, as often as 1 in 12.
-
-        Of groups of kinds of which twelve or more were met.
-
-        Returns
-        -------
-        list of str
-            Each a line.
-
-        Examples
-        --------
-        >>> import overview_dsp as ov
-        >>> football = ov.load_preset("football")
-        >>> report = ov.measure.observe(
-        ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
-        ... )
-        >>> all(isinstance(line, str) for line in report.warnings())
-        True
-        """
-        return [line for one in self.sets for line in _in_words(one)]
+    def _faults(self) -> Iterator[str]:
+        for one in self.sets:
+            yield from _in_words(one)
 
     def __repr__(self) -> str:
         sets = counted(len(self.sets), "set")

@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.report import STEP_DB, FeelReport, feel_report
+from overview_dsp.measure.kind_feel import FeelReport
+from overview_dsp.measure.report import feel_report
+from overview_dsp.measure.steps import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import SECONDS_EACH

@@ -15,7 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.gestures import Gesture, sweep
-from overview_dsp.measure.report import STEP_DB, KindFeel, feel_report, steps_apart
+from overview_dsp.measure.comparing import steps_apart
+from overview_dsp.measure.kind_feel import KindFeel
+from overview_dsp.measure.report import feel_report
+from overview_dsp.measure.steps import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.measure.tuning.ordering import check_target
 from overview_dsp.presets.model import Preset

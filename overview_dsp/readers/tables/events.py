@@ -224,25 +224,29 @@ def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator
     for found, prominence in turns.found.values():
         size[found] = prominence
     change = np.nan_to_num(np.abs(series.step))
-    turning = size > 0.0
     largest = [max(float(np.max(of, initial=0.0)), _TINY) for of in (size, change)]
     tops = set(turns.found[1.0][0].tolist()) if turns.found else set()
+    order = np.lexsort((-change, -size))
     count = 0
-    for k in np.lexsort((-change, -size)).tolist():
-        if count == _LESSER or not (turning[k] or change[k] > 0.0):
+    for k, at, prominence, moved in zip(
+        order.tolist(),
+        series.time_s[order].tolist(),
+        size[order].tolist(),
+        change[order].tolist(),
+        strict=True,
+    ):
+        if count == _LESSER or not (prominence > 0.0 or moved > 0.0):
             break
-        if float(series.time_s[k]) in taken:
+        if at in taken:
             continue
-        if turning[k]:
+        if prominence > 0.0:
             kind = "peak" if k in tops else "trough"
             words = f"{kind} {series.shown(k)}"
-            weight = max(_LIGHTEST, math.sqrt(float(size[k]) / largest[0]))
+            weight = max(_LIGHTEST, math.sqrt(prominence / largest[0]))
         else:
             kind = "largest_rise" if series.step[k] > 0.0 else "largest_fall"
-            words, weight = (
-                _moved(series, k),
-                max(_FAINT, _LIGHTEST * float(change[k]) / largest[1]),
-            )
+            words = _moved(series, k)
+            weight = max(_FAINT, _LIGHTEST * moved / largest[1])
         count += 1
         yield series.event(kind, k, words, weight)
 

@@ -3,9 +3,16 @@
 import { drawMark } from "./marks.js";
 import { coloursOf } from "./picture.js";
 
+/** @import { Colours, Info, Kind } from "../types" */
+
 const SIZE = 26; // CSS pixels of a mark
 
-/** `about` gets the sentences, each of `lists` an item for each kind of event. */
+/**
+ * `about` gets the sentences, each of `lists` an item for each kind of event.
+ * @param {HTMLElement} about
+ * @param {Element[]} lists
+ * @param {Info} info
+ */
 export function tellAbout(about, lists, info) {
   about.textContent = [info.provenance, ...info.notes].filter(Boolean).join(". ");
   const colours = coloursOf(document.documentElement);
@@ -14,6 +21,10 @@ export function tellAbout(about, lists, info) {
   for (const list of lists) list.replaceChildren(...kinds.map((kind) => itemOf(kind, colours)));
 }
 
+/**
+ * @param {Kind} kind
+ * @param {Colours} colours
+ */
 function itemOf({ words, shape, colour, count }, colours) {
   const item = document.createElement("li");
   const canvas = document.createElement("canvas");

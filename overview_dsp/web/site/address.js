@@ -7,7 +7,10 @@ export function readAddress() {
   return { at, play, window, preset };
 }
 
-/** An address with these, where they are given. */
+/**
+ * An address with these, where they are given.
+ * @param {Record<string, string | null>} state
+ */
 export function addressOf(state) {
   const address = new URL(location.href);
   const given = Object.entries(state).filter(([, value]) => value);
@@ -15,7 +18,11 @@ export function addressOf(state) {
   return address.href;
 }
 
-/** The moment (s) that `at` names: an event ("goal:5", the fifth), seconds, 67:30; null if none. */
+/**
+ * The moment (s) that `at` names: an event ("goal:5", the fifth), seconds, 67:30; null if none.
+ * @param {string | null} at
+ * @param {{ kind: string, time_s: number }[]} events
+ */
 export function momentOf(at, events) {
   if (at === null) return null;
   const clock = at.match(/^(?:(\d+):)?(\d+):(\d+(?:\.\d+)?)$/);
@@ -25,7 +32,11 @@ export function momentOf(at, events) {
   return events.filter((event) => event.kind === kind)[Number(number) - 1]?.time_s ?? null;
 }
 
-/** `at` for an event of a window: its kind and which one of that kind it is. */
+/**
+ * `at` for an event of a window: its kind and which one of that kind it is.
+ * @param {{ kind: string, time_s: number }} event
+ * @param {{ kind: string, time_s: number }[]} events
+ */
 export function nameOf(event, events) {
   const same = events.filter(({ kind }) => kind === event.kind);
   const number = 1 + same.findIndex(({ time_s }) => time_s === event.time_s);

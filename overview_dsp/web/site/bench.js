@@ -1,23 +1,33 @@
 // The preset bench: a preset's parameters under sliders, felt at once, against another (A and B),
 // kept as a file. What they mean is computed by the server, by the code that a native engine runs.
 
-import { drawingOf } from "./bench_drawing.js";
+import { COURSE, drawingOf, MAP } from "./bench_drawing.js";
 import { rowOf } from "./bench_rows.js";
 import { by } from "./dom.js";
 import { ask, post } from "./session.js";
 
+/** @import { Drawing, EventKind, Parameter, Preset } from "../types" */
+/** @typedef {[Parameter, Record<string, any>, string]} Row a parameter, whose value, its key there */
+
+/** @param {string} path */
 const json = async (path) => (await ask(path)).json();
-const HANDS = "twist."; // how a sensor's twist lets go: nothing of the page's
+const ELSEWHERE = ["twist", "follow"]; // a sensor's twist, a host's map: nothing of the page's
 const NAME = /^[\w-]+$/; // others are no preset's, or would lead elsewhere
 const TAKEN = "there already";
+/** @type {(a: unknown, b: unknown) => boolean} */
 const isSame = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 export class Bench {
-  /** `feel(before, after, surface)` makes the change sound; `surface`: whether that differs. */
+  /**
+   * `feel(before, after, surface)` makes the change sound; `surface`: whether that differs.
+   * @param {(before: Preset, after: Preset, surface: boolean) => Promise<void>} feel
+   */
   constructor(feel) {
     this.feel = feel;
+    /** @type {Preset[] | null} */
     this.sides = null; // the presets of A and B
     this.side = 1;
+    /** @type {Preset | null} */
     this.sounding = null;
     this.busy = false;
     by("bench-close").addEventListener("click", () => this.toggle(false));
@@ -33,6 +43,7 @@ export class Bench {
     return this.sides[this.side];
   }
 
+  /** @param {boolean} open */
   async toggle(open) {
     if (open && this.sides === null && !(await this.guarded(() => this.begin()))) return;
     by("bench").hidden = !open;
@@ -53,6 +64,8 @@ export class Bench {
   /**
    * A preset saved on the desk is felt on the side that wasn't: what was tuned here stays on its own.
    * `sounds`: whether it does already.
+   * @param {Preset} preset
+   * @param {boolean} sounds
    */
   async take(preset, sounds) {
     if (isSame(preset, this.preset)) return;
@@ -67,7 +80,10 @@ export class Bench {
     by("bench-told").textContent ||= line;
   }
 
-  /** Feel another preset by its name, without the bench's being open. */
+  /**
+   * Feel another preset by its name, without the bench's being open.
+   * @param {string} name
+   */
   async use(name) {
     if (this.sides === null) await this.begin();
     await this.load(name);
@@ -77,7 +93,8 @@ export class Bench {
     const [{ preset, parameters }, { bundled, own }] = await Promise.all([
       json("data/preset"), json("data/presets"),
     ]);
-    this.table = new Map(parameters.map((one) => [one.id, one]));
+    /** @type {Map<string, Parameter>} */
+    this.table = new Map(parameters.map((/** @type {Parameter} */ one) => [one.id, one]));
     this.sides = [preset, structuredClone(preset)];
     this.sounding = structuredClone(preset);
     const names = [...new Set([preset.name, ...own, ...bundled])];
@@ -86,7 +103,10 @@ export class Bench {
     this.choose(1);
   }
 
-  /** Feel A (0) or B (1). */
+  /**
+   * Feel A (0) or B (1).
+   * @param {number} side
+   */
   choose(side) {
     this.side = side;
     by("bench-a").setAttribute("aria-pressed", String(side === 0));
@@ -96,7 +116,10 @@ export class Bench {
     return this.changed();
   }
 
-  /** Begin this side from another preset. */
+  /**
+   * Begin this side from another preset.
+   * @param {string} name
+   */
   load(name) {
     return this.guarded(async () => {
       const { preset } = await json(`data/preset?name=${encodeURIComponent(name)}`);
@@ -110,18 +133,20 @@ export class Bench {
 
   show() {
     const opened = by("bench-rows").querySelectorAll("details[open]");
-    const open = new Set([...opened].map((one) => one.id));
+    const open = new Set([...opened].map((/** @type {Element} */ one) => one.id));
     const { values, kinds } = this.preset;
+    /** @type {Map<string, Row[]>} */
     const sections = new Map();
-    const drawn = new Map();
+    /** @type {Map<string, [{ points: number[] }, Drawing]>} */
+    const drawn = new Map([["surface", [this.preset, MAP]]]);
     for (const [id, known] of this.table) {
-      if (id.startsWith("kinds.") || id.startsWith(HANDS)) continue;
+      if (["kinds", ...ELSEWHERE].includes(id.split(".")[0])) continue;
       const name = id.split(".")[0];
       sections.set(name, [...(sections.get(name) ?? []), [known, values, id]]);
     }
     for (const [name, kind] of Object.entries(kinds)) {
       sections.set(`event: ${name.replaceAll("_", " ")}`, this.kindRows(kind));
-      drawn.set(`event: ${name.replaceAll("_", " ")}`, kind);
+      drawn.set(`event: ${name.replaceAll("_", " ")}`, [kind, COURSE]);
     }
     by("bench-rows").replaceChildren(
       ...[...sections].map(([name, rows]) => (
@@ -129,8 +154,13 @@ export class Bench {
     );
   }
 
+  /**
+   * @param {EventKind} kind
+   * @returns {Row[]}
+   */
   kindRows(kind) {
-    const known = (id) => this.table.get(`kinds.NAME.${id}`);
+    const known = (/** @type {string} */ id) => this.table.get(`kinds.NAME.${id}`);
+    /** @type {Row[]} */
     const rows = Object.keys(kind)
       .filter((key) => known(key) && kind[key] !== null)
       .map((key) => [known(key), kind, key]);
@@ -143,8 +173,14 @@ export class Bench {
     return rows;
   }
 
-  /** A section, whose rows are made when it is opened; a kind's course can be drawn in its. */
-  section(name, rows, open, kind) {
+  /**
+   * A section, whose rows are made when it is opened; `drawn`: whose points can be drawn in it.
+   * @param {string} name
+   * @param {Row[]} rows
+   * @param {Set<string>} open
+   * @param {[{ points: number[] }, Drawing] | undefined} drawn
+   */
+  section(name, rows, open, drawn) {
     const details = document.createElement("details");
     details.id = `section ${name}`;
     const summary = document.createElement("summary");
@@ -157,7 +193,7 @@ export class Bench {
           rowOf(known, place, key, () => this.changed()),
         ),
       );
-      if (kind) details.append(drawingOf(kind, () => this.changed()));
+      if (drawn) details.append(drawingOf(...drawn, () => this.changed()));
     };
     details.addEventListener("toggle", fill);
     details.open = open.has(details.id);
@@ -185,10 +221,15 @@ export class Bench {
     this.busy = false;
   }
 
-  /** Whether the surface of two presets differs; null if nothing does. */
+  /**
+   * Whether the surface of two presets differs; null if nothing does.
+   * @param {Preset} before
+   * @param {Preset} after
+   */
   differs(before, after) {
     const ids = Object.keys(after.values).filter((id) => before.values[id] !== after.values[id]);
-    if (!isSame(before.kinds, after.kinds) || ids.some((id) => this.table.get(id).surface)) return true;
+    if (!isSame([before.kinds, before.points], [after.kinds, after.points])) return true;
+    if (ids.some((id) => this.table.get(id).surface)) return true;
     return ids.length > 0 || before.name !== after.name ? false : null;
   }
 
@@ -224,6 +265,7 @@ export class Bench {
     }
   }
 
+  /** @param {string} body */
   async put(body) {
     const path = `preset/${encodeURIComponent(this.name)}${this.replaces ? "?replace=1" : ""}`;
     try {
@@ -238,17 +280,24 @@ export class Bench {
     this.say(`kept as ${this.name}`);
   }
 
-  /** Offer to replace the file of that name, or not. */
+  /**
+   * Offer to replace the file of that name, or not.
+   * @param {boolean} replaces
+   */
   offer(replaces) {
     this.replaces = replaces;
     by("bench-save").textContent = replaces ? "Replace it" : "Save";
   }
 
+  /** @param {string} text */
   say(text) {
     by("bench-told").textContent = text;
   }
 
-  /** Do it; whether it went well. A refusal is told. */
+  /**
+   * Do it; whether it went well. A refusal is told.
+   * @param {() => unknown} act
+   */
   async guarded(act) {
     this.say("");
     try {

@@ -2,17 +2,31 @@
 
 const STEPS = 400;
 
-/** The value at `part` (0 to 1) of a parameter's range, and the part of a value. */
+/** @import { Parameter } from "../types" */
+
+/**
+ * The value at `part` (0 to 1) of a parameter's range, and the part of a value.
+ * @param {Parameter} known
+ * @param {number} part
+ */
 export function valueAt({ low, high, scale }, part) {
   return scale === "log" ? low * (high / low) ** part : low + (high - low) * part;
 }
 
+/**
+ * @param {Parameter} known
+ * @param {number} value
+ */
 export function partOfValue({ low, high, scale }, value) {
   if (scale === "log") return Math.log(value / low) / Math.log(high / low);
   return (value - low) / (high - low);
 }
 
-/** A number as a person reads it. */
+/**
+ * A number as a person reads it.
+ * @param {number} value
+ * @param {string} unit
+ */
 export function valueText(value, unit) {
   const number = Number(value.toPrecision(3));
   const size = Math.abs(number);
@@ -22,11 +36,16 @@ export function valueText(value, unit) {
 
 const UNIT = /_(ms|hz|db|deg|percent|mnm)$/;
 
+/** @param {string} key */
 const words = (key) => key.split(".").at(-1).replace(UNIT, "").replaceAll("_", " ");
 
 /**
  * A row for the value of `place[key]` that the table describes; `onchange()` follows each change.
  * Numbers are rounded to three digits, as they are shown and written.
+ * @param {Parameter} known
+ * @param {Record<string, any>} place
+ * @param {string} key
+ * @param {() => void} onchange
  */
 export function rowOf(known, place, key, onchange) {
   const row = document.createElement("label");
@@ -41,6 +60,12 @@ export function rowOf(known, place, key, onchange) {
   return row;
 }
 
+/**
+ * @param {Parameter} known
+ * @param {Record<string, any>} place
+ * @param {string} key
+ * @param {() => void} onchange
+ */
 function choice({ choices, id }, place, key, onchange) {
   if (typeof choices[0] === "boolean") {
     const box = Object.assign(document.createElement("input"), { type: "checkbox", name: id });
@@ -61,6 +86,12 @@ function choice({ choices, id }, place, key, onchange) {
   return [select];
 }
 
+/**
+ * @param {Parameter} known
+ * @param {Record<string, any>} place
+ * @param {string} key
+ * @param {() => void} onchange
+ */
 function slider(known, place, key, onchange) {
   const told = document.createElement("output");
   const range = Object.assign(document.createElement("input"), {

@@ -10,12 +10,17 @@ const JUMP_S = 0.1; // a suspended output: begin again
 const WEIGHT = 0.05;
 
 export class SampleClock {
+  /** @param {number} rate */
   constructor(rate) {
     this.rate = rate;
     this.offset = NaN; // samples
   }
 
-  /** The kernel had rendered `samples` at `now` (ms of performance.now). */
+  /**
+   * The kernel had rendered `samples` at `now` (ms of performance.now).
+   * @param {number} samples
+   * @param {number} now
+   */
   heard(samples, now) {
     const offset = samples - (now / 1e3) * this.rate;
     const error = offset - this.offset;
@@ -23,13 +28,19 @@ export class SampleClock {
     else this.offset += WEIGHT * error;
   }
 
-  /** The sample at which what happened at `time` (ms) shall act; -1, at once, while unknown. */
+  /**
+   * The sample at which what happened at `time` (ms) shall act; -1, at once, while unknown.
+   * @param {number} time
+   */
   sampleAt(time) {
     if (Number.isNaN(this.offset)) return -1;
     return Math.max(0, Math.round(this.offset + (time / 1e3 + LEAD_S) * this.rate));
   }
 
-  /** The sample that is rendered at `time`. */
+  /**
+   * The sample that is rendered at `time`.
+   * @param {number} time
+   */
   rendering(time) {
     return Math.round(this.offset + (time / 1e3) * this.rate);
   }

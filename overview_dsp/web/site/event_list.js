@@ -4,23 +4,35 @@ import { by } from "./dom.js";
 import { isDetail } from "./layer.js";
 import { eventText, momentText, summaryText } from "./words.js";
 
+/** @import { Info, TimelineEvent, View } from "../types" */
+/** @import { Walk } from "./walk.js" */
+
 const MOST = 500;
 
 export class EventList {
-  /** `go(event)`, `watch(event)` (or null without a film); `walk` has first, highest, ... */
+  /**
+   * `go(event)`, `watch(event)` (or null without a film); `walk` has first, highest, ...
+   * @param {Info} info
+   * @param {Walk} walk
+   * @param {(event: TimelineEvent) => void} go
+   * @param {((event: TimelineEvent) => void) | null} watch
+   */
   constructor(info, walk, go, watch) {
     this.info = info;
     this.go = go;
     this.watch = watch;
     for (const button of [...by("events").querySelectorAll("[data-go]")]) {
+      /** @type {"first" | "highest" | "lowest" | "last"} */
+      const where = button.dataset.go;
       button.addEventListener("click", () => {
         by("events").close();
         by("slider").focus();
-        walk[button.dataset.go]();
+        walk[where]();
       });
     }
   }
 
+  /** @param {View} view */
   open(view) {
     const events = view.events.filter(({ kind }) => !isDetail(this.info, kind));
     by("events-summary").textContent = summaryText(view, this.info);
@@ -29,6 +41,7 @@ export class EventList {
     by("events-title").focus();
   }
 
+  /** @param {TimelineEvent} event */
   item(event) {
     const item = document.createElement("li");
     const told = `${momentText(event.time_s, this.info)}, ${eventText(event, this.info)}`;
@@ -41,6 +54,11 @@ export class EventList {
     return item;
   }
 
+  /**
+   * @param {string} text
+   * @param {string} name
+   * @param {() => void} act
+   */
   button(text, name, act) {
     const button = document.createElement("button");
     button.type = "button";

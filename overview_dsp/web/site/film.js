@@ -2,10 +2,16 @@
 
 import { ask } from "./session.js";
 
+/** @import { Media } from "../types" */
+
 const LEAD_S = 5;
 
 export class Film {
-  /** `media`: url, type, and `offset_s`, where in it the timeline begins. */
+  /**
+   * `media`: url, type, and `offset_s`, where in it the timeline begins.
+   * @param {HTMLDialogElement} dialog
+   * @param {Media} media
+   */
   constructor(dialog, media) {
     this.dialog = dialog;
     this.media = media;
@@ -14,7 +20,11 @@ export class Film {
     dialog.addEventListener("close", () => this.video.pause());
   }
 
-  /** Play what led to a moment (s of the timeline); an Error in a person's words if it can't. */
+  /**
+   * Play what led to a moment (s of the timeline); an Error in a person's words if it can't.
+   * @param {number} moment
+   * @param {string} title
+   */
   async play(moment, title) {
     const { video } = this;
     this.title.textContent = title;

@@ -2,8 +2,15 @@
 
 const QUIET_FRAMES = 40; // after which an unheld disk at rest is looked at no more
 
+/** @import { SoundFace, Told } from "../types" */
+
 export class Frames {
-  /** `draw()` is called every frame, `take(told)` with what the sound told. */
+  /**
+   * `draw()` is called every frame, `take(told)` with what the sound told.
+   * @param {SoundFace} sound
+   * @param {() => void} draw
+   * @param {(told: Told) => void} take
+   */
   constructor(sound, draw, take) {
     this.sound = sound;
     this.draw = draw;
@@ -20,7 +27,10 @@ export class Frames {
     requestAnimationFrame(() => this.frame());
   }
 
-  /** Say of each look whether the disk rests. */
+  /**
+   * Say of each look whether the disk rests.
+   * @param {boolean} rests
+   */
   rests(rests) {
     this.quiet = rests ? this.quiet + 1 : 0;
   }

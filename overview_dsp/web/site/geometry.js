@@ -6,14 +6,19 @@ const LEAST_PLOT = 48;
 const RIM = 16; // about the disk: the events on it
 const TRACE = 84; // a trace with its label
 
+/** @import { Disk, Geometry } from "../types" */
+
 /**
  * Boxes of the curve, the disk and the trace in a picture of `width` by `height`: the disk below
  * the curve, or beside it where the picture is wide. `short`: the screen's shorter side; `em`: how much
  * larger than usual text is; `still`: without what moves.
+ * @param {{ width: number, height: number, short: number, em: number, still: boolean }} picture
+ * @returns {Geometry}
  */
 export function geometryOf({ width, height, short, em, still }) {
   const side = width >= 760 ? 26 : 18;
   const axis = Math.round(26 * em);
+  /** @type {Geometry} */
   const made = {
     width, height, em, left: side, right: width - side, top: 26, bottom: height - axis - 6,
     axis, disk: null, trace: null,
@@ -29,6 +34,11 @@ export function geometryOf({ width, height, short, em, still }) {
   return made;
 }
 
+/**
+ * @param {Geometry} g
+ * @param {number} least
+ * @param {number} side
+ */
 function beside(g, least, side) {
   const { width, height } = g;
   const most = height - 2 * RIM - 8;
@@ -41,6 +51,10 @@ function beside(g, least, side) {
   g.trace = { left: g.left, right: g.right, y: height - room / 2 + 6, half: room / 2 - 18 };
 }
 
+/**
+ * @param {Geometry} g
+ * @param {number} least
+ */
 function under(g, least) {
   const { width, height, axis } = g;
   // half for the curve, as far as the disk leaves it
@@ -55,12 +69,21 @@ function under(g, least) {
   if (traced) g.trace = { left: g.left, right: g.right, y: height - TRACE / 2 + 8, half: 26 };
 }
 
-/** The angle on the disk of a place: the start at nine o'clock, over the top, the end at three. */
+/**
+ * The angle on the disk of a place: the start at nine o'clock, over the top, the end at three.
+ * @param {number} place
+ */
 export function angleOf(place) {
   return Math.PI * (1 + place);
 }
 
-/** The place at which the disk is turned by a finger there; below it, the end it was nearer to. */
+/**
+ * The place at which the disk is turned by a finger there; below it, the end it was nearer to.
+ * @param {Disk} disk
+ * @param {number} x
+ * @param {number} y
+ * @param {number} last
+ */
 export function placeTurned(disk, x, y, last) {
   const dx = x - disk.x;
   const dy = y - disk.y;
@@ -68,7 +91,12 @@ export function placeTurned(disk, x, y, last) {
   return Math.min(Math.max(1 + Math.atan2(dy, dx) / Math.PI, 0), 1);
 }
 
-/** Whether the drawn disk is there. */
+/**
+ * Whether the drawn disk is there.
+ * @param {Geometry} geometry
+ * @param {number} x
+ * @param {number} y
+ */
 export function isOnDisk({ disk }, x, y) {
   return disk !== null && Math.hypot(x - disk.x, y - disk.y) < disk.radius + RIM;
 }

@@ -10,15 +10,24 @@ const TAP_LEAST_MS = 300; // before it is heard a disk may seem to have arrived
 const TAP_LOOK_MS = 30;
 const ARRIVED = 0.002; // of the timeline
 
+/** @import { Source } from "../types" */
+/** @import { Strokes } from "./strokes.js" */
+
 export class Hand {
-  /** `strokes`: what takes its movement; `onchange` is called after each. */
+  /**
+   * `strokes`: what takes its movement; `onchange` is called after each.
+   * @param {Strokes} strokes
+   */
   constructor(strokes) {
     this.strokes = strokes;
+    /** @type {Source[]} */
     this.held = []; // sources that hold, the last one first
+    /** @type {Partial<Record<Source, number>>} */
     this.raw = {}; // where each is, 0 to 1
     this.gap = 0; // from where the holder is to where the hand is
     this.place = 0;
     this.letGo = 0; // timer of a tap
+    /** @type {() => number | null} */
     this.cursor = () => null; // where the disk is, if that is known
     this.onchange = () => {};
   }
@@ -27,7 +36,11 @@ export class Hand {
     return this.held[0] ?? null;
   }
 
-  /** A source holds at `place` (0 to 1), or moves there. */
+  /**
+   * A source holds at `place` (0 to 1), or moves there.
+   * @param {Source} source
+   * @param {number} place
+   */
   hold(source, place, time = performance.now()) {
     const raw = Math.min(Math.max(place, 0), 1);
     clearTimeout(this.letGo);
@@ -53,7 +66,10 @@ export class Hand {
     this.onchange();
   }
 
-  /** A source lets go: another that still holds goes on, or the disk recoils. */
+  /**
+   * A source lets go: another that still holds goes on, or the disk recoils.
+   * @param {Source} source
+   */
   release(source, time = performance.now()) {
     if (!this.held.includes(source)) return;
     const had = this.holder === source;
@@ -64,7 +80,10 @@ export class Hand {
     this.onchange();
   }
 
-  /** A source lets go when the disk has arrived, or after a while: what was a tap. */
+  /**
+   * A source lets go when the disk has arrived, or after a while: what was a tap.
+   * @param {Source} source
+   */
   releaseLater(source, since = performance.now()) {
     clearTimeout(this.letGo);
     this.letGo = setTimeout(() => {
@@ -76,7 +95,11 @@ export class Hand {
     }, TAP_LOOK_MS);
   }
 
-  /** A step to `place`, held until the disk is there (unless another hand holds). */
+  /**
+   * A step to `place`, held until the disk is there (unless another hand holds).
+   * @param {Source} source
+   * @param {number} place
+   */
   tap(source, place) {
     if (this.holder === source) this.release(source);
     this.hold(source, place);

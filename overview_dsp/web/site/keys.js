@@ -3,6 +3,9 @@
 const STEP = 0.01;
 const PAGE = 0.1;
 
+/** @import { Shown } from "./shown.js" */
+/** @import { Walk } from "./walk.js" */
+
 export const HELP = [
   ["Arrows, Page keys", "move, move further"],
   ["[ and ]", "previous and next event"],
@@ -20,8 +23,12 @@ export const HELP = [
 /**
  * `walk`: a Walk; `shown`: a Shown; `open(name)`: events, run, help or film; `onfirst()` comes before
  * each.
+ * @param {HTMLElement} element
+ * @param {{ walk: Walk, shown: Shown, open: (name: string) => void }} parts
+ * @param {() => void} onfirst
  */
 export function listenToKeys(element, { walk, shown, open }, onfirst) {
+  /** @type {Record<string, (event: KeyboardEvent) => unknown>} */
   const keys = {
     ArrowRight: ({ shiftKey }) => walk.move(shiftKey ? PAGE : STEP),
     ArrowUp: ({ shiftKey }) => walk.move(shiftKey ? PAGE : STEP),

@@ -6,7 +6,11 @@ import { drawMark } from "./marks.js";
 import { linesOf } from "./values.js";
 import { momentText, tickText } from "./words.js";
 
+/** @import { Colours, Disk, Geometry, Info, TimelineEvent, View } from "../types" */
+/** @import { SvgContext } from "./svg.js" */
+
 const FAMILY = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
+/** @param {Geometry} g */
 const fontOf = (g, weight = 400) => `${weight} ${(13 * g.em).toFixed(1)}px ${FAMILY}`;
 const VALUE_PX = 34; // at least from one line of a value to the next
 const MOST_DETAILS = 400; // more than that are a smear: fewer are drawn
@@ -14,6 +18,13 @@ const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 
   86400, 604800, 2629800, 7889400, 31557600, 157788000, 315576000];
 const BETWEEN = 30; // px at least from one label to the next
 
+/**
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Info} info
+ * @param {Colours} colours
+ */
 export function drawLayer(c, g, view, info, colours) {
   drawGaps(c, g, view, colours);
   drawCurve(c, g, view, colours);
@@ -21,10 +32,16 @@ export function drawLayer(c, g, view, info, colours) {
   drawAxis(c, g, view, info, colours);
   drawEvents(c, g, view, info, colours);
   drawLabels(c, g, view, colours);
+  if (typeof view.now === "number") drawNow(c, g, view, colours);
   if (g.disk) drawScale(c, g.disk, view, info, colours);
   if (g.trace) drawTraceAxis(c, g, colours);
 }
 
+/**
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {Colours} colours
+ */
 function drawTraceAxis(c, g, colours) {
   const { left, right, y, half } = g.trace;
   c.strokeStyle = colours.line;
@@ -40,7 +57,13 @@ function drawTraceAxis(c, g, colours) {
   c.fillText("torque, the last seconds", left, y - half + 2);
 }
 
-/** A line for each of a few round values, with the value at its left. */
+/**
+ * A line for each of a few round values, with the value at its left.
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Colours} colours
+ */
 function drawValues(c, g, view, colours) {
   const most = Math.max(2, Math.floor((g.bottom - g.top) / (VALUE_PX * g.em)));
   c.font = fontOf(g);
@@ -63,16 +86,30 @@ function drawValues(c, g, view, colours) {
   }
 }
 
-/** The curve's level at a place, 0 to 1. */
+/**
+ * The curve's level at a place, 0 to 1.
+ * @param {View} view
+ * @param {number} place
+ */
 export function levelAt(view, place) {
   return view.level[Math.round(place * (view.level.length - 1))];
 }
 
-/** What the disk is held with there, N m s/rad. */
+/**
+ * What the disk is held with there, N m s/rad.
+ * @param {View} view
+ * @param {number} place
+ */
 export function resistanceAt(view, place) {
   return view.resistance[Math.round(place * (view.resistance.length - 1))];
 }
 
+/**
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Colours} colours
+ */
 function drawCurve(c, g, view, colours) {
   const last = view.level.length - 1;
   const course = () => {
@@ -90,7 +127,13 @@ function drawCurve(c, g, view, colours) {
   c.stroke();
 }
 
-/** Hatched, each line cut at the gap's sides. */
+/**
+ * Hatched, each line cut at the gap's sides.
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Colours} colours
+ */
 function drawGaps(c, g, view, colours) {
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
@@ -107,6 +150,39 @@ function drawGaps(c, g, view, colours) {
   c.stroke();
 }
 
+/**
+ * Up to where it has happened: a line, and the word beside it.
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Colours} colours
+ */
+function drawNow(c, g, view, colours) {
+  const x = g.x(view.now);
+  c.strokeStyle = colours.ink;
+  c.lineWidth = 1.5;
+  c.beginPath();
+  c.moveTo(x, g.top);
+  c.lineTo(x, g.bottom);
+  c.stroke();
+  c.font = fontOf(g, 600);
+  const before = x + 4 + c.measureText("now").width > g.right;
+  c.textAlign = before ? "right" : "left";
+  c.textBaseline = "bottom";
+  c.lineWidth = 3;
+  c.strokeStyle = colours.paper;
+  c.strokeText("now", before ? x - 4 : x + 4, g.bottom - 4);
+  c.fillStyle = colours.ink;
+  c.fillText("now", before ? x - 4 : x + 4, g.bottom - 4);
+}
+
+/**
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Info} info
+ * @param {Colours} colours
+ */
 function drawAxis(c, g, view, info, colours) {
   const length = view.end_s - view.start_s;
   c.font = fontOf(g);
@@ -120,18 +196,29 @@ function drawAxis(c, g, view, info, colours) {
   c.lineTo(g.right, g.bottom + 0.5);
   c.fillStyle = colours.soft;
   c.textBaseline = "top";
+  let free = g.left; // from where on there is room for a label
   for (let at = Math.ceil(view.start_s / step) * step; at <= view.end_s; at += step) {
     const x = g.x((at - view.start_s) / length);
     c.moveTo(x, g.bottom + 0.5);
     c.lineTo(x, g.bottom + 6);
     const text = tickText(at, info, step);
     const half = c.measureText(text).width / 2;
+    const left = Math.min(Math.max(x - half, g.left), g.right - 2 * half);
+    if (left < free) continue;
     c.textAlign = "left";
-    c.fillText(text, Math.min(Math.max(x - half, g.left), g.right - 2 * half), g.bottom + 10);
+    c.fillText(text, left, g.bottom + 10);
+    free = left + 2 * half + BETWEEN / 3;
   }
   c.stroke();
 }
 
+/**
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Info} info
+ * @param {Colours} colours
+ */
 function drawEvents(c, g, view, info, colours) {
   // a detail, of which there may be hundreds: a row of their own
   const details = view.events.filter(({ kind }) => isDetail(info, kind));
@@ -148,11 +235,23 @@ function drawEvents(c, g, view, info, colours) {
 
 const MANY = 200; // of a kind bury the curve: a recording's heartbeats
 
-/** Whether events of a kind are drawn in the row at the bottom. */
+/**
+ * Whether events of a kind are drawn in the row at the bottom.
+ * @param {Info} info
+ * @param {string} kind
+ */
 export function isDetail(info, kind) {
   return info.kinds[kind].count === 0 || info.kinds[kind].count > MANY;
 }
 
+/**
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {TimelineEvent} event
+ * @param {Info} info
+ * @param {Colours} colours
+ */
 function drawEvent(c, g, view, event, info, colours) {
   const { shape, colour } = info.kinds[event.kind];
   const x = g.x(event.place);
@@ -166,12 +265,19 @@ function drawEvent(c, g, view, event, info, colours) {
   drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
 }
 
-/** The first word of a goal's label, its score, above it: the last first, where there is room. */
+/**
+ * The first word of a goal's label, its score, above it: the last first, where there is room.
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Colours} colours
+ */
 function drawLabels(c, g, view, colours) {
   c.font = fontOf(g, 600);
   c.fillStyle = colours.ink;
   c.textAlign = "center";
   c.textBaseline = "alphabetic";
+  /** @type {[number, number][]} */
   const taken = [];
   for (const event of [...view.events].reverse()) {
     if (event.kind !== "goal" && event.kind !== "own_goal") continue;
@@ -184,7 +290,14 @@ function drawLabels(c, g, view, colours) {
   }
 }
 
-/** Half a turn about the disk, and where the events are on it. */
+/**
+ * Half a turn about the disk, and where the events are on it.
+ * @param {SvgContext} c
+ * @param {Disk} disk
+ * @param {View} view
+ * @param {Info} info
+ * @param {Colours} colours
+ */
 function drawScale(c, disk, view, info, colours) {
   const { x, y, radius } = disk;
   c.strokeStyle = colours.line;

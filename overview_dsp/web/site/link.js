@@ -9,14 +9,29 @@ const REFUSED_TIMES = 3;
 const REFUSED = "this browser can't connect; an iPhone needs a certificate it trusts (--cert)";
 const AT_MOST = 64; // events of a message
 
+/** @import { Status } from "../types" */
+
+/**
+ * @typedef {object} LinkTold
+ * @property {(connected: boolean, reason: string) => void} onstate
+ * @property {(status: Status) => void} onstatus
+ * @property {(why: string) => void} onreleased
+ */
+
 export class Link {
+  /** @type {WebSocket | null} */
   #socket = null;
+  /** @type {[number, number, number][]} */
   #waiting = [];
-  #last = null; // [theta2, touching]
+  /** @type {[number, boolean] | null} */
+  #last = null; // theta2, touching
   #sentAt = 0;
   #refused = 0; // attempts since the start, while none has succeeded
 
-  /** `onstate(connected, reason)`, `onstatus(status)` and `onreleased(why)` are called. */
+  /**
+   * `onstate(connected, reason)`, `onstatus(status)` and `onreleased(why)` are called.
+   * @param {LinkTold} told
+   */
   constructor({ onstate, onstatus, onreleased }) {
     this.name = "";
     this.told = { onstate, onstatus, onreleased };
@@ -28,7 +43,12 @@ export class Link {
     return this.#socket?.readyState === WebSocket.OPEN;
   }
 
-  /** One event of the hand: `timeMs` of performance.now(), theta2 in rad. */
+  /**
+   * One event of the hand: `timeMs` of performance.now(), theta2 in rad.
+   * @param {number} timeMs
+   * @param {number} theta2
+   * @param {boolean} touching
+   */
   push(timeMs, theta2, touching) {
     this.#last = [theta2, touching];
     if (!this.connected) return; // a movement that comes late is none
@@ -36,11 +56,18 @@ export class Link {
     this.#waiting.push([Math.max(timeMs, 0), theta2, touching ? 1 : 0]);
   }
 
+  /**
+   * @param {number} startS
+   * @param {number} endS
+   */
   show(startS, endS) {
     this.#send({ show: [startS, endS] });
   }
 
-  /** Say whose hand this is, now and whenever it connects. */
+  /**
+   * Say whose hand this is, now and whenever it connects.
+   * @param {string} name
+   */
   call(name) {
     this.name = name;
     this.#send({ name });
@@ -62,6 +89,7 @@ export class Link {
     this.#sentAt = performance.now();
   }
 
+  /** @param {object} message */
   #send(message) {
     if (this.connected) this.#socket.send(JSON.stringify(message));
   }

@@ -1,5 +1,9 @@
 // The shapes of event kinds: told apart without colour.
 
+/** @import { Drawn } from "../types" */
+/** @typedef {(path: Drawn, x: number, y: number, r: number) => void} Shape */
+
+/** @type {(corners: number, turn?: number, inner?: number) => Shape} */
 const polygon = (corners, turn = -Math.PI / 2, inner = 1) => (path, x, y, r) => {
   const count = inner === 1 ? corners : 2 * corners;
   for (let i = 0; i < count; i += 1) {
@@ -10,6 +14,7 @@ const polygon = (corners, turn = -Math.PI / 2, inner = 1) => (path, x, y, r) => 
   path.closePath();
 };
 
+/** @type {(...ends: [number, number, number, number][]) => Shape} */
 const lines = (...ends) => (path, x, y, r) => {
   for (const [x1, y1, x2, y2] of ends) {
     path.moveTo(x + x1 * r, y + y1 * r);
@@ -18,6 +23,7 @@ const lines = (...ends) => (path, x, y, r) => {
 };
 
 const D = 0.75;
+/** @type {Record<string, Shape>} */
 const SHAPES = {
   circle: (path, x, y, r) => path.arc(x, y, r, 0, 2 * Math.PI),
   hexagon: polygon(6),
@@ -34,13 +40,26 @@ const SHAPES = {
 const OPEN = new Set(["cross", "plus", "bar"]);
 const LARGE = new Set(["circle", "hexagon"]);
 
-/** Radius (px) of a shape where an ordinary one has `size`. */
+/**
+ * Radius (px) of a shape where an ordinary one has `size`.
+ * @param {string} shape
+ * @param {number} size
+ */
 export function sizeOf(shape, size) {
   if (LARGE.has(shape)) return 1.35 * size;
   return OPEN.has(shape) ? 0.8 * size : size;
 }
 
-/** Draw one, filled with `colour` and rimmed with `rim`. */
+/**
+ * Draw one, filled with `colour` and rimmed with `rim`.
+ * @param {Drawn} path
+ * @param {string} shape
+ * @param {number} x
+ * @param {number} y
+ * @param {number} size
+ * @param {string} colour
+ * @param {string} rim
+ */
 export function drawMark(path, shape, x, y, size, colour, rim) {
   path.beginPath();
   (SHAPES[shape] ?? SHAPES.circle)(path, x, y, sizeOf(shape, size));

@@ -5,16 +5,25 @@ import { by } from "./dom.js";
 import { angleOf } from "./geometry.js";
 import { levelAt, resistanceAt } from "./layer.js";
 
+/** @import { Geometry, Info, View } from "../types" */
+
 const NAMES = ["cursor", "dot", "halo", "finger", "pull", "disk", "rub", "needle", "grip"];
+const STEPS = 20; // of a size
+
+/** @param {number} place */
 const degrees = (place) => `${((angleOf(place) * 180) / Math.PI).toFixed(2)}deg`;
 
 export class Moving {
   constructor() {
     this.parts = Object.fromEntries(NAMES.map((name) => [name, by(name)]));
+    /** @type {Map<string, unknown>} */
     this.set = new Map(); // what was set last, so that nothing is set twice
   }
 
-  /** Lay it out: another size. */
+  /**
+   * Lay it out: another size.
+   * @param {Geometry} geometry
+   */
   place({ disk, top, bottom }) {
     const { cursor, disk: plate } = this.parts;
     cursor.style.top = `${top - 14}px`;
@@ -29,7 +38,13 @@ export class Moving {
     this.set.clear();
   }
 
-  /** `state`: cursor and hand (0 to 1), touching. */
+  /**
+   * `state`: cursor and hand (0 to 1), touching.
+   * @param {Geometry} g
+   * @param {View} view
+   * @param {{ cursor: number, hand: number, touching: boolean }} state
+   * @param {Info} info
+   */
   show(g, view, { cursor, hand, touching }, info) {
     const x = g.x(cursor);
     const y = g.y(levelAt(view, cursor));
@@ -37,9 +52,9 @@ export class Moving {
     const grip = Math.min(held, 1);
     this.put("cursor", `translateX(${x.toFixed(1)}px)`);
     this.put("dot", `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`);
-    // as large as the friction under it
-    const size = (0.4 + 0.6 * grip).toFixed(2);
-    this.put("halo", `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) scale(${size})`);
+    // as large as the friction under it, in steps that an eye takes for none
+    const size = Math.ceil(STEPS * grip) / STEPS;
+    this.put("halo", `scale(${0.4 + 0.6 * size})`);
     this.visible("finger", touching);
     this.visible("pull", touching);
     if (touching) {
@@ -50,17 +65,25 @@ export class Moving {
     }
     if (g.disk === null) return;
     this.put("needle", `rotate(${degrees(cursor)})`);
-    this.put("rub", `scale(${(0.35 + 0.65 * grip).toFixed(2)})`);
+    this.put("rub", `scale(${0.35 + 0.65 * size})`);
     this.visible("grip", touching);
     if (touching) this.put("grip", `rotate(${degrees(hand)})`);
   }
 
+  /**
+   * @param {string} name
+   * @param {string} transform
+   */
   put(name, transform) {
     if (this.set.get(name) === transform) return;
     this.set.set(name, transform);
     this.parts[name].style.transform = transform;
   }
 
+  /**
+   * @param {string} name
+   * @param {boolean} shown
+   */
   visible(name, shown) {
     const key = `${name} shown`;
     if (this.set.get(key) === shown) return;

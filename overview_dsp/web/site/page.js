@@ -3,29 +3,38 @@
 import { tellAbout } from "./about.js";
 import { readAddress } from "./address.js";
 import { by } from "./dom.js";
-import { EventList } from "./event_list.js";
 import { Frames } from "./frames.js";
 import { Hand } from "./hand.js";
-import { HELP, listenToKeys } from "./keys.js";
+import { listen } from "./listening.js";
 import { keepOffline } from "./offline.js";
 import { Pinch } from "./pinch.js";
 import { Playback } from "./playback.js";
-import { bindSettings, keepSettings, loadSettings } from "./settings.js";
+import { keepSettings, loadSettings } from "./settings.js";
 import { Shown } from "./shown.js";
 import { Slider } from "./slider.js";
 import { Sound } from "./sound.js";
 import { Speech } from "./speech.js";
 import { Strip } from "./strip.js";
 import { Strokes } from "./strokes.js";
-import { listenToTouch } from "./touch.js";
 import { Twist } from "./twist.js";
 import { Motor } from "./vibration.js";
 import { Walk } from "./walk.js";
 import { partBetween } from "./windows.js";
 import { eventAt, eventPassed, eventText } from "./words.js";
 
+/** @import { Info, Preset, Server, Settings, SoundFace, TimelineEvent, Told, View } from "../types" */
+/** @import { Data } from "./data.js" */
+/** @import { Picture } from "./picture.js" */
+/** @import { Served } from "./served.js" */
+
 export class Page {
-  /** `served` makes, of a page and `info.server`, what only a server gives; null in a folder. */
+  /**
+   * `served` makes, of a page and `info.server`, what only a server gives; null in a folder.
+   * @param {Data} data
+   * @param {Picture} picture
+   * @param {SoundFace} sound
+   * @param {((page: Page, server: Server) => Served) | null} served
+   */
   constructor(data, picture, sound, served) {
     this.data = data;
     this.info = data.info;
@@ -56,13 +65,19 @@ export class Page {
     this.walk = new Walk(this.hand, this.shown, this.speech, this.info);
     this.frames = new Frames(sound, () => this.draw(), (meters) => this.take(meters));
     this.playback = new Playback(this);
+    /** @type {Served | null} */
     this.served = null;
+    /** @type {Told | null} */
     this.meters = null;
     this.cursor = 0;
+    /** @type {TimelineEvent | null} */
     this.last = null; // the event that was felt last under a hand
     this.begun = false;
+    this.sounded = this.interrupted = false;
+    sound.onstate = (sounds) => this.heard(sounds);
   }
 
+  /** @param {View} view */
   begin(view) {
     document.documentElement.classList.toggle("host", this.atHost);
     const { windows, duration_s, server } = this.info;
@@ -70,7 +85,7 @@ export class Page {
     this.shown.begin(view, under).catch((error) => this.fault(error.message));
     this.apply();
     if (server) this.served = this.makeServed(this, server);
-    this.listen();
+    this.list = listen(this);
     this.wake();
   }
 
@@ -120,19 +135,29 @@ export class Page {
     return this.hand.holder === "keys" ? this.place : this.cursor;
   }
 
-  /** The place of a moment (s) in the window that is shown, 0 to 1. */
+  /**
+   * The place of a moment (s) in the window that is shown, 0 to 1.
+   * @param {number} moment
+   */
   placeAt(moment) {
     const { start_s, end_s } = this.view;
     return Math.min(Math.max((moment - start_s) / (end_s - start_s), 0), 1);
   }
 
-  goTo(event) {
+  /**
+   * @param {number} place
+   * @param {TimelineEvent | null} event what is there
+   */
+  goTo(place, event) {
     by("slider").focus();
     this.last = event;
-    this.walk.to(event.place);
+    this.walk.to(place);
   }
 
-  /** Open the list of events, the help or the film. */
+  /**
+   * Open the list of events, the help or the film.
+   * @param {string} name
+   */
   open(name) {
     if (name === "run") this.playback.toggle();
     else if (name === "events") this.list.open(this.view);
@@ -140,70 +165,18 @@ export class Page {
     else this.served?.watch(this.felt);
   }
 
+  /** @param {string} message */
   fault(message) {
     by("fault").textContent = message;
   }
 
   // --- the hand ---------------------------------------------------------------------------------
 
-  listen() {
-    const element = by("slider");
-    const { shown, walk } = this;
-    const onfirst = () => this.start();
-    listenToTouch(element, this.hand, {
-      placeOf: (event, first) => this.picture.placeUnder(event, first),
-      ontap: (x, y) => this.tapped(x, y),
-      onpinch: (factor, x, over) => this.pinch.to(factor, x, over),
-      onfirst,
-    });
-    const watch = this.film === null ? null : (event) => this.served.watch(event);
-    this.list = new EventList(this.info, walk, (event) => this.goTo(event), watch);
-    listenToKeys(element, { walk, shown, open: (name) => this.open(name) }, onfirst);
-    element.addEventListener("focus", () => walk.summary());
-    element.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      shown.wheel(event);
-    }, { passive: false });
-    this.hand.onchange = () => {
-      if (this.hand.holder === "keys") this.last = eventAt(this.view, this.place) ?? this.last;
-      this.wake();
-    };
-    const click = (id, act) => by(id).addEventListener("click", () => {
-      this.start();
-      act();
-    });
-    click("previous", () => walk.event(-1));
-    click("next", () => walk.event(1));
-    click("tap", () => walk.tap());
-    click("run", () => this.playback.toggle());
-    click("list", () => this.open("events"));
-    by("twist").addEventListener("click", () => this.toggleTwist());
-    by("in").addEventListener("click", () => shown.zoom(1));
-    by("out").addEventListener("click", () => shown.zoom(-1));
-    by("earlier").addEventListener("click", () => shown.beside(-1));
-    by("later").addEventListener("click", () => shown.beside(1));
-    by("settings").addEventListener("click", () => by("dialog").showModal());
-    const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
-    by("keys").replaceChildren(...terms);
-    by("calibrate").addEventListener("click", () => this.calibrate());
-    bindSettings(by("dialog").querySelector("form"), this.settings, () => this.apply());
-    document.addEventListener("visibilitychange", () => {
-      if (document.hidden && !this.twist.on) this.leave();
-    });
-    window.addEventListener("pagehide", () => this.leave());
-    new ResizeObserver(() => {
-      this.picture.resize();
-      this.wake();
-    }).observe(by("canvas"));
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-      this.picture.redraw();
-      this.strip.draw();
-      this.tellAbout();
-      this.wake();
-    });
-  }
-
-  /** A short touch on an event's mark watches it, where there is a film; whether it did. */
+  /**
+   * A short touch on an event's mark watches it, where there is a film; whether it did.
+   * @param {number} x
+   * @param {number} y
+   */
   tapped(x, y) {
     const event = this.film === null ? null : this.picture.markAt(x, y);
     if (event === null) return false;
@@ -221,6 +194,28 @@ export class Page {
       navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
     }
     if (this.sound.running || this.sound.node) by("hint").classList.add("gone");
+    this.wake();
+  }
+
+  /** What stopped while nobody looked goes on. */
+  comeBack() {
+    if (this.begun) this.sound.start();
+    this.wake();
+  }
+
+  /**
+   * A call came, or went: whoever held lets go, and another touch goes on.
+   * @param {boolean} sounds
+   */
+  heard(sounds) {
+    if (sounds) {
+      if (this.interrupted) this.fault("");
+    } else if (this.sounded) {
+      this.leave();
+      this.fault("the sound was interrupted: touch to go on");
+    }
+    this.interrupted = this.sounded && !sounds;
+    this.sounded ||= sounds;
     this.wake();
   }
 
@@ -251,7 +246,12 @@ export class Page {
 
   // --- how it is felt ---------------------------------------------------------------------------
 
-  /** Go over to another preset: its sound at once, its friction's picture when it rests. */
+  /**
+   * Go over to another preset: its sound at once, its friction's picture when it rests.
+   * @param {Preset} before
+   * @param {Preset} after
+   * @param {boolean} surface
+   */
   async feel(before, after, surface) {
     await this.sound.feel(before, after, surface ? this.view : null);
     this.data.preset = after;
@@ -292,7 +292,10 @@ export class Page {
     if (this.view !== null) this.frames.wake();
   }
 
-  /** What the sound told of the disk. */
+  /**
+   * What the sound told of the disk.
+   * @param {Told} told
+   */
   take(told) {
     const before = this.cursor;
     this.meters = told;
@@ -308,7 +311,11 @@ export class Page {
     this.tell(passed.filter(Boolean), told.peakTactor);
   }
 
-  /** What was struck or passed goes to the motor and, unless the keys hold, to speech. */
+  /**
+   * What was struck or passed goes to the motor and, unless the keys hold, to speech.
+   * @param {TimelineEvent[]} passed
+   * @param {number} peak
+   */
   tell(passed, peak) {
     const { felt, vibration } = this.settings;
     if (!this.atHost && felt === "motor" && vibration) {
@@ -327,7 +334,12 @@ export class Page {
   }
 }
 
-/** The page over a picture that is there already, as `window.overview`. */
+/**
+ * The page over a picture that is there already, as `window.overview`.
+ * @param {Data} data
+ * @param {Picture} picture
+ * @param {View} view
+ */
 export async function begin(data, picture, view) {
   const { server } = data.info;
   const served = server ? await import("./served.js") : null;
@@ -337,10 +349,4 @@ export async function begin(data, picture, view) {
   /** @type {any} */ (window).overview = page;
   await page.load();
   if (!server) keepOffline();
-}
-
-function term(name, text) {
-  const element = document.createElement(name);
-  element.textContent = text;
-  return element;
 }

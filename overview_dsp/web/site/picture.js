@@ -6,12 +6,18 @@ import { Moving } from "./moving.js";
 import { SvgContext } from "./svg.js";
 import { Trace } from "./trace.js";
 
+/** @import { Colours, Geometry, Info, TimelineEvent, View } from "../types" */
+
 const COLOURS = ["paper", "ink", "soft", "line", "curve", "fill", "disk", "disk-mark", "hand",
   "cursor", "trace", "blue", "sky", "green", "yellow", "orange", "vermilion", "purple", "grey",
   "rim"];
 
 const FINGER_PX = 20; // a mark is hit as near as that
 
+/**
+ * @param {Element} element
+ * @returns {Colours}
+ */
 export function coloursOf(element) {
   const style = getComputedStyle(element);
   return Object.fromEntries(
@@ -20,7 +26,12 @@ export function coloursOf(element) {
 }
 
 export class Picture {
-  /** `layer` is an SVG, `trace` a canvas. */
+  /**
+   * `layer` is an SVG, `trace` a canvas.
+   * @param {SVGSVGElement} layer
+   * @param {HTMLCanvasElement} trace
+   * @param {Info} info
+   */
   constructor(layer, trace, info) {
     this.layer = layer;
     this.info = info;
@@ -29,17 +40,24 @@ export class Picture {
     this.still = false;
     this.turning = false; // whether a finger turns the disk
     this.turned = 0;
+    /** @type {View | null} */
     this.view = null;
     this.resize();
   }
 
-  resize() {
-    const { layer } = this;
-    const { left, top, width, height } = layer.getBoundingClientRect();
-    this.left = left; // asked for now, since at every move it would cost a layout
+  /** Where it is on the screen: asked for now, since at every move it would cost a layout. */
+  locate() {
+    const { left, top, width, height } = this.layer.getBoundingClientRect();
+    this.left = left;
     this.top = top;
+    return { width, height };
+  }
+
+  resize() {
+    const { width, height } = this.locate();
     const em = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
     const short = Math.min(window.innerWidth, window.innerHeight);
+    /** @type {Geometry} */
     this.geometry = geometryOf({ width, height, short, em, still: this.still });
     this.moving.place(this.geometry);
     this.trace.place(this.geometry.trace, window.devicePixelRatio || 1);
@@ -55,19 +73,26 @@ export class Picture {
     c.show();
   }
 
+  /** @param {View} view */
   show(view) {
     this.view = view;
     this.redraw();
   }
 
-  /** A frame. */
+  /**
+   * A frame.
+   * @param {{ cursor: number, hand: number, touching: boolean }} state
+   */
   draw(state) {
     if (!this.view || this.geometry.width === 0) return;
     this.moving.show(this.geometry, this.view, state, this.info);
     this.trace.draw(this.colours);
   }
 
-  /** The place that a pointer means: over the curve, or turning the disk if it came down there. */
+  /**
+   * The place that a pointer means: over the curve, or turning the disk if it came down there.
+   * @param {{ clientX: number, clientY: number }} pointer
+   */
   placeUnder({ clientX, clientY }, first = false) {
     const x = clientX - this.left;
     const y = clientY - this.top;
@@ -78,11 +103,17 @@ export class Picture {
     return this.turned;
   }
 
+  /** @param {number} clientX */
   placeOf(clientX) {
     return this.geometry.place(clientX - this.left);
   }
 
-  /** The event whose mark is there (clientX, clientY), or null. */
+  /**
+   * The event whose mark is there (clientX, clientY), or null.
+   * @param {number} clientX
+   * @param {number} clientY
+   * @returns {TimelineEvent | null}
+   */
   markAt(clientX, clientY) {
     const { geometry, view } = this;
     const x = clientX - this.left;

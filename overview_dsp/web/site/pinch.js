@@ -4,18 +4,33 @@
 import { croppedTo, partBetween, partNearest } from "./windows.js";
 import { secondsAt } from "./words.js";
 
+/** @import { View } from "../types" */
+/** @import { Picture } from "./picture.js" */
+/** @import { Shown } from "./shown.js" */
+
 const STEP = 1.25; // as much closer or farther is another window
 
 export class Pinch {
-  /** `whole()` is the view of the whole timeline, or null. */
+  /**
+   * `whole()` is the view of the whole timeline, or null.
+   * @param {Shown} shown
+   * @param {Picture} picture
+   * @param {() => View | null} whole
+   */
   constructor(shown, picture, whole) {
     this.shown = shown;
     this.picture = picture;
     this.whole = whole;
+    /** @type {{ length: number, moment: number } | null} */
     this.from = null; // what was under the fingers as they came down
   }
 
-  /** The fingers have spread by `factor` since they came down, about x; `over`: they have gone. */
+  /**
+   * The fingers have spread by `factor` since they came down, about x; `over`: they have gone.
+   * @param {number} factor
+   * @param {number} x
+   * @param {boolean} over
+   */
   to(factor, x, over) {
     const { shown, picture } = this;
     const { windows } = shown;
@@ -37,7 +52,10 @@ export class Pinch {
     this.preview(over ? null : wanted);
   }
 
-  /** Draw what is known of a window before it is there; null: what is under the hand. */
+  /**
+   * Draw what is known of a window before it is there; null: what is under the hand.
+   * @param {[number, number] | null} window
+   */
   preview(window) {
     const { view } = this.shown;
     const inside = window && window[0] >= view.start_s && window[1] <= view.end_s;

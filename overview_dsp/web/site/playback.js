@@ -4,13 +4,19 @@ import { addressOf, momentOf, nameOf } from "./address.js";
 import { by } from "./dom.js";
 import { gestureOf, Player, wordsOf } from "./player.js";
 import { partAbout, partBetween } from "./windows.js";
+import { eventAt } from "./words.js";
+
+/** @import { Gesture } from "../types" */
+/** @import { Page } from "./page.js" */
 
 const SHARED_MS = 3000;
 const SILENT_MS = 2000; // a browser that can sound does so sooner
 
 export class Playback {
+  /** @param {Page} page */
   constructor(page) {
     this.page = page;
+    /** @type {Gesture | null} */
     this.asked = null; // the gesture of the address, until it was played
     this.player = new Player(page.hand, (playing) => {
       by("run").textContent = playing ? "Pause" : "Play";
@@ -33,7 +39,10 @@ export class Playback {
     else this.whenSounding(() => player.play(this.gesture));
   }
 
-  /** A browser takes a moment to sound; what is played before would be lost. */
+  /**
+   * A browser takes a moment to sound; what is played before would be lost.
+   * @param {() => void} act
+   */
   async whenSounding(act) {
     const { sound, atHost } = this.page;
     if (!atHost) {
@@ -51,13 +60,16 @@ export class Playback {
     act();
   }
 
-  /** Go where an address says; its gesture waits for a touch. */
+  /**
+   * Go where an address says; its gesture waits for a touch.
+   * @param {Record<string, string | null>} address
+   */
   async follow({ at, play, window, preset }) {
     const { page } = this;
     const { windows, duration_s, server } = page.info;
     try {
       if (preset && server) await page.served.bench.use(preset);
-      const ends = window?.split(":").map(Number);
+      const ends = /** @type {[number, number]} */ (window?.split(":").map(Number));
       if (ends && ends[0] >= 0 && ends[1] > ends[0] && ends[1] <= duration_s) {
         const part = partBetween(windows, ends);
         await page.shown.go(part.number >= 0 || server
@@ -66,7 +78,8 @@ export class Playback {
       const moment = momentOf(at, page.view.events);
       if (at && moment === null) throw new Error(`nothing here is called ${at}`);
       if (moment !== null) {
-        page.goTo({ place: page.placeAt(moment), time_s: moment });
+        const place = page.placeAt(moment);
+        page.goTo(place, eventAt(page.view, place));
       }
       this.asked = gestureOf(play);
       if (play && this.asked === null) {

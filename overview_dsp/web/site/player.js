@@ -2,12 +2,19 @@
 
 const AGAIN_MS = 1500; // between two rounds
 
-/** A gesture from words as the command line's: "sweep:SECONDS[:FROM:TO]", "tap:PLACE"; or null. */
+/** @import { Gesture } from "../types" */
+/** @import { Hand } from "./hand.js" */
+
+/**
+ * A gesture from words as the command line's: "sweep:SECONDS[:FROM:TO]", "tap:PLACE"; or null.
+ * @param {string | null} words
+ * @returns {Gesture | null}
+ */
 export function gestureOf(words) {
   const [name, ...given] = (words ?? "").split(":");
   const numbers = given.map(Number);
   if (numbers.some((one) => !Number.isFinite(one))) return null;
-  const inside = (place) => place >= 0 && place <= 1;
+  const inside = (/** @type {number} */ place) => place >= 0 && place <= 1;
   if (name === "sweep") {
     const [seconds = 10, from = 0, to = 1] = numbers;
     const known = seconds >= 0.2 && seconds <= 600 && inside(from) && inside(to);
@@ -24,18 +31,26 @@ export const wordsOf = ({ name, seconds, from, to, place }) => {
 };
 
 export class Player {
-  /** `onchange(playing)` is told when it begins and ends. */
+  /**
+   * `onchange(playing)` is told when it begins and ends.
+   * @param {Hand} hand
+   * @param {(playing: boolean) => void} onchange
+   */
   constructor(hand, onchange) {
     this.hand = hand;
     this.onchange = onchange;
     this.loop = false;
+    /** @type {Gesture | null} */
     this.gesture = null;
     this.done = 0; // s of it that were played
     this.playing = false;
     this.waits = 0; // timer of the next round
   }
 
-  /** From its start, or (the same gesture) from where it was paused. */
+  /**
+   * From its start, or (the same gesture) from where it was paused.
+   * @param {Gesture} gesture
+   */
   play(gesture) {
     const same = this.gesture !== null && wordsOf(gesture) === wordsOf(this.gesture);
     if (!same) this.done = 0;

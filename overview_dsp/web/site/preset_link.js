@@ -1,10 +1,16 @@
 // The served preset's file: saved on the desk, felt here. The browser connects again by itself.
 
+/** @import { Preset } from "../types" */
+/** @import { Page } from "./page.js" */
+
+/** @param {Preset | null} preset */
 const known = (preset) => JSON.stringify(preset);
 
 export class PresetLink {
+  /** @param {Page} page */
   constructor(page) {
     this.page = page;
+    /** @type {Preset | null} */
     this.sounding = null; // the preset of the files, as it was told last
     this.source = new EventSource(new URL("preset/changes", import.meta.url));
     this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
@@ -28,6 +34,7 @@ export class PresetLink {
     this.gone = false;
   }
 
+  /** @param {Preset} after */
   async take(after) {
     const before = this.sounding;
     this.sounding = after;

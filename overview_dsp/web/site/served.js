@@ -7,13 +7,27 @@ import { HostSound } from "./host_sound.js";
 import { PresetLink } from "./preset_link.js";
 import { eventText, momentText, secondsAt } from "./words.js";
 
-/** The sound of a server that sounds itself, or null. */
+/** @import { OtherHand, Server, TimelineEvent } from "../types" */
+/** @import { Page } from "./page.js" */
+
+/**
+ * The sound of a server that sounds itself, or null.
+ * @param {Server} server
+ */
 export const hostSound = ({ audio }) => (audio === "host" ? new HostSound() : null);
 
+/**
+ * @param {Page} page
+ * @param {Server} server
+ */
 export const serve = (page, server) => new Served(page, server);
 
-class Served {
-  /** `page`: what it is added to; `server`: of `info`. */
+export class Served {
+  /**
+   * `page`: what it is added to; `server`: of `info`.
+   * @param {Page} page
+   * @param {Server} server
+   */
   constructor(page, server) {
     this.page = page;
     this.film = server.media ? new Film(by("film"), server.media) : null;
@@ -31,7 +45,7 @@ class Served {
 
   listenToHost() {
     const { page } = this;
-    const { sound } = page;
+    const sound = /** @type {HostSound} */ (page.sound);
     sound.onlink = (text) => (by("link").textContent = text);
     sound.onlatency = (text) => (by("latency").textContent = text);
     sound.onshown = (window) => page.shown.follow(window);
@@ -43,7 +57,10 @@ class Served {
     sound.tell();
   }
 
-  /** The other hands' fingers over the curve, each with its name. */
+  /**
+   * The other hands' fingers over the curve, each with its name.
+   * @param {OtherHand[]} others
+   */
   showOthers(others) {
     const { geometry } = this.page.picture;
     by("others").replaceChildren(...others.map(({ name, place, holding }) => {
@@ -56,7 +73,10 @@ class Served {
     }));
   }
 
-  /** Play the film from a little before an event, or where the disk is. */
+  /**
+   * Play the film from a little before an event, or where the disk is.
+   * @param {TimelineEvent | null} event
+   */
   watch(event) {
     const { film, page } = this;
     if (film === null) return;

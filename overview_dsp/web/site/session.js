@@ -9,7 +9,11 @@ export async function enter() {
   history.replaceState(null, "", location.pathname + (rest ? `#${rest}` : ""));
 }
 
-/** An answer; an Error with the server's own line if it refuses. */
+/**
+ * An answer; an Error with the server's own line if it refuses.
+ * @param {string} path
+ * @param {RequestInit} [options]
+ */
 export async function ask(path, options) {
   const answer = await fetch(new URL(path, import.meta.url), options).catch(() => {
     throw new Error("nothing answers there: is the network on, and `overview` still running?");
@@ -20,5 +24,9 @@ export async function ask(path, options) {
   throw new Error(line || `${path}: ${answer.status} ${answer.statusText}`);
 }
 
-/** The answer to an object that is posted as JSON. */
+/**
+ * The answer to an object that is posted as JSON.
+ * @param {string} path
+ * @param {object} given
+ */
 export const post = (path, given) => ask(path, { method: "POST", body: JSON.stringify(given) });

@@ -1,9 +1,12 @@
 // What a person has chosen, kept in this browser.
 
+/** @import { Settings } from "../types" */
+
 const KEY = "overview";
 
 const motor = "vibrate" in navigator && matchMedia("(pointer: coarse)").matches;
 
+/** @type {Settings} */
 const FIRST = {
   felt: motor ? "motor" : "ears",
   clicks: true,
@@ -18,6 +21,7 @@ const FIRST = {
   start: 0, // roll at the timeline's start, rad
 };
 
+/** @returns {Settings} */
 export function loadSettings() {
   try {
     const kept = JSON.parse(localStorage.getItem(KEY) ?? "{}");
@@ -31,6 +35,7 @@ export function loadSettings() {
   }
 }
 
+/** @param {Settings} settings */
 export function keepSettings(settings) {
   try {
     localStorage.setItem(KEY, JSON.stringify(settings));
@@ -39,19 +44,26 @@ export function keepSettings(settings) {
   }
 }
 
-/** Show settings in a form and tell of each change. */
+/**
+ * Show settings in a form and tell of each change.
+ * @param {HTMLFormElement} form
+ * @param {Settings} settings
+ * @param {(name: string) => void} onchange
+ */
 export function bindSettings(form, settings, onchange) {
   for (const [name, value] of Object.entries(settings)) {
-    const field = form.elements.namedItem(name);
+    const field = /** @type {any} */ (form.elements.namedItem(name));
     if (!field) continue;
     if (typeof value === "boolean") field.checked = value;
     else field.value = value;
   }
-  form.addEventListener("input", ({ target }) => {
+  form.addEventListener("input", (event) => {
+    const target = /** @type {HTMLInputElement} */ (event.target);
     const { name } = target;
     if (!(name in settings)) return;
-    if (target.type === "checkbox") settings[name] = target.checked;
-    else settings[name] = typeof settings[name] === "number" ? Number(target.value) : target.value;
+    const chosen = /** @type {Record<string, any>} */ (settings);
+    if (target.type === "checkbox") chosen[name] = target.checked;
+    else chosen[name] = typeof chosen[name] === "number" ? Number(target.value) : target.value;
     keepSettings(settings);
     onchange(name);
   });

@@ -4,14 +4,23 @@ import { by } from "./dom.js";
 import { levels, partAbout, partBeside, partBetween } from "./windows.js";
 import { momentText, secondsAt } from "./words.js";
 
+/** @import { Ends, Part, SoundFace, View } from "../types" */
+/** @import { Data } from "./data.js" */
+/** @import { Hand } from "./hand.js" */
+/** @import { Picture } from "./picture.js" */
+
 const WHEEL_PX = 60; // a step
 const WHEEL_REST_MS = 250; // after which a turn begins anew
 const REST_MS = 250; // a slider that stands so long is drawn
 
+/** @type {(a: Ends | null, b: Ends | null) => boolean} */
 export const isSame = (a, b) => a?.start_s === b?.start_s && a?.end_s === b?.end_s;
 
 export class Shown {
-  /** `onshow()` is called when another part is there, `onfault(line)` with what went wrong. */
+  /**
+   * `onshow()` is called when another part is there, `onfault(line)` with what went wrong.
+   * @param {{ data: Data, sound: SoundFace, hand: Hand, picture: Picture, onshow: () => void, onfault: (line: string) => void }} parts
+   */
   constructor({ data, sound, hand, picture, onshow, onfault }) {
     this.data = data;
     this.windows = data.info.windows;
@@ -20,15 +29,22 @@ export class Shown {
     this.picture = picture;
     this.onshow = onshow;
     this.onfault = onfault;
+    /** @type {View | null} */
     this.view = null;
+    /** @type {Ends | null} */
     this.under = null; // the part that sounds
     this.going = false;
+    /** @type {Part | null} */
     this.wanted = null; // the part that `toward` goes to next
     this.turned = 0;
     this.wheeled = 0;
   }
 
-  /** The first view is there; the sound begins with the part `under`, or soon goes over to it. */
+  /**
+   * The first view is there; the sound begins with the part `under`, or soon goes over to it.
+   * @param {View} view
+   * @param {Part} under
+   */
   async begin(view, under) {
     this.under = view;
     this.take(view);
@@ -41,17 +57,20 @@ export class Shown {
     return secondsAt(this.view, this.hand.place);
   }
 
+  /** @param {number} direction */
   zoom(direction, place = this.hand.place) {
     const level = Math.min(Math.max(this.view.zoom + direction, 0), levels(this.windows));
     if (level === this.view.zoom) return Promise.resolve(false);
     return this.go(partAbout(this.windows, level, secondsAt(this.view, place)));
   }
 
+  /** @param {number} direction */
   beside(direction) {
     const next = partBeside(this.windows, this.view, direction);
     return next === null ? Promise.resolve(false) : this.go(next);
   }
 
+  /** @param {WheelEvent} event */
   wheel({ deltaX, deltaY, shiftKey, clientX }) {
     const now = performance.now();
     const along = Math.abs(deltaX) > Math.abs(deltaY) || shiftKey;
@@ -65,7 +84,10 @@ export class Shown {
     else this.zoom(-direction, this.picture.placeOf(clientX));
   }
 
-  /** The window that a host shows, [start, end] in s. */
+  /**
+   * The window that a host shows, [start, end] in s.
+   * @param {[number, number]} window
+   */
   follow(window) {
     return this.go(partBetween(this.windows, window));
   }
@@ -75,7 +97,10 @@ export class Shown {
     return Boolean(this.data.info.server);
   }
 
-  /** Go to a part; what is asked for meanwhile comes after it, the last alone. */
+  /**
+   * Go to a part; what is asked for meanwhile comes after it, the last alone.
+   * @param {Part} part
+   */
   async toward(part) {
     this.wanted = part;
     if (this.heading) return;
@@ -88,7 +113,10 @@ export class Shown {
     this.heading = false;
   }
 
-  /** Put a part under the hand; the moment a key holds stays under it. */
+  /**
+   * Put a part under the hand; the moment a key holds stays under it.
+   * @param {Part} part
+   */
   async go(part) {
     if (this.going || isSame(part, this.view)) return false;
     this.going = true;
@@ -114,6 +142,7 @@ export class Shown {
     }
   }
 
+  /** @param {View} view */
   take(view) {
     this.view = view;
     this.picture.show(view);
@@ -121,7 +150,10 @@ export class Shown {
     this.fetchPoints(view);
   }
 
-  /** The data's values come after the picture. */
+  /**
+   * The data's values come after the picture.
+   * @param {View} view
+   */
   async fetchPoints(view) {
     try {
       view.points = await this.data.points(view);

@@ -4,9 +4,14 @@
 import { SampleClock } from "./clock.js";
 import { openKernel } from "./kernel_node.js";
 
+/** @import { Part, Preset, Told } from "../types" */
+/** @import { KernelNode } from "../kernel_node" */
+/** @import { Data } from "./data.js" */
+
 const GLIDE_S = 0.02;
 
 // of each way to feel: how much of click and tactor goes to left and right
+/** @type {Record<string, Record<string, [number, number]>>} */
 const ROUTES = {
   tactor: { click: [1, 0], tactor: [0, 1] },
   motor: { click: [1, 1], tactor: [0, 0] },
@@ -14,7 +19,10 @@ const ROUTES = {
 };
 
 export class Sound {
-  /** Silent until `load` has fetched the kernel and `start` was called; what comes first is kept. */
+  /**
+   * Silent until `load` has fetched the kernel and `start` was called; what comes first is kept.
+   * @param {Data} data
+   */
   constructor(data) {
     this.data = data;
     // iPhones: as music, so that the silent switch doesn't still it
@@ -26,11 +34,20 @@ export class Sound {
       this.context.close();
       this.context = new AudioContext({ latencyHint: "interactive", sampleRate: rates[0] });
     }
+    /** Called where it begins to sound, and where something else takes the output from it. */
+    this.onstate = /** @type {(sounds: boolean) => void} */ (() => {});
+    this.context.addEventListener("statechange", () => {
+      this.onstate(this.context.state === "running");
+    });
     this.clock = new SampleClock(this.context.sampleRate);
+    /** @type {KernelNode | null} */
     this.node = null;
     this.felt = "ears";
+    /** @type {[number, number]} */
     this.gain = [1, 1]; // of click and tactor
+    /** @type {number | null} */
     this.held = null; // where a finger holds already
+    /** @type {Promise<void> | null} */
     this.loaded = null; // a promise, once it loads
   }
 
@@ -46,6 +63,7 @@ export class Sound {
     const split = context.createChannelSplitter(2);
     const merge = context.createChannelMerger(2);
     node.connect(split);
+    /** @type {Record<string, GainNode[]>} */
     this.gains = { click: [], tactor: [] };
     Object.values(this.gains).forEach((signal, from) => {
       for (const to of [0, 1]) {
@@ -71,12 +89,20 @@ export class Sound {
     return this.node !== null && this.context.state === "running";
   }
 
+  /**
+   * @param {number} place
+   * @param {boolean} touching
+   * @param {number} sample
+   */
   control(place, touching, sample) {
     if (this.node === null) this.held = touching ? place : null;
     else this.node.control(place * Math.PI, touching, "touch", sample);
   }
 
-  /** Where the signals go: tactor, motor or ears. */
+  /**
+   * Where the signals go: tactor, motor or ears.
+   * @param {string} felt
+   */
   route(felt, atOnce = false) {
     this.felt = felt;
     if (this.node === null) return;
@@ -89,26 +115,41 @@ export class Sound {
     }
   }
 
-  /** Gains of both, linear. */
+  /**
+   * Gains of both, linear.
+   * @param {number} click
+   * @param {number} tactor
+   */
   volume(click, tactor) {
     this.gain = [click, tactor];
     this.node?.output({ gain: click }, { gain: tactor });
   }
 
-  /** Fetch what it takes to put a part under the hand; call the answer to do so. */
+  /**
+   * Fetch what it takes to put a part under the hand; call the answer to do so.
+   * @param {Part} part
+   */
   async show(part) {
     await this.load();
     const bytes = await this.data.change(part, this.context.sampleRate);
     return () => this.node.change(bytes);
   }
 
-  /** Go from one preset to another; `part` has the surface, null if it stays. */
+  /**
+   * Go from one preset to another; `part` has the surface, null if it stays.
+   * @param {Preset} before
+   * @param {Preset} after
+   * @param {Part | null} part
+   */
   async feel(before, after, part) {
     await this.load();
     this.node.change(await this.data.feel(before, after, part, this.context.sampleRate));
   }
 
-  /** The kernel's meters and strikes. */
+  /**
+   * The kernel's meters and strikes.
+   * @returns {Promise<Told>}
+   */
   async look() {
     const told = await this.node.look();
     this.clock.heard(told.clock, performance.now());

@@ -8,6 +8,7 @@ export class Speech {
     this.timer = 0;
   }
 
+  /** @param {string} text */
   say(text) {
     if (!this.on || !("speechSynthesis" in window)) return;
     clearTimeout(this.timer);

@@ -7,25 +7,38 @@ import { SvgContext } from "./svg.js";
 import { partAbout, partOf } from "./windows.js";
 import { scoresOf } from "./words.js";
 
+/** @import { View } from "../types" */
+/** @import { Data } from "./data.js" */
+/** @import { Shown } from "./shown.js" */
+
 const FONT_PX = 13;
 
 export class Strip {
+  /**
+   * @param {Data} data
+   * @param {Shown} shown
+   */
   constructor(data, shown) {
     this.data = data;
     this.shown = shown;
     this.element = by("strip");
     this.box = by("strip-window");
+    /** @type {View | null} */
     this.whole = null; // the view of the whole
+    /** @type {number | null} */
     this.held = null; // how far (s) a finger is from the window's middle
-    this.element.addEventListener("pointerdown", (event) => this.down(event));
-    this.element.addEventListener("pointermove", (event) => this.move(event));
+    this.element.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => this.down(event));
+    this.element.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => this.move(event));
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
       this.element.addEventListener(end, () => this.up());
     }
     new ResizeObserver(() => this.draw()).observe(this.element);
   }
 
-  /** Another window is shown, or the same. */
+  /**
+   * Another window is shown, or the same.
+   * @param {View} view
+   */
   show(view) {
     const { info } = this.data;
     if (view.zoom === 0) this.whole = view;
@@ -39,11 +52,15 @@ export class Strip {
   }
 
   async fetch() {
-    this.whole = await this.data.view(partOf(this.shown.windows, 0)).catch(() => null);
+    this.whole = await this.data.view(partOf(this.shown.windows, 0)).catch(() => /** @type {View | null} */ (null));
     this.draw();
   }
 
-  /** Put the window's frame there (s). */
+  /**
+   * Put the window's frame there (s).
+   * @param {number} start
+   * @param {number} end
+   */
   place(start, end) {
     const { duration_s } = this.data.info;
     this.box.style.left = `${(100 * start) / duration_s}%`;
@@ -85,12 +102,16 @@ export class Strip {
 
   // --- a finger ---------------------------------------------------------------------------------
 
-  /** The moment (s) under a pointer. */
+  /**
+   * The moment (s) under a pointer.
+   * @param {PointerEvent} event
+   */
   under({ clientX }) {
     const { left, width } = this.element.getBoundingClientRect();
     return ((clientX - left) / width) * this.data.info.duration_s;
   }
 
+  /** @param {PointerEvent} event */
   down(event) {
     const { view } = this.shown;
     if (event.button !== 0 || view.zoom === 0) return;
@@ -101,6 +122,7 @@ export class Strip {
     this.move(event);
   }
 
+  /** @param {PointerEvent} event */
   move(event) {
     if (this.held === null) return;
     const { windows, view } = this.shown;

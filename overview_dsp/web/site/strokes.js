@@ -3,10 +3,16 @@
 // so coarse a staircase would be felt as one.
 
 const EVERY_S = 0.002;
+
+/** @import { Clock } from "../types" */
 const LONGEST_S = 0.025; // after a rest, a move is as quick as this
 
 export class Strokes {
-  /** `send(place, touching, sample)`; `clock`: a SampleClock. */
+  /**
+   * `send(place, touching, sample)`; `clock`: a SampleClock.
+   * @param {Clock} clock
+   * @param {(place: number, touching: boolean, sample: number) => void} send
+   */
   constructor(clock, send) {
     this.clock = clock;
     this.send = send;
@@ -15,6 +21,7 @@ export class Strokes {
     this.touching = false;
   }
 
+  /** @param {number} place */
   touch(place) {
     this.touching = true;
     this.place = place;
@@ -22,6 +29,10 @@ export class Strokes {
     this.send(place, true, -1);
   }
 
+  /**
+   * @param {number} place
+   * @param {number} time
+   */
   move(place, time) {
     const { rate } = this.clock;
     let sample = this.clock.sampleAt(time);
@@ -44,6 +55,7 @@ export class Strokes {
     this.place = place;
   }
 
+  /** @param {number} time */
   release(time) {
     if (!this.touching) return;
     this.touching = false;

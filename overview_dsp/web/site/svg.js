@@ -1,12 +1,16 @@
 // What stands still is drawn into an SVG, with the few methods of a canvas that it takes: a canvas
 // of the screen's size would be handed to the compositor again with every frame.
 
+/** @param {number} number */
 const round = (number) => Math.round(number * 100) / 100;
+/** @type {Record<string, string>} */
 const ANCHOR = { left: "start", center: "middle", right: "end" };
+/** @type {Record<string, number>} */
 const BASELINE = { top: 0.8, alphabetic: 0, bottom: -0.22 }; // of the size, below the point
 const measuring = document.createElement("canvas").getContext("2d");
 
 export class SvgContext {
+  /** @param {SVGSVGElement} svg */
   constructor(svg) {
     this.svg = svg;
     this.made = document.createDocumentFragment();
@@ -27,10 +31,18 @@ export class SvgContext {
     this.d = "";
   }
 
+  /**
+   * @param {number} x
+   * @param {number} y
+   */
   moveTo(x, y) {
     this.d += `M${round(x)} ${round(y)}`;
   }
 
+  /**
+   * @param {number} x
+   * @param {number} y
+   */
   lineTo(x, y) {
     this.d += `${this.d ? "L" : "M"}${round(x)} ${round(y)}`;
   }
@@ -39,8 +51,15 @@ export class SvgContext {
     this.d += "Z";
   }
 
+  /**
+   * @param {number} x
+   * @param {number} y
+   * @param {number} r
+   * @param {number} from
+   * @param {number} to
+   */
   arc(x, y, r, from, to) {
-    const at = (angle) => `${round(x + r * Math.cos(angle))} ${round(y + r * Math.sin(angle))}`;
+    const at = (/** @type {number} */ angle) => `${round(x + r * Math.cos(angle))} ${round(y + r * Math.sin(angle))}`;
     const middle = (from + to) / 2; // a whole turn ends where it began
     this.d += `M${at(from)}`;
     for (const end of [middle, to]) this.d += `A${round(r)} ${round(r)} 0 0 1 ${at(end)}`;
@@ -57,21 +76,38 @@ export class SvgContext {
     this.add("path", { d: this.d, fill: this.fillStyle });
   }
 
+  /** @param {string} text */
   measureText(text) {
     measuring.font = this.font;
     return measuring.measureText(text);
   }
 
+  /**
+   * @param {string} text
+   * @param {number} x
+   * @param {number} y
+   */
   fillText(text, x, y) {
     this.text(text, x, y, { fill: this.fillStyle });
   }
 
-  /** The rim of a text that is filled afterwards. */
+  /**
+   * The rim of a text that is filled afterwards.
+   * @param {string} text
+   * @param {number} x
+   * @param {number} y
+   */
   strokeText(text, x, y) {
     const rim = { fill: "none", stroke: this.strokeStyle, "stroke-width": this.lineWidth };
     this.text(text, x, y, { ...rim, "stroke-linejoin": "round" });
   }
 
+  /**
+   * @param {string} text
+   * @param {number} x
+   * @param {number} y
+   * @param {Record<string, string | number>} look
+   */
   text(text, x, y, look) {
     const [, weight, size] = this.font.match(/^(\d+) ([\d.]+)px/);
     const down = BASELINE[this.textBaseline] * Number(size);
@@ -82,9 +118,13 @@ export class SvgContext {
     element.textContent = text;
   }
 
+  /**
+   * @param {string} name
+   * @param {Record<string, string | number>} attributes
+   */
   add(name, attributes) {
     const element = document.createElementNS(this.svg.namespaceURI, name);
-    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
     this.made.append(element);
     return element;
   }

@@ -3,14 +3,29 @@
 const TAP_MS = 250;
 const TAP_PX = 10;
 
+/** @import { Hand } from "./hand.js" */
+
+/**
+ * @typedef {object} TouchMeans
+ * @property {(pointer: { clientX: number, clientY: number }, first?: boolean) => number} placeOf
+ * @property {(x: number, y: number) => boolean} ontap
+ * @property {(factor: number, x: number, over: boolean) => void} onpinch
+ * @property {() => void} onfirst
+ */
+
 /**
  * `placeOf(event, first)` is the place (0 to 1) of a pointer, `first` where it came down;
  * `ontap(x, y)` is called after a short touch and says whether it meant something else than a step
  * to there; `onpinch(factor, x, over)` while two fingers spread or close about x, `factor` since they
  * came down; `onfirst()` at every touch, in which sound may be started.
+ * @param {HTMLElement} element
+ * @param {Pick<Hand, "hold" | "release" | "releaseLater">} hand
+ * @param {TouchMeans} means
  */
 export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst }) {
+  /** @type {Map<number, PointerEvent>} */
   const fingers = new Map();
+  /** @type {{ x: number, y: number, time: number, tap: boolean } | null} */
   let down = null;
   let spread = 0;
 
@@ -29,6 +44,7 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
     }
   });
 
+  /** @param {boolean} over */
   const pinched = (over) => {
     const [a, b] = [...fingers.values()];
     onpinch(distance(fingers) / Math.max(spread, 1), (a.clientX + b.clientX) / 2, over);
@@ -48,6 +64,7 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
     }
   });
 
+  /** @param {PointerEvent} event */
   const up = (event) => {
     if (!fingers.has(event.pointerId)) return;
     if (fingers.size === 2) pinched(true);
@@ -64,6 +81,7 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
   element.addEventListener("contextmenu", (event) => event.preventDefault());
 }
 
+/** @param {Map<number, PointerEvent>} fingers */
 function distance(fingers) {
   const [a, b] = [...fingers.values()];
   return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);

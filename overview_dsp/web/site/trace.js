@@ -1,9 +1,17 @@
 // The last seconds of torque, a value a frame, and where something was struck.
 
 export const LENGTH = 240; // frames
+const MARK = 5; // px of a strike's mark
+
+/** @import { Colours, TraceBox } from "../types" */
+/** @import { Strike } from "../kernel_node" */
 
 export class Trace {
-  /** `full` N m reach the edge. */
+  /**
+   * `full` N m reach the edge.
+   * @param {HTMLCanvasElement} canvas
+   * @param {number} full
+   */
   constructor(canvas, full) {
     this.canvas = canvas;
     this.c = canvas.getContext("2d");
@@ -11,12 +19,17 @@ export class Trace {
     this.height = new Float32Array(LENGTH);
     this.struck = new Uint8Array(LENGTH);
     this.at = 0;
+    /** @type {TraceBox | null} */
     this.box = null;
     this.fresh = true;
     this.turn = false;
   }
 
-  /** Lay it out in a box of the picture, or (null) not at all. */
+  /**
+   * Lay it out in a box of the picture, or (null) not at all.
+   * @param {TraceBox | null} box
+   * @param {number} scale
+   */
   place(box, scale) {
     const { canvas } = this;
     this.box = box;
@@ -34,7 +47,11 @@ export class Trace {
     canvas.height = Math.round(height * this.scale);
   }
 
-  /** Torque (N m) now, and the strikes since the last frame, whose torque may be over by now. */
+  /**
+   * Torque (N m) now, and the strikes since the last frame, whose torque may be over by now.
+   * @param {number} torque
+   * @param {Strike[]} struck
+   */
   push(torque, struck) {
     let most = torque;
     for (const one of struck) {
@@ -47,26 +64,31 @@ export class Trace {
     this.fresh = true;
   }
 
-  /** Drawn the newest at the right. */
+  /**
+   * Drawn the newest at the right.
+   * @param {Colours} colours
+   */
   draw(colours) {
     const { c, box, canvas } = this;
     this.turn = !this.turn; // every second frame: nobody reads a torque 60 times a second
     if (box === null || !this.fresh || this.turn) return;
     this.fresh = false;
-    c.setTransform(1, 0, 0, 1, 0, 0);
-    c.clearRect(0, 0, canvas.width, canvas.height);
-    c.setTransform(this.scale, 0, 0, this.scale, 0, 0);
-    const step = (box.right - box.left) / (LENGTH - 1);
-    c.beginPath();
-    for (let i = 0; i < LENGTH; i += 1) {
-      c.lineTo(i * step, box.half * (1 - this.height[(this.at + i) % LENGTH]));
+    const { width, height } = canvas;
+    const half = Math.round(box.half * this.scale);
+    c.clearRect(0, 0, width, height);
+    // bars on whole pixels, which nothing has to be smoothed for
+    const step = Math.ceil(width / LENGTH);
+    const count = Math.floor(width / step);
+    const first = this.at + LENGTH - count;
+    c.fillStyle = colours.trace;
+    for (let i = 0; i < count; i += 1) {
+      const y = Math.round(half * (1 - this.height[(first + i) % LENGTH]));
+      c.fillRect(i * step, Math.min(y, half - 1), step, Math.abs(half - y) || 1);
     }
-    c.strokeStyle = colours.trace;
-    c.lineWidth = 1.5;
-    c.stroke();
+    const mark = Math.round(MARK * this.scale);
     c.fillStyle = colours.hand;
-    for (let i = 0; i < LENGTH; i += 1) {
-      if (this.struck[(this.at + i) % LENGTH]) c.fillRect(i * step - 1, 2 * box.half, 2, 6);
+    for (let i = 0; i < count; i += 1) {
+      if (this.struck[(first + i) % LENGTH]) c.fillRect(i * step, 2 * half, step, mark);
     }
   }
 }

@@ -7,7 +7,13 @@ const UPRIGHT = 0.25; // held on end, gravity says nothing about the roll
 const SILENT_MS = 1500; // a sensor tells sixty times a second
 const RAD = Math.PI / 180;
 
-/** Roll in rad, -pi to pi, 0 face up; NaN where the phone stands on end. */
+/** @import { Hand } from "./hand.js" */
+
+/**
+ * Roll in rad, -pi to pi, 0 face up; NaN where the phone stands on end.
+ * @param {number} beta
+ * @param {number} gamma
+ */
 export function rollOf(beta, gamma) {
   // where up is, along the phone's x and z (W3C DeviceOrientation: Z-X'-Y'')
   const x = -Math.cos(beta * RAD) * Math.sin(gamma * RAD);
@@ -15,13 +21,18 @@ export function rollOf(beta, gamma) {
   return Math.hypot(x, z) < UPRIGHT ? NaN : Math.atan2(-x, z);
 }
 
-/** Place, 0 to 1, of a roll, when `start` is the roll of the start. */
+/**
+ * Place, 0 to 1, of a roll, when `start` is the roll of the start.
+ * @param {number} roll
+ * @param {number} start
+ */
 export function placeOfRoll(roll, start) {
   const turned = Math.abs(roll - start) % (2 * Math.PI);
   return Math.min(turned, 2 * Math.PI - turned) / Math.PI;
 }
 
 export class Twist {
+  /** @param {Pick<Hand, "hold" | "release">} hand */
   constructor(hand, start = 0) {
     this.hand = hand;
     this.start = start;
@@ -30,7 +41,8 @@ export class Twist {
     this.told = false; // whether a sensor has said anything
     /** Called with a line where none does. */
     this.onsilent = /** @type {(line: string) => void} */ (() => {});
-    this.heard = (event) => this.turn(event);
+    this.heard = (/** @type {DeviceOrientationEvent} */ event) => this.turn(event);
+    /** @type {WakeLockSentinel | null} */
     this.lock = null; // on the screen: a page behind a locked one gets no motion
     document.addEventListener("visibilitychange", () => this.keepAwake());
   }
@@ -70,6 +82,7 @@ export class Twist {
     this.hand.release("twist");
   }
 
+  /** @param {DeviceOrientationEvent} event */
   turn({ beta, gamma, timeStamp }) {
     if (beta === null || gamma === null) return;
     this.told = true;

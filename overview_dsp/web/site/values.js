@@ -1,6 +1,12 @@
 // The data's own values: the point nearest to a place of a window, never one made up between two.
 
-/** Index of the point of a window nearest to a moment (s), -1 where there is none. */
+/** @import { Info, Points, View } from "../types" */
+
+/**
+ * Index of the point of a window nearest to a moment (s), -1 where there is none.
+ * @param {{ points: Points | null }} view
+ * @param {number} moment
+ */
 export function pointAt(view, moment) {
   const times = view.points?.time_s ?? [];
   if (times.length === 0) return -1;
@@ -14,14 +20,22 @@ export function pointAt(view, moment) {
   return low > 0 && moment - times[low - 1] <= times[low] - moment ? low - 1 : low;
 }
 
-/** A value with its unit, as many decimals as the data have; "" without a value. */
+/**
+ * A value with its unit, as many decimals as the data have; "" without a value.
+ * @param {number | undefined} value
+ * @param {Pick<Info, "series">} info
+ */
 export function valueText(value, { series }) {
   if (value === undefined || !series) return "";
   const text = value.toFixed(series.decimals).replace("-", "\u2212");
   return series.unit ? `${text} ${series.unit}` : text;
 }
 
-/** Where the highest (1) or lowest (-1) of a window is, 0 to 1: of its points, or of its curve. */
+/**
+ * Where the highest (1) or lowest (-1) of a window is, 0 to 1: of its points, or of its curve.
+ * @param {View} view
+ * @param {number} direction
+ */
 export function extremeOf(view, direction) {
   const [values, first, last, placeAt] = within(view);
   let best = first;
@@ -31,14 +45,21 @@ export function extremeOf(view, direction) {
   return Math.min(Math.max(placeAt(best), 0), 1);
 }
 
-/** The lowest and the highest value of a window. */
+/**
+ * The lowest and the highest value of a window.
+ * @param {View} view
+ */
 export function rangeOf(view) {
   const [values, first, last] = within(view);
   const some = values.slice(first, last + 1);
   return [some.reduce((a, b) => Math.min(a, b)), some.reduce((a, b) => Math.max(a, b))];
 }
 
-/** Values of a window, the first and the last that lie in it, and the place of each. */
+/**
+ * Values of a window, the first and the last that lie in it, and the place of each.
+ * @param {View} view
+ * @returns {[number[], number, number, (i: number) => number]}
+ */
 function within(view) {
   const { points, level, start_s, end_s } = view;
   if (!points || points.value.length === 0) {
@@ -53,7 +74,11 @@ function within(view) {
   ];
 }
 
-/** Values at which a line is drawn, few and round, and where they are (level 0 to 1). */
+/**
+ * Values at which a line is drawn, few and round, and where they are (level 0 to 1).
+ * @param {[number, number]} scale
+ * @param {number} most
+ */
 export function linesOf([low, span], most) {
   if (!(span > 0)) return [];
   const least = span / most;

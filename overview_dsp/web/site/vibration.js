@@ -13,23 +13,28 @@ const GAP_MS = 15; // between two codes, so that they are two
 const LATE_MS = 25; // a lesser event waits so long for a greater one's code to end
 const PAD_MS = 60;
 
-/** How long (ms) a pulse of the surface is at a level from 0 to 1; 0 where nothing is felt. */
+/**
+ * How long (ms) a pulse of the surface is at a level from 0 to 1; 0 where nothing is felt.
+ * @param {number} level
+ */
 export function pulseOf(level) {
   if (level < FLOOR) return 0;
   // as a tactor's amplitude is felt, so that an even hum isn't lost below a crowd
   return Math.round(LEAST_MS + (MOST_MS - LEAST_MS) * Math.sqrt(Math.min(level, 1)));
 }
 
+/** @param {number[]} pattern */
 const lengthOf = (pattern) => pattern.reduce((sum, one) => sum + one, 0);
 
 export class Motor {
   /** `vibrate(pattern)` of on and off times (ms), `pads()` the game pads. */
   constructor(
-    vibrate = (pattern) => navigator.vibrate?.(pattern),
+    vibrate = (/** @type {any} */ pattern) => navigator.vibrate?.(pattern),
     pads = () => navigator.getGamepads?.() ?? [],
   ) {
     this.vibrate = vibrate;
     this.pads = pads;
+    /** @type {number[] | null} */
     this.code = null; // what is on: an event's, or a pulse of the surface
     this.weight = 0; // an event's first pulse, ms; 0 for the surface
     this.began = -Infinity;
@@ -38,16 +43,26 @@ export class Motor {
     this.moving = false;
   }
 
-  /** Every frame: the codes of what was struck since the last one, the tactor's peak (0 to 1). */
+  /**
+   * Every frame: the codes of what was struck since the last one, the tactor's peak (0 to 1).
+   * @param {number[][]} codes
+   * @param {number} level
+   * @param {number} now
+   */
   feel(codes, level, now) {
-    const heaviest = codes.reduce((most, code) => (code[0] > (most?.[0] ?? 0) ? code : most), null);
+    const heaviest = codes.reduce((/** @type {number[] | null} */ most, code) => (code[0] > (most?.[0] ?? 0) ? code : most), null);
     if (heaviest !== null) this.strike(heaviest, now);
     else if (now >= this.next) this.hum(level, now);
     this.feelPads(heaviest === null ? level : Math.max(level, 0.6), heaviest !== null, now);
   }
 
+  /**
+   * @param {number[]} code
+   * @param {number} now
+   */
   strike(code, now) {
     const left = this.code === null ? 0 : this.began + lengthOf(this.code) - now;
+    /** @type {number[]} */
     let first = []; // how what is on ends
     if (left > 0) {
       const waits = code[0] < this.weight;
@@ -65,6 +80,10 @@ export class Motor {
     this.next = this.began + lengthOf(code) + 2 * GAP_MS;
   }
 
+  /**
+   * @param {number} level
+   * @param {number} now
+   */
   hum(level, now) {
     const pulse = pulseOf(level);
     this.code = [pulse];
@@ -78,12 +97,18 @@ export class Motor {
     this.next = now + EVERY_MS;
   }
 
+  /** @param {number[]} pattern */
   start(pattern) {
     this.vibrate(pattern);
     this.moving = true;
   }
 
-  /** Game pads have strength: the heavy motor for events, the light one for the surface. */
+  /**
+   * Game pads have strength: the heavy motor for events, the light one for the surface.
+   * @param {number} level
+   * @param {boolean} struck
+   * @param {number} now
+   */
   feelPads(level, struck, now) {
     if (now < this.padded && !struck) return;
     for (const pad of this.pads()) {

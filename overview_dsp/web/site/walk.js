@@ -5,8 +5,19 @@ import { placeText, summaryText } from "./words.js";
 
 const NEAR = 1e-6; // of a window or s: the same place
 
+/** @import { Info, TimelineEvent } from "../types" */
+/** @import { Hand } from "./hand.js" */
+/** @import { Shown } from "./shown.js" */
+/** @import { Speech } from "./speech.js" */
+
 export class Walk {
-  /** `shown`: the window under the hand (`Shown`); `speech` says where the hand has come to. */
+  /**
+   * `shown`: the window under the hand (`Shown`); `speech` says where the hand has come to.
+   * @param {Hand} hand
+   * @param {Shown} shown
+   * @param {Speech} speech
+   * @param {Info} info
+   */
   constructor(hand, shown, speech, info) {
     this.hand = hand;
     this.shown = shown;
@@ -14,6 +25,7 @@ export class Walk {
     this.info = info;
   }
 
+  /** @param {number} by */
   move(by) {
     const { place } = this.hand;
     const wanted = place + by;
@@ -22,6 +34,7 @@ export class Walk {
     else this.to(wanted);
   }
 
+  /** @param {number} place */
   to(place) {
     this.hand.hold("keys", place);
     this.sayPlace();
@@ -57,9 +70,12 @@ export class Walk {
     this.speech.say(summaryText(this.shown.view, this.info));
   }
 
-  /** To the next (1) or the last (-1) event, in this window or beyond its end. */
+  /**
+   * To the next (1) or the last (-1) event, in this window or beyond its end.
+   * @param {number} direction
+   */
   async event(direction) {
-    const after = (event) => (event.place - this.hand.place) * direction > NEAR;
+    const after = (/** @type {TimelineEvent} */ event) => (event.place - this.hand.place) * direction > NEAR;
     let found = this.shown.view.events.filter(after);
     if (found.length === 0) {
       const now = this.shown.moment;

@@ -28,7 +28,7 @@ self.addEventListener("activate", (event) => {
   );
 });
 
-// the page asks for it once it sounds: twelve megabytes shouldn't be in its way
+// the page asks for it once it sounds: ten megabytes shouldn't be in its way
 self.addEventListener("message", (event) => {
   if (event.data !== "keep windows") return;
   event.waitUntil(

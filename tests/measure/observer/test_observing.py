@@ -73,7 +73,7 @@ def test_it_says_what_is_taken_for_what(alike):
 def test_every_stroke_is_asked_about_on_the_given_timelines_too():
     preset = preset_of(hard=(150.0, 0.15, 900.0), soft=(6.0, 0.3, 900.0))
     given = [ov.measure.random_events(["hard", "soft"], seed) for seed in (901, 902)]
-    report = observed(preset, timelines=given, modalities=["touch"], learned=8, held_out=2)
+    report = observed(preset, timelines=given, modalities=["touch"], learned=2, held_out=2)
     assert [(one.name, one.timelines) for one in report.sets] == [
         ("random timelines", 2),
         ("timelines given", 2),

@@ -22,17 +22,15 @@ async function told() {
   await until(() => window.overview.view.zoom === 1);
   const { playback, sound } = window.overview;
   await until(() => sound.node);
-  // nobody touches the page and there may be no output: the hand sweeps, nothing is heard
-  sound.context.resume = async () => {};
   document.getElementById("run").click();
   await until(() => playback.player.playing);
-  await until(() => window.overview.place > 0.2);
+  await until(() => window.overview.cursor > 0.2);
   document.getElementById("run").click();
   await until(() => !playback.player.playing);
   return {
     event,
-    swept: window.overview.place,
-    drawn: window.overview.picture.layer.querySelectorAll("path, text").length,
+    swept: window.overview.cursor,
+    meters: window.overview.meters,
     fault: document.getElementById("fault").textContent,
   };
 }

@@ -1,0 +1,73 @@
+# A sensor for overView DSP on a board with MicroPython: Pico, ESP32, Pyboard, micro:bit.
+#
+# Wiring   MPU-6050: SDA and SCL (Pico: GP4 and GP5), 3V3, GND. Without one, a potentiometer: its
+#          ends to 3V3 and GND, the wiper to the first analogue pin (Pico: GP26; ESP32: 34). A
+#          micro:bit needs nothing: it has an accelerometer.
+# Flash    copy this file to the board as main.py (Thonny, or mpremote cp main.py :)
+# Play     overview play MATCH --input serial:PORT
+# Prints on reset
+#          # overview micropython 1: mpu6050, 100 a second
+#          ax,ay,az,gx,gy,gz
+#          0.05,-0.02,9.79,0.001,0.000,-0.002
+
+try:
+    from utime import sleep_ms, ticks_ms
+except ImportError:
+    from time import sleep_ms, ticks_ms
+
+RATE_HZ = 100
+SDA, SCL, ANALOGUE = 4, 5, 26
+ADDRESS = 0x68
+
+
+# m/s2 and rad/s
+def mpu6050(i2c):
+    for register, value in ((0x6B, 1), (0x1A, 2), (0x1B, 0x18), (0x1C, 0x18)):
+        i2c.writeto_mem(ADDRESS, register, bytes((value,)))
+
+    def number(data, at, unit):
+        value = data[at] << 8 | data[at + 1]
+        return "{:.4f}".format((value - 65536 if value > 32767 else value) * unit)
+
+    def read():
+        data = i2c.readfrom_mem(ADDRESS, 0x3B, 14)
+        acc = [number(data, at, 9.80665 / 2048) for at in (0, 2, 4)]
+        return ",".join(acc + [number(data, at, 0.00106422) for at in (8, 10, 12)])
+
+    return "mpu6050", "ax,ay,az,gx,gy,gz", read
+
+
+# what there is: its name, its columns, and what reads it
+def found():
+    try:
+        from microbit import accelerometer
+
+        return "micro:bit", "ax,ay,az", lambda: ",".join(map(str, accelerometer.get_values()))
+    except ImportError:
+        import machine
+    try:
+        i2c = machine.I2C(0, sda=machine.Pin(SDA), scl=machine.Pin(SCL), freq=400000)
+        if ADDRESS in i2c.scan():
+            return mpu6050(i2c)
+    except (OSError, ValueError, TypeError):  # no such pins here
+        pass
+    wiper = machine.ADC(machine.Pin(ANALOGUE))
+    return "potentiometer", "pot", lambda: str(wiper.read_u16() >> 6)
+
+
+def run(name, columns, read):
+    print("# overview micropython 1: {}, {} a second".format(name, RATE_HZ))
+    began, lines = ticks_ms(), 0
+    while True:
+        if lines % RATE_HZ == 0:
+            print(columns)  # what the numbers are, once a second
+        print(read())
+        lines += 1
+        late = ticks_ms() - began - lines * 1000 // RATE_HZ
+        if late < 0:
+            sleep_ms(-late)
+        elif late > 100:  # it can't keep up: later, not faster
+            began, lines = ticks_ms(), 0
+
+
+run(*found())

@@ -1,0 +1,31 @@
+/* A potentiometer turns the timeline.
+
+Wiring   one end to GND, the other to 5V (to 3V3 on a board that runs on 3.3 V), the wiper to A0
+Flash    Arduino IDE: open this folder's pot.ino, choose board and port, upload
+Play     overview play MATCH --input serial:PORT
+Prints on reset
+         # overview pot 1: lines of pot, 0 to 1023, 200 a second
+         pot
+         512
+*/
+
+const int WIPER = A0;
+const int RATE_HZ = 200;
+
+void setup() {
+  Serial.begin(115200);
+#if !defined(__AVR__) && !defined(ESP8266)
+  analogReadResolution(10);  // as the others
+#endif
+  Serial.println(F("# overview pot 1: lines of pot, 0 to 1023, 200 a second"));
+}
+
+void loop() {
+  static unsigned long due = micros();
+  static int line = 0;
+  if ((long)(micros() - due) < 0) return;
+  due += 1000000UL / RATE_HZ;
+  if (line == 0) Serial.println(F("pot"));  // what the numbers are, once a second
+  line = (line + 1) % RATE_HZ;
+  Serial.println(analogRead(WIPER));
+}

@@ -1,0 +1,81 @@
+"""`overview osc`: what the messages of other programs and apps do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from overview_dsp.cli.learning import heard_from, keep, learn_options, require_target
+
+if TYPE_CHECKING:
+    from overview_dsp.controllers.osc_map import OscControl
+
+
+@click.group(name="osc", epilog="Example: overview osc learn 0.0.0.0:9000 theta2 -o tablet.toml")
+def command() -> None:
+    """Assign the messages of other programs and apps, for `overview play --osc-map`."""
+
+
+@command.command(
+    name="learn", epilog="Example: overview osc learn 0.0.0.0:9000 device -o phone.toml"
+)
+@click.argument("port")
+@click.argument("target")
+@learn_options
+def learn(
+    port: str,
+    target: str,
+    path: str,
+    low: float | None,
+    high: float | None,
+    seconds: float,
+    as_json: bool,
+) -> None:
+    """Move a control that sends OSC to PORT (or HOST:PORT): from now on it does TARGET.
+
+    TARGET is theta2 (the angle), touch (the disk is held while it is pressed), device (what sends
+    is itself turned in the hand) or a parameter's id (`overview presets docs`). The control that is
+    moved is added to the list, or takes the place of what did the same.
+    """
+    from overview_dsp.controllers.midi_map import THETA2, TOUCH
+    from overview_dsp.controllers.osc_learn import DEVICE, OscLearner
+    from overview_dsp.controllers.osc_map import (
+        SENSED,
+        OscControl,
+        load_osc_map,
+        parse_osc_map,
+        write_osc_map,
+    )
+    from overview_dsp.files.atomic import require_writable
+    from overview_dsp.live.osc_port import OscPort
+
+    require_target(target, (THETA2, TOUCH, DEVICE))
+    to = "acceleration" if target == DEVICE else target
+    parse_osc_map(write_osc_map((OscControl("/x", to, low=low, high=high),)), target)
+    require_writable(path)
+    controls = load_osc_map(path) if Path(path).exists() else ()
+    learner = OscLearner(target)
+
+    def hear(came: list[bytes], now_s: float) -> OscControl | None:
+        for data in came:
+            learner.read(data, now_s)
+        return learner.found(now_s)
+
+    def otherwise() -> str:
+        came = f"heard were {learner.heard}" if learner.heard else "nothing came"
+        return f"no message was known that can be {target!r}; {came}"
+
+    found = heard_from(lambda: OscPort(port), learner.ask, hear, seconds, otherwise)
+    found = replace(found, low=low, high=high)
+    replaced = SENSED if target == DEVICE else (target,)
+    same = (found.address, found.value)
+    kept = tuple(
+        one for one in controls if (one.address, one.value) != same and one.to not in replaced
+    )
+    sent = "" if target in (DEVICE, TOUCH) else f", {found.sends[0]:g} to {found.sends[1]:g},"
+    words = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
+    report = {"address": found.address, "value": found.value, "to": found.to}
+    keep(path, write_osc_map((*kept, found)), report, as_json, words)

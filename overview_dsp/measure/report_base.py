@@ -1,0 +1,99 @@
+"""What every report can: plain data, a table, warnings."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import fields, is_dataclass
+from typing import Any, ClassVar
+
+
+class Report(ABC):
+    """What was measured of a preset."""
+
+    _digits: ClassVar[int] = 4
+    """Of the numbers in plain data, where a field's `digits` says nothing else."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Make plain data of it; what was not felt is None.
+
+        Returns
+        -------
+        dict
+            Of texts, numbers and lists, for JSON.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
+        >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
+        >>> sorted(report.to_json())
+        ['preset', 'strokes', 'timelines']
+        """
+        return self._plain()
+
+    def table(self) -> str:
+        """Write the report as text: a block a stroke.
+
+        Returns
+        -------
+        str
+            Of many lines.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
+        >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
+        >>> report.table().splitlines()[0]
+        'plain, each event where it lies: 1 timeline'
+        """
+        return "\n".join(self._lines())
+
+    def warnings(self) -> list[str]:
+        """List what a person would miss or take for something else.
+
+        Returns
+        -------
+        list of str
+            A line each, with what to change where that is known.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
+        >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
+        >>> all(isinstance(line, str) for line in report.warnings())
+        True
+        """
+        return list(self._faults())
+
+    def _plain(self) -> dict[str, Any]:
+        data: dict[str, Any] = plain_data(self, self._digits)
+        return data
+
+    @abstractmethod
+    def _lines(self) -> Iterable[str]:
+        """The lines of the table."""
+
+    @abstractmethod
+    def _faults(self) -> Iterable[str]:
+        """The lines of the warnings."""
+
+
+def plain_data(value: Any, digits: int) -> Any:
+    """Texts, rounded numbers, lists and, for a dataclass, its fields; not a number is None.
+
+    A field with `digits` in its metadata is rounded to these.
+    """
+    if is_dataclass(value):
+        return {
+            field.name: plain_data(getattr(value, field.name), field.metadata.get("digits", digits))
+            for field in fields(value)
+        }
+    if isinstance(value, tuple | list):
+        return [plain_data(one, digits) for one in value]
+    if isinstance(value, float):
+        return round(value, digits) if math.isfinite(value) else None
+    return value

@@ -1,0 +1,162 @@
+"""A study's TOML file, key by key: types, ranges, defaults. What needs more than one key is
+checked where it is used (`design`).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import pydantic
+from pydantic import Field
+
+TASKS = ("identify", "locate", "count", "compare", "draw", "adjust", "staircase", "quest")
+CHANNELS = ("click", "tactor", "both", "visual")
+MAPPINGS = ("friction", "static")
+INPUTS = ("touch", "twist", "keys", "any")
+
+Level = str | float
+Gain = Annotated[float, Field(ge=-60.0, le=24.0)]
+Whole = Annotated[int, Field(ge=1, le=1000)]
+
+
+class _Strict(pydantic.BaseModel):
+    model_config = pydantic.ConfigDict(
+        extra="forbid", strict=True, frozen=True, allow_inf_nan=False
+    )
+
+
+class Factor(_Strict):
+    """One factor: its levels, within or between participants."""
+
+    within: list[Level] | None = Field(None, min_length=2, max_length=12)
+    between: list[Level] | None = Field(None, min_length=2, max_length=12)
+    order: Literal["williams", "full", "blocks"] = "blocks"
+
+    @property
+    def levels(self) -> list[Level]:
+        """Its levels, whichever they are."""
+        return self.within or self.between or []
+
+
+class Made(_Strict):
+    """Timelines made for the study: events of one kind, or curves."""
+
+    kinds: list[str] = Field(default_factory=list, max_length=24)
+    curves: list[Literal["rise", "fall", "peak", "dip", "wave", "steady"]] = Field(
+        default_factory=list
+    )
+    counts: list[Annotated[int, Field(ge=1, le=12)]] = Field([1], min_length=1)
+    variants: Annotated[int, Field(ge=1, le=200)] = 1
+    places: list[float] = Field([0.15, 0.85], min_length=2, max_length=2)
+    crowd: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    duration_s: Annotated[float, Field(ge=1.0, le=1e7)] = 5400.0
+
+
+class Task(_Strict):
+    """What is asked."""
+
+    name: Literal["identify", "locate", "count", "compare", "draw", "adjust", "staircase", "quest"]
+    question: str | None = None
+    of: str = "answer"
+    target: str | None = None
+    words: dict[str, str] = Field(default_factory=dict)
+    vary: str | None = None
+    standard: Level | None = None
+    method: Literal["2afc", "yesno"] = "2afc"
+    most: Annotated[int, Field(ge=1, le=999)] = 60
+    down: Annotated[int, Field(ge=1, le=5)] = 2
+    reversals: Annotated[int, Field(ge=2, le=50)] = 8
+    steps: list[Whole] = Field([2, 1], min_length=1)
+
+
+class Practice(_Strict):
+    """Trials that are never analysed."""
+
+    repeats: Whole = 1
+    feedback: bool = True
+    criterion: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+
+
+class Main(_Strict):
+    """Trials that are."""
+
+    repeats: Whole = 1
+    feedback: bool = False
+
+
+class Phases(_Strict):
+    """What a condition block holds."""
+
+    practice: Practice | None = None
+    main: Main = Main()
+    catch: Annotated[float, Field(ge=0.0, le=0.8)] = 0.0
+    attention: Annotated[int, Field(ge=0, le=20)] = 0
+
+
+class Mask(_Strict):
+    """Noise for the ears."""
+
+    noise: Literal["pink", "white"] = "pink"
+    level_db: Annotated[float, Field(ge=-80.0, le=-10.0)] = -30.0
+
+
+class Output(_Strict):
+    """What is heard, felt and seen where no factor says it."""
+
+    channel: Literal["click", "tactor", "both", "visual"] = "both"
+    mapping: Literal["friction", "static"] = "friction"
+    input: Literal["touch", "twist", "keys", "any"] = "any"
+    click_db: Gain = 0.0
+    tactor_db: Gain = 0.0
+    mask: Mask | None = None
+
+
+class Consent(_Strict):
+    """What a person agrees to; the version is kept with the answer."""
+
+    version: str
+    text: str
+
+
+class Questionnaires(_Strict):
+    """Forms: tlx, comments, consent, or HTML files."""
+
+    start: list[str] = Field(default_factory=list)
+    each: list[str] = Field(default_factory=list)
+    end: list[str] = Field(default_factory=list)
+    consent: Consent | None = None
+
+
+class Exclude(_Strict):
+    """Who isn't analysed: decided before anybody takes part."""
+
+    incomplete: bool = True
+    attention: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+
+
+class Text(_Strict):
+    """What the page says."""
+
+    welcome: str = "Welcome. Please use headphones or hold the actuator as you were shown."
+    instructions: str = "Move along the timeline and attend to what you feel and hear."
+    end: str = "That was all. Thank you."
+    conditions: dict[str, str] = Field(default_factory=dict)
+
+
+class StudyFile(_Strict):
+    """All of it."""
+
+    title: str = Field(min_length=1, max_length=200)
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9]([A-Za-z0-9-]{0,62}[A-Za-z0-9])?$")] | None = (
+        None
+    )
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    participants: Annotated[int, Field(ge=1, le=999)]
+    factors: dict[str, Factor] = Field(default_factory=dict)
+    task: Task
+    stimuli: dict[str, Any]
+    phases: Phases = Phases()
+    output: Output = Output()
+    questionnaires: Questionnaires = Questionnaires()
+    exclude: Exclude = Exclude()
+    text: Text = Text()

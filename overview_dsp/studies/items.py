@@ -1,0 +1,120 @@
+"""The stimuli of a study: each with its place in the grid, what it is, and how it is rendered."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.batch.cache_keys import Keys
+from overview_dsp.gestures import Gesture
+from overview_dsp.presets.model import Preset
+from overview_dsp.presets.parameter import Value
+from overview_dsp.rendering.offline import Result, render
+from overview_dsp.rendering.trace import Trace
+from overview_dsp.studies.design import FREE, NOTHING, Design
+from overview_dsp.studies.file_model import Level
+from overview_dsp.timeline import Timeline
+
+RATE = 48_000
+TAIL_S = 3.0
+"""A stimulus is rendered on for so long at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Item:
+    """One stimulus.
+
+    Attributes
+    ----------
+    key : str
+        Digest of all that makes it, as `overview batch` names it.
+    names : mapping
+        Its level of each dimension: timeline, answer, preset, gesture, seed, parameters.
+    timeline, preset, gesture, seed
+        What `render` takes; the preset with its parameters.
+    """
+
+    key: str
+    names: Mapping[str, Level]
+    parameters: Mapping[str, Value]
+    timeline: Timeline
+    preset: Preset
+    gesture: Gesture
+    seed: int
+
+    @property
+    def free(self) -> bool:
+        """Whether the hand is the person's own."""
+        return self.names["gesture"] == FREE
+
+    @property
+    def nothing(self) -> bool:
+        """Whether it is a catch trial's."""
+        return self.names["timeline"] == NOTHING
+
+    def fits(self, levels: Mapping[str, Level]) -> bool:
+        """Whether it has these levels of what it has at all."""
+        return all(
+            self.names[name] == level for name, level in levels.items() if name in self.names
+        )
+
+    def places(self, target: str | None) -> list[float]:
+        """Where its events are (of one kind, if `target` says so), 0 to 1."""
+        events = (e for e in self.timeline.events if target is None or e.kind == target)
+        return [event.time_s / self.timeline.duration_s for event in events]
+
+    def rendered(self, gesture: Gesture | None = None, rate: int = RATE) -> Result[Trace]:
+        """What is felt: of its own gesture, or of a take."""
+        hand = gesture or self.gesture
+        return render(self.timeline, self.preset, hand, rate, self.seed, tail=TAIL_S)
+
+
+def items_of(design: Design) -> list[Item]:
+    """Every stimulus, in the grid's order."""
+    grid = design.grid
+    keys = Keys(grid)
+    timelines, presets = list(grid.timelines), list(grid.presets)
+    gestures = list(grid.gestures)
+
+    @cache
+    def preset(index: int, values: tuple[Value, ...]) -> Preset:
+        found = grid.presets[presets[index]]
+        for id, value in zip(grid.parameters, values, strict=True):
+            found = found.with_value(id, value)
+        return found
+
+    found = []
+    for index in range(len(grid)):
+        case = grid.case(index)
+        name, hand = timelines[case.timeline], gestures[case.gesture]
+        parameters = dict(zip(grid.parameters, case.values, strict=True))
+        names: dict[str, Level] = {
+            "timeline": name,
+            "answer": design.answers[name],
+            "preset": presets[case.preset],
+            "gesture": hand,
+            "seed": case.seed,
+            **{id: value for id, value in parameters.items() if not isinstance(value, bool)},
+        }
+        found.append(
+            Item(
+                keys.key(case),
+                names,
+                parameters,
+                grid.timelines[name],
+                preset(case.preset, case.values),
+                grid.gestures[hand],
+                case.seed,
+            )
+        )
+    return found
+
+
+def samples_sha256(samples: NDArray[np.float32]) -> str:
+    """Of a render's samples, float32 (frames, 2), little-endian."""
+    return hashlib.sha256(np.ascontiguousarray(samples, "<f4").tobytes()).hexdigest()

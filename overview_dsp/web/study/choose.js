@@ -1,0 +1,36 @@
+// Answers that are one press: a button each, and a digit.
+
+import { button, make } from "./make.js";
+
+const DIGITS = 9;
+
+/** `choices`: [value, words]; `context.answer(value)` takes the answer. */
+export function choose(choices, { answer, label }) {
+  const buttons = choices.map(([value, words], i) => {
+    const one = button(words, () => answer(value), {
+      disabled: true, class: "choice", "aria-keyshortcuts": i < DIGITS ? i + 1 : null,
+    });
+    if (i < DIGITS) one.prepend(make("small", { text: String(i + 1), "aria-hidden": "true" }));
+    return one;
+  });
+  return {
+    element: make("div", { class: "choices", role: "group", "aria-label": label }, ...buttons),
+    enable() {
+      for (const one of buttons) one.disabled = false;
+    },
+    /** A digit's key; whether it was one of them. */
+    key(name) {
+      const at = Number(name) - 1;
+      if (!/^[1-9]$/.test(name) || at >= choices.length) return false;
+      answer(choices[at][0]);
+      return true;
+    },
+  };
+}
+
+export const identify = (context) =>
+  choose(context.study.task.choices.map((one) => [one, context.study.task.words[one] ?? one]), context);
+
+export const compare = (context) => choose([[0, "The first"], [1, "The second"]], context);
+
+export const detect = (context) => choose([[1, "I felt it"], [0, "I felt nothing"]], context);

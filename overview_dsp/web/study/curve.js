@@ -1,0 +1,62 @@
+// A curve as a person draws it: with a pen over the whole field, or handle by handle.
+
+const COLUMNS = 64; // of an answer
+export const HANDLES = 16;
+
+export class Curve {
+  constructor() {
+    this.values = new Array(COLUMNS).fill(0);
+    this.drawn = false;
+    this.last = null; // where the pen was: place and level
+  }
+
+  /** The pen comes down. */
+  begin(place, level) {
+    this.last = null;
+    this.move(place, level);
+  }
+
+  /** The pen goes on to a place (0 to 1); what lies between follows a line. */
+  move(place, level) {
+    const from = this.last ?? { place, level };
+    this.last = { place, level };
+    this.drawn = true;
+    const [a, b] = [columnOf(from.place), columnOf(place)];
+    for (let i = Math.min(a, b); i <= Math.max(a, b); i += 1) {
+      const part = a === b ? 1 : (i - a) / (b - a);
+      this.values[i] = rounded(from.level + (level - from.level) * part);
+    }
+  }
+
+  /** Set a handle; the columns to its neighbours follow lines. */
+  setHandle(handle, level) {
+    this.drawn = true;
+    const at = columnOfHandle(handle);
+    this.values[at] = rounded(level);
+    for (const next of [handle - 1, handle + 1]) {
+      if (next < 0 || next >= HANDLES) continue;
+      const end = columnOfHandle(next);
+      const step = Math.sign(end - at);
+      for (let i = at; i !== end; i += step) {
+        this.values[i] = rounded(level + (this.values[end] - level) * ((i - at) / (end - at)));
+      }
+    }
+  }
+
+  handle(number) {
+    return this.values[columnOfHandle(number)];
+  }
+
+  clear() {
+    this.values.fill(0);
+    this.drawn = false;
+  }
+
+  get response() {
+    return this.drawn ? [...this.values] : null;
+  }
+}
+
+const columnOf = (place) => Math.round(place * (COLUMNS - 1));
+const columnOfHandle = (handle) => columnOf(handle / (HANDLES - 1));
+const rounded = (level) => Math.round(Math.min(Math.max(level, 0), 1) * 1000) / 1000;

@@ -1,0 +1,90 @@
+// Answers that are a number: a count, a place, a level.
+
+import { button, make } from "./make.js";
+
+const MOST = 999;
+
+/** An answer with a button of its own: `value()` is taken when it is pressed. */
+function confirmed(words, value, { answer }, ...parts) {
+  const done = button(words, () => {
+    const told = value();
+    if (told !== undefined) answer(told);
+  }, { disabled: true, class: "done" });
+  return {
+    element: make("div", { class: "measure" }, ...parts, done),
+    enable() {
+      done.disabled = false;
+      for (const part of parts) {
+        if (part.matches?.("button")) part.disabled = false;
+      }
+    },
+  };
+}
+
+export function count(context) {
+  const number = make("input", {
+    type: "number", id: "how-many", min: 0, max: MOST, step: 1, inputmode: "numeric", value: "",
+  });
+  const by = (step) => () => {
+    number.value = String(Math.min(Math.max((Number(number.value) || 0) + step, 0), MOST));
+  };
+  const row = make("div", { class: "stepper" },
+    button("\u2212", by(-1), { "aria-label": "One less" }), number,
+    button("+", by(1), { "aria-label": "One more" }));
+  const label = make("label", { for: "how-many", text: "How many" });
+  const value = () => {
+    const whole = number.value.trim() !== "" && number.checkValidity();
+    if (whole) return Number(number.value);
+    context.say("Enter a whole number first");
+    number.focus();
+    return undefined;
+  };
+  const made = confirmed("Answer", value, context, label, row);
+  number.addEventListener("keydown", ({ key, repeat }) => {
+    if (key === "Enter" && !repeat) made.element.querySelector(".done").click();
+  });
+  return made;
+}
+
+/** Where it was: the hand's own last place, or on a scale where the stimulus was played. */
+export function locate(context) {
+  const { stage, answer } = context;
+  const none = button("Nothing there", () => answer(null), { disabled: true });
+  if (stage.free) return confirmed("It is here", () => stage.pad.place, context, none);
+  const scale = make("input", { type: "range", id: "where", min: 0, max: 100, step: 0.5, value: 50 });
+  let told = false;
+  const label = make("label", { for: "where", text: "Where, from start to end" });
+  scale.addEventListener("input", () => {
+    told = true;
+  });
+  const value = () => {
+    if (told) return Number(scale.value) / 100;
+    context.say("Move the scale first");
+    scale.focus();
+    return undefined;
+  };
+  return confirmed("It is here", value, context, label, scale, none);
+}
+
+/** The second stimulus made as strong as the first: `trial.adjustable` has a stimulus for each level. */
+export function adjust(context) {
+  const { trial: { levels, adjustable, stimuli }, stage } = context;
+  const last = levels.length - 1;
+  const scale = make("input", { type: "range", id: "level", min: 0, max: last, step: 1 });
+  let at = 0;
+  const show = (to) => {
+    at = Math.min(Math.max(to, 0), last);
+    scale.value = String(at);
+    scale.setAttribute("aria-valuetext", `step ${at + 1} of ${last + 1}`);
+  };
+  const go = (to) => {
+    show(to);
+    stage.replace(adjustable[at]).catch((error) => context.fault(error.message));
+  };
+  show(adjustable.indexOf(stimuli[1]));
+  scale.addEventListener("input", () => go(Number(scale.value)));
+  const row = make("div", { class: "stepper" },
+    button("Less", () => go(at - 1)), scale, button("More", () => go(at + 1)));
+  const label = make("label", { for: "level", text: "The second: less or more" });
+  return confirmed("They are equal", () => levels[at], context, label, row);
+}

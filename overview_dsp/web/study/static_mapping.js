@@ -1,0 +1,113 @@
+// The control condition: no disk. The place under the hand says how strong the vibration is, however
+// fast it moves; events click as it passes them. docs/explanation/study-format.md has it step by step,
+// and overView's Python the same, bit for bit: no object is made for a sample.
+
+const COLUMNS = 1024;
+const VOICES = 1024; // waves that may sound at once
+
+export class StaticMapping {
+  /** `data`: a stimulus' `static-RATE.json`. */
+  constructor({ rate, ramp, amplitude, carrier, clicks, waves, ceiling }) {
+    this.rate = rate;
+    this.ramp = ramp;
+    this.amplitude = Float64Array.from(amplitude);
+    this.carrier = Float64Array.from(carrier);
+    this.places = Float64Array.from(clicks, ({ place }) => place);
+    this.waveOf = clicks.map(({ wave }) => wave);
+    this.waves = waves.map((wave) => Float64Array.from(wave));
+    this.ceiling = ceiling;
+    this.clock = 0; // samples made
+    this.cursor = this.from = this.to = 0;
+    this.gain = this.gainFrom = this.gainTo = 0;
+    this.k = ramp;
+    this.voiceWave = new Int32Array(VOICES).fill(-1);
+    this.voiceAt = new Int32Array(VOICES);
+    this.voices = 0;
+    this.level = 0; // the tactor's present amplitude
+    this.waiting = []; // events to come, in order: [sample, theta2, touching, source]
+    this.applied = []; // events that were, with the sample they came at
+  }
+
+  /** Events as rows of sample (-1: at once), source, theta2, touching. */
+  control(rows) {
+    for (let i = 0; i + 4 <= rows.length; i += 4) {
+      const sample = Math.max(rows[i], this.clock);
+      let at = this.waiting.length;
+      while (at > 0 && this.waiting[at - 1][0] > sample) at -= 1;
+      this.waiting.splice(at, 0, [sample, rows[i + 2], rows[i + 3], rows[i + 1]]);
+    }
+  }
+
+  /** Overwrite a block, click and tactor. */
+  render(click, tactor) {
+    for (let i = 0; i < click.length; i += 1) {
+      while (this.waiting.length > 0 && this.waiting[0][0] <= this.clock) this.apply();
+      tactor[i] = this.step();
+      click[i] = this.ring();
+      this.clock += 1;
+    }
+  }
+
+  apply() {
+    const [, theta2, touching, source] = this.waiting.shift();
+    this.applied.push([this.clock, theta2, touching, source]);
+    const place = theta2 / Math.PI;
+    if (this.gainTo === 1) this.from = this.cursor;
+    else this.cursor = this.from = place;
+    this.to = place;
+    this.gainFrom = this.gain;
+    this.gainTo = touching ? 1 : 0;
+    this.k = 0;
+  }
+
+  /** Move on by a sample; the tactor's. */
+  step() {
+    const before = this.cursor;
+    if (this.k < this.ramp) {
+      this.k += 1;
+      const part = this.k / this.ramp;
+      this.cursor = this.from + (this.to - this.from) * part;
+      this.gain = this.gainFrom + (this.gainTo - this.gainFrom) * part;
+    }
+    if (this.gainTo === 1) this.pass(before, this.cursor);
+    const x = this.cursor * COLUMNS;
+    const i = Math.min(Math.floor(x), COLUMNS - 1);
+    const a = this.amplitude[i] + (this.amplitude[i + 1] - this.amplitude[i]) * (x - i);
+    this.level = this.gain * a;
+    return this.gain * a * this.carrier[this.clock % this.carrier.length];
+  }
+
+  /** Start the clicks between two places. */
+  pass(from, to) {
+    if (from === to) return;
+    for (let j = 0; j < this.places.length; j += 1) {
+      const place = this.places[j];
+      if ((from < place && place <= to) || (to <= place && place < from)) {
+        if (this.voices === VOICES) this.drop(0);
+        this.voiceWave[this.voices] = this.waveOf[j];
+        this.voiceAt[this.voices] = 0;
+        this.voices += 1;
+      }
+    }
+  }
+
+  /** The sum of all waves that sound, in the order they started. */
+  ring() {
+    let sum = 0;
+    for (let v = 0; v < this.voices; v += 1) {
+      const wave = this.waves[this.voiceWave[v]];
+      sum += wave[this.voiceAt[v]];
+      this.voiceAt[v] += 1;
+    }
+    for (let v = this.voices - 1; v >= 0; v -= 1) {
+      if (this.voiceAt[v] >= this.waves[this.voiceWave[v]].length) this.drop(v);
+    }
+    return Math.min(Math.max(sum, -this.ceiling), this.ceiling);
+  }
+
+  drop(v) {
+    this.voiceWave.copyWithin(v, v + 1, this.voices);
+    this.voiceAt.copyWithin(v, v + 1, this.voices);
+    this.voices -= 1;
+  }
+}

@@ -1,0 +1,37 @@
+// The kernel's bytes as a folder has them, unpacked: packing.py says how they were packed.
+
+/**
+ * @param {ArrayBuffer} packed
+ * @returns {Promise<ArrayBuffer>}
+ */
+export async function unpacked(packed) {
+  const inflated = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const bytes = new Uint8Array(await new Response(inflated).arrayBuffer());
+  const order = bytes[0];
+  const count = (bytes.length - 1) / 8;
+  const words = new Uint32Array(2 * count);
+  // running sums of 64 bits in two halves, one in the other
+  const low = new Uint32Array(order + 1);
+  const high = new Uint32Array(order + 1);
+  for (let i = 0; i < count; i += 1) {
+    let at = 1 + i;
+    const half = () => {
+      let word = 0;
+      for (let shift = 0; shift < 32; shift += 8, at += count) word |= bytes[at] << shift;
+      return word;
+    };
+    const first = half();
+    const second = half();
+    const sign = -(first & 1); // all ones for a negative number
+    low[order] = ((first >>> 1) | (second << 31)) ^ sign;
+    high[order] = (second >>> 1) ^ sign;
+    for (let k = order - 1; k >= 0; k -= 1) {
+      const sum = low[k] + low[k + 1];
+      low[k] = sum;
+      high[k] += high[k + 1] + (sum > 0xffffffff ? 1 : 0);
+    }
+    words[2 * i] = low[0];
+    words[2 * i + 1] = high[0];
+  }
+  return words.buffer;
+}

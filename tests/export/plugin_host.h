@@ -1,0 +1,168 @@
+/* A plugin host for the tests, whatever the format. Every block is checked: each sample written, none
+   beyond, all normal numbers, nothing allocated, and a second instance beside it that does the same.
+
+   HOST PLUGIN list
+   HOST PLUGIN play RATE BLOCK FRAMES EVENTS OUT STATE_IN STATE_OUT WARM
+   HOST PLUGIN load STATE...           says 1 for each that is taken, 0 for each refused
+
+   PLUGIN: the library. BLOCK 0: of any size from 1 to 512. EVENTS: rows of kind (0 value, 1 key down,
+   2 key up, 3 MIDI), number, frame, value; those at -1 come before it is active, those at -2 to -9
+   after it is, without a block. STATE_*: a path or -; STATE_IN is loaded before it is active, with a
+   + before it after. WARM: frames of the same events that are played before a reset. OUT: the two
+   outputs' samples in turn. */
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "interposed.h"
+
+#ifdef _WIN32
+#include <windows.h>
+static void *library_open(const char *path) { return (void *)LoadLibraryA(path); }
+static void *library_find(void *library, const char *name) {
+    return (void *)(uintptr_t)GetProcAddress((HMODULE)library, name);
+}
+#else
+#include <dlfcn.h>
+static void *library_open(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
+static void *library_find(void *library, const char *name) { return dlsym(library, name); }
+#endif
+enum { LARGEST = 4096, GUARD = 16, MOST_EVENTS = 1 << 16 };
+enum { KIND_VALUE, KIND_DOWN, KIND_UP, KIND_MIDI };
+typedef struct { int64_t kind, number, frame; double value; } row;
+typedef struct { const row *rows; int64_t count, first; } list;
+typedef struct { char *bytes; size_t size, at; } memory_file;
+
+static void fail(const char *why) { fprintf(stderr, "%s\n", why), exit(3); }
+
+static void *content(const char *path, size_t *bytes) {
+    FILE *file = fopen(path, "rb");
+    void *data;
+    if (!file) fail(path);
+    fseek(file, 0, SEEK_END), *bytes = (size_t)ftell(file), rewind(file);
+    data = malloc(*bytes + 1);
+    if (fread(data, 1, *bytes, file) != *bytes) fail(path);
+    fclose(file);
+    return data;
+}
+/* Streams that take and give a few bytes at a time. */
+static int64_t written(memory_file *to, const void *data, uint64_t size) {
+    uint64_t n = size < 7 ? size : 7;
+    to->bytes = realloc(to->bytes, to->size + n);
+    memcpy(to->bytes + to->size, data, n), to->size += n;
+    return (int64_t)n;
+}
+static int64_t taken(memory_file *from, void *data, uint64_t size) {
+    uint64_t n = size < 5 ? size : 5;
+    if (n > from->size - from->at) n = from->size - from->at;
+    memcpy(data, from->bytes + from->at, n), from->at += n;
+    return (int64_t)n;
+}
+
+/* ---- what a format does; two instances */
+
+static void host_open(void *library, const char *path);
+static void host_list(void);
+static void host_flush(int i, const list *events);
+static bool host_activate(int i, double rate);
+static int host_process(int i, const list *events, int64_t frames, float *click, float *tactor); /* 4: silent */
+static void host_reset(int i);
+static bool host_load(int i, memory_file *from);
+static bool host_save(int i, memory_file *to);
+static void host_close(void);
+static unsigned host_latency(void), host_tail(void);
+static int tail_changes, rescans;
+static long told;
+
+static bool load(int i, const char *path) {
+    memory_file file = {NULL, 0, 0};
+    bool good;
+    file.bytes = content(path, &file.size);
+    good = host_load(i, &file);
+    free(file.bytes);
+    return good;
+}
+
+/* One block of one instance: the status; its two outputs from `out` on. */
+static int play(int instance, const list *events, int64_t frames, float *out) {
+    float *click = out, *tactor = out + LARGEST + GUARD;
+    int i, status;
+    for (i = 0; i < 2 * (LARGEST + GUARD); i++) out[i] = NAN;
+    status = host_process(instance, events, frames, click, tactor);
+    if (allocations) fail("allocated in process");
+    for (i = 0; i < LARGEST + GUARD; i++) {
+        if (i >= frames && !(isnan(click[i]) && isnan(tactor[i]))) fail("written beyond the block");
+        if (i < frames && !((click[i] == 0 || isnormal(click[i])) && (tactor[i] == 0 || isnormal(tactor[i]))))
+            fail("not a normal number");
+    }
+    return status;
+}
+
+static int play_all(char **given) {
+    static float out[2][2 * (LARGEST + GUARD)];
+    double rate = atof(given[3]);
+    int64_t fixed = atol(given[4]), frames = atol(given[5]), warm = atol(given[10]), done, n = 0, i;
+    size_t bytes;
+    row *rows = content(given[6], &bytes);
+    int64_t total = (int64_t)(bytes / sizeof *rows), next, pass;
+    FILE *file = fopen(given[7], "wb");
+    uint32_t random = 1;
+    int status = 0;
+    for (i = 0; i < 2; i++) {
+        list before = {rows, 0, 0}, after;
+        if (*given[8] == '/' && !load((int)i, given[8])) fail("state refused");
+        while (before.count < total && rows[before.count].frame == -1) before.count++;
+        host_flush((int)i, &before);
+        if (!host_activate((int)i, rate)) fail("not activated");
+        after = (list){rows + before.count, 0, 0};
+        while (before.count + after.count < total && after.rows[after.count].frame < 0) after.count++;
+        host_flush((int)i, &after);
+        if (*given[8] == '+' && !load((int)i, given[8] + 1)) fail("state refused");
+    }
+    for (pass = warm ? 0 : 1; pass < 2; pass++) {
+        int64_t end = pass ? frames : warm;
+        for (next = 0; next < total && rows[next].frame < 0;) next++;
+        for (done = 0; done < end; done += n) {
+            list events = {rows + next, 0, done};
+            random = random * 1664525u + 1013904223u;
+            n = fixed ? fixed : 1 + (int64_t)(random >> 23);
+            if (n > end - done) n = end - done;
+            while (next < total && rows[next].frame < done + n) next++, events.count++;
+            for (i = 0; i < 2; i++) status = play((int)i, &events, n, out[i]);
+            for (i = 0; pass && i < n; i++) {
+                float pair[2] = {out[0][i], out[0][LARGEST + GUARD + i]};
+                float twin[2] = {out[1][i], out[1][LARGEST + GUARD + i]};
+                if (memcmp(pair, twin, sizeof pair)) fail("two instances differ");
+                fwrite(pair, sizeof pair, 1, file);
+            }
+        }
+        for (i = 0; !pass && i < 2; i++) host_reset((int)i);
+    }
+    fclose(file);
+    if (strcmp(given[9], "-")) {
+        memory_file to = {NULL, 0, 0};
+        if (!host_save(0, &to) || !(file = fopen(given[9], "wb"))) fail("not saved");
+        fwrite(to.bytes, 1, to.size, file), fclose(file), free(to.bytes);
+    }
+    printf("%d %u %u %d %d %ld\n", status, host_latency(), host_tail(), tail_changes, rescans, told);
+    free(rows);
+    return 0;
+}
+
+int main(int count, char **given) {
+    void *library = count > 2 ? library_open(given[1]) : NULL;
+    int i;
+    if (!library) fail("no library");
+    host_open(library, given[1]);
+    if (!strcmp(given[2], "list")) host_list();
+    else if (!strcmp(given[2], "load")) {
+        for (i = 3; i < count; i++) printf("%d", load(0, given[i]));
+        printf("\n");
+    } else if (count > 10) play_all(given);
+    else fail("usage");
+    host_close();
+    return 0;
+}

@@ -1,0 +1,246 @@
+"""What a hand feels on a motor knob whose own board runs the surface, and what it is given.
+
+    python tools/measure_knob.py                         # the bundled match
+    python tools/measure_knob.py --data FOLDER           # matches, `*.json` anywhere in it
+    python tools/measure_knob.py --delays 0 20 --sweeps 4
+
+The knob is `simulated_board.py` (5e-5 kg m2, 3e-4 N m dry friction, 14-bit encoder), its firmware
+the one that is flashed; the wire delays, jitters and loses frames both ways; the host is the part
+of `overview play` that speaks to such a board. Prints each figure with what it should be; the exit
+code is the number of lines that fail.
+
+Felt: an event's highest torque above the mean of the 50 ms before its span; median over the events
+of a kind. Passivity: the greatest rise of (energy given to the hand + stored in springs and disk)
+between any two moments, the knob's own friction not counted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from knob_session import JITTER, TICK_S, TURN, Course, glide, simulate
+from simulated_board import BoardMotor
+from simulated_motor import flick, jiggle
+
+import overview_dsp as ov
+from overview_dsp.sensors.profile import Sensor
+from overview_dsp.sensors.profile_file import load_sensor
+
+DELAYS_MS = (0.0, 2.0, 5.0, 10.0, 20.0)
+SWEEPS_S = (1.0, 2.0, 3.0, 4.0, 6.0)
+
+REACH = np.array([-2.0, 2.0]) / 8192
+"""Of the board's table, an event reaches two points further."""
+
+
+def felt(course: Course, surface: ov.Surface, kind: str) -> list[float]:
+    """Of each event of a kind: how far the braking torque rises, N m."""
+    found = []
+    brake = -course.torque
+    dt = course.time[1] - course.time[0]
+    for at in np.flatnonzero(surface.kind == list(surface.kind_names).index(kind)):
+        first, last = surface.span[at] + REACH
+        if not (math.isfinite(first) and first > 0.03 and last < 0.95):
+            continue  # where the hand speeds up or slows down
+        enters, leaves = (int(np.argmax(course.disk >= place)) for place in (first, last))
+        before = slice(max(0, enters - round(0.05 / dt)), enters)
+        if enters and leaves and before.start < before.stop:
+            peak = brake[enters : leaves + round(0.02 / dt)].max()
+            found.append(float(peak - brake[before].mean()))
+    return found
+
+
+def knock_at(course: Course, surface: ov.Surface, kind: str = "goal") -> list[float]:
+    """Of each event of a kind: the rise of the torque within 10 ms of its span's beginning, N m."""
+    found = []
+    dt = course.time[1] - course.time[0]
+    for at in np.flatnonzero(surface.kind == list(surface.kind_names).index(kind)):
+        first = surface.span[at, 0] + REACH[0]
+        enters = int(np.argmax(course.disk >= first))
+        if math.isfinite(first) and 0.03 < first < 0.95 and enters:
+            part = -course.torque[enters - round(0.001 / dt) : enters + round(0.01 / dt)]
+            found.append(float(part.max() - part[0]))
+    return found
+
+
+# --- the table -----------------------------------------------------------------------------------
+
+
+class Table:
+    """Lines of figures and what they should be."""
+
+    def __init__(self) -> None:
+        self.failures = 0
+
+    def line(
+        self, what: str, figure: float, unit: str, least: float | None, most: float | None
+    ) -> None:
+        holds = (least is None or figure >= least) and (most is None or figure <= most)
+        self.failures += not holds
+        should = " and ".join(
+            f"{sign} {limit:g}"
+            for sign, limit in ((">=", least), ("<=", most))
+            if limit is not None
+        )
+        mark = "" if holds else "   FAILS"
+        print(f"{what:58s} {figure:9.3f} {unit:5s} {should}{mark}", flush=True)
+
+
+def matches(folder: Path | None) -> Iterator[tuple[str, ov.Timeline]]:
+    """Names and timelines."""
+    if folder is None:
+        yield "world-cup-final-2018", ov.load_timeline("world-cup-final-2018")
+        return
+    for path in sorted(folder.rglob("*.json")):
+        try:
+            timeline = ov.load_timeline(path)
+        except ov.InputError:  # a line-up, a list of matches
+            continue
+        if {"goal", "foul", "yellow_card"} <= set(timeline.kinds()):
+            yield path.stem, timeline
+
+
+def measure_feel(
+    table: Table, options: argparse.Namespace, sensor: Sensor, preset: ov.Preset
+) -> None:
+    """Goal, card and foul at each sweep and delay."""
+    surfaces = [(name, ov.build_surface(one, preset)) for name, one in matches(options.data)]
+    surfaces = surfaces[: options.matches]
+    print(f"{len(surfaces)} matches: {', '.join(name for name, _ in surfaces)}")
+    print("felt in median, mN m: goal / yellow card / foul at each sweep and delay")
+    for seconds in options.sweeps:
+        first: dict[str, float] = {}
+        for delay_ms in options.delays:
+            values: dict[str, list[float]] = {"goal": [], "yellow_card": [], "foul": []}
+            knocks: list[float] = []
+            for _, surface in surfaces:
+                course = simulate(
+                    surface, preset, sensor, glide(seconds), seconds + 0.3, delay_ms * 1e-3
+                )
+                for kind in values:
+                    values[kind] += felt(course, surface, kind)
+                knocks += knock_at(course, surface)
+            middle = {kind: 1e3 * float(np.median(ones)) for kind, ones in values.items()}
+            goal, card, foul = middle.values()
+            name = f"{seconds:g} s, {delay_ms:g} ms: {goal:.2f} / {card:.2f} / {foul:.2f};"
+            strict = seconds >= 2.0
+            table.line(f"{name} goal : yellow", goal / card, "", 1.5 if strict else 1.0, None)
+            table.line(
+                f"{'':{len(name)}s} goal : foul", goal / foul, "", 2.5 if strict else 1.0, None
+            )
+            table.line(f"{'':{len(name)}s} yellow : foul", card / foul, "", 1.0, None)
+            if seconds == 4.0:
+                table.line(f"{'':{len(name)}s} goal within 10 ms",
+                           1e3 * float(np.median(knocks)), "mN m", 5.0, None)  # fmt: skip
+            first = first or middle
+            apart = max(abs(middle[kind] / first[kind] - 1.0) for kind in middle)
+            table.line(f"{'':{len(name)}s} from the first delay", 100.0 * apart, "%", None, 5.0)
+
+
+def measure_safety(
+    table: Table, options: argparse.Namespace, sensor: Sensor, preset: ov.Preset
+) -> None:
+    """Energy, silence, ends, recoil."""
+    _, timeline = next(matches(options.data))
+    surface = ov.build_surface(timeline, preset)
+    delay = max(options.delays) * 1e-3
+    for steps in (4000, 1000):
+        for hertz, degrees in ((2.0, 25.0), (5.0, 11.0), (10.0, 11.0), (15.0, 11.0), (20.0, 8.0)):
+            path = jiggle(hertz, math.radians(degrees), 1.5)
+            course = simulate(surface, preset, sensor, path, 4.0, delay, hertz=steps)
+            name = f"{steps} steps/s, jiggle {hertz:g} Hz by {degrees:g} deg: greatest rise"
+            table.line(name, 1e6 * course.greatest_rise(since=1.5), "uJ", None, 10.0)
+    course = simulate(surface, preset, sensor, glide(2.0), 3.0, delay)
+    table.line("sweep of 2 s: greatest rise", 1e6 * course.greatest_rise(), "uJ", None, 10.0)
+
+    course = simulate(surface, preset, sensor, glide(4.0), 3.0, 0.0, 0.0, killed_at=1.5)
+    after = course.time > 1.5 + TICK_S + 0.04
+    table.line("host killed, 40 ms later", 1e3 * float(np.abs(course.torque[after]).max()), "mN m",
+               None, 0.0)  # fmt: skip
+    before = (course.time > 1.4) & (course.time < 1.5)
+    table.line("          and before", 1e3 * float(np.abs(course.torque[before]).max()), "mN m",
+               0.1, None)  # fmt: skip
+    motor = BoardMotor()
+    highest = 0.0
+    for _ in range(8000):
+        motor.loop(b"")
+        motor.step(0.01 * math.sin(20.0 * motor.time))
+        highest = max(highest, abs(motor.torque))
+    table.line("power on, nothing said, the knob turned", 1e3 * highest, "mN m", None, 0.0)
+
+    for name, way in (("end", lambda t: 1.25 * TURN * min(1.0, t / 1.5)),
+                      ("start", lambda t: -0.25 * TURN * min(1.0, t / 0.5))):  # fmt: skip
+        course = simulate(surface, preset, sensor, way, 3.0, delay, stiffness=0.02)
+        held = course.time > 2.5
+        table.line(f"pushed 45 deg beyond the {name} (20 mN m/rad): torque",
+                   1e3 * float(np.abs(course.torque[held]).min()), "mN m", 3.0, None)  # fmt: skip
+        place = course.angle[held] - TURN if name == "end" else -course.angle[held]
+        table.line("    it gives way by", math.degrees(float(place.max())), "deg", None, 8.0)
+        table.line(
+            "    and moves, peak to peak", math.degrees(float(np.ptp(place))), "deg", None, 0.2
+        )
+
+    for reach in (74.0, 144.0):
+
+        def tapped(t: float, reach: float = math.radians(reach)) -> float | None:
+            return reach * min(1.0, t / 0.15) if t < 0.25 else None
+
+        course = simulate(surface, preset, sensor, tapped, 3.0, delay)
+        took = float(course.time[course.angle > math.radians(18.0)][-1]) - 0.25
+        table.line(f"a tap to {reach:g} deg: back within 18 deg after", took, "s", None, 1.5)
+    course = simulate(surface, preset, sensor, flick(0.8, 2.0, 0.3), 4.0, delay)
+    table.line("thrown and let go: greatest rise", 1e6 * course.greatest_rise(), "uJ", None, 10.0)
+
+
+def measure_sound(
+    table: Table, options: argparse.Namespace, sensor: Sensor, preset: ov.Preset
+) -> None:
+    """How long after the board's disk the one that is heard passes an event."""
+    _, timeline = next(matches(options.data))
+    surface = ov.build_surface(timeline, preset)
+    for delay_ms in options.delays:
+        late: list[float] = []
+        for seconds in (2.0, 4.0):
+            course = simulate(surface, preset, sensor, glide(seconds), seconds + 0.5,
+                              delay_ms * 1e-3, timeline=timeline)  # fmt: skip
+            for at, event in enumerate(surface.event):
+                passes = int(np.argmax(course.disk >= surface.edges[at, 0]))
+                if passes and 0.1 < surface.position[at] < 0.95 and event in course.struck:
+                    late.append(1e3 * (course.struck[event] - course.time[passes]))
+        low, middle, high = np.percentile(late, [5.0, 50.0, 95.0])
+        most = delay_ms * (1.0 + 0.5 * JITTER) + 10.0
+        table.line(f"{delay_ms:g} ms: heard after it is felt, median", middle, "ms", -10.0, most)
+        table.line("    5 % point", low, "ms", -10.0, None)
+        table.line("    95 % point", high, "ms", None, most + 10.0)
+
+
+MEASURED = {"feel": measure_feel, "safety": measure_safety, "sound": measure_sound}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--data", type=Path, help="folder of matches")
+    parser.add_argument("--matches", type=int, default=4, help="how many of them")
+    parser.add_argument("--preset", default="football")
+    parser.add_argument("--sensor", default="simplefoc", help="profile of the knob")
+    parser.add_argument("--sweeps", type=float, nargs="+", default=SWEEPS_S, help="s")
+    parser.add_argument("--delays", type=float, nargs="+", default=DELAYS_MS, help="ms each way")
+    parser.add_argument("--only", choices=MEASURED)
+    options = parser.parse_args()
+    table, sensor, preset = Table(), load_sensor(options.sensor), ov.load_preset(options.preset)
+    for name, measure in MEASURED.items():
+        if options.only in (None, name):
+            measure(table, options, sensor, preset)
+    print(f"{table.failures} lines fail")
+    sys.exit(min(table.failures, 100))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,171 @@
+"""The motor knob of `simulated_motor.py` with the surface on its own board.
+
+Its firmware is `firmware/knob/surface.h` itself, compiled here (cc, gcc or clang, or `zig cc`) and
+called KNOB_HZ times a second with the encoder's angle. Imports nothing of the package.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import math
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+
+from simulated_motor import Motor
+
+FIRMWARE = Path(__file__).resolve().parents[1] / "firmware" / "knob"
+
+BOARD = """
+#include "surface.h"
+int board_size(void) { return (int)sizeof(Knob); }
+void board_begin(Knob *k, float shaft) { knob_begin(k, shaft); }
+void board_receive(Knob *k, const uint8_t *data, int count) {
+    while (count--) knob_receive(k, *data++);
+}
+float board_step(Knob *k, float shaft) { return knob_step(k, shaft); }
+int board_report(Knob *k, uint32_t now_us, uint8_t *out) { return knob_report(k, now_us, out); }
+/* J, with the shaft at `shaft` (rad) at a step's end: spring and disk, pull to the start, ends */
+double board_stored(const Knob *k, double shaft) {
+    double end = KNOB_POINTS - 1, joule = 0.5 / KNOB_PER_RAD / knob_abs(k->disk.per_rad);
+    double u = (shaft - k->origin) * k->disk.per_rad * KNOB_PER_RAD, home = k->home_level * k->home;
+    double inside = u < 0.0 ? 0.0 : u > end ? end : u, beyond = knob_abs(u - inside);
+    double most = (KNOB_PULL * k->disk.ceiling - home * inside) / k->end;
+    double stretch = k->stretch + (u - k->before);
+    if (k->level <= 0.0f) return 0.0;
+    home *= inside * (inside + 2.0 * beyond);
+    beyond = beyond < most ? beyond * beyond : most * (2.0 * beyond - most);
+    joule *= k->gain * stretch * stretch + home + k->end * beyond;
+    return joule + k->kinetic * k->v * k->v;
+}
+float board_disk(const Knob *k) { return k->x / (float)(KNOB_POINTS - 1); }
+int board_table(const Knob *k) { return k->active_id; }
+"""
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+
+
+def compiler() -> list[str] | None:
+    """A C compiler's command, or None."""
+    for name in ("cc", "gcc", "clang"):
+        if shutil.which(name):
+            return [name]
+    if find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc"]
+    return None
+
+
+@functools.cache
+def library(hertz: int, points: int, counts: int) -> ctypes.CDLL:
+    """The firmware, compiled; SystemExit without a compiler."""
+    command = compiler()
+    if command is None:
+        sys.exit("a C compiler is needed (cc, gcc or clang; or pip install ziglang)")
+    folder = Path(tempfile.mkdtemp(prefix="simulated-board-"))
+    source, built = folder / "board.c", folder / "board.so"
+    source.write_text(BOARD)
+    defined = (f"-DKNOB_HZ={hertz}", f"-DKNOB_POINTS={points}",
+               f"-DKNOB_RESOLUTION={2.0 * math.pi / counts:.6e}f")  # fmt: skip
+    subprocess.run(
+        [*command, *FLAGS, *defined, "-shared", "-fPIC", f"-I{FIRMWARE}", source, "-o", built],
+        check=True,
+    )
+    found = ctypes.CDLL(str(built))
+    shutil.rmtree(folder)
+    found.board_disk.restype = ctypes.c_float
+    found.board_stored.restype = ctypes.c_double
+    found.board_stored.argtypes = (ctypes.c_void_p, ctypes.c_double)
+    found.board_step.restype = ctypes.c_float
+    found.board_step.argtypes = (ctypes.c_void_p, ctypes.c_float)
+    found.board_begin.argtypes = (ctypes.c_void_p, ctypes.c_float)
+    return found
+
+
+class BoardMotor(Motor):
+    """A knob whose board runs the surface `hertz` times a second, and reports 500 times."""
+
+    REPORTS_HZ = 500
+
+    def __init__(
+        self,
+        hertz: int = 4000,
+        points: int = 8193,
+        counts: int = 16384,
+        inertia: float = 5e-5,
+        friction: float = 3e-4,
+        damping: float = 1e-5,
+    ) -> None:
+        self._library = library(hertz, points, counts)
+        self._knob = ctypes.create_string_buffer(self._library.board_size())
+        self._frame = ctypes.create_string_buffer(24)
+        self._applied = 0.0
+        super().__init__(inertia=inertia, friction=friction, damping=damping, counts=counts)
+        # two steps of the physics for one of the board
+        self.dt = 0.5 / hertz
+        self._reports_every = 2 * hertz // self.REPORTS_HZ
+
+    def begin(self) -> None:
+        """As after power-on."""
+        super().begin()
+        self._applied = 0.0
+        self._ticks = 0
+        self._library.board_begin(self._knob, self.seen)
+
+    @property
+    def seen(self) -> float:
+        """The encoder's angle, rad."""
+        return (math.floor(self.angle / self.step_rad) + 0.5) * self.step_rad
+
+    @property
+    def torque(self) -> float:
+        """What the motor gives now, N m."""
+        return self._applied
+
+    @property
+    def stored(self) -> float:
+        """What the board's springs and its disk hold, J; right where `ends_step` is True."""
+        return float(self._library.board_stored(self._knob, self.angle))
+
+    @property
+    def ends_step(self) -> bool:
+        """Whether the board's next step is due now."""
+        return self._ticks % 2 == 0
+
+    @property
+    def disk(self) -> float:
+        """Where the disk is, 0 to 1."""
+        return float(self._library.board_disk(self._knob))
+
+    @property
+    def table(self) -> int:
+        """Number of the table in use; 0 = none."""
+        return int(self._library.board_table(self._knob))
+
+    def patient(self, path: Callable[[float], float | None]) -> Callable[[float], float | None]:
+        """A hand's `path` (`simulated_motor.Hand`) that begins when the surface is there."""
+        began: list[float] = []
+
+        def waiting(time: float) -> float | None:
+            if not began and self.table:
+                began.append(time)
+            return path(time - began[0]) if began else path(0.0)
+
+        return waiting
+
+    def loop(self, received: bytes) -> bytes:
+        """One turn of the board's loop: bytes in, bytes out."""
+        if received:
+            self._library.board_receive(self._knob, received, len(received))
+        if self._ticks % 2 == 0:
+            self._applied = self._library.board_step(self._knob, self.seen)
+        self._ticks += 1
+        if self._ticks % self._reports_every:
+            return b""
+        now_us = ctypes.c_uint32(round(self.time * 1e6) & 0xFFFFFFFF)
+        count = self._library.board_report(self._knob, now_us, self._frame)
+        return self._frame.raw[:count]
