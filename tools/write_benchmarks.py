@@ -2,10 +2,13 @@
 
 python tools/write_benchmarks.py                 measures speeds here: about five minutes
 python tools/write_benchmarks.py --live          how the output holds: 22 minutes, and it sounds
-python tools/write_benchmarks.py --report FILE   either, from `overview bench [--live] --json >FILE`
+python tools/write_benchmarks.py --first-starts  what first starts cost: a minute
+python tools/write_benchmarks.py --report FILE   one of them, from `overview bench [--live] --json`
+                                                 or `python tools/measure_first_starts.py --json`
 
 Speeds draw docs/pictures/speeds.png too. The tables stand between `<!-- bench: speeds -->` (or
-`live`) and `<!-- end of bench -->`, behind the machine and the day: measure on a quiet one.
+`live`, `first starts`) and `<!-- end of bench -->`, behind the machine and the day: measure on a
+quiet one.
 """
 
 from __future__ import annotations
@@ -25,10 +28,12 @@ PICTURE = ROOT / "docs" / "pictures" / "speeds.png"
 ROUNDS = 5
 
 
-def measured(live: bool) -> dict[str, Any]:
-    """What `overview bench` reports, measured now."""
+def measured(what: str) -> dict[str, Any]:
+    """What `overview bench` or measure_first_starts.py reports, measured now."""
     command = [sys.executable, "-m", "overview_dsp", "bench", "--rounds", str(ROUNDS), "--json"]
-    command += ["--live"] if live else ["--plot", str(PICTURE)]
+    command += ["--live"] if what == "live" else ["--plot", str(PICTURE)]
+    if what == "first starts":
+        command = [sys.executable, str(ROOT / "tools" / "measure_first_starts.py"), "--json"]
     report: dict[str, Any] = json.loads(
         subprocess.run(command, stdout=subprocess.PIPE, check=True, cwd=ROOT).stdout
     )
@@ -43,8 +48,9 @@ def table(*rows: tuple[str, ...]) -> str:
 
 def speeds(report: dict[str, Any]) -> str:
     """A table for each group of rows, one of what a second costs, the memory."""
-    from overview_dsp.bench.report import merging
+    from overview_dsp.bench.report import cycles, merging
     from overview_dsp.bench.scaling import Cost
+    from overview_dsp.bench.timing import VOICE, Row
 
     parts = [f"{report['date']}, {report['machine']}; medians of {report['rounds']} rounds:"]
     for group in dict.fromkeys(row["group"] for row in report["rows"]):
@@ -54,6 +60,10 @@ def speeds(report: dict[str, Any]) -> str:
             if row["group"] == group
         ]
         parts.append(table((group, "x realtime", "of the first", "lowest to highest"), *rows))
+        if group == VOICE:
+            of_group = [Row(**row) for row in report["rows"] if row["group"] == group]
+            said = cycles(of_group, report["ghz"])
+            parts.append(f"{said[0].upper()}{said[1:]}.")
     costs = [
         (f"{cost.series}: {cost.entry}{merging(cost)}", f"{cost.ratio:.2f}", ranged(asdict(cost)))
         for cost in (Cost(**cost) for cost in report["costs"])
@@ -86,6 +96,32 @@ def live(report: dict[str, Any]) -> str:
     return f"{report['date']}, {report['machine']}:\n\n```text\n{text}\n```"
 
 
+def first_starts(report: dict[str, Any]) -> str:
+    """A row for each command."""
+    rows = [
+        (
+            f"`overview {one['command']}`",
+            *(
+                "" if one[figure] is None else f"{one[figure]:.2f}"
+                for figure in ("imports_s", "first_sound_s", "whole_s")
+            ),
+        )
+        for one in report["first_starts"]
+    ]
+    head = ("first start, s of processor time", "imports", "to the first sound", "to the end")
+    return f"{report['date']}, {report['machine']}:\n\n{table(head, *rows)}"
+
+
+WRITERS = {"speeds": speeds, "live": live, "first starts": first_starts}
+
+
+def what_of(report: dict[str, Any]) -> str:
+    """Which of `WRITERS` a report is for."""
+    if "first_starts" in report:
+        return "first starts"
+    return "live" if "load" in report else "speeds"
+
+
 def filled(page: str, what: str, text: str) -> str:
     """The page with a text between the markers of `what`."""
     marked = re.compile(rf"(<!-- bench: {what} -->\n).*?(\n<!-- end of bench -->)", re.DOTALL)
@@ -97,12 +133,16 @@ def filled(page: str, what: str, text: str) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--live", action="store_true")
+    chosen = parser.add_mutually_exclusive_group()
+    for what in ("live", "first starts"):
+        option = f"--{what.replace(' ', '-')}"
+        chosen.add_argument(option, dest="what", action="store_const", const=what, default="speeds")
     parser.add_argument("--report", type=Path, metavar="FILE", help="measured before")
     asked = parser.parse_args()
     sys.path.insert(0, str(ROOT))
-    report = json.loads(asked.report.read_text()) if asked.report else measured(asked.live)
-    what, text = ("live", live(report)) if "load" in report else ("speeds", speeds(report))
+    report = json.loads(asked.report.read_text()) if asked.report else measured(asked.what)
+    what = what_of(report)
+    text = WRITERS[what](report)
     PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), what, text), encoding="utf-8")
 
 

@@ -19,6 +19,9 @@ from overview_dsp.live.output_settings import OutputSettings
 
 BLOCK = 64
 INTERPRETED_S = 0.1
+LINKS = 2_000_000
+"""Of the chain that cycles are counted by: some milliseconds."""
+CHAINS = 9
 
 
 def one_call(
@@ -76,6 +79,16 @@ def interpreted() -> float:
     command = [sys.executable, "-m", "overview_dsp.bench.overview_rows"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     return float(done.stdout)
+
+
+def clock_ghz() -> float:
+    """Billions of cycles that this processor has in a second, as it is busy now."""
+    from overview_dsp.kernels.cycles import CYCLES_A_LINK, chain
+
+    word = np.uint64(1)
+    chain(word, 1)
+    work = 1e-9 * CYCLES_A_LINK * LINKS
+    return max(timed(work, lambda: chain(word, LINKS)) for _ in range(CHAINS))
 
 
 def contenders() -> list[Contender]:

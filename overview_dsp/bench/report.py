@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from overview_dsp.bench import c_rows, many_voices, overview_rows, programs, scaling, solvers
 from overview_dsp.bench.building import MissingError
 from overview_dsp.bench.scaling import Cost, Memory
-from overview_dsp.bench.timing import Contender, Row, interleaved
+from overview_dsp.bench.timing import VOICE, Contender, Row, interleaved
+from overview_dsp.bench.work import RATE
 
 NEIGHBOURS = (c_rows.contenders, solvers.contenders, programs.faust, programs.csound)
 SPEEDS_PART = 0.4
@@ -17,13 +18,14 @@ SPEEDS_PART = 0.4
 
 @dataclass(frozen=True)
 class Report:
-    """What was measured. `left_out`: what wasn't, and why."""
+    """What was measured. `left_out`: what wasn't, and why. `ghz`: the processor's clock."""
 
     rounds: int
     rows: list[Row]
     costs: list[Cost]
     memory: Memory
     left_out: list[str]
+    ghz: float
 
 
 def measure(
@@ -41,11 +43,12 @@ def measure(
         except MissingError as missing:
             left_out.append(str(missing))
     rows = interleaved(contenders, rounds, lambda part: report_part(SPEEDS_PART * part))
+    ghz = overview_rows.clock_ghz()
     memory = scaling.memory(longest_s)
     costs = scaling.measure(
         rounds, longest_s, lambda part: report_part(SPEEDS_PART + (1.0 - SPEEDS_PART) * part)
     )
-    return Report(rounds, rows, costs, memory, left_out)
+    return Report(rounds, rows, costs, memory, left_out, ghz)
 
 
 def lines(report: Report) -> list[str]:
@@ -56,6 +59,8 @@ def lines(report: Report) -> list[str]:
     for group in dict.fromkeys(row.group for row in report.rows):
         rows = [row for row in report.rows if row.group == group]
         found += ["", *speed_table(group, rows)]
+        if group == VOICE:
+            found += ["", cycles(rows, report.ghz)]
     found += ["", f"{'cost':<34}{'of the first':>13}"]
     for cost in report.costs:
         spread = f"({cost.low:.2f} to {cost.high:.2f})"
@@ -83,6 +88,16 @@ def speed_table(group: str, rows: Sequence[Row]) -> list[str]:
             for row in rows
         ),
     ]
+
+
+def cycles(rows: Sequence[Row], ghz: float) -> str:
+    """Our rows of the full voice in a unit that no other row and no clock changes."""
+    each = (
+        f"{row.name.removeprefix('overView, ')} {1e9 * ghz / (row.speed * RATE):.0f}"
+        for row in rows
+        if row.name.startswith("overView")
+    )
+    return f"cycles a voice and sample, at {ghz:.2f} GHz: {', '.join(each)}"
 
 
 def merging(cost: Cost) -> str:

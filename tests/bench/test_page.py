@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -41,12 +42,19 @@ def without_numbers(name):
     return re.sub(NUMBER, "N", name.partition(", merged")[0])
 
 
-@pytest.fixture(scope="module")
-def writer():
-    spec = importlib.util.spec_from_file_location("writer", ROOT / "tools/write_benchmarks.py")
+def tool(name):
+    """A script of `tools`, as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
+    # where dataclasses look for their own module
+    sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def writer():
+    return tool("write_benchmarks")
 
 
 def marked(text, what):
@@ -101,7 +109,9 @@ def test_every_cost_of_the_page_is_one_that_the_bench_measures(monkeypatch):
 def test_a_report_replaces_what_stands_between_the_markers_and_nothing_else(writer):
     contenders = [Contender("a group", name, lambda: 2.0) for name in ("overView", "theirs")]
     costs = [Cost("events", "100000 events", 1.5, 1.4, 1.6, 16_384)]
-    report = Report(2, interleaved(contenders, 2), costs, Memory(300.0, 60.0, 301.0), ["no Faust"])
+    report = Report(
+        2, interleaved(contenders, 2), costs, Memory(300.0, 60.0, 301.0), ["no Faust"], 3.0
+    )
     found = {"machine": "a machine", "date": "2001-02-03", **asdict(report)}
     page = writer.filled(PAGE, "speeds", writer.speeds(json.loads(json.dumps(found))))
     written = marked(page, "speeds")
@@ -137,6 +147,30 @@ def test_a_live_report_is_written_as_the_command_prints_it(writer):
     assert "python, load" in written
     assert "\n64         1.33      30        3.35" in written
     assert page.replace(written, "") == PAGE.replace(marked(PAGE, "live"), "")
+
+
+def test_first_starts_are_a_row_for_each_command(writer):
+    starts = [
+        {"command": "demo", "imports_s": 0.987, "first_sound_s": 1.0, "whole_s": 2.0},
+        {"command": "serve", "imports_s": 0.5, "first_sound_s": 0.25, "whole_s": None},
+    ]
+    report = {"machine": "a machine", "date": "2001-02-03", "first_starts": starts}
+    assert writer.what_of(report) == "first starts"
+    written = marked(
+        writer.filled(PAGE, "first starts", writer.first_starts(report)), "first starts"
+    )
+    assert "2001-02-03, a machine" in written
+    ((head, rows),) = tables(written)
+    assert rows == [
+        ["`overview demo`", "0.99", "1.00", "2.00"],
+        ["`overview serve`", "0.50", "0.25", ""],
+    ]
+    ((head_of_page, shown),) = tables(marked(PAGE, "first starts"))
+    assert head_of_page == head
+    assert [row[0].strip("`").split()[1] for row in shown] == list(
+        tool("measure_first_starts").COMMANDS
+    )
+    assert all(FIGURE.fullmatch(cell) for row in shown for cell in row[1:])
 
 
 def test_a_machine_is_a_line():

@@ -137,7 +137,7 @@ def report():
     contenders = [Contender("a group", name, lambda: 2.0) for name in ("overView", "theirs")]
     costs = [Cost("events", "100000 events", 1.5, 1.4, 1.6, 16_384)]
     rows = interleaved(contenders, 2)
-    return Report(2, rows, costs, Memory(300.0, 60.0, 301.0), ["Faust is not installed"])
+    return Report(2, rows, costs, Memory(300.0, 60.0, 301.0), ["Faust is not installed"], 3.0)
 
 
 def test_the_table_says_what_was_merged_and_what_was_left_out(report):
