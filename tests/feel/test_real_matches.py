@@ -31,13 +31,19 @@ pytestmark = pytest.mark.soak
 
 @pytest.mark.parametrize("name", CHARACTERS)
 def test_each_kind_is_a_step_above_the_next_at_every_speed_and_cards_in_recoils(name, data_folder):
-    report = crowd_report(ov.load_preset(name), real_matches(data_folder), VERIFIED, ORDER)
-    for stroke in report.strokes:
+    preset, matches = ov.load_preset(name), real_matches(data_folder)
+    for stroke in crowd_report(preset, matches, VERIFIED, ORDER).strokes:
         gaps = {(one, other): steps for one, other, steps in stroke.gaps}
-        assert gaps["red_card", "yellow_card"] >= 1.0, stroke.name
         if not stroke.name.endswith("recoil"):
             for pair in itertools.pairwise(ORDER):
                 assert gaps[pair] >= 1.0, (stroke.name, pair)
+    # a recoil fades towards the start: cards of one match are compared
+    with_red = [match for match in matches if "red_card" in match.kinds()]
+    assert with_red
+    for match in with_red:
+        for stroke in crowd_report(preset, [match], VERIFIED, ORDER).strokes:
+            gaps = {(one, other): steps for one, other, steps in stroke.gaps}
+            assert gaps["red_card", "yellow_card"] >= 1.0, (match.title, stroke.name)
 
 
 @pytest.mark.parametrize("index", range(5))
