@@ -54,5 +54,5 @@ export class KernelNode extends AudioWorkletNode {
 export function openKernel(
   context: AudioContext | OfflineAudioContext,
   image: ArrayBuffer,
-  given?: { events?: HandEvent[]; changes?: ArrayBuffer[] },
+  given?: { events?: HandEvent[]; changes?: ArrayBuffer[]; wasm?: Promise<ArrayBuffer> },
 ): Promise<KernelNode>;

@@ -16,19 +16,23 @@ const KERNEL = new URL("./kernel.wasm", import.meta.url);
  *
  * `events` and `changes` are there before the first sample: rows as in `KernelNode.control`, and
  * bytes of `encode_change`. Clicks are left, the tactor is right, unless the image's settings say
- * otherwise. One image serves every sample rate. Throws an Error in one line: another version's
- * bytes.
+ * otherwise. One image serves every sample rate. `wasm`: the bytes of `kernel.wasm`, fetched from
+ * beside this file if left out. Throws an Error in one line: another version's bytes.
  * @param {BaseAudioContext} context
  * @param {ArrayBuffer} image
- * @param {{ events?: HandEvent[], changes?: ArrayBuffer[] }} given
+ * @param {{ events?: HandEvent[], changes?: ArrayBuffer[], wasm?: Promise<ArrayBuffer> }} given
  */
-export async function openKernel(context, image, { events = [], changes = [] } = {}) {
+export async function openKernel(context, image, { events = [], changes = [], wasm: given = fetched() } = {}) {
   const { channels } = checkBytes(image, WHOLE);
   for (const bytes of changes) checkBytes(bytes, CHANGE);
-  const [answer] = await Promise.all([fetch(KERNEL), context.audioWorklet.addModule(PROCESSOR)]);
-  if (!answer.ok) throw new Error(`${KERNEL}: ${answer.status} ${answer.statusText}`);
-  const wasm = await answer.arrayBuffer();
+  const [wasm] = await Promise.all([given, context.audioWorklet.addModule(PROCESSOR)]);
   return new KernelNode(context, channels, { wasm, image, events: rows(events), changes });
+}
+
+async function fetched() {
+  const answer = await fetch(KERNEL);
+  if (!answer.ok) throw new Error(`${KERNEL}: ${answer.status} ${answer.statusText}`);
+  return answer.arrayBuffer();
 }
 
 export class KernelNode extends AudioWorkletNode {

@@ -1,12 +1,20 @@
 // The kernel's bytes as a folder has them, unpacked: packing.py says how they were packed.
 
 /**
+ * @param {ArrayBuffer} deflated
+ * @returns {Promise<ArrayBuffer>}
+ */
+export function inflated(deflated) {
+  const stream = new Blob([deflated]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Response(stream).arrayBuffer();
+}
+
+/**
  * @param {ArrayBuffer} packed
  * @returns {Promise<ArrayBuffer>}
  */
 export async function unpacked(packed) {
-  const inflated = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-  const bytes = new Uint8Array(await new Response(inflated).arrayBuffer());
+  const bytes = new Uint8Array(await inflated(packed));
   const order = bytes[0];
   const count = (bytes.length - 1) / 8;
   const words = new Uint32Array(2 * count);

@@ -141,7 +141,7 @@ def test_picture_and_words_are_there_before_the_sound(chromium, site):
         context = chromium.new_context(viewport=PHONE)
         page = context.new_page()
         held: list = []
-        page.route("**/kernel.wasm", lambda route: held.append(route))
+        page.route("**/kernel.deflated", lambda route: held.append(route))
         page.goto(host.url)
         until(page, "p.view && document.querySelectorAll('#canvas path').length > 30")
         until(page, "document.getElementById('hint').textContent.includes('loading')")

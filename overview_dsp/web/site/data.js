@@ -2,7 +2,7 @@
 // them for some windows and one preset; a server makes them for any (`info.server`).
 
 import { ask, enter, post } from "./session.js";
-import { unpacked } from "./unpack.js";
+import { inflated, unpacked } from "./unpack.js";
 
 /** @import { Info, Part, Points, Preset, View } from "../types" */
 
@@ -96,6 +96,11 @@ export class Data {
   /** @param {string} key */
   by(key) {
     return this.preset === null ? {} : { [key]: this.preset };
+  }
+
+  /** `kernel.wasm`. */
+  kernel() {
+    return bytes("kernel.deflated").then(inflated);
   }
 
   /**

@@ -59,7 +59,8 @@ export class Sound {
 
   async open() {
     const { context } = this;
-    const node = await openKernel(context, await this.data.memory(context.sampleRate));
+    const wasm = this.data.kernel();
+    const node = await openKernel(context, await this.data.memory(context.sampleRate), { wasm });
     const split = context.createChannelSplitter(2);
     const merge = context.createChannelMerger(2);
     node.connect(split);
