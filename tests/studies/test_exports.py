@@ -134,6 +134,9 @@ def test_a_trial_is_felt_again_bit_for_bit(built, tmp_path, mapping):
     assert samples[:, 1].any()
     # the take is one of any: the command line plays it to the same samples
     kept = ov.load_gesture(out / index[1][-2])
+    hand_again = take_gesture(take)
+    assert hand_again.stamps(48_000).tolist() == [sample for sample, *_ in take["events"]]
+    assert hand_again.theta2.tolist() == [angle for _, angle, *_ in take["events"]]
     # a last line says when it was over
     assert np.array_equal(kept.stamps(48_000)[:-1], take_gesture(take).stamps(48_000))
     if mapping == "friction":

@@ -9,7 +9,12 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.studies.items import items_of
-from overview_dsp.studies.static_mapping import held_levels, static_levels, static_mapping
+from overview_dsp.studies.static_mapping import (
+    StaticMapping,
+    held_levels,
+    static_levels,
+    static_mapping,
+)
 from tests.studies.files import IDENTIFY, design_of
 
 RATE = 48_000
@@ -107,3 +112,18 @@ def test_nothing_sounds_without_a_hand(item, mapping):
     let_go = mapping.render(ov.tap(item.places(None)[0], 0.1), 0.3)
     assert let_go[: round(0.1 * RATE), 1].any()
     assert not let_go[-round(0.1 * RATE) :].any()
+
+
+def test_a_click_comes_when_its_place_is_reached_and_not_again_when_it_is_left():
+    one = StaticMapping(RATE, 240, np.zeros(1025), np.zeros(1), [(0.5, 0)], [np.array([0.5, 0.25])])
+    to, on = ov.sweep(0.1, 0.25, 0.5), ov.sweep(0.1, 0.5, 0.75)
+    held = ov.Gesture(
+        np.array([0.0, 0.05, 0.15, 0.2]),
+        np.pi * np.array([0.25, 0.5, 0.75, 0.75]),
+        np.array([True, True, True, False]),
+        0.2,
+    )
+    assert np.count_nonzero(one.render(held)[:, 0]) == 2
+    # alone: reached by the one, only left by the other
+    assert np.count_nonzero(one.render(to)[:, 0]) == 2
+    assert np.count_nonzero(one.render(on)[:, 0]) == 0

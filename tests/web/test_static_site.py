@@ -22,8 +22,10 @@ from overview_dsp.web.static_site import write_site
 
 def test_the_page_is_light_and_fetches_nothing_from_elsewhere():
     own = page_files()
-    assert sum(len(content) for content in own.values()) < 195_000
-    assert sum(len(content) for content in folder_files(live=False).values()) < 170_000
+    kernel = len(own["kernel.wasm"])
+    assert kernel < 90_000
+    assert sum(len(content) for content in own.values()) - kernel < 155_000
+    assert sum(len(content) for content in folder_files(live=False).values()) - kernel < 130_000
     for name, content in own.items():
         if name.endswith((".js", ".css", ".html", ".webmanifest")):
             text = content.decode()
