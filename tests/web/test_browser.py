@@ -13,7 +13,7 @@ from overview_dsp.export.browser_memory import encode_change, encode_engine, eve
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
-from overview_dsp.live.python_path import run_block
+from overview_dsp.live.python_path import connect, run_block
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played
 from tests.web.surfaces import preset_of
 
@@ -239,16 +239,19 @@ def test_damaged_bytes_are_refused_in_one_line(browser, match, football, goals, 
     assert "\n" not in refused
 
 
-def test_another_sample_rate_is_refused_and_its_own_plays(browser, match, football):
+@pytest.mark.parametrize("rate", [44_100, RATE])
+def test_one_image_plays_at_every_sample_rate(browser, match, football, rate):
     made = ov.Engine(football, match)
     made.prepare(44_100, 44_100)
     browser.give(image=encode_engine(made))
     given = {"frames": 44_032, "image": "image", "events": [{"theta2": 2.0, "touching": True}]}
-    assert "44100 Hz" in browser.call("refusedRendering", {**given, "rate": RATE})
-    out, _ = browser.render(**given, rate=44_100)
-    made.control(2.0, True)
+    out, _ = browser.render(**given, rate=rate)
+    own = ov.Engine(football, match)
+    own.prepare(rate, 44_100)
+    connect(own, None)
+    own.control(2.0, True)
     expected = np.empty((44_032, 2), dtype=np.float32)
-    run_block(made, expected)
+    run_block(own, expected)
     assert np.array_equal(out, expected)
 
 

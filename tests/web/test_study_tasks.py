@@ -111,7 +111,7 @@ TASKS = {
 }  # fmt: skip
 
 
-ALWAYS = ("locate", "draw", "staircase")
+ALWAYS = ("locate", "draw")
 EACH = [name if name in ALWAYS else pytest.param(name, marks=pytest.mark.soak) for name in TASKS]
 
 

@@ -90,16 +90,6 @@ export async function renderOffline({
   return { samples: base64(samples), seconds, look: await node.look(), faults };
 }
 
-/** The line with which a rendering is refused. */
-export async function refusedRendering(given) {
-  try {
-    await renderOffline(given);
-  } catch (error) {
-    return error.message;
-  }
-  return "";
-}
-
 /**
  * The kernel without an audio thread, a block at a time: the digest of its memory once loaded, then
  * of the columns `region` after the blocks, and in how many of them a change still waited.
