@@ -11,7 +11,7 @@ LISTEN = {
     "even hum; let go, and the match runs back under your finger",
     "slow sweep": "the same match in four seconds: the hum is weaker, the disk sticks at each goal "
     "and snaps free; fouls are soft bumps between",
-    "tap": "one touch at the end: everything up to there unfolds in half a second, then held still "
+    "tap": "one touch at the end: everything up to there unfolds in two seconds, then held still "
     "it is silent, and on release it all comes back, slower and last goal first",
 }
 

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -100,7 +101,7 @@ def dualsense_motion(report: bytes) -> tuple[int, int, tuple[int, ...], tuple[in
     return report[at + 6], clock, tuple(numbers[:3]), tuple(numbers[3:])
 
 
-class _Reports:
+class _Reports(ABC):
     """Reports behind their lengths, in bytes that come in any cuts."""
 
     def __init__(self, counters: Counters) -> None:
@@ -125,8 +126,9 @@ class _Reports:
         self._counters.readings += len(readings)
         return readings
 
+    @abstractmethod
     def _read(self, report: bytes) -> list[Reading] | None:
-        raise NotImplementedError
+        """The readings of one report; None for one that can't be read."""
 
 
 class DualSenseDecoder(_Reports):

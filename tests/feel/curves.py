@@ -153,14 +153,11 @@ def nearest_mean(
     return lambda rows: np.asarray(np.argmax(rows @ inverse @ means.T - bias, axis=1))
 
 
-def shape_lessons(
-    loaded: Loaded, asked: int = 20
-) -> tuple[list[list[ov.Timeline]], NDArray[np.int64]]:
-    """Twenty curves of each shape to learn from, `asked` of each to be asked about; the shapes."""
+def shape_lessons(loaded: Loaded) -> tuple[list[list[ov.Timeline]], NDArray[np.int64]]:
+    """Curves to learn from and curves to be asked about, and which shape each of either has."""
     random = np.random.default_rng(2)
     labels = np.tile(np.arange(len(SHAPES)), 20)
-    parts = labels, labels[: asked * len(SHAPES)]
-    made = [[loaded(100.0 + 10.0 * shape(SHAPES[i], random)) for i in part] for part in parts]
+    made = [[loaded(100.0 + 10.0 * shape(SHAPES[i], random)) for i in labels] for _ in "12"]
     return made, labels
 
 
@@ -172,7 +169,7 @@ def shapes_told(
     random = np.random.default_rng(3)
     learnt, met = (judged(envelopes(part, preset, seconds), random) for part in (first, second))
     labels = np.repeat(labels, DRAWS)
-    return np.asarray(nearest_mean(learnt, labels)(met) == labels[: len(met)])
+    return np.asarray(nearest_mean(learnt, labels)(met) == labels)
 
 
 def mean_of_thirds(timeline: ov.Timeline) -> list[float]:

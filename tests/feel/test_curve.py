@@ -83,7 +83,7 @@ def loaded(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def lessons(loaded):
-    return shape_lessons(loaded, asked=8)
+    return shape_lessons(loaded)
 
 
 @pytest.mark.parametrize("seconds", TOLD)

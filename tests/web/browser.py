@@ -8,6 +8,7 @@ import json
 import queue
 import shutil
 import subprocess
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ UNTOUCHED = ("media.autoplay.default", "media.autoplay.blocking_policy")
 PATIENCE_S = 60.0
 
 
-class Browser:
+class Browser(ABC):
     """A page; `give` names bytes that it may fetch."""
 
     def __init__(self, site: Site) -> None:
@@ -33,9 +34,9 @@ class Browser:
     def give(self, **named: bytes) -> None:
         self.site.given.update(named)
 
+    @abstractmethod
     def call(self, function: str, *given: Any) -> Any:
         """The answer of one of `probe.js`'s functions."""
-        raise NotImplementedError
 
     def render(self, **given: Any) -> tuple[np.ndarray, dict[str, Any]]:
         """Samples, float32 (frames, 2), and what else `renderOffline` tells."""
