@@ -70,11 +70,16 @@ def rigid_football():
 
 
 @pytest.fixture(scope="session")
-def springy_file(tmp_path_factory):
-    """Football in a file, with a disk that is back in a second: a session lasts as long as it."""
-    football = ov.load_preset("football")
+def springy_football(football):
+    """Football with a disk that is back in a second."""
+    return football.with_value("disk.k1", 5.0 * football.number("disk.k1"))
+
+
+@pytest.fixture(scope="session")
+def springy_file(tmp_path_factory, springy_football):
+    """The same in a file: a session lasts as long as its disk."""
     path = tmp_path_factory.mktemp("springy") / "springy.toml"
-    ov.presets.save(football.with_value("disk.k1", 5.0 * football.number("disk.k1")), path)
+    ov.presets.save(springy_football, path)
     return path
 
 
