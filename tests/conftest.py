@@ -43,10 +43,12 @@ class SkippedTests:
 
 
 def pytest_configure(config):
-    # a shell ignores SIGINT for what it starts in the background, and the commands that tests
-    # start and interrupt would inherit that
+    # a shell ignores SIGINT for what it starts in the background, nohup SIGHUP: the commands that
+    # tests start and end by signals would inherit that
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    if os.name == "posix" and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
     path = config.getoption("--list-skipped")
     if path and not hasattr(config, "workerinput"):
         config.pluginmanager.register(SkippedTests(path))
