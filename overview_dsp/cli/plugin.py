@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from overview_dsp.cli.common import print_json, window_options
+from overview_dsp.cli.common import note, print_json, window_options
 from overview_dsp.cli.options.timeline import open_part, preset_for, timeline_options
 from overview_dsp.errors import InputError, OverviewWarning
 
@@ -79,6 +79,8 @@ def build(
     fitting = dict.fromkeys(preset_for(timeline, None) for timeline in data.values())
     chosen = [load_preset(preset) for preset in presets or fitting]
     called = name or (Path(timelines[0]).stem if timelines else _ALL_BUNDLED)
+    if target:
+        note(f"compiling for {target}; ziglang's first time for a machine takes a minute or more")
     with warnings.catch_warnings():
         if everything:
             # that not every bundled preset names what a bundled timeline holds was nobody's choice

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import unicodedata
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -52,8 +53,10 @@ class Bundle:
 
     @property
     def slug(self) -> str:
-        """The name as it is written in ids and files."""
-        return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-") or "timeline"
+        """The name as it is written in ids and files: of plain letters, or by its digest."""
+        plain = unicodedata.normalize("NFKD", self.name).encode("ascii", "ignore").decode()
+        digest = hashlib.sha256(self.name.encode()).hexdigest()
+        return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or f"timeline-{digest[:8]}"
 
     @property
     def id(self) -> str:
