@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels 29efdc7696a5fd63
+   kernels 8e2dfc0424c01054
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 
