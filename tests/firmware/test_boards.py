@@ -146,7 +146,8 @@ def check_followed(lines, degrees):
     """The disk went with the hand: to its far end and back."""
     cursors = [line["cursor"] for line in lines]
     assert max(cursors) == pytest.approx(degrees / 180.0, abs=0.03)
-    far = cursors.index(max(cursors))
+    # of the first time: a second turn may go a hair further, and not be over
+    far = next(n for n, one in enumerate(cursors) if one > max(cursors) - 0.03)
     assert min(cursors[:far]) < 0.2
     assert min(cursors[far:], default=0.0) < 0.3
 

@@ -532,6 +532,25 @@ def test_the_disk_is_large_and_nothing_is_cut_off(chromium, site, width, height,
         context.close()
 
 
+def test_no_dialog_is_cut_off_on_a_phone_with_text_twice_as_large(chromium, site):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport={"width": 360, "height": 740})
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.view")
+        page.evaluate("document.documentElement.style.fontSize = '200%'")
+        for dialog in ("settings", "list", "h"):
+            if dialog == "h":
+                page.focus("#slider")
+                page.keyboard.press("h")
+            else:
+                page.click(f"#{dialog}")
+            wide = "[...document.querySelectorAll('dialog[open]')].map((one) => {wide})"
+            assert page.evaluate(wide.replace("{wide}", "one.scrollWidth - one.clientWidth")) == [0]
+            page.keyboard.press("Escape")
+        context.close()
+
+
 def require_laid_out(page, width, height):
     """A large disk, a curve, nothing cut off or over anything else, nothing to scroll sideways."""
     shown = page.evaluate("""() => {
