@@ -90,24 +90,15 @@ def clear(f64, i64, u64):
 @inlined
 def is_finite(f64):
     """Whether every recursive state column is a finite number."""
-    total = (
-        f64[layout.X]
-        + f64[layout.V]
-        + f64[layout.SMOOTH_1]
-        + f64[layout.SMOOTH_2]
-        + f64[layout.FOLLOWER]
-        + f64[layout.ENVELOPE_1]
-        + f64[layout.ENVELOPE_2]
+    # in pairs, so that few sums wait for others
+    moved = (f64[layout.X] + f64[layout.V]) + (f64[layout.SMOOTH_1] + f64[layout.SMOOTH_2])
+    felt = (f64[layout.ENVELOPE_1] + f64[layout.ENVELOPE_2]) + (
+        f64[layout.FOLLOWER] + f64[layout.TACTOR_DC_OUT]
     )
-    total = (
-        total
-        + f64[layout.TACTOR_DC_OUT]
-        + f64[layout.CLICK_DC_OUT]
-        + f64[layout.TEXTURE]
-        + f64[layout.PHASE]
-        + f64[layout.BRISTLE]
-        + f64[layout.M_IMPULSE]
+    heard = (f64[layout.CLICK_DC_OUT] + f64[layout.TEXTURE]) + (
+        f64[layout.PHASE] + f64[layout.BRISTLE]
     )
+    total = (moved + felt) + (heard + f64[layout.M_IMPULSE])
     return total - total == 0.0
 
 

@@ -183,13 +183,14 @@ def move(f64, i64, u64, frames, sounding, trace, at, traced):
         if modelled or i64[layout.FADE_LEFT] > 0:
             step(f64, i64, n, old_slot, modelled)
             n += 1
+            x = f64[layout.X]
+            passed = x >= event_above(f64, i64) or x < event_below(f64, i64)
         else:
             if sounded < min(n, sounding):  # after steps, or what the last chunk had more
                 sound(f64, u64, sounded, min(n, sounding))
-            n = travel(f64, i64, u64, n, frames, sounding)
+            n, passed = travel(f64, i64, u64, n, frames, sounding)
             sounded = min(n, sounding)
-        x = f64[layout.X]
-        if x >= event_above(f64, i64) or x < event_below(f64, i64):
+        if passed:
             pass_events(f64, i64, n - 1, start if n == 1 else f64[layout.D_POSITION + n - 2])
     if sounded < sounding:
         sound(f64, u64, sounded, sounding)

@@ -38,9 +38,9 @@ def snapped(x, least):
 
 @outlined
 def travel(f64, i64, u64, start, frames, sounding):
-    """Move the disk from sample `start` of a chunk on; the sample after which it stopped.
+    """Move the disk from sample `start` of a chunk on, up to the first in which an event is passed.
 
-    That is the first in which an event is passed, or the chunk's end. Writes the disk's columns.
+    Returns the sample after it, or the chunk's end, and whether one was. Writes the disk's columns.
     Beside each sample goes the `sound` of the same one of the chunk before, of `sounding` samples.
     """
     sound_before = sound_state(f64, u64)
@@ -73,6 +73,7 @@ def travel(f64, i64, u64, start, frames, sounding):
     below = event_below(f64, i64)
 
     n = start
+    passed = False
     while n < frames:
         if n < sounding:
             sound_before = sound_once(f64, n % layout.CHUNK, sound_before, coefficients)
@@ -114,6 +115,7 @@ def travel(f64, i64, u64, start, frames, sounding):
         f64[layout.D_FRICTION + i] = friction
         n += 1
         if x >= above or x < below:
+            passed = True
             break
 
     f64[layout.X] = x
@@ -124,4 +126,4 @@ def travel(f64, i64, u64, start, frames, sounding):
     f64[layout.APPROACH] = approach
     f64[layout.PACE] = pace
     keep_sound_state(f64, u64, sound_before)
-    return n
+    return n, passed

@@ -22,11 +22,11 @@ def connect(engine: Engine, settings: OutputSettings | None) -> int:
     memory = engine.memory
     if settings is not None:
         click, tactor = (
-            signal.channel - 1 if signal.channel else None for signal in settings.signals
+            signal.channels[0] - 1 if signal.channels else None for signal in settings.signals
         )
         engine.set_channels(click, tactor)
     mapped = memory.view(np.int64)[[layout.S_CLICK_CHANNEL, layout.S_TACTOR_CHANNEL]]
-    channels = max(2, int(mapped.max()) + 1)
+    channels = max(2 if settings is None else settings.channels, int(mapped.max()) + 1)
     clear_meters(memory, channels)
     (settings or OutputSettings()).write(memory, engine.sample_rate, at_once=True)
     return channels

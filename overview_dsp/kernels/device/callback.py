@@ -19,8 +19,9 @@ from numba import types
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import c_callback, inlined
 from overview_dsp.kernels.device.stream_block import deliver
-from overview_dsp.kernels.elementary import log2
+from overview_dsp.kernels.elementary import ONE_BITS
 from overview_dsp.kernels.shipped import shipped_callback
+from overview_dsp.kernels.simd.vector import bits_of
 
 # PortAudio's unsigned long: 32 bits on Windows, 64 elsewhere
 _UNSIGNED_LONG = types.uint32 if sys.platform == "win32" else types.uint64
@@ -31,6 +32,8 @@ SIGNATURE = _int32(
 OUTPUT_UNDERFLOW = 4  # paOutputUnderflow
 CONTINUE, COMPLETE = 0, 1  # paContinue, paComplete
 MONOTONIC = 1  # CLOCK_MONOTONIC, on Linux
+MANTISSA = 0xFFFFFFFFFFFFF  # of a float64's bits; that of
+BORDERS = (0x306FE0A31B715, 0x6A09E667F3BCD, 0xAE89F995AD3AD)  # 2**(1/4), 2**(1/2), 2**(3/4)
 HAS_CLOCK = sys.platform == "linux"
 
 carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
@@ -56,8 +59,12 @@ def record_busy_time(f64, i64, seconds, frames):
         i64[layout.L_LATE] += 1
     where = 0
     if seconds > layout.SHORTEST_S:
-        octaves = log2(seconds * (1.0 / layout.SHORTEST_S))
-        where = min(int(octaves * layout.BINS_AN_OCTAVE), layout.BUSY_BINS - 1)
+        bits = bits_of(seconds * (1.0 / layout.SHORTEST_S))
+        mantissa = bits & MANTISSA
+        where = ((bits - ONE_BITS) >> 52) * layout.BINS_AN_OCTAVE
+        for border in BORDERS:
+            where += mantissa >= border
+        where = min(where, layout.BUSY_BINS - 1)
     i64[layout.L_BUSY + where] += 1
 
 

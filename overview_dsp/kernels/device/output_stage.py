@@ -7,7 +7,8 @@ For click and tactor each a gain, a delay and a ceiling, and for both the fade t
 `part` is 1 where a ceiling below full scale or a gain above 1 asks for the limiter, else 0: with
 gain 1, delay 0 and part 0 not a bit is changed. All four glide or crossfade for `S_GLIDE` samples.
 Where an actuator is chosen, its drive (`actuator.py`) is made from the tactor's gained and delayed
-signal; the ceiling comes last and can only take away.
+signal; the ceiling comes last and can only take away. What has become of a signal on its first
+channel is copied to its others.
 
 Thread: audio.
 """
@@ -19,10 +20,13 @@ import numpy as np
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
 from overview_dsp.kernels.device.actuator import drive
+from overview_dsp.kernels.elementary import ONE_BITS
 from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.limiter import limit
+from overview_dsp.kernels.simd.vector import bits_of
 
 FULL_SCALE = 1.0
+LONGEST_DELAY_S = 0.1
 
 
 @inlined
@@ -54,9 +58,18 @@ def glided(f64, i64, i, per_glide):
 
 
 @inlined
-def delayed(f64, i64, signal, line, at, per_glide):
+def line_mask(f64):
+    """One less than the frames of a delay line that are in use, a power of two.
+
+    As few as the longest delay needs, so that both lines stay in a processor's cache.
+    """
+    longest = LONGEST_DELAY_S * f64[layout.S_SAMPLE_RATE] + 1.0
+    return (2 << ((bits_of(longest) - ONE_BITS) >> 52)) - 1
+
+
+@inlined
+def delayed(f64, i64, signal, line, at, mask, per_glide):
     """The delay line's output at frame `at`, crossfaded while the delay changes."""
-    mask = layout.DELAY_LINE - 1
     x = f64[line + ((at - i64[layout.L_DELAY + signal]) & mask)]
     if i64[layout.L_DELAY_LEFT + signal] > 0:
         i64[layout.L_DELAY_LEFT + signal] -= 1
@@ -84,8 +97,14 @@ def is_untouched(f64, i64, signal):
 @inlined
 def keep(f64, line, out, frames, channels, at):
     """Copy one signal, from out[at] on, into a stretch of its delay line."""
+    stretch = f64[line : line + frames]
+    if channels == layout.SIGNALS:
+        signal = out[at :: layout.SIGNALS]  # so far apart in any case: several at a time
+        for n in range(frames):
+            stretch[n] = float(signal[n])
+        return
     for n in range(frames):
-        f64[(line + n) & NOT_NEGATIVE] = float(out[at & NOT_NEGATIVE])
+        stretch[n] = float(out[at & NOT_NEGATIVE])
         at += channels
 
 
@@ -93,12 +112,14 @@ def keep(f64, line, out, frames, channels, at):
 def pass_through(f64, i64, out, frames, channels, signal, channel):
     """A signal to which nothing is done: into the delay line; its peak is booked."""
     line = layout.L_LINES + signal * layout.DELAY_LINE
-    written = i64[layout.L_LINE] & (layout.DELAY_LINE - 1)
-    first = min(frames, layout.DELAY_LINE - written)
-    keep(f64, line + written, out, first, channels, channel)
-    if first < frames:
-        # as a delay line in a circle has it: the rest from its start on
-        keep(f64, line, out, frames - first, channels, channel + first * channels)
+    mask = line_mask(f64)
+    n = 0
+    while n < frames:
+        # as a delay line in a circle has it: up to its end, then from its start on
+        at = (i64[layout.L_LINE] + n) & mask
+        stretch = min(frames - n, mask + 1 - at)
+        keep(f64, line + at, out, stretch, channels, channel + n * channels)
+        n += stretch
     # that of the block that `process` has just made, as the output has it
     peak = float(np.float32(f64[layout.M_PEAK_CLICK + signal]))
     if peak > FULL_SCALE:
@@ -116,16 +137,17 @@ def treat(f64, i64, out, frames, channels, signal, channel):
         return
     per_glide = 1.0 / float(i64[layout.S_GLIDE])
     line = layout.L_LINES + signal * layout.DELAY_LINE
+    mask = line_mask(f64)
     written = i64[layout.L_LINE]
     peak = f64[layout.L_PEAK + signal]
     driven = signal == layout.TACTOR and i64[layout.L_ACTUATOR + layout.ACT_ON] == 1
     for n in range(frames):
         at = written + n
-        f64[line + (at & (layout.DELAY_LINE - 1))] = float(out[channel + n * channels])
+        f64[line + (at & mask)] = float(out[channel + n * channels])
         gain = glided(f64, i64, signal, per_glide)
         ceiling = glided(f64, i64, layout.SIGNALS + signal, per_glide)
         part = glided(f64, i64, 2 * layout.SIGNALS + signal, per_glide)
-        y = gain * delayed(f64, i64, signal, line, at, per_glide)
+        y = gain * delayed(f64, i64, signal, line, at, mask, per_glide)
         if driven:
             y = drive(f64, i64, layout.L_ACTUATOR, y)
         if part > 0.0:
@@ -134,6 +156,15 @@ def treat(f64, i64, out, frames, channels, signal, channel):
         peak = max(peak, abs(y))
         out[channel + n * channels] = y
     f64[layout.L_PEAK + signal] = peak
+
+
+@outlined
+def copy_to(out, frames, channels, channel, others):
+    """One channel's samples, bit for bit, to those whose bits are set in `others`."""
+    for other in range(channels):
+        if (others >> other) & 1 == 1:
+            for n in range(frames):
+                out[other + n * channels] = out[channel + n * channels]
 
 
 @inlined
@@ -155,8 +186,14 @@ def finish(f64, i64, out, frames, channels):
     take_wishes(f64, i64)
     if i64[layout.S_CLICK_CHANNEL] >= 0:
         treat(f64, i64, out, frames, channels, 0, i64[layout.S_CLICK_CHANNEL])
+        if i64[layout.L_ALSO_CLICK] != 0:
+            click = i64[layout.S_CLICK_CHANNEL]
+            copy_to(out, frames, channels, click, i64[layout.L_ALSO_CLICK])
     if i64[layout.S_TACTOR_CHANNEL] >= 0:
         treat(f64, i64, out, frames, channels, 1, i64[layout.S_TACTOR_CHANNEL])
+        if i64[layout.L_ALSO_TACTOR] != 0:
+            tactor = i64[layout.S_TACTOR_CHANNEL]
+            copy_to(out, frames, channels, tactor, i64[layout.L_ALSO_TACTOR])
     i64[layout.L_LINE] += frames
     if i64[layout.L_STOP] == 1:
         return fade_out(i64, out, frames, channels)
