@@ -23,6 +23,7 @@ from overview_dsp.live.portaudio_library import import_sounddevice
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, play_again, read_meters
 from overview_dsp.public.reprs import short
+from overview_dsp.timeline import given
 
 CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5
@@ -95,7 +96,7 @@ class OutputStream:
         self._memory = engine.memory
         self._w = self._memory.view(np.int64)
         self.callback: CallbackKind = callback
-        self.block_size = block_size
+        self.block_size = given.whole(block_size, "block_size", least=0)
         self._started = False
         if device == PAD:
             device = find_device(device).index
