@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels 42b8c8d2cee480ab
+   kernels 75ed47ba2a6cafba
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 
