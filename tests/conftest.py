@@ -43,10 +43,12 @@ class SkippedTests:
 
 
 def pytest_configure(config):
-    # a shell ignores SIGINT for what it starts in the background, and the commands that tests
-    # start and interrupt would inherit that
+    # a shell ignores SIGINT for what it starts in the background, nohup SIGHUP: the commands that
+    # tests start and end by signals would inherit that
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    if os.name == "posix" and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
     path = config.getoption("--list-skipped")
     if path and not hasattr(config, "workerinput"):
         config.pluginmanager.register(SkippedTests(path))
@@ -70,11 +72,16 @@ def rigid_football():
 
 
 @pytest.fixture(scope="session")
-def springy_file(tmp_path_factory):
-    """Football in a file, with a disk that is back in a second: a session lasts as long as it."""
-    football = ov.load_preset("football")
+def springy_football(football):
+    """Football with a disk that is back in a second."""
+    return football.with_value("disk.k1", 5.0 * football.number("disk.k1"))
+
+
+@pytest.fixture(scope="session")
+def springy_file(tmp_path_factory, springy_football):
+    """The same in a file: a session lasts as long as its disk."""
     path = tmp_path_factory.mktemp("springy") / "springy.toml"
-    ov.presets.save(football.with_value("disk.k1", 5.0 * football.number("disk.k1")), path)
+    ov.presets.save(springy_football, path)
     return path
 
 

@@ -201,6 +201,7 @@ for one in ov.render_many(jobs, tail="none"):
 """
 
 
+@pytest.mark.soak
 def test_the_oldest_versions_that_are_allowed_render_the_same_bits(tmp_path):
     if os.environ.get("OVERVIEW_INSTALLS") != "1":
         pytest.skip("installs packages: set OVERVIEW_INSTALLS=1 where there is a package index")

@@ -10,6 +10,7 @@ which tool-chain they are of; the same ones give the same bytes.
 from __future__ import annotations
 
 import importlib.metadata
+import itertools
 import json
 import sys
 from pathlib import Path
@@ -21,6 +22,7 @@ OUT = ROOT / "overview_dsp" / "kernels" / "objects"
 TARGETS = {
     "linux-x86-64-v2": ("x86_64-unknown-linux-gnu", "x86-64-v2"),
     "linux-x86-64-v3": ("x86_64-unknown-linux-gnu", "x86-64-v3"),
+    "linux-x86-64-v4": ("x86_64-unknown-linux-gnu", "x86-64-v4"),
     "linux-aarch64": ("aarch64-unknown-linux-gnu", "generic"),
 }
 # what a process has in any case: the clock, and what LLVM makes of loops and of math.sqrt
@@ -32,11 +34,14 @@ def main(folder: Path) -> None:
     with unoptimised():
         from overview_dsp.kernels.compiling import sources_digest
         from overview_dsp.kernels.doors.shipped import NAMES
+        from overview_dsp.kernels.shipped import CHOICES
 
         texts = written_out(NAMES)
-        for name, (triple, cpu) in TARGETS.items():
+        for name, _, kernels in itertools.chain(*CHOICES.values()):
+            triple, cpu = TARGETS[name]
             machine = machine_for(triple, cpu=cpu, reloc="pic")
-            module = module_for(texts, machine, vectors=True)
+            some = {kernel: text for kernel, text in texts.items() if kernel in kernels}
+            module = module_for(some, machine, vectors=True, runs=3)
             check(module, name)
             out = folder / f"{name}.o"
             out.write_bytes(machine.emit_object(module))

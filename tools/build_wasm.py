@@ -4,8 +4,8 @@ python tools/build_wasm.py [OUT.wasm]
 
 Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of `overview_dsp.kernels.doors.browser`
 is compiled for wasm32 by the LLVM inside llvmlite. The module exports its functions, its memory and
-`__heap_base`, from where on the memory is free, and imports nothing. The same tool-chain (named in
-the file's own section `toolchain`) gives the same bytes.
+`__heap_base`, from where on the memory is free, and imports nothing. Its section `sources` is the
+kernels' digest. The same tool-chain (in its section `toolchain`) gives the same bytes.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ KERNEL = ROOT / "overview_dsp" / "web" / "kernel.wasm"
 TRIPLE = "wasm32-unknown-unknown"
 STACK_BYTES = 16384
 PARTS = ("numba", "llvmlite", "ziglang")
-SECTION = "toolchain"
 
 
 def main(out: Path) -> None:
     with unoptimised() as folder:
+        from overview_dsp.kernels.compiling import sources_digest
         from overview_dsp.kernels.doors.browser import NAMES
 
         machine = machine_for(TRIPLE, reloc="static", codemodel="default")
@@ -35,7 +35,9 @@ def main(out: Path) -> None:
         object_file.write_bytes(machine.emit_object(module))
         linked = folder / "kernel.wasm"
         link(object_file, linked, list(NAMES))
-        built = linked.read_bytes() + custom_section(SECTION, json.dumps(toolchain()).encode())
+        built = linked.read_bytes()
+    built += custom_section("sources", sources_digest().encode())
+    built += custom_section("toolchain", json.dumps(toolchain()).encode())
     check(built)
     out.write_bytes(built)
     print(f"{out}: {len(built)} bytes, {toolchain()}")

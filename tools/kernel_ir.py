@@ -46,9 +46,16 @@ def written_out(functions: Mapping[str, tuple[Any, Any]]) -> dict[str, str]:
 
 
 def module_for(
-    texts: Mapping[str, str], machine: Any, vectors: bool = False, speed_level: int = 3
+    texts: Mapping[str, str],
+    machine: Any,
+    vectors: bool = False,
+    speed_level: int = 3,
+    runs: int = 2,
 ) -> Any:
-    """llvmlite's module of those functions alone, optimised for a target machine."""
+    """llvmlite's module of those functions alone, optimised for a target machine.
+
+    What reference counting leaves behind goes only in the second of `runs`, of lanes in the third.
+    """
     import llvmlite.binding as llvm
 
     module = None
@@ -71,8 +78,7 @@ def module_for(
     tuning.loop_vectorization = vectors
     # it would pack the numbers that a sample hands to the next, which then waits for the unpacking
     tuning.slp_vectorization = False
-    # what reference counting leaves behind goes only in the second run
-    for _ in range(2):
+    for _ in range(runs):
         passes = llvm.create_pass_builder(machine, tuning)
         passes.getModulePassManager().run(module, passes)
     return module

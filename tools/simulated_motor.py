@@ -193,10 +193,12 @@ def sweep(hertz: float = 0.25, reach: float = 3.0, rest: float = 1.0) -> Callabl
     return lambda t: 0.5 * reach * (1.0 - math.cos(2.0 * math.pi * hertz * max(0.0, t - rest)))
 
 
-def jiggle(hertz: float = 8.0, reach: float = 0.3, rest: float = 1.0) -> Callable[[float], float]:
-    """To and fro about the middle, faster than any delay is short."""
+def jiggle(
+    hertz: float = 8.0, reach: float = 0.3, rest: float = 1.0, about: float = 1.5
+) -> Callable[[float], float]:
+    """To and fro about a place (rad), faster than any delay is short."""
     return lambda t: (
-        1.5 * min(1.0, t / rest) + reach * math.sin(2.0 * math.pi * hertz * max(0.0, t - rest))
+        about * min(1.0, t / rest) + reach * math.sin(2.0 * math.pi * hertz * max(0.0, t - rest))
     )
 
 

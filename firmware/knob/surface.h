@@ -55,6 +55,7 @@ enum {
     KNOB_PARTS = (KNOB_POINTS - 1) / KNOB_PART_POINTS + 1,
     KNOB_LONGEST = 80,
     KNOB_MEAN = KNOB_HZ < 1000 ? 2 : KNOB_HZ / 500, /* steps over which the hand is timed: 2 ms */
+    KNOB_HALF = KNOB_MEAN / 2,
     KNOB_SUBSTEPS = (4000 + KNOB_HZ - 1) / KNOB_HZ
 };
 
@@ -273,13 +274,23 @@ static float knob_pull(const Knob *k, float u) {
     return -home - knob_clamped(k->end * beyond, -KNOB_PULL * k->disk.ceiling, most > 0.0f ? most : 0.0f);
 }
 
+/* How far the hand goes until the middle of the coming step, cells: to the second order, or a stiff
+end would push a trembling hand at 1000 steps a second. */
+static float knob_ahead(const Knob *k) {
+    const float half = k->latest[(k->at + KNOB_MEAN - KNOB_HALF) % KNOB_MEAN];
+    const float first = k->latest[(k->at + KNOB_MEAN - 2 * KNOB_HALF) % KNOB_MEAN];
+    const float now = (k->u - half) / KNOB_HALF, before = (half - first) / KNOB_HALF;
+    return 0.5f * (now + (now - before) * (0.5f + 0.25f / KNOB_HALF));
+}
+
 /* The torque (N m along the shaft) to apply until the next call; `shaft`: its angle, rad. */
 static inline float knob_step(Knob *k, float shaft) {
-    float speed, torque, stretch = 0.0f;
+    float speed, ahead, torque, stretch = 0.0f;
     int n;
     if (!(knob_abs(shaft) < 1e6f)) shaft = k->shaft; /* a NaN too */
     k->u = (shaft - k->origin) * k->disk.per_rad * KNOB_PER_RAD;
     speed = (k->u - k->latest[k->at]) / KNOB_MEAN; /* cells a step */
+    ahead = knob_ahead(k);
     k->latest[k->at] = k->u;
     k->at = (uint8_t)((k->at + 1) % KNOB_MEAN);
     knob_watch(k);
@@ -287,7 +298,7 @@ static inline float knob_step(Knob *k, float shaft) {
         k->shaft = shaft;
         return 0.0f;
     }
-    k->pull = knob_pull(k, k->u + 0.5f * speed);
+    k->pull = knob_pull(k, k->u + ahead);
     for (n = 0; n < KNOB_SUBSTEPS; n++)
         stretch += knob_move(k, k->u + speed * ((float)n + 0.5f) / KNOB_SUBSTEPS) / KNOB_SUBSTEPS;
     torque = k->pull - k->gain * stretch;

@@ -39,7 +39,7 @@ from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.files.sound import check_sound
 from overview_dsp.files.toml import SUFFIX, line_of
 from overview_dsp.gestures import Gesture, load_gesture, parse_gesture
-from overview_dsp.presets.library import fitting, load_preset
+from overview_dsp.presets.library import fitting_preset, load_preset
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.parameter import Value
 from overview_dsp.readers import load_timeline
@@ -88,9 +88,7 @@ class JobsTable:
         self._text, self._within = text, within
         for key in data:
             if key not in keys:
-                raise self.wrong(
-                    key, f"no such key{did_you_mean(key, keys)}; there are {', '.join(keys)}"
-                )
+                raise self.wrong(key, f"no such key{did_you_mean(key, keys)}")
 
     def wrong(self, key: str, what: object, *path: str | int) -> InputError:
         """The error about a key."""
@@ -249,7 +247,7 @@ def _presets(
     file: JobsTable, timelines: Mapping[str, Timeline]
 ) -> Iterable[tuple[str, Callable[[], Preset]]]:
     if "presets" not in file.data:
-        name = fitting(next(iter(timelines.values())).kinds())
+        name = fitting_preset(next(iter(timelines.values())))
         return [(name, lambda: load_preset(name))]
     allowed = "names or .toml files"
     return [

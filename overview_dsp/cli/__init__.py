@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import warnings
 from importlib import import_module
@@ -12,7 +13,7 @@ import click
 
 from overview_dsp import __version__
 from overview_dsp.cli.stopping import stop_code, stopped_by_signals
-from overview_dsp.errors import OverviewError, OverviewWarning
+from overview_dsp.errors import OverviewError, OverviewWarning, did_you_mean
 from overview_dsp.files.atomic import remove_temporaries
 
 # name: (module, the line in the list of commands)
@@ -48,6 +49,10 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import and return the command; None if there is none of that name."""
         if cmd_name not in COMMANDS:
+            # click's own hint knows only commands that are imported
+            near = did_you_mean(cmd_name, COMMANDS)
+            if near and not ctx.resilient_parsing:
+                raise click.UsageError(f"No such command {cmd_name!r}{near}", ctx)
             return None
         command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command
         assert isinstance(command, click.Command)
@@ -68,6 +73,14 @@ class Commands(click.Group):
 @click.option("--debug", is_flag=True, help="Show a traceback when something fails.")
 def app(debug: bool) -> None:
     """Feel a timeline: any temporal data as friction, heard as clicks and felt as vibration."""
+
+
+def _file_meant(error: click.UsageError) -> str:
+    """How a file is named whose name begins as an option does, if there is one."""
+    if not isinstance(error, click.exceptions.NoSuchOption):
+        return ""
+    files = [one for one in sys.argv[1:] if one.startswith("-") and os.path.exists(one)]
+    return f" Or, for the file: ./{files[0]}" if files else ""
 
 
 def _fail(message: str, code: int) -> NoReturn:
@@ -112,7 +125,9 @@ def main() -> NoReturn:
         sys.exit(2)
     except click.UsageError as error:
         path = error.ctx.command_path if error.ctx else "overview"
-        _fail(f"{' '.join(error.format_message().split())} (see {path} --help)", 2)
+        _fail(
+            f"{' '.join(error.format_message().split())}{_file_meant(error)} (see {path} --help)", 2
+        )
     except click.ClickException as error:
         _fail(" ".join(error.format_message().split()), error.exit_code)
     except (click.Abort, KeyboardInterrupt):

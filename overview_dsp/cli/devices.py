@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from overview_dsp.cli.common import print_json
+
+if TYPE_CHECKING:
+    from overview_dsp.live.output_devices import OutputDevice
 
 
 @click.command(name="devices", epilog="Example: overview devices --json")
@@ -46,7 +51,7 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
     if as_json:
         print_json(
             {
-                "outputs": [vars(output) for output in found],
+                "outputs": [{**vars(output), "plays": _plays(output)} for output in found],
                 "serial_ports": [
                     {**vars(port), "speaks": heard.get(port.device)} for port in serial
                 ],
@@ -63,6 +68,8 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
             f"{star}{output.index:>3}  {output.name} ({output.host}): {output.channels} channels, "
             f"{output.sample_rate:g} Hz, latency {output.latency_s * 1e3:.1f} ms"
         )
+        if plays := _plays(output):
+            click.echo(f"       {plays}")
     for port in serial:
         about = " ".join(word for word in (port.description, port.identity) if word)
         click.echo(f"  serial:{port.device} {about}".rstrip())
@@ -78,3 +85,19 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
         click.echo(f"  pad:{pad.kind} {pad.name}")
     if not there:
         click.echo(f"no game pad: {why_no_pad or 'none is plugged in or paired'}")
+
+
+def _plays(output: OutputDevice) -> str | None:
+    """What `play` gives an output where that isn't the usual: as remembered, or as a pad's."""
+    from overview_dsp.errors import OverviewError
+    from overview_dsp.live.kept_settings import load_settings, remembered_actuator
+    from overview_dsp.live.output_settings import OutputSettings
+
+    try:
+        settings = load_settings(output.full_name, output.channels)
+        actuator = remembered_actuator(output.full_name, output.channels)
+    except OverviewError as error:
+        return str(error)
+    if actuator is None and settings.placed == OutputSettings().placed:
+        return None
+    return f"plays {settings.placed}" + (f", actuator {actuator}" if actuator else "")

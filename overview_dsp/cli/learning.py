@@ -46,10 +46,17 @@ def learn_options(function: Callable[..., Any]) -> Callable[..., Any]:
 def require_target(target: str, known: tuple[str, ...]) -> None:
     """Raise InputError unless it is one of `known` or a parameter's id."""
     from overview_dsp.controllers.parameters import find_parameter
+    from overview_dsp.errors import InputError
     from overview_dsp.presets.library import load_preset
 
     if target not in known and not target.startswith("kinds."):
-        find_parameter(load_preset("football"), target)
+        try:
+            find_parameter(load_preset("football"), target)
+        except InputError as error:
+            raise InputError(
+                f"{error}; TARGET is {', '.join(known)} or a parameter's id (`overview presets "
+                "docs`)"
+            ) from None
 
 
 def heard_from(

@@ -35,7 +35,7 @@ END_WITHIN_S = 2.0
 def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Options of the device and the session, which `opened_player` takes as `live`."""
     options = (
-        click.option("--device", help="Output: a name or number of `overview devices`, or none."),
+        click.option("--device", help="Output: a name or number of `overview devices`, pad, none."),
         click.option("--block-size", default=256, show_default=True,
                      help="Frames, 0 = the device's own."),
         click.option("--sample-rate", type=float, callback=rate_given,
@@ -95,9 +95,10 @@ def opened_player(
     """
     from overview_dsp.actuators.stage import warn_of_carrier
     from overview_dsp.files.atomic import require_writable
+    from overview_dsp.live.kept_settings import save_settings
     from overview_dsp.live.kept_takes import take_cut_short
-    from overview_dsp.live.output_settings import save_settings
     from overview_dsp.live.outputs import MAX_BLOCK, Outputs
+    from overview_dsp.live.pad_output import is_pad
     from overview_dsp.live.player import Player
     from overview_dsp.live.preset_watch import PresetWatch
 
@@ -115,9 +116,12 @@ def opened_player(
     for take in take_cut_short():
         note(f"a take was cut short; it is in {take} (overview render ... --gesture {take})")
     watch = PresetWatch(preset)
-    name, rate = _device(device, sample_rate)
-    chosen = output_settings(None if device == SILENT else name, live, actuator)
+    name, rate, channels = _device(device, sample_rate)
+    chosen = output_settings(None if device == SILENT else name, live, actuator, channels)
     settings = chosen.settings
+    if is_pad(name, channels):
+        driven = "none" if settings.actuator is None else settings.actuator.name
+        note(f"{name} is a pad: {settings.placed}, actuator {driven}")
     if settings.actuator is not None:
         warn_of_carrier(settings.actuator, watch.preset.number("tactor.frequency_hz"))
     native = callback == "native" and device != SILENT
@@ -152,14 +156,14 @@ def opened_player(
                 save_settings(name, player.settings)
 
 
-def _device(device: str | None, sample_rate: float | None) -> tuple[str, float]:
-    """The device's full name and the rate to play at."""
+def _device(device: str | None, sample_rate: float | None) -> tuple[str, float, int]:
+    """The device's full name, the rate to play at, and how many channels it has."""
     if device == SILENT:
-        return SILENT, sample_rate or 48_000.0
+        return SILENT, sample_rate or 48_000.0, 0
     from overview_dsp.live.output_devices import find_device
 
     found = find_device(device_named(device))
-    return f"{found.name} ({found.host})", sample_rate or found.sample_rate
+    return found.full_name, sample_rate or found.sample_rate, found.channels
 
 
 @contextmanager

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
 import click
 
-from overview_dsp.cli.common import print_json, window_options
+from overview_dsp.cli.common import note, print_json, window_options
 from overview_dsp.cli.options.timeline import open_part, preset_for, timeline_options
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, OverviewWarning
 
 _FORMATS = ("clap", "vst3", "lv2")
 _TARGETS = ("x86_64-linux", "aarch64-linux", "x86_64-windows", "x86_64-macos", "aarch64-macos")
@@ -72,12 +73,19 @@ def build(
     }
     if len(data) < len(timelines):
         raise InputError("two timelines of a plugin have the same name: name each once")
-    if not presets and not timelines:
+    everything = not presets and not timelines
+    if everything:
         presets = bundled_presets()
     fitting = dict.fromkeys(preset_for(timeline, None) for timeline in data.values())
     chosen = [load_preset(preset) for preset in presets or fitting]
     called = name or (Path(timelines[0]).stem if timelines else _ALL_BUNDLED)
-    made = build_plugin(data, chosen, to, out, name=called, seed=seed, target=target)
+    if target:
+        note(f"compiling for {target}; ziglang's first time for a machine takes a minute or more")
+    with warnings.catch_warnings():
+        if everything:
+            # that not every bundled preset names what a bundled timeline holds was nobody's choice
+            warnings.simplefilter("ignore", OverviewWarning)
+        made = build_plugin(data, chosen, to, out, name=called, seed=seed, target=target)
     names = [preset.name for preset in chosen]
     if as_json:
         report = {"format": to, "file": str(made), "timelines": list(data), "presets": names}

@@ -11,7 +11,7 @@ from overview_dsp.cli.common import show
 
 @click.group(name="sensor", epilog="Example: overview sensor setup /dev/ttyACM0 -o mine.toml")
 def command() -> None:
-    """Learn what a sensor sends, for `overview play --sensor`; get firmware for a board."""
+    """Learn what a sensor sends, for `overview play --sensor`; get its file, or firmware."""
 
 
 @command.command(name="setup", epilog="Example: overview sensor setup /dev/ttyACM0 -o mine.toml")
@@ -90,3 +90,38 @@ def firmware(name: str | None, folder: str | None, as_json: bool) -> None:
     to = None if folder is None else str(copy_firmware(name, Path(folder)))
     text = head if to is None else f"{head}\n\n{to}: flash this"
     show(as_json, {"name": name, "folder": to, "head": head}, text)
+
+
+@command.command(
+    name="profile", epilog="Example: overview sensor profile simplefoc -o my-knob.toml"
+)
+@click.argument("name", required=False)
+@click.option("-o", "--output", "path", type=click.Path(dir_okay=False),
+              help="The file that NAME is copied to; left out: it is printed.")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def profile(name: str | None, path: str | None, as_json: bool) -> None:
+    """Get the sensor's file NAME, to make one's own of, for `overview play --sensor`.
+
+    Without NAME, list what there is.
+    """
+    from pathlib import Path
+
+    from overview_dsp.errors import InputError
+    from overview_dsp.files.atomic import require_writable, whole_file
+    from overview_dsp.sensors.profile_file import LIBRARY, load_sensor
+
+    if name is None:
+        if path is not None:
+            raise InputError(f"which one? There is {', '.join(LIBRARY.bundled)}")
+        about = {one: load_sensor(one).description for one in LIBRARY.bundled}
+        show(as_json, about, "\n".join(f"{one:14s} {words}" for one, words in about.items()))
+        return
+    text = LIBRARY.path(name).read_text(encoding="utf-8")
+    if path is not None:
+        if Path(path).exists():
+            raise InputError(f"{path}: already there; move it away or give another file (-o)")
+        require_writable(path)
+        with whole_file(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    words = text.rstrip() if path is None else f"{path}: play it with --sensor {path}"
+    show(as_json, {"name": name, "file": path, "text": text}, words)

@@ -20,6 +20,7 @@ from overview_dsp.kernels.noise import seed_state
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
+from overview_dsp.timeline import given
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
@@ -39,10 +40,12 @@ class PreparedEngine:
         seed: int = 0,
         surface: Surface | None = None,
     ) -> None:
-        self._preset = preset
+        if surface is None:
+            surface = build_surface(timeline, preset)
+        self._preset = given.instance(preset, Preset, "preset", "ov.load_preset gives one")
         self._timeline = timeline
-        self._seed = seed
-        self._surface = build_surface(timeline, preset) if surface is None else surface
+        self._seed = given.whole(seed, "seed")
+        self._surface = given.instance(surface, Surface, "surface", "ov.build_surface makes one")
         self._slot_surfaces: list[Surface | None] = [None] * layout.SLOTS
         self._sample_rate = 0.0
         self._max_block_size = 0
@@ -84,14 +87,14 @@ class PreparedEngine:
         >>> engine.sample_rate
         8000.0
         """
-        rate = float(sample_rate)
+        rate = given.real(sample_rate, "sample_rate")
         if not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
             raise InputError(
-                f"sample rate {sample_rate:g} Hz is out of range; "
+                f"sample rate {rate:g} Hz is out of range; "
                 f"it is {MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
             )
         check_carrier(self._preset, rate)
-        if max_block_size < 1:
+        if given.whole(max_block_size, "max_block_size") < 1:
             raise InputError(f"max_block_size = {max_block_size}; it is at least 1 frame")
         if memory is not None and (
             memory.dtype != np.float64

@@ -8,7 +8,6 @@ a time: a lock a source, which only those that write that source take, never the
 from __future__ import annotations
 
 import contextlib
-import math
 import threading
 import warnings
 from functools import cache
@@ -21,6 +20,8 @@ from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.control import push_control
 from overview_dsp.kernels.ordering import acquired, publish
+from overview_dsp.timeline import given
+from overview_dsp.timeline.checks import shown
 
 _RING_OF = {source: ring for ring, source in enumerate(SOURCES)}
 _AS_SOON_AS_POSSIBLE = -1
@@ -54,11 +55,11 @@ class ControlQueues:
 
     def control(self, theta2: float, touching: bool, stamp: int, source: str) -> None:
         """Push a control event; a full ring drops it, counts it and warns the first time."""
-        ring = _RING_OF.get(source)
+        ring = _RING_OF.get(source) if isinstance(source, str) else None
         if ring is None:
-            raise InputError(f"no source is called {source!r}; known: {', '.join(SOURCES)}")
+            raise InputError(f"no source is called {shown(source)}; known: {', '.join(SOURCES)}")
         # of exact types: for any other, the compiler would make it anew
-        event = ring, stamp, float(theta2), bool(touching)
+        event = ring, stamp, given.real(theta2, "theta2"), bool(touching)
         with self._writing[ring]:
             if push_control(self._f64, self._i64, *event):
                 return
@@ -80,6 +81,10 @@ class ControlQueues:
         sources: NDArray[np.int8],
     ) -> None:
         """Push control events, in order: all, or none with OverviewError if a ring is full."""
+        rows = {"theta2": theta2, "touching": touching, "sample_times": stamps, "sources": sources}
+        for what, row in rows.items():
+            given.floats(row, what)
+        given.equally_long(", ".join(rows), *rows.values())
         if len(sources) and not 0 <= sources.min() <= sources.max() < len(SOURCES):
             raise InputError(
                 f"a source is an index of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
@@ -169,6 +174,8 @@ def stamp_of(sample_time: int | None) -> int:
     """The stamp of a sample time; None is as soon as possible. InputError if it is no sample."""
     if sample_time is None:
         return _AS_SOON_AS_POSSIBLE
-    if not math.isfinite(sample_time) or sample_time < 0:
-        raise InputError(f"sample_time = {sample_time}; it counts samples since reset, from 0")
+    if not 0.0 <= given.real(sample_time, "sample_time") < 2.0**63:
+        raise InputError(
+            f"sample_time = {shown(sample_time)}; it counts samples since reset, from 0"
+        )
     return int(sample_time)

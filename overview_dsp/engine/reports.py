@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from overview_dsp.engine.meters import Meters, Strikes
 from overview_dsp.engine.struck import StruckSurfaces
-from overview_dsp.errors import OverviewError
+from overview_dsp.errors import InputError, OverviewError, shown
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.ordering import acquired
+from overview_dsp.timeline import given
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
@@ -106,8 +107,11 @@ def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.vo
     OverviewError
         More came since than the log keeps.
     """
+    since = given.whole(since, "since", least=0)
     i64 = memory.view(np.int64)
     now = acquired(i64, layout.APPLIED)
+    if since > now:
+        raise InputError(f"since is {shown(since)}; {now} control events were applied by now")
     if now - since > layout.APPLIED_LOG:
         raise OverviewError(
             f"{now - since} control events since the last look; the log keeps "

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import re
+import unicodedata
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 
 from overview_dsp.engine.engine import Engine
+from overview_dsp.errors import OverviewWarning
 from overview_dsp.export.browser_memory import encode_engine
 from overview_dsp.kernels import layout
 from overview_dsp.presets.model import Preset
@@ -50,8 +53,10 @@ class Bundle:
 
     @property
     def slug(self) -> str:
-        """The name as it is written in ids and files."""
-        return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-") or "timeline"
+        """The name as it is written in ids and files: of plain letters, or by its digest."""
+        plain = unicodedata.normalize("NFKD", self.name).encode("ascii", "ignore").decode()
+        digest = hashlib.sha256(self.name.encode()).hexdigest()
+        return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or f"timeline-{digest[:8]}"
 
     @property
     def id(self) -> str:
@@ -78,10 +83,21 @@ class Bundle:
 def bundle_of(
     name: str, timelines: Mapping[str, Timeline], presets: Sequence[Preset], seed: int
 ) -> Bundle:
-    """The images of every timeline in every preset."""
-    images = (
-        _image_of(timeline, preset, seed) for timeline in timelines.values() for preset in presets
-    )
+    """The images of every timeline in every preset.
+
+    What is to be noted of them is warned of once, with the timelines and the preset that it is of.
+    """
+    images: list[Image] = []
+    noted: dict[tuple[str, str, type[Warning]], list[str]] = {}
+    for called, timeline in timelines.items():
+        for preset in presets:
+            with warnings.catch_warnings(record=True) as notes:
+                warnings.simplefilter("always", OverviewWarning)
+                images.append(_image_of(timeline, preset, seed))
+            for one in dict.fromkeys((str(note.message), note.category) for note in notes):
+                noted.setdefault((preset.name, *one), []).append(called)
+    for (preset_name, text, category), of in noted.items():
+        warnings.warn(f"{', '.join(of)} in {preset_name}: {text}", category, stacklevel=3)
     return Bundle(name, tuple(timelines), tuple(preset.name for preset in presets), tuple(images))
 
 

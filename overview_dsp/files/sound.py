@@ -52,7 +52,7 @@ def _format_of(path: Path, subtype: str | None) -> tuple[str, str]:
     if subtype is None:
         chosen = DEFAULT_SUBTYPE if DEFAULT_SUBTYPE in allowed else soundfile.default_subtype(name)
         return name, "OPUS" if path.suffix.lower() == ".opus" else chosen
-    chosen = subtype.upper()
+    chosen = str(subtype).upper()
     if chosen not in allowed:
         raise InputError(
             f"{path}: {name} has no subtype {subtype!r}; it has {', '.join(sorted(allowed))}"

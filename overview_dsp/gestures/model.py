@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.public.reprs import counted
+from overview_dsp.timeline import given
 
 LONGEST_S = 7 * 24 * 3600.0
 """No gesture is longer: a time beyond it is a slip of the pen, and would render for ever."""
@@ -86,11 +87,12 @@ class Gesture:
     on_arrival: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        time_s = np.array(self.time_s, dtype=np.float64)
-        theta2 = np.array(self.theta2, dtype=np.float64)
-        touching = np.array(self.touching, dtype=bool)
-        given: Any = self.source
-        source = np.array(np.zeros(len(time_s)) if given is None else given, dtype=np.int8)
+        time_s = given.floats(self.time_s, "time_s")
+        theta2 = given.floats(self.theta2, "theta2")
+        touching = given.floats(self.touching, "touching") != 0.0
+        duration_s = given.real(self.duration_s, "duration_s")
+        sources: Any = self.source
+        source = np.array(np.zeros(len(time_s)) if sources is None else sources, dtype=np.int8)
         if not len(time_s) == len(theta2) == len(touching) == len(source):
             raise InputError("a gesture's time, theta2, touching and source must be equally long")
         if len(time_s) and (not np.isfinite(time_s).all() or time_s[0] < 0.0):
@@ -106,9 +108,9 @@ class Gesture:
             if not 0 < event < len(time_s) or touching[event]:
                 raise InputError(f"on_arrival names event {event}, which doesn't let go")
         last = float(time_s[-1]) if len(time_s) else 0.0
-        if not last <= LONGEST_S or not 0.0 <= self.duration_s <= LONGEST_S:
+        if not last <= LONGEST_S or not 0.0 <= duration_s <= LONGEST_S:
             raise InputError(
-                f"the gesture's duration {max(last, self.duration_s):g} s is out of range; "
+                f"the gesture's duration {max(last, duration_s):g} s is out of range; "
                 f"it is 0 to {LONGEST_S:g} s"
             )
         if self.duration_s < last:

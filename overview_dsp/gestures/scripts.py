@@ -8,6 +8,7 @@ import numpy as np
 
 from overview_dsp.errors import InputError
 from overview_dsp.gestures.model import Gesture
+from overview_dsp.timeline import given
 from overview_dsp.units import HALF_TURN
 
 CONTROL_RATE = 200.0
@@ -23,17 +24,19 @@ LONGEST_S = 24 * 3600.0
 
 
 def _position(value: float, what: str) -> float:
+    value = given.real(value, what)
     if not 0.0 <= value <= 1.0:
         raise InputError(f"{what} {value:g} is out of range; positions are 0 (start) to 1 (end)")
-    return float(value)
+    return value
 
 
 def _seconds(value: float, what: str, zero: bool = False) -> float:
+    value = given.real(value, what)
     if not (0.0 < value <= LONGEST_S or (zero and value == 0.0)):
         raise InputError(
             f"{what} {value:g} s is out of range; it is more than 0 and up to {LONGEST_S:g} s"
         )
-    return float(value)
+    return value
 
 
 def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:

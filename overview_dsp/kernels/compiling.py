@@ -84,7 +84,7 @@ def is_compiled(function: str = "process") -> bool:
     """Whether the first use of a kernel will compile nothing: it is on disk, or runs as Python."""
     from overview_dsp.kernels import shipped
 
-    if runs_as_python() or (function in shipped.KERNELS and shipped.usable()):
+    if runs_as_python() or shipped.usable(function):
         return True
     folder = cache_folder()
     return folder.is_dir() and any(folder.rglob(f"*.{function}-*.nbc"))

@@ -251,7 +251,9 @@ LIVE = column(16)  # the audio device's own columns, kept by reset
     L_SECONDS,  # i64: clock_gettime's two fields
     L_NANOSECONDS,  # i64
     L_LINE,  # i64: frames ever written to the delay lines
-) = range(LIVE, LIVE + 11)
+    L_ALSO_CLICK,  # i64: the click's channels beside its first, a bit each
+    L_ALSO_TACTOR,  # i64
+) = range(LIVE, LIVE + 13)
 BUSY_BINS = 96
 # what the device does to each of click and tactor after the engine: one column a signal
 L_GAIN = column(SIGNALS)  # in use, linear

@@ -31,17 +31,11 @@ FORCED = "OVERVIEW_JIT"
 
 X86_64_V2 = frozenset(("cx16", "popcnt", "sse3", "sse4.1", "sse4.2", "ssse3"))
 X86_64_V3 = X86_64_V2 | {"avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}
-CHOICES: Mapping[tuple[str, str], tuple[tuple[str, frozenset[str]], ...]] = {
-    ("linux", "x86_64"): (
-        ("linux-x86-64-v3", X86_64_V3),
-        ("linux-x86-64-v2", X86_64_V2),
-    ),
-    ("linux", "aarch64"): (("linux-aarch64", frozenset()),),
-}
-"""By system and processor: names of objects, the best first, and the features that each needs."""
+X86_64_V4 = X86_64_V3 | {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"}
 
 _DECLARED = {
     "process": "int32_t(*)(void *, void *, int64_t, int64_t, void *, int64_t)",
+    "process_lanes": "int32_t(*)(void *, int64_t, void *, int64_t, void *, int64_t)",
     "reset": "int32_t(*)(void *)",
     "tactor_stage": "int32_t(*)(void *, void *, void *, int64_t)",
     "derive": "int32_t(*)(void *)",
@@ -60,6 +54,18 @@ _LOADING = threading.Lock()
 KERNELS = frozenset((*_DECLARED, "callback"))
 """The kernels that there is machine code of."""
 
+LANES = frozenset(("process_lanes",))
+CHOICES: Mapping[tuple[str, str], tuple[tuple[str, frozenset[str], frozenset[str]], ...]] = {
+    ("linux", "x86_64"): (
+        # eight voices fill its registers; a single one is slower with its masks
+        ("linux-x86-64-v4", X86_64_V4, LANES),
+        ("linux-x86-64-v3", X86_64_V3, KERNELS),
+        ("linux-x86-64-v2", X86_64_V2, KERNELS),
+    ),
+    ("linux", "aarch64"): (("linux-aarch64", frozenset(), KERNELS),),
+}
+"""By system and processor: objects, the best first, the features each needs, the kernels in it."""
+
 
 def manifest() -> dict[str, Any]:
     """What the objects are made from: `kernels` (the sources' digest) and `toolchain`."""
@@ -74,47 +80,48 @@ def is_outdated() -> bool:
 
 
 @cache
-def usable() -> str | None:
-    """The object for this processor, by its name, or None: then numba compiles."""
+def usable(kernel: str = "process") -> str | None:
+    """The object with a kernel for this processor, by its name, or None: then numba compiles."""
     if runs_as_python() or os.environ.get(FORCED) or is_outdated():
         return None
     choices = CHOICES.get((sys.platform, platform.machine()), ())
     features = llvm.get_host_cpu_features() if choices else {}
-    for name, needed in choices:
-        if all(features.get(feature) for feature in needed):
+    for name, needed, kernels in choices:
+        if kernel in kernels and all(features.get(feature) for feature in needed):
             return name
     return None
 
 
 def shipped_door(kernel: str) -> Callable[..., Any] | None:
     """A kernel, to be called as numba's is, from the machine code that came with the package."""
-    if kernel not in _DECLARED or usable() is None:
+    name = usable(kernel) if kernel in _DECLARED else None
+    if name is None:
         return None
     ffi = cffi.FFI()
-    call = ffi.cast(_DECLARED[kernel], _address(kernel))
+    call = ffi.cast(_DECLARED[kernel], _address(name, kernel))
     return _DOORS[kernel](call, ffi.from_buffer)
 
 
 def shipped_callback() -> Any:
     """The native callback as numba's is (`.address`, `.ctypes`), or None."""
-    if usable() is None:
+    name = usable("callback")
+    if name is None:
         return None
-    at = _address("callback")
+    at = _address(name, "callback")
     pointer, count = ctypes.c_void_p, ctypes.c_ulong
     kind = ctypes.CFUNCTYPE(ctypes.c_int, pointer, pointer, count, pointer, count, pointer)
     return SimpleNamespace(address=at, ctypes=kind(at))
 
 
-def _address(name: str) -> int:
+def _address(name: str, kernel: str) -> int:
     # two threads that load at once would each have an engine, and a cache keeps but one of them
     with _LOADING:
-        return int(_loaded().get_function_address(name))
+        return int(_loaded(name).get_function_address(kernel))
 
 
 @cache
-def _loaded() -> Any:
-    """The engine that holds the machine code, for as long as the process lives."""
-    name = usable()
+def _loaded(name: str) -> Any:
+    """The engine that holds an object's machine code, for as long as the process lives."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_default_triple().create_target_machine()
@@ -134,6 +141,11 @@ _DOORS: dict[str, Callable[[Any, Any], Callable[..., Any]]] = {
     "process": lambda call, at: (
         lambda f64, i64, u64, out, frames, channels, trace, traced: call(
             at(f64), at(out), frames, channels, at(trace), traced
+        )
+    ),
+    "process_lanes": lambda call, at: (
+        lambda f64, i64, u64, count, out, frames, trace, traced: call(
+            at(f64), count, at(out), frames, at(trace), traced
         )
     ),
     "reset": lambda call, at: lambda f64, i64, u64: call(at(f64)),

@@ -17,6 +17,7 @@ from overview_dsp.actuators.stage import warn_of_carrier
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.following.live_timeline import LiveTimeline
 from overview_dsp.live.follow_source import expected_s, map_named
+from overview_dsp.live.output_settings import channels_in
 from overview_dsp.live.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -106,10 +107,8 @@ def _rate(player: Player, rate: str) -> None:
 
 
 def _channels(player: Player, click: str, tactor: str) -> None:
-    channels = [int(_number(one, "a channel")) for one in (click, tactor)]
-    player.reopen(
-        settings=player.settings.changed({"channel": channels[0]}, {"channel": channels[1]})
-    )
+    wanted = [{"channel": channels_in(one)} for one in (click, tactor)]
+    player.reopen(settings=player.settings.changed(*wanted))
 
 
 def _actuator(player: Player, name: str) -> None:

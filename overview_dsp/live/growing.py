@@ -189,7 +189,7 @@ class Growing:
             strength = _strength(preset, event)
             if strength < least:
                 continue
-            words = f"{event.kind.replace('_', ' ')} {event.label}".strip()
+            words = f"{event.kind.replace('_', ' ')} {event.words}".strip()
             at = clock_text(event.time_s)
             if change.what == "retracted":
                 self._say(f"taken back: {words} at {at}")

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError
+from overview_dsp.live.device_names import PAD
+from overview_dsp.live.kept_settings import asked_by
+from overview_dsp.live.pad_output import is_pad
 from overview_dsp.live.portaudio_library import import_sounddevice
 
 _OUTPUT_HINTS = {
@@ -56,6 +59,11 @@ class OutputDevice:
     latency_s: float
     default: bool
 
+    @property
+    def full_name(self) -> str:
+        """Name and host, which what is remembered goes by."""
+        return f"{self.name} ({self.host})"
+
 
 def devices() -> list[OutputDevice]:
     """List the audio outputs that PortAudio sees; none of them is opened.
@@ -102,7 +110,7 @@ def find_device(device: int | str | None) -> OutputDevice:
     Parameters
     ----------
     device : int, str or None
-        Its index or a part of its name; None is the default.
+        Its index or a part of its name; None is the default, `"pad"` a DualSense by USB.
 
     Returns
     -------
@@ -124,12 +132,28 @@ def find_device(device: int | str | None) -> OutputDevice:
     >>> ov.live.find_device(None).channels  # doctest: +SKIP
     2
     """
+    if device == PAD:
+        return _pad()
     sounddevice = import_sounddevice()
     try:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError) as error:
         raise no_stream(sounddevice, device, 0, 0.0, error) from None
     return next(output for output in devices() if output.index == found["index"])
+
+
+def _pad() -> OutputDevice:
+    """A pad whose coils are channels 3 and 4: of the default's host, if there; InputError."""
+    there = devices()
+    found = [output for output in there if is_pad(output.name, output.channels)]
+    usual = {output.host for output in there if output.default}
+    found.sort(key=lambda output: output.host not in usual)
+    if not found:
+        raise InputError(
+            "--device pad: no output is a pad with its coils on channels 3 and 4 (a DualSense by "
+            "USB, not by Bluetooth); `overview devices` lists what is there"
+        )
+    return found[0]
 
 
 def no_stream(
@@ -146,7 +170,8 @@ def no_stream(
             )
         return InputError(f"{what}: {first_line(error)}; `overview devices` lists what is there")
     if channels > found["max_output_channels"]:
-        advice = f"it has {found['max_output_channels']} channels, {channels} are asked for"
+        host = sounddevice.query_hostapis(found["hostapi"])["name"]
+        advice = _too_many(f"{found['name']} ({host})", found["max_output_channels"], channels)
     elif "sample rate" in str(error).lower():
         rate = found["default_samplerate"]
         advice = f"it can't do {sample_rate:g} Hz; its own rate is {rate:g}: --sample-rate {rate:g}"
@@ -160,3 +185,16 @@ def no_stream(
 def first_line(error: Exception) -> str:
     """What it says, without the rest."""
     return str(error).splitlines()[0].rstrip(". ")
+
+
+def _too_many(full_name: str, has: int, channels: int) -> str:
+    """That more channels are asked for than it has, who asks, and what changes that."""
+    advice = f"it has {has} channels, {channels} are asked for"
+    if (path := asked_by(full_name, channels)) is not None:
+        advice += f", as {path} remembers"
+    if has < 2:
+        return f"{advice}; choose another output"
+    return (
+        f"{advice}; `overview play` with --click-channel 1 --tactor-channel 2 (or `channels 1 2` "
+        "while it plays) changes that"
+    )

@@ -1,28 +1,21 @@
 """What each output device is given: channels, gain, mute, delay, ceiling, and an actuator.
 
-They are kept per device.
-
 They come after the engine: a recording doesn't hold them, and a replay doesn't need them.
 """
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
-from pathlib import Path
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import platformdirs
 from numpy.typing import NDArray
 
 from overview_dsp.actuators.coefficients import write_actuator
-from overview_dsp.actuators.library import reference
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import whole_file
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.public.reprs import changed_fields
@@ -39,8 +32,8 @@ class SignalSettings:
 
     Parameters
     ----------
-    channel : int
-        From 1; 0 is nowhere.
+    channel : int or tuple of int
+        From 1; 0 is nowhere. Several get the same samples: a pad's two voice coils.
     gain_db : float
         -60 to 24 dB.
     mute : bool
@@ -53,26 +46,32 @@ class SignalSettings:
     Raises
     ------
     InputError
-        A value out of range.
+        A value out of range, or a channel named twice.
 
     Examples
     --------
     >>> import overview_dsp as ov
-    >>> ov.live.SignalSettings(3, gain_db=-6.0)
-    SignalSettings(channel=3, gain_db=-6.0)
+    >>> ov.live.SignalSettings((3, 4), gain_db=-6.0)
+    SignalSettings(channel=(3, 4), gain_db=-6.0)
     """
 
-    channel: int
+    channel: int | tuple[int, ...]
     gain_db: float = 0.0
     mute: bool = False
     delay_ms: float = 0.0
     ceiling_db: float = 0.0
 
     def __post_init__(self) -> None:
-        _within(self.channel, "channel", 0, MAX_CHANNELS, "1 is the first, 0 nowhere")
+        object.__setattr__(self, "channel", _checked(self.channel))
         _within(self.gain_db, "gain", MIN_GAIN_DB, MAX_GAIN_DB, "dB")
         _within(self.delay_ms, "delay", 0.0, MAX_DELAY_MS, "ms")
         _within(self.ceiling_db, "ceiling", MIN_CEILING_DB, MAX_CEILING_DB, "dBFS")
+
+    @property
+    def channels(self) -> tuple[int, ...]:
+        """Its channels, from 1; none if it goes nowhere."""
+        several = self.channel if isinstance(self.channel, tuple) else (self.channel,)
+        return tuple(channel for channel in several if channel)
 
     @property
     def gain(self) -> float:
@@ -104,9 +103,9 @@ class OutputSettings:
     A pad whose voice coils are channels 3 and 4:
 
     >>> import overview_dsp as ov
-    >>> settings = ov.live.OutputSettings(ov.live.SignalSettings(1), ov.live.SignalSettings(3))
-    >>> settings.channels
-    3
+    >>> ears, coils = ov.live.SignalSettings((1, 2)), ov.live.SignalSettings((3, 4))
+    >>> ov.live.OutputSettings(ears, coils).channels
+    4
     """
 
     click: SignalSettings = field(default_factory=lambda: SignalSettings(1))
@@ -114,10 +113,11 @@ class OutputSettings:
     actuator: Actuator | None = None
 
     def __post_init__(self) -> None:
-        if self.click.channel and self.click.channel == self.tactor.channel:
-            raise InputError(
-                f"clicks and tactor can't share channel {self.click.channel}; give each its own"
-            )
+        for channel in self.click.channels:
+            if channel in self.tactor.channels:
+                raise InputError(
+                    f"clicks and tactor can't share channel {channel}; give each its own"
+                )
 
     @property
     def signals(self) -> tuple[SignalSettings, SignalSettings]:
@@ -127,7 +127,13 @@ class OutputSettings:
     @property
     def channels(self) -> int:
         """How many channels the device needs, at least two."""
-        return max(2, self.click.channel, self.tactor.channel)
+        return max(2, *self.click.channels, *self.tactor.channels)
+
+    @property
+    def placed(self) -> str:
+        """Which channels each signal goes to, in words."""
+        click, tactor = ("+".join(map(str, one.channels)) or "none" for one in self.signals)
+        return f"clicks on {click}, tactor on {tactor}"
 
     def changed(
         self, click: Mapping[str, Any] | None = None, tactor: Mapping[str, Any] | None = None
@@ -171,7 +177,8 @@ class OutputSettings:
         sample_rate : float
             Hz.
         at_once : bool
-            Without gliding, before the stream runs; the actuator is taken then only.
+            Without gliding, before the stream runs; actuator and further channels are taken
+            then only.
 
         Raises
         ------
@@ -203,6 +210,32 @@ class OutputSettings:
             w[layout.L_DELAY_WANTED + index] = delay
             if at_once:
                 w[layout.L_DELAY + index] = delay
+                also = sum(1 << (channel - 1) for channel in signal.channels[1:])
+                memory.view(np.uint64)[layout.L_ALSO_CLICK + index] = also
+
+
+def channels_in(text: str) -> int | tuple[int, ...]:
+    """Channels as a person writes them: `3`, `3+4`, or 0 for nowhere; InputError."""
+    try:
+        numbers = tuple(int(word) for word in text.split("+"))
+    except ValueError:
+        raise InputError(f"channel {text!r}; it is a number, several (3+4), or 0") from None
+    return _checked(numbers)
+
+
+def _checked(channel: Any) -> int | tuple[int, ...]:
+    """One channel, or several as a tuple; InputError."""
+    numbers = tuple(channel) if isinstance(channel, list | tuple) else (channel,)
+    if not numbers:
+        raise InputError("no channel is given; 0 is nowhere")
+    least, words = (0, "1 is the first, 0 nowhere") if len(numbers) == 1 else (1, "1 is the first")
+    for number in numbers:
+        _within(number, "channel", least, MAX_CHANNELS, words)
+        if not isinstance(number, int):
+            raise InputError(f"channel {number:g} isn't a whole number")
+        if numbers.count(number) > 1:
+            raise InputError(f"channel {number} is named twice")
+    return numbers if len(numbers) > 1 else int(numbers[0])
 
 
 def _within(value: float, what: str, low: float, high: float, unit: str) -> None:
@@ -210,67 +243,3 @@ def _within(value: float, what: str, low: float, high: float, unit: str) -> None
         raise InputError(f"{what} {value!r} isn't a number; it is {low:g} to {high:g} ({unit})")
     if not low <= value <= high:
         raise InputError(f"{what} {value:g} is out of range; it is {low:g} to {high:g} ({unit})")
-
-
-def settings_file() -> Path:
-    """Where the devices' settings are kept: `outputs.json` in the user's config folder."""
-    return Path(platformdirs.user_config_dir("overview-dsp")) / "outputs.json"
-
-
-def load_settings(device: str) -> OutputSettings:
-    """The settings last used with a device (by its name), or the defaults; without the actuator.
-
-    Raises
-    ------
-    InputError
-        A damaged settings file: names it.
-    """
-    kept = _read().get(device)
-    if kept is None:
-        return OutputSettings()
-    try:
-        names = {entry.name for entry in fields(SignalSettings)}
-        click, tactor = (
-            SignalSettings(**{key: kept[signal][key] for key in names})
-            for signal in ("click", "tactor")
-        )
-        return OutputSettings(click, tactor)
-    except (KeyError, TypeError, InputError) as error:
-        raise InputError(
-            f"{settings_file()}: the settings of {device!r} are damaged ({error}); correct or "
-            "delete the file"
-        ) from None
-
-
-def remembered_actuator(device: str) -> str | None:
-    """What the actuator last used with a device is loaded by, or None; InputError as above."""
-    kept = _read().get(device)
-    name = kept.get("actuator") if isinstance(kept, dict) else None
-    return None if name is None else str(name)
-
-
-def save_settings(device: str, settings: OutputSettings) -> None:
-    """Remember settings for a device; InputError or OutputError if that can't be written."""
-    kept = _read()
-    kept[device] = {
-        "click": asdict(settings.click),
-        "tactor": asdict(settings.tactor),
-        "actuator": None if settings.actuator is None else reference(settings.actuator),
-    }
-    path = settings_file()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with whole_file(path) as temporary:
-        temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
-
-
-def _read() -> dict[str, Any]:
-    path = settings_file()
-    try:
-        kept = json.loads(path.read_bytes())
-    except FileNotFoundError:
-        return {}
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: can't be read ({error}); correct or delete it") from None
-    if not isinstance(kept, dict):
-        raise InputError(f"{path}: not a table of devices; correct or delete it")
-    return kept

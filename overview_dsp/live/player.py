@@ -232,7 +232,10 @@ class Player:
                 self._open_anew(*before)
             raise
         rate = self.engine.sample_rate
-        self.say(f"output {self._output.name}, {rate:g} Hz, {self._output.block_size} frames")
+        self.say(
+            f"output {self._output.name}, {rate:g} Hz, {self._output.block_size} frames, "
+            f"{self.settings.placed}"
+        )
 
     def _open_anew(
         self, outputs: OpenStream, settings: OutputSettings, sample_rate: float | None

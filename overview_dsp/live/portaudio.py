@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
-from overview_dsp.live.output_devices import first_line, no_stream
+from overview_dsp.live.device_names import PAD
+from overview_dsp.live.output_devices import find_device, first_line, no_stream
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.portaudio_library import import_sounddevice
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, play_again, read_meters
 from overview_dsp.public.reprs import short
+from overview_dsp.timeline import given
 
 CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5
@@ -44,7 +46,7 @@ class OutputStream:
     engine : Engine
         Prepared.
     device : int, str or None
-        An output's index or a part of its name; None is the default.
+        As `find_device` takes it.
     block_size : int
         Frames; 0 lets the device choose, at most the engine's prepared size.
     settings : OutputSettings or None
@@ -94,8 +96,10 @@ class OutputStream:
         self._memory = engine.memory
         self._w = self._memory.view(np.int64)
         self.callback: CallbackKind = callback
-        self.block_size = block_size
+        self.block_size = given.whole(block_size, "block_size", least=0)
         self._started = False
+        if device == PAD:
+            device = find_device(device).index
         channels = connect(engine, settings)
         if callback == "python":
             compile_python_path(engine)

@@ -12,6 +12,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.output_stage import finish_block
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.stream_meters import clear_meters, record_callback
+from overview_dsp.timeline import given
 
 
 def connect(engine: Engine, settings: OutputSettings | None) -> int:
@@ -19,14 +20,15 @@ def connect(engine: Engine, settings: OutputSettings | None) -> int:
 
     Without settings the engine's channel map stays, and the signals go out as they are.
     """
+    given.instance(engine, Engine, "engine", "ov.Engine makes one")
     memory = engine.memory
     if settings is not None:
         click, tactor = (
-            signal.channel - 1 if signal.channel else None for signal in settings.signals
+            signal.channels[0] - 1 if signal.channels else None for signal in settings.signals
         )
         engine.set_channels(click, tactor)
     mapped = memory.view(np.int64)[[layout.S_CLICK_CHANNEL, layout.S_TACTOR_CHANNEL]]
-    channels = max(2, int(mapped.max()) + 1)
+    channels = max(2 if settings is None else settings.channels, int(mapped.max()) + 1)
     clear_meters(memory, channels)
     (settings or OutputSettings()).write(memory, engine.sample_rate, at_once=True)
     return channels

@@ -58,11 +58,13 @@ class StreamMeters:
 
 
 def clear_meters(memory: NDArray[np.float64], channels: int) -> None:
-    """As for a new stream: counters, delay lines and the fade; gains and the actuator are kept."""
+    """As for a new stream: counters, delay lines, the fade; gains, actuator, channels are kept."""
     w = memory.view(np.int64)
     kept = memory[layout.L_GAIN : layout.L_LEFT].copy()
     delays = w[layout.L_DELAY : layout.L_DELAY + layout.SIGNALS].copy()
+    also = w[layout.L_ALSO_CLICK : layout.L_ALSO_CLICK + layout.SIGNALS].copy()
     w[layout.LIVE : layout.L_ACTUATOR] = 0
+    w[layout.L_ALSO_CLICK : layout.L_ALSO_CLICK + layout.SIGNALS] = also
     memory[layout.L_GAIN : layout.L_LEFT] = kept
     w[layout.L_DELAY : layout.L_DELAY + layout.SIGNALS] = delays
     w[layout.L_DELAY_WANTED : layout.L_DELAY_WANTED + layout.SIGNALS] = delays

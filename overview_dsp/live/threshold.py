@@ -51,7 +51,7 @@ class Rise:
     def drive(
         self, actuator: Actuator, out: SignalSettings, channels: int, sample_rate: float
     ) -> NDArray[np.float32]:
-        """The drive, float32 (frames, channels), on the output's channel and below its ceiling.
+        """The drive, float32 (frames, channels), on the output's channels and below its ceiling.
 
         Raises
         ------
@@ -72,7 +72,8 @@ class Rise:
         ActuatorStage(actuator, sample_rate).process(samples, TACTOR)
         ceiling = np.float32(gain_of_db(out.ceiling_db))
         placed = np.zeros((len(samples), channels), dtype=np.float32)
-        placed[:, out.channel - 1] = np.clip(samples[:, TACTOR], -ceiling, ceiling)
+        for channel in out.channels:
+            placed[:, channel - 1] = np.clip(samples[:, TACTOR], -ceiling, ceiling)
         return placed
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from overview_dsp.measure.kind_feel import FeelReport, KindFeel, StrokeReport
 from overview_dsp.measure.steps import STEP_DB, STEP_DURATION, STEP_SHARPNESS, ratio_steps
+from overview_dsp.timeline import given
 
 
 def character_steps(first: FeelReport, second: FeelReport) -> float:
@@ -37,6 +38,9 @@ def character_steps(first: FeelReport, second: FeelReport) -> float:
     >>> ov.measure.character_steps(report, report)
     0.0
     """
+    for report in (first, second):
+        given.instance(report, FeelReport, "a report", "ov.measure.feel_report makes one")
+    given.equally_long("the reports' strokes", first.strokes, second.strokes)
     differences = np.array(
         [
             _character_differences(one, other)
@@ -80,6 +84,8 @@ def steps_apart(first: KindFeel, second: KindFeel) -> float:
     >>> ov.measure.steps_apart(kind, kind)
     0.0
     """
+    for kind in (first, second):
+        given.instance(kind, KindFeel, "a kind", "the strokes of a feel report have them")
     steps = [
         abs(first.level_db - second.level_db) / STEP_DB,
         ratio_steps(first.sharpness, second.sharpness, STEP_SHARPNESS),

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from overview_dsp.measure.report_base import Report
+from overview_dsp.measure.report_base import Report, called, cell
 from overview_dsp.public.reprs import counted, short
 
 
@@ -100,7 +99,7 @@ class CrowdStroke:
 
         Raises
         ------
-        StopIteration
+        InputError
             There is none.
 
         Examples
@@ -111,7 +110,7 @@ class CrowdStroke:
         >>> report.strokes[0].kind("foul").kind
         'foul'
         """
-        return next(one for one in self.kinds if one.kind == name)
+        return called(name, {one.kind: one for one in self.kinds}, "kind")
 
     def __repr__(self) -> str:
         return f"<CrowdStroke {short(self.name)}: {counted(len(self.kinds), 'kind')}>"
@@ -160,10 +159,10 @@ class CrowdReport(Report):
         for stroke in self.strokes:
             yield f"{stroke.name}: {stroke.event_free_db:.1f} dB between the events"
             for one in stroke.kinds:
-                spread = f"{_cell(one.low_db)} .. {_cell(one.high_db)}"
+                spread = f"{cell(one.low_db, 0)} .. {cell(one.high_db, 0)}"
                 yield (
                     f"  {one.kind[:22]:<22}{one.events:>7}{one.missed:>8}{one.masked:>8}"
-                    f"{one.lost:>6}{_cell(one.level_db):>8}{spread:>18}{_cell(one.lag_ms, 0):>6}"
+                    f"{one.lost:>6}{cell(one.level_db, 8)}{spread:>18}{cell(one.lag_ms, 6, 0)}"
                 )
             steps = "; ".join(f"{a} > {b} by {gap:.1f}" for a, b, gap in stroke.gaps)
             if steps:
@@ -193,7 +192,3 @@ class CrowdReport(Report):
             f"<CrowdReport: {short(self.preset)} on {counted(len(self.timelines), 'timeline')}, "
             f"{counted(len(self.strokes), 'stroke')}>"
         )
-
-
-def _cell(value: float, digits: int = 1) -> str:
-    return f"{value:.{digits}f}" if math.isfinite(value) else "-"

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from overview_dsp.measure.report_base import Report
+from overview_dsp.measure.report_base import Report, called, cell
 from overview_dsp.measure.steps import MERGED_S
 from overview_dsp.public.reprs import counted, short
 
@@ -153,7 +152,7 @@ class FeelReport(Report):
 
         Raises
         ------
-        StopIteration
+        InputError
             There is none.
 
         Examples
@@ -165,7 +164,7 @@ class FeelReport(Report):
         >>> report.stroke("fast recoil").name
         'fast recoil'
         """
-        return next(stroke for stroke in self.strokes if stroke.name == name)
+        return called(name, {stroke.name: stroke for stroke in self.strokes}, "stroke")
 
     def _lines(self) -> Iterator[str]:
         yield f"{self.preset} on {self.timeline or 'a timeline'}"
@@ -178,9 +177,9 @@ class FeelReport(Report):
             yield f"{stroke.name}: {stroke.event_free_db:.1f} dB between the events"
             for kind in stroke.kinds:
                 yield (
-                    f"  {kind.kind[:20]:<20}{kind.events:>5} {_cell(kind.level_db, 8, 1)}"
-                    f"{_cell(kind.contrast_db, 10, 1)}{_cell(kind.sharpness, 11, 3)}"
-                    f"{_cell(kind.duration_ms, 8, 0)}{_cell(kind.click_db, 8, 1)}"
+                    f"  {kind.kind[:20]:<20}{kind.events:>5} {cell(kind.level_db, 8)}"
+                    f"{cell(kind.contrast_db, 10)}{cell(kind.sharpness, 11, 3)}"
+                    f"{cell(kind.duration_ms, 8, 0)}{cell(kind.click_db, 8)}"
                     f"{kind.masked:>8}{kind.merged:>8}"
                 )
 
@@ -219,13 +218,6 @@ class FeelReport(Report):
             f"<FeelReport: {short(self.preset)} on {short(self.timeline)}, "
             f"{counted(len(self.strokes), 'stroke')}>"
         )
-
-
-def _cell(value: float, width: int, digits: int) -> str:
-    if not math.isfinite(value):
-        return f"{'-':>{width}}"
-    text = f"{value:.{digits}f}" if abs(value) < 1e4 else f"{value:.3g}"
-    return f"{text:>{width}}"
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.actuators.sensitivity import pacinian_db
+from overview_dsp.errors import InputError, shown
 from overview_dsp.gestures import Gesture
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.comparing import alike_pairs
@@ -35,7 +36,7 @@ from overview_dsp.measure.steps import FALL_DB, GESTURES, MERGED_S, STEP_DB
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.offline import Result, render
 from overview_dsp.rendering.schedule import Tail
-from overview_dsp.timeline import Timeline
+from overview_dsp.timeline import Timeline, given
 
 __all__ = ["GESTURES", "STEP_DB", "FeelReport", "KindFeel", "StrokeReport", "feel_report"]
 
@@ -86,10 +87,15 @@ def feel_report(
     >>> [stroke.name for stroke in report.strokes]
     ['fast', 'fast recoil']
     """
+    require_gestures(gestures)
     if not recoils:
         gestures = {name: _held(gesture) for name, gesture in gestures.items()}
     tail: Tail = "rest" if recoils else "none"
-    timelines = [timeline] if isinstance(timeline, Timeline) else list(timeline)
+    one = [timeline] if isinstance(timeline, Timeline) else timeline
+    timelines = given.instances(one, Timeline, "timelines", "ov.load_timeline gives one")
+    if not timelines:
+        raise InputError("no timelines; give one or more")
+    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
     reports = [
         _combined(parts)
         for name, gesture in gestures.items()
@@ -102,6 +108,15 @@ def feel_report(
         )
     ]
     return FeelReport(preset.name, timelines[0].title, tuple(reports))
+
+
+def require_gestures(gestures: object) -> None:
+    """InputError unless these are gestures by name."""
+    if not isinstance(gestures, Mapping):
+        raise InputError(
+            f"gestures is {shown(gestures)}; give them by name: {{'fast': ov.sweep(1.0)}}"
+        )
+    given.instances(gestures.values(), Gesture, "gestures", "ov.sweep makes one")
 
 
 def _stroke_reports(

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
+
+from overview_dsp.errors import InputError, did_you_mean, shown
+
+T = TypeVar("T")
 
 
 class Report(ABC):
@@ -80,6 +84,22 @@ class Report(ABC):
     @abstractmethod
     def _faults(self) -> Iterable[str]:
         """The lines of the warnings."""
+
+
+def called(name: str, by_name: Mapping[str, T], what: str) -> T:
+    """The one of that name; InputError, with the names that there are, if none is."""
+    if not isinstance(name, str) or name not in by_name:
+        hint = did_you_mean(str(name), by_name)
+        raise InputError(f"no {what} of the report is called {shown(name)}{hint}")
+    return by_name[name]
+
+
+def cell(value: float, width: int, digits: int = 1) -> str:
+    """A number in a column of a table; a dash where nothing was felt."""
+    if not math.isfinite(value):
+        return f"{'-':>{width}}"
+    text = f"{value:.{digits}f}" if abs(value) < 1e4 else f"{value:.3g}"
+    return f"{text:>{width}}"
 
 
 def plain_data(value: Any, digits: int) -> Any:

@@ -11,6 +11,7 @@ from overview_dsp.files.library import Library
 from overview_dsp.files.toml import MAX_BYTES, SUFFIX, read_text
 from overview_dsp.presets.model import Preset
 from overview_dsp.presets.validation import parse_preset
+from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.ticks import KINDS as TICKS
 
 FOR_DATA = ("football", "series", "heart", "crowd")
@@ -106,7 +107,11 @@ def parse_own(text: str, path: Path) -> Preset:
     return parse_preset(text, path.stem, str(path), _base)
 
 
-def fitting(kinds: Mapping[str, int]) -> str:
+LOUDNESS_UNIT = "LUFS"
+"""In which the curve of a recording is."""
+
+
+def fitting(kinds: Mapping[str, int], unit: str = "") -> str:
     """The bundled preset made for data with these kinds of events: the one that names most of them.
 
     `plain` where none names at least half of them, ticks aside.
@@ -114,10 +119,12 @@ def fitting(kinds: Mapping[str, int]) -> str:
     Parameters
     ----------
     kinds
-        How many events there are of each kind; none is a series.
+        How many events there are of each kind; none is a series, or a recording without a cheer.
+    unit
+        The curve's.
     """
     if not kinds:
-        return "series"
+        return "crowd" if unit == LOUDNESS_UNIT else "series"
     told = {kind: n for kind, n in kinds.items() if kind not in TICKS} or dict(kinds)
     best, most = "plain", 0
     for name in FOR_DATA:
@@ -126,6 +133,12 @@ def fitting(kinds: Mapping[str, int]) -> str:
         if named > most:
             best, most = name, named
     return best if 2 * most >= sum(told.values()) else "plain"
+
+
+def fitting_preset(timeline: Timeline) -> str:
+    """The bundled preset made for data like a timeline's (`fitting`)."""
+    curve = timeline.intensity
+    return fitting(timeline.kinds(), "" if curve is None else curve.unit)
 
 
 def _base(name: str, source: str) -> tuple[str, str]:

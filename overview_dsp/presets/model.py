@@ -21,6 +21,7 @@ from overview_dsp.presets.parameters import (
 )
 from overview_dsp.public.drawn import drawn
 from overview_dsp.public.reprs import changed_fields, counted, short
+from overview_dsp.timeline import given
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -411,6 +412,7 @@ class Preset:
         >>> football.with_value("kinds.goal.height", 90.0).kinds["goal"].height
         90.0
         """
+        given.instance(id, str, "a parameter's id", "tactor.gain_db is one")
         if not id.startswith("kinds."):
             return self.with_changes({id: parameter(id).check(value)})
         parts = id.split(".")

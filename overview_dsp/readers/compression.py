@@ -149,6 +149,9 @@ def _zip(source: Source) -> Iterator[bytes]:
             and not member.filename.startswith("__MACOSX/")
             and not member.filename.rsplit("/", 1)[-1].startswith(".")
         ]
+        names = {member.filename for member in members}
+        if sheets := names & _SHEETS.keys():
+            raise InputError(f"{source.where}: {_SHEETS[sheets.pop()]}: save the sheet as CSV")
         if len(members) != 1:
             raise InputError(
                 f"{source.where}: a ZIP archive (or a document made of one) of {len(members)} "
@@ -164,6 +167,16 @@ def _zip(source: Source) -> Iterator[bytes]:
                 f"{source.where}: a ZIP archive of a kind that isn't read ({error}); unpack it "
                 "first"
             ) from error
+
+
+_SHEETS = {
+    "xl/workbook.xml": "an Excel workbook",
+    "xl/workbook.bin": "an Excel workbook",
+    "content.xml": "an OpenDocument file",
+    "Index/Document.iwa": "a Numbers or Pages file",
+    "word/document.xml": "a Word document",
+}
+"""What is packed like an archive and is a document, by a file that each one has."""
 
 
 def _is_arrays(source: Source) -> bool:

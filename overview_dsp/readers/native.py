@@ -37,7 +37,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.part_rules import PartRules, rules_of
-from overview_dsp.timeline import checks
+from overview_dsp.timeline import checks, given
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.intensity import EXTREMES
 from overview_dsp.timeline.model import Event, Intensity, Timeline
@@ -209,6 +209,8 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     >>> ov.load_timeline("match.json") == match
     True
     """
+    path = given.path(path, "a timeline's file")
+    given.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
     data = encode(timeline)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)

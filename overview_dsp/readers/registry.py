@@ -20,7 +20,14 @@ from overview_dsp.readers.memory.columns import is_table, table_of
 from overview_dsp.readers.memory.kinds import MemoryTable, TimelineData
 from overview_dsp.readers.memory.reading import document_bytes, is_document, read_table
 from overview_dsp.readers.memory.streams import is_content, is_url, spooled
-from overview_dsp.readers.source import LoadOptions, Source, decode_text, parse_json
+from overview_dsp.readers.source import (
+    READ_AS_WINDOWS,
+    WINDOWS,
+    LoadOptions,
+    Source,
+    decode_text,
+    parse_json,
+)
 from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
@@ -140,7 +147,10 @@ def load_timeline(
         candidate = _format_of(source)
         taken = candidate.options | LIMITS
         _refuse_options(options, f"{source.where}: {candidate.name}", taken)
-        return candidate.read(source, options)
+        timeline = candidate.read(source, options)
+        if source.encoding == WINDOWS:
+            return replace(timeline, notes=(READ_AS_WINDOWS, *timeline.notes))
+        return timeline
 
 
 def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:

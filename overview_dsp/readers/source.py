@@ -26,6 +26,14 @@ four times that in memory, parsed several times."""
 HEAD_BYTES = 65_536
 """How much of a file the readers see before one of them claims it."""
 
+WINDOWS = "cp1252"
+"""The encoding of text that isn't UTF-8: old spreadsheets'."""
+
+READ_AS_WINDOWS = "the file isn't UTF-8; read as Windows-1252"
+"""What a timeline notes then."""
+
+CONTROL = {chr(code) for code in (*range(9), *range(14, 28), 127)}
+
 _STAMPED = re.compile(
     r"\[(\d+:\d|\d{1,4}([./-])\d{1,2}\2\d|\d\d/[A-Z]|(?!NaN|Inf)[A-Z][A-Za-z]+[ \]])", re.ASCII
 )
@@ -109,10 +117,10 @@ def text_encoding(data: bytes) -> str:
     return next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
 
 
-def decode_text(data: bytes, where: str) -> str:
+def decode_text(data: bytes, where: str, encoding: str = "") -> str:
     """Decode UTF-8 (with or without a byte order mark) or UTF-16/32 with one; InputError if not."""
     try:
-        return data.decode(text_encoding(data))
+        return data.decode(encoding or text_encoding(data))
     except UnicodeDecodeError as error:
         raise InputError(
             f"{where}: byte {error.start} isn't {error.encoding} text ({error.reason}); save the "
@@ -245,15 +253,33 @@ class Source:
         return "" if self.label and name == UNNAMED else name
 
     @cached_property
-    def head_text(self) -> str | None:
-        """The head as text, None for binary data."""
-        decoder = codecs.getincrementaldecoder(text_encoding(self.head))()
+    def encoding(self) -> str | None:
+        """The head's encoding, None for what is no text.
+
+        A byte order mark gives it; else UTF-8, else Windows-1252 (old spreadsheets, `°C`), in which
+        no JSON is written.
+        """
+        marked = text_encoding(self.head)
+        if self._decoded(marked) is not None:
+            return marked
+        text = self._decoded(WINDOWS) if marked == "utf-8" else None
+        if text is None or CONTROL & set(text) or text.lstrip()[:1] in ("{", "["):
+            return None
+        return WINDOWS
+
+    def _decoded(self, encoding: str) -> str | None:
+        decoder = codecs.getincrementaldecoder(encoding)()
         try:
             # not final: the head may end inside a character
-            text = decoder.decode(self.head, final=self.size <= len(self.head))
+            return decoder.decode(self.head, final=self.size <= len(self.head))
         except UnicodeDecodeError:
             return None
-        return None if "\0" in text else text
+
+    @cached_property
+    def head_text(self) -> str | None:
+        """The head as text, None for binary data."""
+        text = None if self.encoding is None else self._decoded(self.encoding)
+        return None if text is None or "\0" in text else text
 
     @property
     def looks_like_json(self) -> bool:
@@ -276,7 +302,7 @@ class Source:
         try:
             with open(self.path, "rb") as stream:
                 # no more than was seen, should the file be growing
-                return decode_text(stream.read(self.size), self.where)
+                return decode_text(stream.read(self.size), self.where, self.encoding or "")
         except OSError as error:
             raise InputError(f"{self.where}: can't be read ({error.strerror})") from error
         except MemoryError as error:

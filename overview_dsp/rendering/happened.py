@@ -55,7 +55,7 @@ class Happening:
     @property
     def words(self) -> str:
         """`goal, 2-1 Mbappe, strong`."""
-        label = " ".join(self.event.label.split())
+        label = " ".join(self.event.words.split())
         named = [self.event.kind.replace("_", " "), *([label] if label else [])]
         return ", ".join([*named, self.strength])
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
 from overview_dsp.engine.simd_batch import EngineBatch
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.files.sound import Sounding
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
@@ -35,7 +35,7 @@ from overview_dsp.rendering.schedule import GesturePlayer, Tail, checked_tail
 from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.surface.cache import SurfaceCache
 from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import Timeline
+from overview_dsp.timeline import Timeline, given
 
 BLOCK = 65536
 """Frames of each job rendered at a time: of eight, with their traces, 42 MB."""
@@ -166,8 +166,15 @@ def render_jobs(
     >>> len(list(jobs))
     100
     """
-    for parts in itertools.product(timelines, presets, gestures, seeds):
-        yield RenderJob(*parts)
+    if not isinstance(seeds, Iterable):
+        raise InputError(f"seeds is {shown(seeds)}; give a list of whole numbers, range(8) say")
+    parts = (
+        given.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one"),
+        given.instances(presets, Preset, "presets", "ov.load_preset gives one"),
+        given.instances(gestures, Gesture, "gestures", "ov.sweep makes one"),
+    )
+    for timeline, preset, gesture, seed in itertools.product(*parts, seeds):
+        yield RenderJob(timeline, preset, gesture, given.whole(seed, "a seed"))
 
 
 @dataclass(eq=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Literal, overload
 
 import numpy as np
@@ -33,6 +32,7 @@ from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail, unreached
 from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.rendering.transcript import transcript
+from overview_dsp.timeline import given
 from overview_dsp.units import gain_to_db
 
 if TYPE_CHECKING:
@@ -447,6 +447,7 @@ def render_to_file(
         engine.prepare(sample_rate, BLOCK)
         return engine, _stage(actuator, engine)
 
+    target = given.path(path, "path")
     gain = 1.0
     if normalize is not None:
         require_loudness(normalize)
@@ -461,9 +462,9 @@ def render_to_file(
     strikes: list[Strikes] = [engine.take_strikes()]
     full_torque = 1e-3 * chosen.number("tactor.full_torque_mnm")
     with (
-        SoundWriter(Path(path), engine.sample_rate, subtype) as sound,
-        TraceWriter(Path(trace_path) if trace_path is not None else None) as traced,
-        StemWriter(Path(path), engine.sample_rate, subtype, full_torque, stems) as stemmed,
+        SoundWriter(target, engine.sample_rate, subtype) as sound,
+        TraceWriter(None if trace_path is None else given.path(trace_path, "trace_path")) as traced,
+        StemWriter(target, engine.sample_rate, subtype, full_torque, stems) as stemmed,
     ):
         for block in blocks(engine, hand, tail, trace_path is not None or stems, progress, stage):
             if gain != 1.0:

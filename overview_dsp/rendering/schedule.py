@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.engine import Engine
 from overview_dsp.engine.replay import apply_change
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.gestures import Gesture
 from overview_dsp.surface.model import Surface
 
@@ -45,10 +45,12 @@ def tail_of(text: str) -> Tail:
 
 def checked_tail(tail: Tail) -> Tail:
     """The tail, if it is one; InputError otherwise."""
-    if tail == "rest" or tail == "none":
+    if isinstance(tail, str) and tail in ("rest", "none"):
         return tail
     # written so that NaN fails
-    if isinstance(tail, str | bool) or not 0.0 <= tail <= MAX_TAIL_S:
+    if isinstance(tail, bool) or not isinstance(tail, int | float | np.integer | np.floating):
+        raise _no_tail(tail)
+    if not 0.0 <= tail <= MAX_TAIL_S:
         raise _no_tail(tail)
     return float(tail)
 
@@ -68,7 +70,7 @@ def unreached(surface: Surface, gesture: Gesture, struck: NDArray[np.int64]) -> 
 
 def _no_tail(given: object) -> InputError:
     return InputError(
-        f"tail {given!r} is not understood; it is rest, none or seconds, 0 to {MAX_TAIL_S:g}"
+        f"tail {shown(given)} is not understood; it is rest, none or seconds, 0 to {MAX_TAIL_S:g}"
     )
 
 

@@ -56,7 +56,7 @@ def transcript(
     lines = []
     for at in kept:
         event = timeline.events[passed.event[at]]
-        words = event.kind.replace("_", " ") + (f", {event.label}" if event.label else "")
+        words = event.kind.replace("_", " ") + (f", {event.words}" if event.words else "")
         words += "" if held_then[at] else ", on the way back"
         below = round(-20.0 * np.log10(max(float(passed.level[at]) / strongest, 1e-6)))
         level = f"{below} dB below the strongest" if below else "the strongest"

@@ -58,9 +58,6 @@ def copy_firmware(name: str, folder: Path) -> Path:
 def _program(name: str) -> Path:
     names = firmware_names()
     if name not in names:
-        raise InputError(
-            f"no firmware is called {name!r}{did_you_mean(name, names)}; there is "
-            f"{', '.join(names)}"
-        )
+        raise InputError(f"no firmware is called {name!r}{did_you_mean(name, names)}")
     folder = firmware_folder() / name
     return next(path for path in (folder / f"{name}.ino", folder / "main.py") if path.is_file())

@@ -23,6 +23,12 @@ from overview_dsp.sensors.units import Vector, raw_of
 
 TWISTS = 2
 REST_S = 1.0
+STILL_DEG = 15.0
+"""What turns further within that isn't held still."""
+
+NAMES_S = 1.5
+"""Lines of one number may still say its name: boards of the kit do so once a second."""
+
 AWAY_DEG, BACK_DEG = 90.0, 25.0
 """A twist goes so far, and comes back so near."""
 
@@ -65,7 +71,8 @@ class Setup:
         self._away = False
         self._knob = False
         self.twists = 0
-        self.ask = "hold it still, face up"
+        self._unnamed: list[tuple[bytes, float]] = []
+        self.ask = "leave it still: a sensor face up, a knob at one end"
         self.problem = ""
 
     @property
@@ -76,10 +83,16 @@ class Setup:
     def feed(self, data: bytes, arrival_s: float) -> None:
         """Watch; `arrival_s` is of any clock that goes forward."""
         samples = self._stream.feed(data, arrival_s)
+        if not self._knob and self._stream.detected is None:
+            self._unnamed.append((data, arrival_s))
         if self._stream.problem and not self._knob and "one number" in self._stream.problem:
+            if arrival_s - self._unnamed[0][1] < NAMES_S:
+                return
             # a knob's number may be anything: its two ends are seen when it is turned
             self._knob = True
             self._stream = Stream(Sensor(columns=_KNOB), Counters())
+            for came, at_s in self._unnamed:
+                self.feed(came, at_s)
             return
         self.problem = self._stream.problem
         for sample in samples:
@@ -101,6 +114,8 @@ class Setup:
             self._smooth = (x, y, z)
         self._samples.append(sample)
         self._ways.append((time_s, self._smooth))
+        if self._rest is None and self._turned(self._ways[0][1], self._smooth) > STILL_DEG:
+            self._samples, self._ways = self._samples[-1:], self._ways[-1:]
         if time_s - self._samples[0][0] < REST_S:
             return
         if self._rest is None:
@@ -108,7 +123,7 @@ class Setup:
                        zip(*(one for _, one in self._ways), strict=True))  # fmt: skip
             self._rest = (x, y, z)
             self._say()
-        away = self._turned(self._smooth)
+        away = self._turned(self._rest, self._smooth)
         if not self._away and away > AWAY_DEG:
             self._away = True
         elif self._away and away < BACK_DEG:
@@ -118,24 +133,23 @@ class Setup:
 
     def _say(self) -> None:
         left = TWISTS - self.twists
-        self.ask = (
-            f"now turn it face down and back, {left} time{'s' if left > 1 else ''}"
-            if left
-            else "that is all"
-        )
+        reading = self._samples[-1][1]
+        knob = "pot" in reading or "count" in reading
+        how = "from one end to the other" if knob else "face down"
+        times = f"{left} time{'s' if left > 1 else ''}"
+        self.ask = f"now turn it {how} and back, {times}" if left else "that is all"
 
-    def _turned(self, way: Vector) -> float:
+    def _turned(self, rest: Vector, way: Vector) -> float:
         """Degrees away from rest; of a knob, of its span so far, which is taken for 180."""
-        assert self._rest is not None
         reading = self._samples[-1][1]
         if _directed(reading):
-            a, b = unit(self._rest), unit(way)
+            a, b = unit(rest), unit(way)
             cosine = sum(p * q for p, q in zip(a, b, strict=True))
             return math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
-        moved = [abs(p - q) for p, q in zip(self._rest, way, strict=True)]
+        moved = [abs(p - q) for p, q in zip(rest, way, strict=True)]
         if all(name in reading for name in ANGLES) or "roll_deg" in reading:
             return max(abs(math.remainder(one, 360.0)) for one in moved)
-        span = max(abs(self._rest[0] - one[0]) for _, one in self._ways)
+        span = max(abs(rest[0] - one[0]) for _, one in self._ways)
         return 0.0 if span < LEAST_SPAN else 180.0 * moved[0] / span
 
     def toml(self) -> str:

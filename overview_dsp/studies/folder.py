@@ -275,7 +275,8 @@ def listed_files(path: str | Path) -> tuple[str, ...]:
 
 
 def _no_study(folder: Path, error: Exception) -> InputError:
-    why = type(error).__name__
+    missing = isinstance(error, FileNotFoundError | NotADirectoryError)
+    why = f"{MARK} isn't there" if missing else f"{MARK} is broken"
     return InputError(f"{folder}: no study ({why}); `overview study build` makes one")
 
 

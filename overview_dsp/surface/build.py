@@ -22,7 +22,6 @@ import math
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,10 +43,8 @@ from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.model import Surface
 from overview_dsp.surface.profiles import bumps, entries, profile, span
 from overview_dsp.surface.thinning import thin_events
+from overview_dsp.timeline import Event, Timeline, given
 from overview_dsp.timeline.ticks import KINDS as TICKS
-
-if TYPE_CHECKING:
-    from overview_dsp.timeline import Event, Timeline
 
 MAX_FRICTION = 1e6
 """No event is higher, N m s/rad, however great its weight: ten million bare surfaces' friction."""
@@ -177,6 +174,8 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     >>> len(surface.event) == len(match.events)
     True
     """
+    given.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
+    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
     by_kind, left_out = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     under = bare_surface(timeline, preset, CELLS)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.timeline import checks, given
 from overview_dsp.timeline.event import Event, sorted_events
 from overview_dsp.timeline.fine_events import Rules
 from overview_dsp.timeline.gaps import sorted_gaps, sorted_reasons
@@ -48,6 +48,9 @@ class Contents:
         gaps = sorted_gaps(self.gaps, duration_s)
         object.__setattr__(self, "gap_reasons", sorted_reasons(self.gap_reasons, self.gaps))
         object.__setattr__(self, "gaps", gaps)
+        if self.intensity is not None:
+            hint = "give times and values: ov.Intensity(time_s, value, unit)"
+            given.instance(self.intensity, Intensity, "intensity", hint)
         if self.intensity is not None and self.intensity.last_s > duration_s:
             last = self.intensity.count - 1
             raise InputError(
@@ -106,15 +109,17 @@ class Contents:
         >>> match.event("goal", 2).time_s > match.event("goal", 1).time_s
         True
         """
+        given.instance(kind, str, "kind", "'goal' is one")
         found = [event for event in self.events if event.kind == kind]
         if not found:
             there = ", ".join(self.kinds()) or "no events at all"
             raise InputError(
                 f"the timeline has no event of kind {checks.shown(kind)}; it has {there}"
             )
+        number = given.whole(number, "number")
         if not 1 <= number <= len(found):
             raise InputError(
-                f"there is no {kind} number {number}; the timeline has {len(found)}: "
+                f"there is no {kind} number {checks.shown(number)}; the timeline has {len(found)}: "
                 f"give 1 to {len(found)}"
             )
         return found[number - 1]

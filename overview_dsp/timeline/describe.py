@@ -88,7 +88,7 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
             name = f"{event.kind}:{numbers[event.kind]}"
             weight = f"  (weight {event.weight:g})" if event.weight != 1.0 else ""
             at = _moment(timeline, event.time_s)
-            yield f"{at:>12}  {name:<{width + 4}}  {event.label}{weight}".rstrip()
+            yield f"{at:>12}  {name:<{width + 4}}  {event.words}{weight}".rstrip()
 
 
 def _counts(events: tuple[Event, ...]) -> dict[str, int]:

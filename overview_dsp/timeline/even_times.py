@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.timeline import checks, given
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class EvenTimes:
     first_s: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.count < 1:
-            raise InputError("intensity has no points; give one or more")
+        if not 1 <= given.whole(self.count, "count") < 2**53:
+            raise InputError("intensity has no points, or too many to count; give one or more")
         checks.positive(self.step_s, "step_s", "give the seconds from one value to the next")
         if checks.number(self.first_s, "first_s", checks.TIME_HINT) < 0.0:
             raise InputError(f"first_s is {self.first_s!r}, before the start; {checks.TIME_HINT}")

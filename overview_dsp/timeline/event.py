@@ -6,7 +6,7 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.timeline import checks, rhythms
 
 MAX_EVENTS = 500_000
 """Most events of a file: some hundred times what a hand can distinguish, and 400 MB."""
@@ -55,6 +55,11 @@ class Event:
             self.weight, "weight", "a weight is a finite number above 0, 1 = ordinary"
         )
         object.__setattr__(self, "weight", weight)
+
+    @property
+    def words(self) -> str:
+        """The label as a person reads it: a rhythm's name where the data have its code, `(AFIB`."""
+        return rhythms.rhythm_words(self.label) if self.kind == rhythms.KIND else self.label
 
     def moved(self, time_s: float) -> Event:
         """Move this event to another time, which is not checked.

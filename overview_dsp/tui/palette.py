@@ -41,7 +41,7 @@ def choices(player: Player) -> Iterator[tuple[str, ...]]:
         yield "block-size", str(frames)
     for rate in (44_100, 48_000, 96_000):
         yield "rate", str(rate)
-    for channels in (("1", "2"), ("2", "1"), ("3", "4")):
+    for channels in (("1", "2"), ("2", "1"), ("3", "4"), ("1+2", "3+4")):
         yield "channels", *channels
     for name in ("none", *actuator_names()):
         yield "actuator", name

@@ -200,6 +200,8 @@ export const L = Object.freeze({
   L_SECONDS: 213970,
   L_NANOSECONDS: 213971,
   L_LINE: 213972,
+  L_ALSO_CLICK: 213973,
+  L_ALSO_TACTOR: 213974,
   BUSY_BINS: 96,
   L_GAIN: 213978,
   L_CEILING: 213980,
@@ -361,4 +363,4 @@ export const PARAMETERS = Object.freeze({
 });
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([110927647, 2061483984]);
+export const DIGEST = Object.freeze([-1822867948, -1834239972]);

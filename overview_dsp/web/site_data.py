@@ -146,7 +146,7 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
                 "place": event.time_s / length,
                 "time_s": start_s + event.time_s,
                 "kind": event.kind,
-                "label": event.label,
+                "label": event.words,
             }
             for event in shown.events
         ],

@@ -264,3 +264,17 @@ def test_an_error_under_json_is_json():
     assert "no-such-file.csv" in report["error"]
     wrong = json.loads(overview("render", MATCH, "--json", "--nonsense").errors[-1])
     assert "No such option" in wrong["error"]
+
+
+def test_a_mistyped_command_is_told_the_nearest_one():
+    refused(overview("rendr", "x"), "'rendr'", "did you mean 'render'?")
+    refused(overview("timeline", "shw"), "'shw'", "Did you mean 'show'?")
+    assert "mean" not in refused(overview("zzz"), "'zzz'")
+
+
+def test_a_file_whose_name_begins_as_an_option_is_told_how_to_be_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "-x.json").write_bytes(native())
+    refused(overview("timeline", "show", "-x.json"), "./-x.json")
+    assert overview("timeline", "show", "./-x.json").code == 0
+    assert "./" not in refused(overview("timeline", "show", "-y.json"), "-y")

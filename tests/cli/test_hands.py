@@ -44,6 +44,15 @@ def test_wrong_hands_are_one_line(arguments, words):
     refused(overview(*PLAY, *arguments), *words)
 
 
+@pytest.mark.parametrize(
+    ("learner", "known"), [("osc", "theta2, touch, device"), ("midi", "theta2, touch, taps")]
+)
+def test_what_cannot_be_learned_is_one_line_with_what_can(tmp_path, learner, known):
+    words = refused(overview(learner, "learn", "9000", "tactor.gian_db", "-o", tmp_path / "a.toml"))
+    assert "did you mean 'tactor.gain_db'?" in words
+    assert f"TARGET is {known} or a parameter's id" in words
+
+
 def free_port():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))

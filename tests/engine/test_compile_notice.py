@@ -17,7 +17,7 @@ def _nothing_announced(monkeypatch):
 @pytest.mark.parametrize("outdated", [False, True])
 def test_a_first_compilation_is_announced_once_on_stderr(tmp_path, monkeypatch, capsys, outdated):
     """Where no machine code is shipped for a processor, or it is of other sources."""
-    monkeypatch.setattr(shipped, "usable", lambda: None)
+    monkeypatch.setattr(shipped, "usable", lambda kernel: None)
     monkeypatch.setattr(compile_notice, "is_outdated", lambda: outdated)
     engine = ov.Engine(plain_preset(), timeline_of())
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))

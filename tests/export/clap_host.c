@@ -17,6 +17,7 @@ static const clap_host_t host = {CLAP_VERSION_INIT, NULL, "test", "", "", "", ho
                                  host_request, host_request, host_request};
 
 static const clap_plugin_entry_t *entry;
+static const clap_plugin_factory_t *factory;
 static const clap_plugin_descriptor_t *descriptor;
 static const clap_plugin_t *plugins[2];
 static const clap_plugin_params_t *params;
@@ -66,7 +67,9 @@ static bool host_save(int i, memory_file *to) {
 
 static void host_flush(int i, const list *events) {
     clap_input_events_t in = {(void *)(uintptr_t)events, events_size, events_get};
+    processing = 1;
     params->flush(plugins[i], &in, &nowhere);
+    processing = 0;
 }
 static bool host_activate(int i, double rate) {
     return plugins[i]->activate(plugins[i], rate, 1, LARGEST) && plugins[i]->start_processing(plugins[i]);
@@ -81,7 +84,7 @@ static int host_process(int i, const list *events, int64_t frames, float *click,
     processing = 0;
     return status;
 }
-static void host_reset(int i) { plugins[i]->reset(plugins[i]); }
+static void host_reset(int i) { processing = 1, plugins[i]->reset(plugins[i]), processing = 0; }
 static unsigned host_latency(void) {
     return ((const clap_plugin_latency_t *)plugins[0]->get_extension(plugins[0], CLAP_EXT_LATENCY))->get(plugins[0]);
 }
@@ -90,7 +93,6 @@ static unsigned host_tail(void) {
 }
 
 static void host_open(void *library, const char *path) {
-    const clap_plugin_factory_t *factory;
     int i;
     entry = (const clap_plugin_entry_t *)library_find(library, "clap_entry");
     if (!entry || !entry->init(path)) fail("no plugin");
@@ -131,3 +133,5 @@ static void host_list(void) {
                info.min_value, info.max_value, info.default_value, info.flags, text);
     }
 }
+
+#include "clap_probe.h"

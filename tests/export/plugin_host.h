@@ -4,6 +4,7 @@
    HOST PLUGIN list
    HOST PLUGIN play RATE BLOCK FRAMES EVENTS OUT STATE_IN STATE_OUT WARM
    HOST PLUGIN load STATE...           says 1 for each that is taken, 0 for each refused
+   HOST PLUGIN probe                   calls every function with what it must refuse or bear
 
    PLUGIN: the library. BLOCK 0: of any size from 1 to 512. EVENTS: rows of kind (0 value, 1 key down,
    2 key up, 3 MIDI), number, frame, value; those at -1 come before it is active, those at -2 to -9
@@ -36,6 +37,11 @@ typedef struct { int64_t kind, number, frame; double value; } row;
 typedef struct { const row *rows; int64_t count, first; } list;
 typedef struct { char *bytes; size_t size, at; } memory_file;
 
+static const double wild[] = {NAN, INFINITY, -INFINITY, 1e300, -1e300, -1.0, -0.0, 0.0, 5e-324,
+                              0.5, 1.0, 1.0000001, 2147483648.0, 4294967296.0, 9223372036854775808.0};
+static const double wild_rates[] = {NAN, INFINITY, -INFINITY, -48000.0, 0.0, 5e-324, 999.9, 768001.0, 1e300};
+#define EACH(i, of) (i = 0; i < sizeof of / sizeof *of; i++)
+
 static void fail(const char *why) { fprintf(stderr, "%s\n", why), exit(3); }
 
 static void *content(const char *path, size_t *bytes) {
@@ -66,6 +72,7 @@ static int64_t taken(memory_file *from, void *data, uint64_t size) {
 
 static void host_open(void *library, const char *path);
 static void host_list(void);
+static void host_probe(void);
 static void host_flush(int i, const list *events);
 static bool host_activate(int i, double rate);
 static int host_process(int i, const list *events, int64_t frames, float *click, float *tactor); /* 4: silent */
@@ -152,12 +159,24 @@ static int play_all(char **given) {
     return 0;
 }
 
+/* Whether what a library allocates is seen. */
+static void check_watch(void) {
+#ifdef __GLIBC__
+    char *volatile copy;
+    processing = 1, copy = strdup("seen"), free(copy), processing = 0;
+    if (allocations != 2) fail("malloc isn't watched");
+    allocations = 0;
+#endif
+}
+
 int main(int count, char **given) {
     void *library = count > 2 ? library_open(given[1]) : NULL;
     int i;
     if (!library) fail("no library");
+    check_watch();
     host_open(library, given[1]);
     if (!strcmp(given[2], "list")) host_list();
+    else if (!strcmp(given[2], "probe")) host_probe();
     else if (!strcmp(given[2], "load")) {
         for (i = 3; i < count; i++) printf("%d", load(0, given[i]));
         printf("\n");

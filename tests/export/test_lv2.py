@@ -21,10 +21,10 @@ from tests.export.plugin_playing import (
     UP,
     VALUE,
     both_halves,
-    faded,
     natively,
     preset_named,
     score,
+    switched,
 )
 
 HOST = Path(__file__).with_name("lv2_host.c")
@@ -85,17 +85,23 @@ def as_row(kind, number, frame, value):
     return kind, (0x90_00_7F if kind == DOWN else 0x80_00_00) | number << 8, frame, value
 
 
+def started(host, bundle, *given, fails=False):
+    """What the host says of a bundle."""
+    command = [host, f"file://{bundle}/", *map(str, given)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert (done.returncode != 0) == fails, done.stderr
+    assert fails or not done.stderr
+    return done.stderr
+
+
 @pytest.fixture
 def play(bundle, host, tmp_path):
     def run(events, name, rate=48_000):
         rows = np.array([as_row(*event) for event in events], ROW)
         (tmp_path / "events").write_bytes(rows.tobytes())
-        which = sorted(PRESETS).index(name)
-        given = (f"file://{bundle}/", which, rate, BLOCK, FRAMES, tmp_path / "events")
-        command = [host, *map(str, given), tmp_path / "out"]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
-        assert done.returncode == 0, done.stderr
-        return np.fromfile(tmp_path / "out", np.float32).reshape(-1, 2)
+        which, out = sorted(PRESETS).index(name), tmp_path / "out"
+        started(host, bundle, which, "play", rate, BLOCK, FRAMES, tmp_path / "events", out)
+        return np.fromfile(out, np.float32).reshape(-1, 2)
 
     return run
 
@@ -116,12 +122,11 @@ def test_another_timeline_fades_in(timelines, presets, play):
     early = [(VALUE, "theta2", 0, 0.25), (VALUE, "touch", 0, 1.0)]
     late = [(VALUE, "theta2", at + 8 * BLOCK * n, 0.25 + n / 64) for n in range(1, 24)]
     heard = play([*early, (VALUE, "timeline", at, 1.0), *late], "wells")
-    wells = presets["wells"]
-    before = natively(timelines["match"], wells, 48_000, early)
-    later = [*early, *((kind, id, frame - at, value) for kind, id, frame, value in late)]
-    after = natively(timelines["second half"], wells, 48_000, later, FRAMES - at)
-    assert np.abs(after).max() > 0.01
-    assert np.array_equal(heard, faded(before, after, at))
+    images = [(0, timelines["match"]), (at, timelines["second half"])]
+    named = [(frame, timeline, presets["wells"]) for frame, timeline in images]
+    expected = switched(named, [*early, *late], FRAMES)
+    assert np.abs(expected[at:]).max() > 0.01
+    assert np.array_equal(heard, expected)
 
 
 def test_any_values_leave_numbers(play):
@@ -135,6 +140,26 @@ def test_any_values_leave_numbers(play):
     heard = play(events, "wells")
     assert np.isfinite(heard).all()
     assert np.abs(heard).max() <= 1.0
+
+
+@pytest.mark.parametrize("which", range(len(PRESETS)))
+def test_every_function_bears_or_refuses_what_can_not_be(bundle, host, which):
+    started(host, bundle, which, "probe")
+
+
+def test_a_damaged_image_is_refused(bundle, host, timelines, presets, tmp_path):
+    engine = ov.Engine(presets["viscous"], timelines["match"], seed=3)
+    engine.prepare(48_000)
+    image = ov.export.encode_engine(engine)
+    library = (bundle / "plugin.so").read_bytes()
+    begin, half = library.index(image), len(image) // 16 * 8
+    random = np.random.default_rng(1).bytes(len(image))
+    copy = shutil.copytree(bundle, tmp_path / bundle.name)
+    for damaged in (bytes([image[0] ^ 1]), random, image[:half] + bytes(len(image) - half)):
+        content = library[:begin] + damaged + library[begin + len(damaged) :]
+        (copy / "plugin.so").write_bytes(content)
+        which = sorted(PRESETS).index("viscous")
+        assert "no instance" in started(host, copy, which, "probe", fails=True)
 
 
 def test_what_it_says_of_itself_is_valid(bundle):

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+import warnings
+
 import numpy as np
 import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.export.plugin_bundle import bundle_of
 from tests.cli.running import MATCH, overview
 from tests.export.plugin_playing import (
     EARLIER,
@@ -33,6 +37,33 @@ def test_the_command_builds_one_of_several_timelines(tmp_path):
     assert (row[4], row[-1].strip()) == ("1", MATCH)
 
 
+def test_a_note_comes_once_with_the_timelines_and_the_preset_it_is_of(match, football):
+    halves = {"first": match.window(0, 2700), "second": match.window(2700, 5600)}
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        bundle_of("both", halves, [football, ov.load_preset("stocks")], 0)
+    said = [str(note.message) for note in notes]
+    assert all(note.category is ov.OverviewWarning for note in notes)
+    assert len(said) == len(set(said)) > 0
+    assert all(
+        re.match("(first|second|first, second) in stocks: preset 'stocks'", it) for it in said
+    )
+    # the same of both is one
+    again = {"first": halves["first"], "once more": halves["first"]}
+    with pytest.warns(ov.OverviewWarning, match="^first, once more in stocks: ") as one:
+        bundle_of("both", again, [ov.load_preset("stocks")], 0)
+    assert len(one) == 1
+
+
+def test_a_name_of_any_letters_is_a_file_of_its_own(match, football):
+    def slug(name):
+        return bundle_of(name, {"match": match}, [football], 0).slug
+
+    assert slug("Zürich & Genève") == "zurich-geneve"
+    assert slug("決勝") != slug("準決勝")
+    assert slug("決勝").startswith("timeline-")
+
+
 @pytest.mark.soak
 def test_without_a_timeline_it_is_all_that_is_bundled(tmp_path):
     given = ("--to", "clap", "--seed", "3", "-o", tmp_path)
@@ -42,6 +73,8 @@ def test_without_a_timeline_it_is_all_that_is_bundled(tmp_path):
     timelines = [ov.load_timeline(name) for name in (MATCH, "made-up-share")]
     names = ov.bundled_presets()
     assert f": {MATCH}, made-up-share in {', '.join(names)};" in done.out
+    # that a preset for hearts names no goal is nothing to be told of
+    assert done.err == ""
     for second, timeline in enumerate(timelines):
         for number, name in enumerate(names):
             chosen = [(VALUE, "timeline", EARLIER, second), (VALUE, "preset", EARLIER, number)]

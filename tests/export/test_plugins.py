@@ -24,13 +24,13 @@ from tests.export.plugin_playing import (
     Host,
     both_halves,
     built_host,
-    faded,
     library_of,
     natively,
     normal,
     number_of,
     preset_named,
     score,
+    switched,
 )
 
 FORMATS = ("clap", "vst3")
@@ -184,27 +184,20 @@ def turned(first, last):
     return [*down, *((VALUE, "theta2", at, at / 20_000) for at in range(first, last, 111))]
 
 
-def begun(events, at, place):
-    """What a voice that begins at a frame hears of events behind it: who touches, and the rest."""
-    held = [(VALUE, "theta2", 0, place), (VALUE, "touch", 0, 1.0)]
-    return [*held, *((kind, id, frame - at, value) for kind, id, frame, value in events)]
-
-
 @pytest.mark.parametrize("id", ["preset", "timeline"])
 def test_another_image_fades_in_and_then_is_the_only_one(match, timelines, presets, play, id):
     at, frames = 9_001, 30_000
     early, late = turned(0, at), turned(9_102, 20_000)
     assert early[-1][2] + 111 == late[0][2] > at
     heard, report = play([*early, (VALUE, id, at, 1.0), *late], frames=frames)
-    timeline, preset = {
+    image = {
         "preset": (match, presets["bristles"]),
         "timeline": (timelines["second half"], presets["viscous"]),
     }[id]
-    before = natively(match, presets["viscous"], 48_000, early, frames)
-    later = begun(late, at, early[-1][3])
-    after = natively(timeline, preset, 48_000, later, frames - at)
-    assert np.abs(before[at : at + 1000]).max() > 1e-3
-    assert np.array_equal(heard, faded(before, after, at))
+    images = [(0, match, presets["viscous"]), (at, *image)]
+    expected = switched(images, [*early, *late], frames)
+    assert np.abs(expected[at : at + 1000]).max() > 1e-3
+    assert np.array_equal(heard, expected)
     # a preset's values, of two instances
     assert report["told"] == (2 * layout.PARAMETERS if id == "preset" else 0)
 
@@ -218,11 +211,9 @@ def test_an_image_that_comes_in_a_fade_waits_for_its_end(match, presets, play):
     switches = [(first, 1.0), (first + 100, 0.0), (first + 700, 2.0)]
     events = [*early, *((VALUE, "preset", at, value) for at, value in switches), *late]
     heard, _ = play(events, frames=frames)
-    place = early[-1][3]
-    before = natively(match, presets["viscous"], 48_000, early, frames)
-    between = natively(match, presets["bristles"], 48_000, begun([], first, place), frames - first)
-    after = natively(match, presets["wells"], 48_000, begun(late, second, place), frames - second)
-    assert np.array_equal(heard, faded(faded(before, between, first), after, second))
+    images = [(0, "viscous"), (first, "bristles"), (second, "wells")]
+    named = [(at, match, presets[name]) for at, name in images]
+    assert np.array_equal(heard, switched(named, [*early, *late], frames))
 
 
 def test_a_damaged_image_is_refused(host, timelines, presets, tmp_path):
@@ -231,14 +222,20 @@ def test_a_damaged_image_is_refused(host, timelines, presets, tmp_path):
     engine.prepare(48_000)
     image = ov.export.encode_engine(engine)
     begin, random = library.index(image), np.random.default_rng(1)
-    for size in (1, 8, 40, len(image)):
-        # an image begins with the digest of its layout
-        damaged = random.bytes(size) if size > 1 else bytes([image[0] ^ 1])
+    # an image begins with the digest of its layout
+    wrong = [bytes([image[0] ^ 1]), *(random.bytes(size) for size in (8, 40, len(image)))]
+    # one that ends early
+    wrong += [image[:size] + bytes(len(image) - size) for size in (40, len(image) // 16 * 8)]
+    for damaged in wrong:
         path = tmp_path / host.library.name
-        path.write_bytes(library[:begin] + damaged + library[begin + size :])
+        path.write_bytes(library[:begin] + damaged + library[begin + len(damaged) :])
         (tmp_path / "events").write_bytes(b"")
         given = (48_000, 0, 100, tmp_path / "events", tmp_path / "out", "-", "-", 0)
         assert "not activated" in replace(host, library=path).run("play", *given, fails=True)
+
+
+def test_every_function_bears_or_refuses_what_can_not_be(host):
+    host.run("probe")
 
 
 def test_any_values_at_any_time_leave_numbers_and_a_voice_that_recovers(match, presets, host, play):

@@ -271,3 +271,5 @@ static void host_list(void) {
                plain_text(info.units));
     }
 }
+
+#include "vst3_probe.h"

@@ -7,7 +7,8 @@ import filecmp
 import pytest
 
 from overview_dsp.sensors.firmware import firmware_head, firmware_names
-from tests.cli.running import overview
+from overview_dsp.sensors.profile_file import LIBRARY, load_sensor
+from tests.cli.running import overview, refused
 from tests.firmware.boards import FIRMWARE
 
 
@@ -41,3 +42,19 @@ def test_it_copies_a_folder_once(tmp_path):
 def test_a_mistake_is_one_line(arguments):
     done = overview("sensor", "firmware", *arguments)
     assert (done.code, len(done.errors)) == (2, 1)
+
+
+def test_a_sensors_file_is_listed_printed_and_copied(tmp_path):
+    listed = overview("sensor", "profile").out.splitlines()
+    assert [line.split()[0] for line in listed] == list(LIBRARY.bundled)
+    assert all(len(line.split()) > 3 for line in listed)
+    path = tmp_path / "my-knob.toml"
+    done = overview("sensor", "profile", "simplefoc", "-o", path)
+    assert done.code == 0
+    assert load_sensor(path).values == load_sensor("simplefoc").values
+    assert overview("sensor", "profile", "simplefoc").out == path.read_text(encoding="utf-8")
+    before = path.read_bytes()
+    refused(overview("sensor", "profile", "imu", "-o", path), "already there")
+    assert path.read_bytes() == before
+    refused(overview("sensor", "profile", "simplefok"), "did you mean 'simplefoc'?")
+    refused(overview("sensor", "profile", "-o", path), "which one? There is dualsense, encoder")

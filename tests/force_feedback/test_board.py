@@ -132,10 +132,15 @@ def test_a_surface_that_changes_is_crossfaded_to(surface, football, match):
     assert steps.max() < 0.3 * abs(after - before)
 
 
-def test_a_jiggling_hand_is_given_nothing(surface, football):
-    path = jiggle(5.0, math.radians(11.0), 0.4)
-    course = knob_session.simulate(surface, football, SENSOR, path, 1.2, 0.02)
-    assert course.greatest_rise() < 1e-5
+@pytest.mark.parametrize(
+    ("steps", "hertz", "degrees", "about"),
+    [(4000, 5.0, 11.0, 1.5), (1000, 20.0, 8.0, 0.0), (1000, 15.0, 11.0, math.pi)],
+)
+def test_a_jiggling_hand_is_given_nothing(surface, football, steps, hertz, degrees, about):
+    """About the middle, and in and out of the stiff ends of a slow board."""
+    path = jiggle(hertz, math.radians(degrees), 0.4, about)
+    course = knob_session.simulate(surface, football, SENSOR, path, 1.2, 0.02, hertz=steps)
+    assert course.greatest_rise(since=0.4) < 1e-5
     assert np.abs(course.torque).max() > 2e-3  # and it is felt
 
 

@@ -61,6 +61,12 @@ for preset in ("football", "creaking-door", "clock-key"):
             else:
                 run_block(engine, out)
             digest.update(out.tobytes())
+jobs = [ov.RenderJob(match, ov.load_preset("football"), ov.sweep(0.3), seed) for seed in range(5)]
+for trace in (False, True):
+    for job in ov.render_many(jobs, sample_rate=44_100, trace=trace, tail=0.1):
+        digest.update(job.samples.tobytes())
+        if trace:
+            digest.update(np.column_stack([job.trace[name] for name in job.trace]).tobytes())
 print(usable(), digest.hexdigest())
 """
 
@@ -111,22 +117,24 @@ def test_what_is_made_of_other_sources_is_not_used(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("features", "expected"),
+    ("features", "expected", "lanes"),
     [
-        (shipped.X86_64_V3, "linux-x86-64-v3"),
-        (shipped.X86_64_V3 - {"avx2"}, "linux-x86-64-v2"),
-        (shipped.X86_64_V2 - {"popcnt"}, None),
+        (shipped.X86_64_V4, "linux-x86-64-v3", "linux-x86-64-v4"),
+        (shipped.X86_64_V4 - {"avx512f"}, "linux-x86-64-v3", "linux-x86-64-v3"),
+        (shipped.X86_64_V3 - {"avx2"}, "linux-x86-64-v2", "linux-x86-64-v2"),
+        (shipped.X86_64_V2 - {"popcnt"}, None, None),
     ],
 )
-def test_a_processor_gets_what_it_can_run(monkeypatch, features, expected):
+def test_a_processor_gets_what_it_can_run(monkeypatch, features, expected, lanes):
     monkeypatch.delenv(shipped.FORCED, raising=False)
     monkeypatch.setattr(shipped, "runs_as_python", lambda: False)
     monkeypatch.setattr(shipped, "is_outdated", lambda: False)
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr("platform.machine", lambda: "x86_64")
-    every = dict.fromkeys(shipped.X86_64_V3, False) | dict.fromkeys(features, True)
+    every = dict.fromkeys(shipped.X86_64_V4, False) | dict.fromkeys(features, True)
     monkeypatch.setattr(shipped.llvm, "get_host_cpu_features", lambda: every)
     assert shipped.usable.__wrapped__() == expected
+    assert shipped.usable.__wrapped__("process_lanes") == lanes
     monkeypatch.setattr("platform.machine", lambda: "riscv64")
     assert shipped.usable.__wrapped__() is None
 

@@ -12,14 +12,9 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.live import output_settings
-from overview_dsp.live.output_settings import (
-    OutputSettings,
-    SignalSettings,
-    load_settings,
-    remembered_actuator,
-    save_settings,
-)
+from overview_dsp.live import kept_settings
+from overview_dsp.live.kept_settings import load_settings, remembered_actuator, save_settings
+from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
@@ -139,7 +134,7 @@ def test_a_muted_tactor_is_braked_to_silence(match, football):
 
 def test_a_devices_actuator_is_remembered_by_what_finds_it_again(tmp_path, monkeypatch):
     path = tmp_path / "outputs.json"
-    monkeypatch.setattr(output_settings, "settings_file", lambda: path)
+    monkeypatch.setattr(kept_settings, "settings_file", lambda: path)
     assert remembered_actuator("pad") is None
     save_settings("pad", OutputSettings(actuator=C2))
     assert remembered_actuator("pad") == "c2"

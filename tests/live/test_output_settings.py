@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.live import output_settings
-from overview_dsp.live.output_settings import (
-    OutputSettings,
-    SignalSettings,
-    load_settings,
-    save_settings,
-)
-from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.live import kept_settings, output_devices, pad_output
+from overview_dsp.live.kept_settings import load_settings, remembered_actuator, save_settings
+from overview_dsp.live.output_devices import find_device, no_stream
+from overview_dsp.live.output_settings import OutputSettings, SignalSettings, channels_in
+from overview_dsp.live.python_path import compile_python_path, connect, run_block
 
 
 @pytest.fixture
@@ -23,21 +22,22 @@ def football(rigid_football):
     return rigid_football
 
 
-def played(match, football, settings, change=None, channels=2):
+def played(match, football, settings, change=None, channels=2, block=480):
     """A tap and recoil through the device's stage, float32 (frames, channels)."""
     engine = ov.Engine(football, match)
     engine.prepare(48_000, 480)
     assert connect(engine, settings) == channels
+    compile_python_path(engine)
     engine.control(3.0, True, 0)
     engine.control(3.0, False, 24_000)
     blocks = []
     while engine.sample_time < 48_000:
         if change is not None and engine.sample_time == 4800:
             change(engine)
-        blocks.append(np.ones((480, channels), dtype=np.float32))
+        blocks.append(np.ones((block, channels), dtype=np.float32))
         if run_block(engine, blocks[-1]):
             break
-    return np.concatenate(blocks)
+    return np.concatenate(blocks)[:48_000]
 
 
 @pytest.fixture
@@ -77,6 +77,57 @@ def test_nothing_passes_a_ceiling_whatever_the_gain(match, football, ceiling_db)
     assert np.abs(heard[:, 0]).max() <= 1.0
 
 
+COILS = {"gain_db": 3.0, "delay_ms": 7.0, "ceiling_db": -6.0}
+PAD = OutputSettings(SignalSettings((1, 2), -6.0), SignalSettings((3, 4), **COILS))
+C2 = ov.load_actuator("c2")
+
+
+@pytest.mark.parametrize("actuator", [None, C2], ids=["plain", "c2"])
+@pytest.mark.parametrize("block", [480, 37])
+def test_what_goes_to_several_channels_is_the_same_to_the_bit(match, football, actuator, block):
+    one = OutputSettings(SignalSettings(1, -6.0), SignalSettings(3, **COILS), actuator)
+    heard = played(match, football, replace(PAD, actuator=actuator), channels=4, block=block)
+    alone = played(match, football, one, channels=3, block=block)
+    assert np.abs(heard).max(axis=0).min() > 0.1  # all of them sound
+    for channel, same in enumerate((0, 0, 2, 2)):
+        assert np.array_equal(heard[:, channel], alone[:, same])
+
+
+def test_any_channels_may_be_several_and_those_between_are_silent(match, football, plain):
+    settings = OutputSettings(SignalSettings((64, 2, 33)), SignalSettings((5, 1)))
+    heard = played(match, football, settings, channels=64)
+    for signal, columns in enumerate(([63, 1, 32], [4, 0])):
+        assert (heard[:, columns] == plain[:, [signal]]).all()
+    silent = sorted(set(range(64)) - {63, 1, 32, 4, 0})
+    assert not heard[:, silent].any()
+
+
+def test_a_stream_without_settings_forgets_the_several_of_the_one_before(match, football, plain):
+    engine = ov.Engine(football, match)
+    engine.prepare(48_000, 480)
+    connect(engine, PAD)
+    engine.set_channels(0, 1)
+    assert connect(engine, None) == 2
+    out = np.ones((480, 4), dtype=np.float32)
+    engine.control(3.0, True, 0)
+    for start in range(0, 4800, 480):
+        run_block(engine, out)
+        assert np.array_equal(out[:, :2], plain[start : start + 480])
+        assert not out[:, 2:].any()
+
+
+def test_an_ending_fades_all_of_several_channels(match, football):
+    def stop(engine):
+        engine.memory.view(np.int64)[layout.L_STOP] = 1
+
+    heard = played(match, football, PAD, stop, channels=4)
+    assert len(heard) == 4800 + 960
+    assert np.array_equal(heard[:, 0], heard[:, 1])
+    assert np.array_equal(heard[:, 2], heard[:, 3])
+    assert np.abs(heard[4800:5000]).max(axis=0).min() > 0.0
+    assert not heard[-1].any()
+
+
 def test_a_gain_changed_while_it_sounds_arrives_within_twenty_milliseconds(match, football, plain):
     quieter = OutputSettings(tactor=SignalSettings(2, gain_db=-40.0))
     heard = played(
@@ -106,6 +157,13 @@ def test_stopping_fades_to_zero_without_a_step(match, football, plain):
         ({"ceiling_db": 1.0}, "ceiling 1 is out of range; it is -60 to 0"),
         ({"channel": -1}, "channel -1 is out of range"),
         ({"channel": 1}, "can't share channel 1"),
+        ({"channel": (3, 1)}, "can't share channel 1"),
+        ({"channel": (3, 3)}, "channel 3 is named twice"),
+        ({"channel": (3, 0)}, "channel 0 is out of range; it is 1 to 64"),
+        ({"channel": (3, 65)}, "channel 65 is out of range"),
+        ({"channel": ()}, "no channel is given; 0 is nowhere"),
+        ({"channel": 1.5}, "channel 1.5 isn't a whole number"),
+        ({"channel": "3+4"}, "channel '3\\+4' isn't a number"),
     ],
 )
 def test_what_a_device_cannot_be_given_is_one_line(values, words):
@@ -113,9 +171,23 @@ def test_what_a_device_cannot_be_given_is_one_line(values, words):
         OutputSettings().changed(tactor=values)
 
 
-def test_settings_are_remembered_for_each_device(tmp_path, monkeypatch):
-    monkeypatch.setattr(output_settings, "settings_file", lambda: tmp_path / "a" / "outputs.json")
-    pad = OutputSettings(SignalSettings(3), SignalSettings(4, -3.0, True, 20.0, -6.0))
+def test_channels_are_typed_as_numbers_joined_by_plus():
+    assert [channels_in(text) for text in ("0", "3", "3+4", "4+3+9")] == [0, 3, (3, 4), (4, 3, 9)]
+    for text, words in (
+        ("", "channel ''; it is a number, several"),
+        ("3,4", "channel '3,4'; it is"),
+        ("3+", "channel '3\\+'; it is"),
+        ("-1", "channel -1 is out of range; it is 0 to 64"),
+        ("0+1", "channel 0 is out of range; it is 1 to 64"),
+    ):
+        with pytest.raises(ov.InputError, match=words):
+            channels_in(text)
+
+
+@pytest.mark.parametrize("tactor", [4, (4, 6), 0])
+def test_settings_are_remembered_for_each_device(tmp_path, monkeypatch, tactor):
+    monkeypatch.setattr(kept_settings, "settings_file", lambda: tmp_path / "a" / "outputs.json")
+    pad = OutputSettings(SignalSettings(3), SignalSettings(tactor, -3.0, True, 20.0, -6.0))
     assert load_settings("pad") == OutputSettings()
     save_settings("pad", pad)
     save_settings("other", OutputSettings())
@@ -123,3 +195,90 @@ def test_settings_are_remembered_for_each_device(tmp_path, monkeypatch):
     (tmp_path / "a" / "outputs.json").write_text('{"pad": {"click": {}}}')
     with pytest.raises(ov.InputError, match=r"outputs\.json: the settings of 'pad' are damaged"):
         load_settings("pad")
+
+
+def test_settings_written_by_hand_or_by_an_earlier_version_are_taken(tmp_path, monkeypatch):
+    path = tmp_path / "outputs.json"
+    monkeypatch.setattr(kept_settings, "settings_file", lambda: path)
+    signal = '"gain_db": 0.0, "mute": false, "delay_ms": 0.0, "ceiling_db": 0.0}'
+    path.write_text(
+        f'{{"pad": {{"click": {{"channel": 1, {signal}, "tactor": {{"channel": [3, 4], {signal}}}}}'
+    )
+    assert load_settings("pad") == OutputSettings(SignalSettings(1), SignalSettings((3, 4)))
+    assert remembered_actuator("pad") is None
+
+
+@pytest.mark.parametrize(
+    ("name", "channels", "is_pad"),
+    [
+        ("DualSense Wireless Controller: USB Audio (hw:1,0) (ALSA)", 4, True),
+        ("Speakers (Wireless Controller) (Windows WASAPI)", 4, True),
+        ("Wireless Controller (ALSA)", 2, False),
+        ("HDA Intel PCH (ALSA)", 4, False),
+    ],
+)
+def test_a_pad_with_coils_plays_on_them_until_other_settings_are_remembered(
+    tmp_path, monkeypatch, name, channels, is_pad
+):
+    monkeypatch.setattr(kept_settings, "settings_file", lambda: tmp_path / "outputs.json")
+    assert pad_output.is_pad(name, channels) == is_pad
+    first = load_settings(name, channels)
+    assert first.placed == (
+        "clicks on 1+2, tactor on 3+4" if is_pad else "clicks on 1, tactor on 2"
+    )
+    assert remembered_actuator(name, channels) == ("dualsense" if is_pad else None)
+    save_settings(name, OutputSettings())
+    assert load_settings(name, channels) == OutputSettings()
+    assert remembered_actuator(name, channels) is None
+
+
+def test_the_output_called_pad_is_one_with_coils_of_the_usual_host(monkeypatch):
+    def there(*outputs):
+        found = [
+            ov.live.OutputDevice(index, name, host, channels, 48_000.0, 0.01, index == 0)
+            for index, (name, host, channels) in enumerate(outputs)
+        ]
+        monkeypatch.setattr(output_devices, "devices", lambda: found)
+
+    usual = ("Built-in", "WASAPI", 2)
+    there(usual, ("DualSense", "MME", 4), ("DualSense", "WASAPI", 4))
+    assert find_device("pad").index == 2
+    there(usual, ("DualSense", "MME", 4))
+    assert find_device("pad").index == 1
+    there(usual, ("Wireless Controller", "WASAPI", 2))
+    with pytest.raises(ov.InputError, match=r"--device pad: no output .* by Bluetooth"):
+        find_device("pad")
+
+
+class TwoChannels:
+    """PortAudio that has one output, of two channels."""
+
+    class PortAudioError(Exception):
+        pass
+
+    def query_devices(self, device, kind):
+        return {"name": "Pad", "hostapi": 0, "max_output_channels": 2}
+
+    def query_hostapis(self, host):
+        return {"name": "ALSA"}
+
+
+def test_an_output_that_has_lost_channels_is_refused_with_where_they_are_remembered(
+    tmp_path, monkeypatch
+):
+    path = tmp_path / "outputs.json"
+    monkeypatch.setattr(kept_settings, "settings_file", lambda: path)
+    sounddevice = TwoChannels()
+
+    def refusal():
+        why = sounddevice.PortAudioError("Invalid number of channels [PaErrorCode -9998]")
+        return str(no_stream(sounddevice, "Pad", 4, 48_000.0, why))
+
+    given = refusal()
+    assert given == (
+        "output device 'Pad' (Pad): Invalid number of channels [PaErrorCode -9998]; it has 2 "
+        "channels, 4 are asked for; `overview play` with --click-channel 1 --tactor-channel 2 (or "
+        "`channels 1 2` while it plays) changes that"
+    )
+    save_settings("Pad (ALSA)", PAD)
+    assert refusal() == given.replace("asked for;", f"asked for, as {path} remembers;")

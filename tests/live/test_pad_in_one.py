@@ -1,10 +1,9 @@
-"""A DualSense as sensor and actuator in one: its reports turn the disk, its channel 3 vibrates."""
+"""A DualSense as sensor and actuator in one: its reports turn the disk, both its coils vibrate."""
 
 from __future__ import annotations
 
 import json
 
-import numpy as np
 import pytest
 
 import overview_dsp as ov
@@ -48,56 +47,59 @@ class device:
         return list(reports[told])
 '''
 
+# the pad's sound card, as PortAudio finds it: four channels under the pad's name
 PLAY = """
-import json, subprocess, sys, time
+import json, subprocess, sys
 import jack
 import numpy as np
 
-playing = subprocess.Popen(
-    [sys.executable, "-m", "overview_dsp", "play", "world-cup-final-2018", "--input", "pad:",
-     "--device", "system", "--click-channel", "1", "--tactor-channel", "3", "--actuator",
-     "dualsense", "--seconds", "12", "--json"],
-    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-client = jack.Client("coils", no_start_server=True)
+client = jack.Client("DualSense Wireless Controller", no_start_server=True)
 ports = [client.inports.register(f"in_{n}") for n in range(4)]
 loudest = np.zeros(4)
+apart = np.zeros(2)
 
 @client.set_process_callback
 def process(frames):
-    for n, port in enumerate(ports):
-        loudest[n] = max(loudest[n], float(np.abs(port.get_array()).max()))
+    block = np.stack([port.get_array() for port in ports])
+    np.maximum(loudest, np.abs(block).max(axis=1), out=loudest)
+    np.maximum(apart, np.abs(block[::2] - block[1::2]).max(axis=1), out=apart)
 
 with client:
-    while playing.poll() is None:
-        for n, port in enumerate(ports):
-            for source in client.get_ports(f"PortAudio:out_{n}"):
-                try:
-                    if not client.get_all_connections(port):
-                        client.connect(source, port)
-                except jack.JackError:
-                    pass  # it isn't there yet, or any more
-        time.sleep(0.05)
-    printed, said = playing.communicate()
-print(json.dumps({"loudest": loudest.tolist(), "said": said, "code": playing.returncode,
-                  "summary": json.loads(printed.splitlines()[-1])["summary"]}))
+    playing = subprocess.run(
+        [sys.executable, "-m", "overview_dsp", "play", "world-cup-final-2018", "--input", "pad:",
+         "--device", "pad", "--seconds", "12", "--json"], capture_output=True, text=True)
+    devices = subprocess.run(
+        [sys.executable, "-m", "overview_dsp", "devices", "--listen", "0"],
+        capture_output=True, text=True)
+summary = playing.stdout.splitlines() and json.loads(playing.stdout.splitlines()[-1])["summary"]
+print(json.dumps({"loudest": loudest.tolist(), "apart": apart.tolist(), "said": playing.stderr,
+                  "code": playing.returncode, "devices": devices.stdout, "summary": summary}))
 """
 
 
-def test_a_dualsense_is_turned_and_vibrates_on_its_third_channel(tmp_path):
+def test_a_dualsense_is_turned_and_both_its_coils_vibrate(tmp_path):
     reports = [UNITS, *(dualsense(state) for state in STATES)]
     (tmp_path / "reports.json").write_text(json.dumps([one.hex() for one in reports]))
     (tmp_path / "hidraw.py").write_text(HID.format(path=str(tmp_path / "reports.json")))
     with jack_server.Server(period=512, outputs=4) as server:
         before = server.environment.get("PYTHONPATH", "")
         server.environment["PYTHONPATH"] = f"{tmp_path}:{before}"
+        server.environment["XDG_CONFIG_HOME"] = str(tmp_path)
         heard = json.loads(server.run(PLAY, timeout=300.0).splitlines()[-1])
     assert heard["code"] == 0, heard["said"]
     report = heard["summary"]["input"]
     assert report["readings"] > 500
     assert report["damaged"] == 0
     assert len(heard["summary"]["happened"]) > 10  # events that the disk passed
-    click, second, third, fourth = heard["loudest"]
-    assert (second, fourth) == (0.0, 0.0)
-    assert 0.01 < click <= 1.0
-    assert 0.05 < third <= ov.load_actuator("dualsense").values["drive.peak"]
-    assert np.isfinite(heard["loudest"]).all()
+    left, right, left_coil, right_coil = heard["loudest"]
+    assert heard["apart"] == [0.0, 0.0]
+    assert 0.01 < left == right <= 1.0
+    peak = ov.load_actuator("dualsense").values["drive.peak"]
+    assert 0.05 < left_coil == right_coil <= peak
+    plays = "clicks on 1+2, tactor on 3+4, actuator dualsense"
+    assert (
+        f"note: DualSense Wireless Controller (JACK Audio Connection Kit) is a pad: {plays}"
+        in (heard["said"])
+    )
+    assert f"\n       plays {plays}\n" in heard["devices"]
+    assert not (tmp_path / "overview-dsp").exists()  # nothing was chosen: nothing is remembered

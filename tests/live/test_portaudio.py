@@ -22,21 +22,24 @@ import json, sys, time
 import jack
 import numpy as np
 import overview_dsp as ov
+from overview_dsp.live.output_settings import OutputSettings, SignalSettings, channels_in
 from overview_dsp.live.portaudio import OutputStream
 from overview_dsp.live.recorder import Recorder
 
 path, block, kind, seconds = sys.argv[1], int(sys.argv[2]), sys.argv[3], float(sys.argv[4])
+ways = [SignalSettings(channels_in(one)) for one in sys.argv[5:]]
+settings = OutputSettings(*ways) if ways else None
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)
 recorder = Recorder(engine, path.replace(".npy", ".csv"), {})
-stream = OutputStream(engine, device="system", block_size=block, callback=kind)
+stream = OutputStream(engine, "system", block, settings, kind)
 gesture = ov.pause(1.0) + ov.tap(0.95, 0.7)  # the recorder is on by then
 for stamp, theta2, touching in zip(gesture.stamps(48_000), gesture.theta2, gesture.touching):
     engine.control(float(theta2), bool(touching), int(stamp))
 stream.start()
 client = jack.Client("recorder")
-ports = [client.inports.register(name) for name in ("click", "tactor")]
-heard = np.zeros((round(seconds * 48_000), 2), dtype=np.float32)
+ports = [client.inports.register(f"in_{n}") for n in range(settings.channels if settings else 2)]
+heard = np.zeros((round(seconds * 48_000), len(ports)), dtype=np.float32)
 state = {"at": 0, "xruns": 0}
 
 @client.set_process_callback
@@ -70,7 +73,8 @@ def aligned(recorded, expected):
     begin = int(np.flatnonzero(expected.any(axis=1))[0])
     late = first - begin
     # the recorder may have begun after the stream did
-    padded = np.concatenate([np.zeros((max(0, -late), 2), dtype=np.float32), recorded])
+    missed = np.zeros((max(0, -late), recorded.shape[1]), dtype=np.float32)
+    padded = np.concatenate([missed, recorded])
     return padded[max(0, late) :][: len(expected)]
 
 
@@ -105,6 +109,24 @@ def test_the_python_callback_plays_the_same(match, football, tmp_path):
         if np.array_equal(heard, expected):
             break
     assert np.array_equal(heard, expected)
+
+
+@pytest.mark.parametrize("kind", ["native", "python"])
+def test_a_signal_is_heard_on_all_its_channels_sample_for_sample(match, football, tmp_path, kind):
+    rendered = ov.render(match, football, GESTURE, tail=1.0, trace=False).samples
+    expected = rendered[:, [0, 0, 1, 1]]
+    path = tmp_path / "heard.npy"
+    for _ in range(jack_server.ATTEMPTS):
+        with jack_server.Server(period=512, outputs=4) as server:
+            server.run(PLAY, path, 256, kind, 4.0, "1+2", "3+4")
+        heard = aligned(np.load(path), expected)
+        if np.array_equal(heard, expected):
+            break
+    assert np.array_equal(heard, expected)
+    # a recording knows nothing of channels
+    take = ov.load_gesture(path.with_suffix(".csv"))
+    replayed = ov.render(match, football, take, trace=False).samples
+    assert np.array_equal(replayed[: len(rendered)], rendered)
 
 
 HELD = """

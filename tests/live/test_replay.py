@@ -352,6 +352,9 @@ def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_noth
         before = player.poll().time_s
         player.ask("channels", "2", "1")
         wait(player, lambda: player.settings.click.channel == 2)
+        player.ask("channels", "1+2", "3+4")
+        wait(player, lambda: player.settings.channels == 4)
+        assert player.settings.placed == "clicks on 1+2, tactor on 3+4"
         player.ask("actuator", "c2")
         wait(player, lambda: player.settings.actuator is not None)
         player.ask("gain", "click", "-3")
@@ -367,6 +370,7 @@ def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_noth
             (("rate", "5"), "out of range"),
             (("block-size", "-1"), "it is 1 to 8192"),
             (("channels", "1", "1"), "can't share"),
+            (("channels", "1", "2,3"), "it is a number, several (3+4), or 0"),
             (("actuator", "nothing"), "nothing"),
             (("gain", "left", "3"), "it is click or tactor"),
             (("dance",), "no such command"),

@@ -42,6 +42,9 @@ def test_the_tone_is_on_the_outputs_channel_below_its_ceiling():
     assert drive.shape[1] == 4
     assert not drive[:, :3].any()
     assert np.abs(drive[:, 3]).max() == pytest.approx(0.1)
+    both = Rise(250.0, 60.0, 0.0).drive(C2, SignalSettings((3, 4), ceiling_db=-20.0), 4, RATE)
+    assert not both[:, :2].any()
+    assert (both[:, 2:] == drive[:, 3:]).all()
 
 
 @pytest.mark.parametrize(

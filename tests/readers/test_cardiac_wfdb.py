@@ -77,6 +77,13 @@ def test_every_file_of_a_record_stands_for_it(record: Path) -> None:
     assert load_timeline(record.with_suffix(".dat")) == told
 
 
+def test_a_file_of_another_kind_beside_a_record_is_not_the_record(record: Path) -> None:
+    np.save(record.with_suffix(".npy"), np.arange(50.0) % 7.0)
+    assert load_timeline(record.with_suffix(".npy"), rate=10.0).duration_s == 4.9
+    record.with_suffix(".wav").write_bytes(b"RIFF\x24\0\0\0WAVE")
+    refused(record.with_suffix(".wav"), "made_up.wav: a broken or unknown sound file")
+
+
 def test_an_annotation_file_that_is_given_outranks_the_usual_one(record: Path) -> None:
     annotate(record, [100, 300], ["N", "V"])
     other = annotate(record, [100, 300, 500], ["N", "N", "A"], "qrs")

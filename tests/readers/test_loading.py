@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -120,9 +121,55 @@ def test_a_character_across_the_end_of_the_head_is_no_obstacle(
     assert load_timeline(tmp_path / "x").events[0].label == "ü"
 
 
-def test_text_in_another_encoding_is_distinguished_from_binary_data(tmp_path: Path) -> None:
-    (tmp_path / "x").write_bytes("time_s,kind,label\n1,a,Müller\n".encode("latin-1"))
-    refused(tmp_path / "x", "save it as UTF-8")
+@pytest.mark.parametrize(
+    ("text", "labels"),
+    [
+        ("time_s,kind,label\n1,a,Müller\n", ["Müller"]),
+        ("Zeit;Ereignis;Text\n08:30;Frühstück;mit Käse\n12:00;Spaß;\n", ["mit Käse", "Spaß"]),
+        ("0:00 Einführung\n1:15 Spaß\n9:40 Ende\n", ["Einführung", "Spaß", "Ende"]),
+        ("minute,type,player,team\n18,goal,Müller,X\n28,goal,Özil,Y\n", ["Müller", "Özil"]),
+        ("1\n00:00:01,000 --> 00:00:02,000\nGrüße\n", ["Grüße"]),
+    ],
+)
+def test_lists_that_are_not_utf8_are_read_as_windows_writes_them(
+    text: str, labels: list[str], tmp_path: Path
+) -> None:
+    (tmp_path / "x").write_bytes(text.encode("cp1252"))
+    (tmp_path / "utf8").write_text(text, encoding="utf-8")
+    timeline = load_timeline(tmp_path / "x")
+    shown = "\n".join(event.label for event in timeline.events)
+    assert all(label in shown for label in labels)
+    assert timeline.events == load_timeline(tmp_path / "utf8").events
+    assert "the file isn't UTF-8; read as Windows-1252" in timeline.notes
+
+
+def test_json_that_is_not_utf8_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "x").write_bytes('[{"time": 1, "event": "Müller"}]'.encode("cp1252"))
+    refused(tmp_path / "x", "text that isn't UTF-8 .save it as UTF-8.")
+
+
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [("xl/workbook.xml", "x: an Excel workbook: save the sheet as CSV"),
+     ("content.xml", "x: an OpenDocument file: save the sheet as CSV")],
+)  # fmt: skip
+def test_a_spreadsheet_is_named_as_one(inside: str, words: str, tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "x", "w") as document:
+        document.writestr("mimetype", "a spreadsheet's")
+        document.writestr(inside, "<x/>")
+    refused(tmp_path / "x", words)
+
+
+def test_a_matlab_file_without_sound_is_named_as_one(tmp_path: Path) -> None:
+    (tmp_path / "x.mat").write_bytes(
+        b"MATLAB 5.0 MAT-file, Platform: GLNXA64".ljust(124) + bytes(99)
+    )
+    refused(tmp_path / "x.mat", "a MATLAB file that holds no sound; write its columns as CSV")
+
+
+def test_text_with_a_broken_quote_is_described_with_its_file(tmp_path: Path) -> None:
+    (tmp_path / "x.md").write_text('# A\n\n| a | b |\n|---|---|\n| x | y |\n"quoted" | c |\n')
+    refused(tmp_path / "x.md", "x.md: text that begins '# A'")
 
 
 @pytest.mark.parametrize("content", ["[", "{", '{"a": ', '[{"period": 1', '{"overview_timeline"'])

@@ -107,6 +107,33 @@ def test_an_encoders_counts_are_found_either_way(sign):
     assert theta2_deg(learned(pieces), pieces) == pytest.approx(127.0, abs=3.0)
 
 
+def test_a_knob_that_says_its_name_once_a_second_is_that_though_it_is_heard_in_between():
+    """As the kit's boards do: an encoder isn't taken for a potentiometer."""
+    pieces = rows(np.rint(40.0 * np.degrees(ROLL) / 170.0))
+    for second in range(50, len(pieces), 100):
+        pieces[second] = b"count\n"
+    text = learned(pieces)
+    assert "[encoder]\ncounts = 40\n" in text
+    assert "potentiometer" not in text
+
+
+def test_each_sort_is_asked_for_what_its_hand_can_do():
+    for values, words in ((np.degrees(ROLL), "from one end to the other"), (A, "face down")):
+        one = Setup()
+        assert one.ask == "leave it still: a sensor face up, a knob at one end"
+        for n, piece in enumerate(rows(values)[:300]):
+            one.feed(piece, n / RATE)
+        assert one.ask == f"now turn it {words} and back, 2 times"
+
+
+def test_what_is_turned_at_the_start_is_waited_for():
+    """It was picked up and laid down: what it rests on then is face up."""
+    moved = course(RATE, (0, 60), (0.8, 130), (1.5, 0), (4, 0), (4.8, 170), (5.2, 170), (6, 0),
+                   (6.5, 0), (7.3, 170), (7.7, 170), (8.5, 0), (9.5, 0), (10.3, 120))  # fmt: skip
+    pieces = rows(*turning(moved, RATE, noise=1.0)[0].T)
+    assert 'x = "x"\ny = "y"\nz = "z"' in learned(pieces)
+
+
 def test_what_lies_or_turns_aslant_is_said_in_one_line():
     c, s = math.cos(math.radians(45)), math.sin(math.radians(45))
     x, y, z = A.T

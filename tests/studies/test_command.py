@@ -148,6 +148,20 @@ def test_mistakes_are_one_line(built, tmp_path):
     refused(overview("study", "simulate", built.folder, "--effect", "1"), "FACTOR.LEVEL=NUMBER")
 
 
+def test_a_server_that_is_started_anew_has_the_same_address(built, tmp_path):
+    database, elsewhere = tmp_path / "kept.sqlite", tmp_path / "elsewhere"
+    command = ("study", "serve", built.folder, "--db", database, "--port", "0", "--seconds", "0.1")
+    addresses = []
+    for more in ((), (), ("--token-file", elsewhere)):
+        outcome = overview(*command, "--json", *more)
+        assert outcome.code == 0, outcome.err
+        addresses.append(json.loads(outcome.out)["address"].partition("#token=")[2])
+    kept = tmp_path / "kept.sqlite.token"
+    assert addresses[0] == addresses[1] == kept.read_text().strip()
+    assert addresses[2] == elsewhere.read_text().strip() != addresses[0]
+    assert kept.stat().st_mode & 0o777 == 0o600
+
+
 @pytest.mark.parametrize("seconds", ["0.2"])
 def test_serve_prints_its_address_and_an_abandoned_list_can_be_given_again(
     built, tmp_path, seconds

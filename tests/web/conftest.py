@@ -44,8 +44,8 @@ def axe():
 
 
 @pytest.fixture(scope="session")
-def site(tmp_path_factory, match, football):
-    """A folder with the page of the match."""
+def site(tmp_path_factory, match, springy_football):
+    """A folder with the page of the match, whose disk is back in a second."""
     folder = tmp_path_factory.mktemp("export") / "site"
-    write_site(match, football, folder, levels=1)
+    write_site(match, springy_football, folder, levels=1)
     return folder

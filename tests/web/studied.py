@@ -42,7 +42,6 @@ class Process:
         command = [
             *(sys.executable, "-m", "overview_dsp", "study", "serve", str(self.folder)),
             *("--db", str(self.answers), "--port", str(self.port), "--json"),
-            *("--token-file", str(self.answers.with_suffix(".token"))),
         ]
         self.process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True

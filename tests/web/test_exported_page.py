@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import json
 import math
 import shutil
@@ -530,6 +532,25 @@ def test_the_disk_is_large_and_nothing_is_cut_off(chromium, site, width, height,
         context.close()
 
 
+def test_no_dialog_is_cut_off_on_a_phone_with_text_twice_as_large(chromium, site):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport={"width": 360, "height": 740})
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.view")
+        page.evaluate("document.documentElement.style.fontSize = '200%'")
+        for dialog in ("settings", "list", "h"):
+            if dialog == "h":
+                page.focus("#slider")
+                page.keyboard.press("h")
+            else:
+                page.click(f"#{dialog}")
+            wide = "[...document.querySelectorAll('dialog[open]')].map((one) => {wide})"
+            assert page.evaluate(wide.replace("{wide}", "one.scrollWidth - one.clientWidth")) == [0]
+            page.keyboard.press("Escape")
+        context.close()
+
+
 def require_laid_out(page, width, height):
     """A large disk, a curve, nothing cut off or over anything else, nothing to scroll sideways."""
     shown = page.evaluate("""() => {
@@ -608,15 +629,18 @@ def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
         (patch_of(base, base), base),
         (patch_of(b"", base), base),
     ):
+        # as text: a list of millions of numbers takes the driver half a minute
         made = opened.evaluate(
-            """async ([base, patch]) => {
+            """async (texts) => {
                 const { patched } = await import("./data.js");
-                const made = patched(Uint8Array.from(base).buffer, Uint8Array.from(patch).buffer);
-                return Array.from(new Uint8Array(made));
+                const bytes = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
+                const [base, patch] = texts.map((text) => bytes(text).buffer);
+                const hash = await crypto.subtle.digest("SHA-256", patched(base, patch));
+                return Array.from(new Uint8Array(hash));
             }""",
-            [list(base), list(given)],
+            [base64.b64encode(one).decode() for one in (base, given)],
         )
-        assert bytes(made) == expected
+        assert bytes(made) == hashlib.sha256(expected).digest()
 
 
 UNPACK = """async (packed) => {

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.compiling import sources_digest
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 from overview_dsp.live.python_path import connect, run_block
 from overview_dsp.presets.parameters import PARAMETERS
@@ -220,10 +221,21 @@ def sections(module):
         at += size
 
 
+def notes(module):
+    """What a module says of itself: name and content of its custom sections."""
+    custom = [content for number, content in sections(module) if number == 0]
+    return {note[1 : 1 + note[0]].decode(): note[1 + note[0] :] for note in custom}
+
+
+def test_the_kernel_is_made_of_the_sources_as_they_are():
+    shipped = (resources.files("overview_dsp.web") / "kernel.wasm").read_bytes()
+    assert notes(shipped)["sources"].decode() == sources_digest()
+
+
+@pytest.mark.soak
 def test_the_kernel_built_anew_is_the_one_in_the_package(tmp_path):
     shipped = (resources.files("overview_dsp.web") / "kernel.wasm").read_bytes()
-    notes = [content for number, content in sections(shipped) if number == 0]
-    toolchain = json.loads(notes[-1].removeprefix(b"\x09toolchain"))
+    toolchain = json.loads(notes(shipped)["toolchain"])
     for part, version in toolchain.items():
         if importlib.util.find_spec(part) is None or metadata.version(part) != version:
             pytest.skip(f"the same bytes need the same tool-chain: pip install {part}=={version}")

@@ -157,10 +157,10 @@ def test_a_browser_that_cant_open_the_socket_is_shown_what_it_needs(match, chrom
 # --- the page sounds by itself -------------------------------------------------------------------
 
 
-def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, chromium):
+def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, springy_file, chromium):
     first = (3000.0, 4500.0)
     with (
-        served(match, plays=False, first=first) as server,
+        served(match, plays=False, preset=str(springy_file), first=first) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view")
@@ -200,11 +200,11 @@ def film_at(folder):
 
 
 @contextlib.contextmanager
-def with_film(match, chromium, tmp_path, at_s=12.0, **given):
+def with_film(match, preset, chromium, tmp_path, at_s=12.0, **given):
     """A page with a film so short that it holds the seconds about the goal alone, at 12 s of it."""
     media = open_media(str(film_at(tmp_path)), at_s - 4050.0)
     with (
-        served(match, plays=False, media=media) as server,
+        served(match, plays=False, preset=str(preset), media=media) as server,
         page_of(server, chromium, **given) as (tab, wrong),
     ):
         until(tab, "p.view && p.film")
@@ -222,8 +222,8 @@ def watched(tab, title="goal, 4-1 Mbappé", moment=7.0):
     until(tab, "p.film.video.paused")
 
 
-def test_a_goal_can_be_watched_from_a_little_before(match, chromium, tmp_path):
-    with with_film(match, chromium, tmp_path) as tab:
+def test_a_goal_can_be_watched_from_a_little_before(match, springy_file, chromium, tmp_path):
+    with with_film(match, springy_file, chromium, tmp_path) as tab:
         tab.mouse.move(*at(tab, 0.6))
         tab.mouse.down()
         tab.mouse.move(*at(tab, GOAL), steps=20)
@@ -234,8 +234,10 @@ def test_a_goal_can_be_watched_from_a_little_before(match, chromium, tmp_path):
         tab.mouse.up()
 
 
-def test_what_was_felt_last_is_watched_after_the_finger_is_lifted(match, chromium, tmp_path):
-    with with_film(match, chromium, tmp_path) as tab:
+def test_what_was_felt_last_is_watched_after_the_finger_is_lifted(
+    match, springy_file, chromium, tmp_path
+):
+    with with_film(match, springy_file, chromium, tmp_path) as tab:
         tab.mouse.move(*at(tab, 0.66))
         tab.mouse.down()
         tab.mouse.move(*at(tab, GOAL), steps=30)
@@ -246,8 +248,10 @@ def test_what_was_felt_last_is_watched_after_the_finger_is_lifted(match, chromiu
         watched(tab)
 
 
-def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(match, chromium, tmp_path):
-    with with_film(match, chromium, tmp_path, has_touch=True) as tab:
+def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(
+    match, springy_file, chromium, tmp_path
+):
+    with with_film(match, springy_file, chromium, tmp_path, has_touch=True) as tab:
         x, y = tab.evaluate("""() => {
             const { picture, view } = overview;
             const goal = view.events.find(({ label }) => label.startsWith("4-1"));
@@ -291,8 +295,10 @@ def test_a_film_that_is_gone_says_so_and_plays_once_it_is_back(match, chromium, 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
-def test_axe_finds_nothing_where_a_film_plays(match, chromium, tmp_path, axe, scheme, size):
-    with with_film(match, chromium, tmp_path, color_scheme=scheme) as tab:
+def test_axe_finds_nothing_where_a_film_plays(
+    match, springy_file, chromium, tmp_path, axe, scheme, size
+):
+    with with_film(match, springy_file, chromium, tmp_path, color_scheme=scheme) as tab:
         tab.set_viewport_size(size)
         assert violations(tab, axe) == []
         tab.click("#list")

@@ -14,7 +14,7 @@ from overview_dsp.studies.items import items_of
 from overview_dsp.studies.replay import replayed
 from tests.web.driving import PHONE
 from tests.web.exported import opened_host
-from tests.web.participant import Reader, take_part
+from tests.web.participant import Reader, step, take_part
 from tests.web.studied import built, served_study, trials_of
 
 IDENTIFY = """
@@ -114,6 +114,40 @@ def test_a_whole_session_by_keyboard_and_screen_reader_alone(chromium, identify,
         assert row["take"]["samples"] >= row["take"]["events"][-1][0]
     answers = read_answers([tmp_path / "answers.sqlite"])
     assert answers.sessions[0].finished_utc is not None
+
+
+OUTSIDE = """() => {
+    document.documentElement.style.fontSize = "200%";
+    const { left, right } = document.querySelector("#jspsych-content").getBoundingClientRect();
+    const cut = [...document.querySelectorAll("header p, h1, p, button, .pad, input")]
+        .filter((one) => one.offsetParent !== null)
+        .filter((one) => {
+            const box = one.getBoundingClientRect();
+            return box.width > 1 && (box.left < left || box.right > right + 1 ||
+                one.scrollWidth > one.clientWidth + 1);
+        });
+    return [document.documentElement.scrollWidth - innerWidth, ...cut.map((one) => one.outerHTML)];
+}"""
+
+
+def test_nothing_is_cut_off_on_a_phone_with_text_twice_as_large(chromium, identify, tmp_path):
+    phone = {"viewport": {"width": 360, "height": 740}, "color_scheme": "dark"}
+    with (
+        served_study(identify, tmp_path / "answers.sqlite") as server,
+        page_at(chromium, server.url, **phone) as (page, wrong),
+    ):
+        reader = Reader(page)
+        seen = set()
+        while len(seen) < 4:
+            before = reader.until(reader.heading, "a heading")
+            if page.query_selector("#jspsych-content"):
+                assert page.evaluate(OUTSIDE) == [0], before
+                seen.add(before)
+            if before == "What did you feel?":
+                break
+            step(reader, feel_and_choose([1]), "What did you feel?")
+        assert "What did you feel?" in seen
+    assert wrong == []
 
 
 LOCATE = """

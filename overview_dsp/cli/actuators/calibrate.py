@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from overview_dsp.cli.common import announce_compile, print_json
+from overview_dsp.cli.options.output import channels_given
 from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from overview_dsp.actuators.model import Actuator
-    from overview_dsp.live.output_settings import SignalSettings
+    from overview_dsp.live.output_settings import OutputSettings
     from overview_dsp.live.sample_output import Playback
 
 TRIES = 3
@@ -33,8 +34,9 @@ SPREAD_DB = 6.0
 
 @click.command(epilog="Example: overview actuators calibrate c2 --device 2")
 @click.argument("name")
-@click.option("--device", help="Output: a name or number of `overview devices`, or none.")
-@click.option("--channel", type=int, help="Its channel, from 1; the one remembered if left out.")
+@click.option("--device", help="Output: a name or number of `overview devices`, pad, none.")
+@click.option("--channel", callback=channels_given, metavar="N[+N]",
+              help="Its channel, from 1, or several (3+4); as remembered if left out.")  # fmt: skip
 @click.option("--frequency", type=float, help="Hz; the actuator's resonance if left out.")
 @click.option("--rise", default=3.0, show_default=True, help="dB a second.")
 @click.option(
@@ -46,7 +48,7 @@ SPREAD_DB = 6.0
 def calibrate(
     name: str,
     device: str | None,
-    channel: int | None,
+    channel: int | tuple[int, ...] | None,
     frequency: float | None,
     rise: float,
     times: int,
@@ -109,7 +111,7 @@ def calibrate(
 def _answers(
     actuator: Actuator,
     device: str | None,
-    channel: int | None,
+    channel: int | tuple[int, ...] | None,
     frequency: float | None,
     db_per_s: float,
     times: int,
@@ -118,7 +120,9 @@ def _answers(
     from overview_dsp.errors import InputError
     from overview_dsp.live.threshold import SILENCE_S, Rise, felt_at
 
-    out, channels, name, rate, index = _output(device, channel)
+    settings, name, rate, index = _output(device, channel)
+    out, channels = settings.tactor, settings.channels
+    place = " and ".join(map(str, out.channels))
     hertz = actuator.resonance_hz if frequency is None else frequency
     announce_compile("drive_block")
     Rise(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # refuses wrong options
@@ -126,7 +130,7 @@ def _answers(
     levels: list[float] = []
     early = 0
     click.echo(
-        f"{actuator.title} on {name}, channel {out.channel}, {hertz:g} Hz. Hold it as you will in "
+        f"{actuator.title} on {name}, channel {place}, {hertz:g} Hz. Hold it as you will in "
         "use; press Enter as soon as you feel it.",
         err=True,
     )
@@ -142,7 +146,7 @@ def _answers(
         elif level > 0.0:
             raise InputError(
                 f"{actuator.name}: nothing was felt up to the end; check that it is on channel "
-                f"{out.channel} of {name} and its amplifier is on, or press sooner"
+                f"{place} of {name} and its amplifier is on, or press sooner"
             )
         else:
             early += 1
@@ -153,11 +157,12 @@ def _answers(
 
 
 def _output(
-    device: str | None, channel: int | None
-) -> tuple[SignalSettings, int, str, float, int | None]:
-    """The tactor's way out, channels, and the device's name, rate (Hz) and index."""
+    device: str | None, channel: int | tuple[int, ...] | None
+) -> tuple[OutputSettings, str, float, int | None]:
+    """The tactor's way out alone, and the device's name, rate (Hz) and index."""
     from overview_dsp.errors import InputError
-    from overview_dsp.live.output_settings import OutputSettings, load_settings
+    from overview_dsp.live.kept_settings import load_settings
+    from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 
     if device == SILENT:
         settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None
@@ -165,12 +170,12 @@ def _output(
         from overview_dsp.live.output_devices import find_device
 
         found = find_device(device_named(device))
-        name, rate, index = f"{found.name} ({found.host})", found.sample_rate, found.index
-        settings = load_settings(name)
+        name, rate, index = found.full_name, found.sample_rate, found.index
+        settings = load_settings(name, found.channels)
     tactor = settings.tactor if channel is None else replace(settings.tactor, channel=channel)
-    if tactor.channel == 0:
+    if not tactor.channels:
         raise InputError(f"the tactor is on no channel of {name}; give one with --channel")
-    return tactor, max(2, tactor.channel), name, rate, index
+    return OutputSettings(SignalSettings(0), tactor), name, rate, index
 
 
 def _playback(

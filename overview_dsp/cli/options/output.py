@@ -19,15 +19,23 @@ def output_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Options of both signals' ways out."""
     for name in ("tactor", "click"):
         options = (
-            click.option(f"--{name}-channel", type=int, help="Its output channel, 0 = none."),
+            click.option(f"--{name}-channel", callback=channels_given, metavar="N[+N]",
+                         help="Its output channel, or several (3+4); 0 = none."),
             click.option(f"--{name}-gain", type=float, metavar="DB", help="-60 to 24 dB."),
             click.option(f"--{name}-mute/--no-{name}-mute", default=None, help="Silence it."),
             click.option(f"--{name}-delay", type=float, metavar="MS", help="0 to 100 ms."),
             click.option(f"--{name}-ceiling", type=float, metavar="DB", help="-60 to 0 dBFS."),
-        )
+        )  # fmt: skip
         for option in reversed(options):
             function = option(function)
     return function
+
+
+def channels_given(context: Any, option: Any, text: str | None) -> int | tuple[int, ...] | None:
+    """Channels as they are typed: `3`, `3+4`, 0; InputError."""
+    from overview_dsp.live.output_settings import channels_in
+
+    return None if text is None else channels_in(text)
 
 
 @dataclass(frozen=True)
@@ -44,17 +52,22 @@ class Chosen:
         return self.another or played != before
 
 
-def output_settings(device: str | None, given: dict[str, Any], actuator: str | None) -> Chosen:
+def output_settings(
+    device: str | None, given: dict[str, Any], actuator: str | None, has: int = 2
+) -> Chosen:
     """A device's settings (None: one that isn't remembered) with what was asked for now.
+
+    `has` is how many channels it has.
 
     Raises
     ------
     InputError
         Out of range, or an actuator that can't be had.
     """
-    from overview_dsp.live.output_settings import OutputSettings, load_settings
+    from overview_dsp.live.kept_settings import load_settings
+    from overview_dsp.live.output_settings import OutputSettings
 
-    kept = OutputSettings() if device is None else load_settings(device)
+    kept = OutputSettings() if device is None else load_settings(device, has)
     keys = {"channel": "channel", "gain": "gain_db", "mute": "mute", "delay": "delay_ms",
             "ceiling": "ceiling_db"}  # fmt: skip
     changes = {
@@ -66,17 +79,17 @@ def output_settings(device: str | None, given: dict[str, Any], actuator: str | N
         for output in ("click", "tactor")
     }
     changed = kept.changed(**changes)
-    driven, another = _actuator(device, actuator)
+    driven, another = _actuator(device, actuator, has)
     return Chosen(replace(changed, actuator=driven), kept, another)
 
 
-def _actuator(device: str | None, given: str | None) -> tuple[Actuator | None, bool]:
+def _actuator(device: str | None, given: str | None, has: int) -> tuple[Actuator | None, bool]:
     """The actuator given, else the device's own; whether it is another than that."""
     from overview_dsp.actuators.library import reference
     from overview_dsp.errors import InputError
-    from overview_dsp.live.output_settings import remembered_actuator, settings_file
+    from overview_dsp.live.kept_settings import remembered_actuator, settings_file
 
-    remembered = None if device is None else remembered_actuator(device)
+    remembered = None if device is None else remembered_actuator(device, has)
     if given is None:
         try:
             return calibrated(remembered), False

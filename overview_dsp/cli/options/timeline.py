@@ -64,9 +64,9 @@ def preset_option(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def preset_for(timeline: Timeline, preset: str | None) -> str:
     """The preset that was asked for, or the bundled one that fits the data."""
-    from overview_dsp.presets.library import fitting
+    from overview_dsp.presets.library import fitting_preset
 
-    return preset if preset is not None else fitting(timeline.kinds())
+    return preset if preset is not None else fitting_preset(timeline)
 
 
 def open_part(

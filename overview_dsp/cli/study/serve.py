@@ -40,7 +40,8 @@ def serve(
 
     Each session gets the next list. An answer is on the disk before the page is told so; a page
     that is reloaded, and a server that was stopped, go on where they were. Whoever has the printed
-    address may take part; --token-file keeps it.
+    address may take part; its token is kept in FILE.token beside the answers, or in --token-file,
+    so that pages that are open when the server is started anew go on.
     """
     require_server()
     from overview_dsp.studies.folder import read_study
@@ -56,6 +57,7 @@ def serve(
             show(as_json, report, f"list {give_again}, which {code} had, is handed out again")
             return
         root = Path(folder)
+        server["token_file"] = server["token_file"] or f"{database}.token"
         with (
             ended_by_signals() as received,
             open_server(

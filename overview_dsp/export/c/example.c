@@ -43,7 +43,8 @@ int main(int count, char **arguments) {
     float block[2 * BLOCK];
     uint32_t done, n;
     int event, events = SWEEP_SECONDS * EVENTS_A_SECOND;
-    if (!image || !voice) return fputs("example IMAGE OUT.wav [SAMPLE_RATE]\n", stderr), 2;
+    if (count < 3) return fputs("example IMAGE OUT.wav [SAMPLE_RATE]\n", stderr), 2;
+    if (!image || !voice) return perror(image ? "memory" : arguments[1]), 1;
     if (overview_load(voice, image, bytes) || overview_prepare(voice, rate))
         return fputs("not an image of this kernel, or no such sample rate\n", stderr), 2;
     for (event = 0; event <= events; event++) /* a program would push each as it comes */

@@ -79,6 +79,7 @@ static void run(LV2_Handle handle, uint32_t frames) {
         while (at + sizeof(LV2_Atom_Event) <= end) {
             const LV2_Atom_Event *event = (const LV2_Atom_Event *)at;
             const uint8_t *data = (const uint8_t *)(event + 1);
+            if (event->body.size > (size_t)(end - (const char *)data)) break;
             if (event->time.frames > frame)
                 frame = event->time.frames < frames ? (int32_t)event->time.frames : (int32_t)frames;
             if (event->body.type == self->midi && event->body.size >= 3) voice_midi(v, data, frame);

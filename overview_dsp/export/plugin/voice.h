@@ -117,9 +117,10 @@ static int voice_restart(voice *v) {
 static int voice_activate(voice *v, double rate) {
     int i;
     voice_deactivate(v);
-    v->rate = rate, v->fade = (int64_t)(voice_fade_s * rate) + 1;
+    v->rate = rate;
     for (i = 0; i < 2; i++) v->memories[i] = calloc(1, (size_t)OVERVIEW_MEMORY_BYTES);
     if (v->memories[0] && v->memories[1] && !voice_restart(v)) {
+        v->fade = (int64_t)(voice_fade_s * rate) + 1;
         /* the system finds the pages now, not at the first switch */
         memset(v->memories[!v->current], 0, (size_t)OVERVIEW_MEMORY_BYTES);
         return OVERVIEW_DONE;

@@ -7,7 +7,8 @@ For click and tactor each a gain, a delay and a ceiling, and for both the fade t
 `part` is 1 where a ceiling below full scale or a gain above 1 asks for the limiter, else 0: with
 gain 1, delay 0 and part 0 not a bit is changed. All four glide or crossfade for `S_GLIDE` samples.
 Where an actuator is chosen, its drive (`actuator.py`) is made from the tactor's gained and delayed
-signal; the ceiling comes last and can only take away.
+signal; the ceiling comes last and can only take away. What has become of a signal on its first
+channel is copied to its others.
 
 Thread: audio.
 """
@@ -157,6 +158,15 @@ def treat(f64, i64, out, frames, channels, signal, channel):
     f64[layout.L_PEAK + signal] = peak
 
 
+@outlined
+def copy_to(out, frames, channels, channel, others):
+    """One channel's samples, bit for bit, to those whose bits are set in `others`."""
+    for other in range(channels):
+        if (others >> other) & 1 == 1:
+            for n in range(frames):
+                out[other + n * channels] = out[channel + n * channels]
+
+
 @inlined
 def fade_out(i64, out, frames, channels):
     """Fade a block towards the stream's end; whether silence is reached."""
@@ -176,8 +186,14 @@ def finish(f64, i64, out, frames, channels):
     take_wishes(f64, i64)
     if i64[layout.S_CLICK_CHANNEL] >= 0:
         treat(f64, i64, out, frames, channels, 0, i64[layout.S_CLICK_CHANNEL])
+        if i64[layout.L_ALSO_CLICK] != 0:
+            click = i64[layout.S_CLICK_CHANNEL]
+            copy_to(out, frames, channels, click, i64[layout.L_ALSO_CLICK])
     if i64[layout.S_TACTOR_CHANNEL] >= 0:
         treat(f64, i64, out, frames, channels, 1, i64[layout.S_TACTOR_CHANNEL])
+        if i64[layout.L_ALSO_TACTOR] != 0:
+            tactor = i64[layout.S_TACTOR_CHANNEL]
+            copy_to(out, frames, channels, tactor, i64[layout.L_ALSO_TACTOR])
     i64[layout.L_LINE] += frames
     if i64[layout.L_STOP] == 1:
         return fade_out(i64, out, frames, channels)

@@ -16,6 +16,9 @@ from overview_dsp.kernels import block, derive, layout, ordering
 from overview_dsp.kernels.control import push_control
 from overview_dsp.kernels.device import actuator, derive_actuator, output_stage
 from overview_dsp.kernels.device.callback import SIGNATURE, callback
+from overview_dsp.kernels.simd import block as side_by_side
+from overview_dsp.kernels.simd.memory import MEMORY
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 
 carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
 
@@ -28,6 +31,17 @@ def process(memory, out, frames, channels, trace, traced):
     samples = carray(out, (frames * channels,), np.float32)
     table = carray(trace, (frames * layout.TRACE,), np.float64)
     block.process(f64, i64, u64, samples, frames, channels, table, traced != 0)
+    return 0
+
+
+def process_lanes(memory, count, out, frames, trace, traced):
+    """`simd.block.process_lanes`, of the lanes' memory."""
+    f64 = carray(memory, (MEMORY,), np.float64)
+    i64 = carray(memory, (MEMORY,), np.int64)
+    u64 = carray(memory, (MEMORY,), np.uint64)
+    samples = carray(out, (SIMD_WIDTH * frames * layout.SIGNALS,), np.float32)
+    table = carray(trace, (SIMD_WIDTH * frames * layout.TRACE,), np.float64)
+    side_by_side.process_lanes(f64, i64, u64, count, samples, frames, table, traced != 0)
     return 0
 
 
@@ -111,6 +125,7 @@ _int64: Any = types.int64
 _int32: Any = types.int32
 NAMES: dict[str, tuple[Any, Any]] = {
     "process": (process, _int32(_pointer, _pointer, _int, _int, _pointer, _int)),
+    "process_lanes": (process_lanes, _int32(_pointer, _int, _pointer, _int, _pointer, _int)),
     "reset": (reset, _int32(_pointer)),
     "tactor_stage": (tactor_stage, _int32(_pointer, _pointer, _pointer, _int)),
     "derive": (derive_coefficients, _int32(_pointer)),

@@ -14,7 +14,7 @@ from overview_dsp.readers.cardiac.beat_kinds import NORMAL
 from overview_dsp.readers.cardiac.build import About, heart_timeline
 from overview_dsp.readers.cardiac.rhythm import Beats
 from overview_dsp.readers.source import LoadOptions
-from overview_dsp.timeline import Event, Timeline
+from overview_dsp.timeline import Event, Timeline, given
 
 LONG_S, SHORT_S = (300.0, 1800.0), (40.0, 68.0)
 STEADY = ((NORMAL, 0.8), ("bundle_branch_block", 0.1), ("paced", 0.1))
@@ -54,7 +54,7 @@ def random_heart(seed: int) -> Timeline:
     >>> heart.intensity.unit
     'bpm'
     """
-    rng = np.random.default_rng(seed)
+    rng = given.random(seed)
     length = rng.uniform(*(SHORT_S if seed % 3 == 2 else LONG_S))
     usual = _intervals(rng, length)
     usual = usual[: np.searchsorted(np.cumsum(usual), length) + 10]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import Event, Intensity, Timeline
+from overview_dsp.timeline import Event, Intensity, Timeline, given
 
 LENGTH_S = 600.0
 EVENTS = 30.0
@@ -43,9 +43,10 @@ def random_events(kinds: Sequence[str], seed: int) -> Timeline:
     >>> sorted(ov.measure.random_events(["bell", "drum"], seed=1).kinds())
     ['bell', 'drum']
     """
+    kinds = given.instances(kinds, str, "kinds", "each is a word: ['goal', 'foul']")
     if not kinds:
         raise InputError("no kinds; name one or more")
-    rng = np.random.default_rng(seed)
+    rng = given.random(seed)
     events: list[Event] = []
     for kind in kinds:
         count = 1 + rng.poisson(max(0.0, EVENTS / len(kinds) / (1.0 + CLOSE) - 1.0))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from overview_dsp.readers.source import LoadOptions
 from overview_dsp.readers.tables.pipeline import series_of
 from overview_dsp.readers.tables.table import Chunk, Column
-from overview_dsp.timeline import Timeline
+from overview_dsp.timeline import Timeline, given
 
 TRADING_DAYS = 252
 """A year of a share."""
@@ -65,7 +65,7 @@ def random_share(seed: int) -> Timeline:
     >>> share.kinds()["highest"], share.kinds()["lowest"]
     (1, 1)
     """
-    rng = np.random.default_rng(seed)
+    rng = given.random(seed)
     count = TRADING_DAYS * int(rng.integers(1, 4))
     start = _FIRST_DAY + int(rng.integers(0, 12_000))
     days = np.busday_offset(start, np.arange(count), roll="forward")
@@ -102,7 +102,7 @@ def random_weather(seed: int) -> Timeline:
     >>> weather.intensity.unit
     '°C'
     """
-    rng = np.random.default_rng(seed)
+    rng = given.random(seed)
     count = 365 * int(rng.integers(1, 5))
     start = _FIRST_DAY + int(rng.integers(0, 12_000))
     days = start + np.arange(count)

@@ -23,7 +23,7 @@ from overview_dsp.measure.steps import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import SECONDS_EACH
-from overview_dsp.timeline import Event, Timeline
+from overview_dsp.timeline import Event, Timeline, given
 
 WANTED_STEPS = 2.0
 _AIM_STEPS = 2.2  # a little more, so that the search may stop a little short of it
@@ -97,7 +97,7 @@ def tuned(
             cost,
             list(zip(-most, most, strict=True)),
             x0=start,
-            rng=np.random.default_rng(seed),
+            rng=given.random(seed),
             maxiter=GENERATIONS,
             popsize=POPULATION,
             polish=False,

@@ -23,7 +23,7 @@ from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.measure.tuning.ordering import check_target
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import pages
-from overview_dsp.timeline import Timeline
+from overview_dsp.timeline import Timeline, given
 
 WANTED_STEPS = 1.0
 _AIM_STEPS = 1.3
@@ -88,7 +88,7 @@ def separated(
     if order:
         check_target(preset, order)
     names = tuple(preset.kinds)
-    rng = np.random.default_rng(seed)
+    rng = given.random(seed)
     best = np.zeros(2 * len(names))
     # few speeds bring it near, all of them to the end
     best, _ = _searched(preset, names, order, ROUGH, rng, best, lambda p: progress(0.5 * p))

@@ -181,6 +181,11 @@ def open_recording(source: Source, max_mb: float | None = None) -> Iterator[Reco
             try:
                 file = soundfile.SoundFile(stream.fileno(), closefd=False)
             except soundfile.LibsndfileError as error:
+                if source.head.startswith(b"MATLAB"):  # which libsndfile reads if it is a sound
+                    raise InputError(
+                        f"{source.where}: a MATLAB file that holds no sound; write its columns as "
+                        "CSV (writematrix, or scipy.io.loadmat in Python)"
+                    ) from error
                 raise InputError(
                     f"{source.where}: a broken or unknown sound file ({_reason(error)}); "
                     f"{_repair(source.where)}"

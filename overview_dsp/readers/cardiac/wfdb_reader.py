@@ -8,6 +8,7 @@ a lead that is off) or with so much noise that no beat is told from it are gaps.
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,13 +32,19 @@ from overview_dsp.timeline.model import Timeline
 
 _ANNOTATIONS = ".atr"
 
+_OTHERS = re.compile(rb"[A-Za-z]{4}|PAR1|ID3|PK\x03|.(NUMPY|HDF|PNG)", re.DOTALL)
+"""How files of other kinds begin that may lie beside a record under its name: RIFF, PAR1 ..."""
+
 
 def sniff(source: Source) -> bool:
     """Return whether the file is a WFDB header, or binary data with its header beside it."""
     if source.head_text is not None and not source.looks_like_json:
         # a header lists its own record; a note that happens to begin likewise has another name
         return looks_like_header(source.head_text)
-    return source.head_text is None and _header_beside(source.path) is not None
+    header = _header_beside(source.path) if source.head_text is None else None
+    return header is not None and (
+        _OTHERS.match(source.head) is None or _is_signal_file(source.path, read_header(header))
+    )
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:

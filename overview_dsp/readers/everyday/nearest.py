@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 
+from overview_dsp.errors import InputError
 from overview_dsp.readers.everyday.columns import is_wordy, time_named, words_named
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
@@ -64,8 +66,9 @@ def _text_table(source: Source) -> tuple[list[Column], list[list[object]]] | Non
         return None
     columns = [Column.of(name) for name in layout.header]
     table = csv.CsvTable(source, layout)
-    for chunk in table.chunks(range(len(columns))):
-        return columns, [list(cells[:50]) for cells in chunk.cells]
+    with contextlib.suppress(InputError):  # broken quotes, say: it is no table then
+        for chunk in table.chunks(range(len(columns))):
+            return columns, [list(cells[:50]) for cells in chunk.cells]
     return None
 
 

@@ -108,7 +108,8 @@ def kept_token(path: str) -> str:
         raise InputError(f"--token-file {path}: {reason}; name a new file") from None
     if not re.fullmatch(r"[A-Za-z0-9_-]{22,128}", token):
         raise InputError(
-            f"--token-file {path}: not a token (22 to 128 letters, digits, - or _); name a new file"
+            f"--token-file {path}: not a token (22 to 128 letters, digits, - or _); remove it or "
+            "name a new file"
         )
     return token
 

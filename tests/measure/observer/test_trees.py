@@ -69,7 +69,7 @@ def test_a_seed_grows_the_same_forest():
 
 
 def test_weight_moves_the_border_towards_the_lighter_class():
-    points, classes = clouds(1500, 1.0, seed=7)
+    points, classes = clouds(4000, 1.0, seed=7)
     even = taught(points, classes).say(points).mean()
     heavy = taught(points, classes, weights=np.where(classes == 1, 10.0, 1.0)).say(points).mean()
     assert heavy > even + 0.2

@@ -219,8 +219,6 @@ def layout_of(source: Source, accepts: Accepts | None = None) -> Layout | None:
     named = delimited.split([(0, line.lstrip("#").strip()) for line in before[-1:]], separator)
     commented = named[0][1] if named else []
     notes = [f"{begin} lines before the table (line {rows[begin][0]}) were left out"] * bool(begin)
-    if encoding == delimited.WINDOWS:
-        notes.append("the file isn't UTF-8; read as Windows-1252")
     header, units, first, note = _header(rows[begin:], commented)
     below = [row for i, row in rows[begin:] if i >= first]
     if accepts is None and note and not _is_bare(below):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers.source import Source
+from overview_dsp.readers.source import CONTROL, Source
 
 BLOCK_BYTES = 1 << 20
 """Bytes read at a time."""
@@ -23,34 +23,13 @@ MAX_LINE = 1 << 20
 SEPARATORS = (";", "\t", "|", ",")
 """What may separate fields, besides blanks (`None`), those asked first that numbers don't hold."""
 
-WINDOWS = "cp1252"
-"""The encoding of text that isn't UTF-8: old spreadsheets'."""
-
 _UTF8 = "utf-8"
-_BOMS = (
-    (codecs.BOM_UTF8, "utf-8-sig"),
-    (codecs.BOM_UTF32_LE, "utf-32"),
-    (codecs.BOM_UTF32_BE, "utf-32"),
-    (codecs.BOM_UTF16_LE, "utf-16"),
-    (codecs.BOM_UTF16_BE, "utf-16"),
-)
-_CONTROL = {chr(code) for code in (*range(9), *range(14, 28), 127)}
 
 
 def encoding_of(source: Source) -> str | None:
-    """Return the encoding of a text file by its head, None for what is no text.
-
-    A byte order mark gives it; else UTF-8, else Windows-1252 (old spreadsheets, `°C`).
-    """
-    marked = next((name for mark, name in _BOMS if source.head.startswith(mark)), None)
-    for name in (marked,) if marked else (_UTF8, WINDOWS):
-        decoder = codecs.getincrementaldecoder(name)()
-        try:
-            text = decoder.decode(source.head, final=source.size <= len(source.head))
-        except UnicodeDecodeError:
-            continue
-        return None if _CONTROL & set(text) else name
-    return None
+    """Return the encoding of a text file by its head, None for what is no text."""
+    text = source.head_text
+    return None if text is None or CONTROL & set(text) else source.encoding
 
 
 def head_lines(source: Source, encoding: str) -> list[str]:
