@@ -132,7 +132,7 @@ def mark_first_block() -> None:
 def hear_served(address: str) -> None:
     """Get a page's sound from a server, as its script does."""
     origin, _, token = address.partition("/#")
-    asked = urllib.request.Request(f"{origin}/sound/0.bin")
+    asked = urllib.request.Request(f"{origin}/sound/0.packed")
     asked.add_header("Authorization", f"Bearer {token.partition('=')[2] or token}")
     with urllib.request.urlopen(asked, timeout=LONGEST_S) as answer:
         answer.read()
