@@ -8,13 +8,15 @@ from __future__ import annotations
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, inlined, outlined
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.kernels.simd.vector import choose, gather_words, load_pairs, rarely
+from overview_dsp.kernels.simd.tables import gather, load_pairs, marking
+from overview_dsp.kernels.simd.vector import any_of, choose, rarely
 from overview_dsp.kernels.two_disk import midpoint_speed
 
 ROUNDS = 2  # of Newton's method
 SHORT = 1.0 / 64.0  # cells: over a shorter way B is that in its middle; a difference would round
 INTEGRAL = layout.SLOT_INTEGRAL - layout.SLOT_TABLE  # from a slot's table on
 STEEP = layout.SLOT_STEEP - layout.SLOT_TABLE
+marked, any_marked = marking(layout.STEEP_BLOCK.bit_length() - 1)
 
 
 @inlined
@@ -23,6 +25,13 @@ def on_table(position):
     # a NaN fails both comparisons and must not become an index
     position = rarely(not position > 0.0, 0.0, position)
     return rarely(position > CELLS, float(CELLS), position)
+
+
+@inlined
+def on_tables(position):
+    """`on_table` for lanes."""
+    position = choose(position > 0.0, position, 0.0)
+    return choose(position > CELLS, float(CELLS), position)
 
 
 @inlined
@@ -42,8 +51,7 @@ def friction_at(f64, table, position):
 @inlined
 def frictions_at(f64, tables, first, position):
     """`friction_at` for lanes: lane i's table begins at column `tables[first + i]`."""
-    position = choose(position > 0.0, position, 0.0)
-    position = choose(position > CELLS, float(CELLS), position)
+    position = on_tables(position)
     whole, friction, slope = load_pairs(f64, tables, first, position)
     return friction + (position - whole) * slope
 
@@ -72,6 +80,18 @@ def integral_at(f64, table, position):
 
 
 @inlined
+def integrals_at(f64, tables, first, position):
+    """`integral_at` for lanes, and `friction_at`; tables as in `frictions_at`."""
+    inside = on_tables(position)
+    whole, friction, slope = load_pairs(f64, tables, first, inside)
+    part = inside - whole
+    integral = gather(f64, tables, first, INTEGRAL, inside)
+    integral = integral + part * (friction + 0.5 * part * slope)
+    beyond = integral + (position - inside) * friction
+    return choose(position == inside, integral, beyond), friction + part * slope
+
+
+@inlined
 def integral_between(f64, table, old_table, left, position):
     """`integral_at` of a surface of which `left` is still that of another table."""
     integral = integral_at(f64, table, position)
@@ -88,11 +108,15 @@ def is_steep(i64, table, position):
 
 
 @inlined
-def steep_at(i64, starts, position):
-    """`is_steep` for lanes, 1 or 0: lane i's marks begin at column `i64[starts + i]`."""
-    position = choose(position > 0.0, position, 0.0)
-    position = choose(position > CELLS, float(CELLS), position)
-    return gather_words(i64, i64, starts, position * (1.0 / layout.STEEP_BLOCK))
+def any_steep(i64, tables, first, position):
+    """Whether a step about any lane's `position` may cross a steep edge; as `frictions_at`."""
+    return any_marked(i64, tables, first, STEEP, on_tables(position))
+
+
+@inlined
+def steep_at(i64, tables, first, position):
+    """`is_steep` for lanes, at any position; as `frictions_at`."""
+    return marked(i64, tables, first, STEEP, on_tables(position))
 
 
 @outlined
@@ -114,4 +138,21 @@ def mean_friction(f64, table, old_table, left, x, v, stretch, spring, inertia, m
         friction = taken / middle
     else:
         friction = friction_between(f64, table, old_table, left, x + 0.5 * middle)
+    return friction, midpoint_speed(v, stretch, spring, inertia, denominator, friction)
+
+
+@inlined
+def mean_frictions(f64, tables, first, x, v, stretch, spring, inertia, denominator, middle):
+    """`mean_friction` for lanes, each on one table alone; tables as in `frictions_at`."""
+    push = inertia * (2.0 * v + spring * stretch)
+    start, _ = integrals_at(f64, tables, first, x)
+    for _ in range(ROUNDS):
+        end, there = integrals_at(f64, tables, first, x + middle)
+        taken = end - start
+        middle = middle - (middle * denominator + taken - push) / (denominator + there)
+    end, _ = integrals_at(f64, tables, first, x + middle)
+    friction = (end - start) / middle
+    if any_of(choose(abs(middle) > SHORT, 0.0, 1.0) > 0.0):
+        halfway = frictions_at(f64, tables, first, x + 0.5 * middle)
+        friction = choose(abs(middle) > SHORT, friction, halfway)
     return friction, midpoint_speed(v, stretch, spring, inertia, denominator, friction)

@@ -49,10 +49,9 @@ def write(f64, i64, out, start, frames, channels):
     click_channel = i64[layout.S_CLICK_CHANNEL]
     tactor_channel = i64[layout.S_TACTOR_CHANNEL]
     if channels == 2 and click_channel == 0 and tactor_channel == 1:
-        both = out[first : first + 2 * frames]
         for n in range(frames):
-            both[2 * n] = f64[layout.D_CLICK + n]
-            both[2 * n + 1] = f64[layout.D_TACTOR + n]
+            out[(first + 2 * n) & NOT_NEGATIVE] = f64[layout.D_CLICK + n]
+            out[(first + 2 * n + 1) & NOT_NEGATIVE] = f64[layout.D_TACTOR + n]
         return
     for i in range(first, first + frames * channels):
         out[i] = 0.0

@@ -73,7 +73,6 @@ def travel(f64, i64, u64, start, frames, sounding):
     below = event_below(f64, i64)
 
     n = start
-    passed = False
     while n < frames:
         if n < sounding:
             sound_before = sound_once(f64, n % layout.CHUNK, sound_before, coefficients)
@@ -115,7 +114,6 @@ def travel(f64, i64, u64, start, frames, sounding):
         f64[layout.D_FRICTION + i] = friction
         n += 1
         if x >= above or x < below:
-            passed = True
             break
 
     f64[layout.X] = x
@@ -126,4 +124,4 @@ def travel(f64, i64, u64, start, frames, sounding):
     f64[layout.APPROACH] = approach
     f64[layout.PACE] = pace
     keep_sound_state(f64, u64, sound_before)
-    return n, passed
+    return n, x >= above or x < below

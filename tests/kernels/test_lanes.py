@@ -15,7 +15,16 @@ from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import exp2, log2, power, sin_turns
 from overview_dsp.kernels.envelope import compress, follow
-from overview_dsp.kernels.friction import friction_at, frictions_at
+from overview_dsp.kernels.friction import (
+    any_steep,
+    friction_at,
+    frictions_at,
+    is_steep,
+    mean_friction,
+    mean_frictions,
+    on_table,
+    steep_at,
+)
 from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH, choose, load, load_words, store
 from overview_dsp.kernels.smoother import smooth
@@ -157,6 +166,99 @@ def test_each_lane_looks_up_its_own_table(positions, seed):
         look_up(m, start, position) for start, position in zip(starts[1:], positions, strict=True)
     ]
     np.testing.assert_array_equal(bits(out), bits(alone))
+
+
+@numba.njit(error_model="numpy")
+def step_lanes(m, starts, columns, out):
+    x, v, stretch, spring, inertia, middle = (
+        load(columns, 0),
+        load(columns, SIMD_WIDTH),
+        load(columns, 2 * SIMD_WIDTH),
+        load(columns, 3 * SIMD_WIDTH),
+        load(columns, 4 * SIMD_WIDTH),
+        load(columns, 5 * SIMD_WIDTH),
+    )
+    denominator = inertia * (2.0 + 0.5 * spring)
+    friction, speed = mean_frictions(
+        m, starts, 0, x, v, stretch, spring, inertia, denominator, middle
+    )
+    store(out, 0, friction)
+    store(out, SIMD_WIDTH, speed)
+
+
+@numba.njit(error_model="numpy")
+def step_alone(m, start, x, v, stretch, spring, inertia, middle):
+    return mean_friction(m, start, start, 0.0, x, v, stretch, spring, inertia, middle)
+
+
+@pytest.fixture(scope="module")
+def slots():
+    """Two surfaces of random friction with its integral, and marks; where their tables begin."""
+    rng = np.random.default_rng(1)
+    m = rng.uniform(0.0, 1.0, 2 * layout.SLOT_SIZE)
+    starts = np.array([0, layout.SLOT_SIZE]) + layout.SLOT_TABLE
+    for start in starts:
+        marks = start - layout.SLOT_TABLE + layout.SLOT_STEEP
+        m.view(np.int64)[marks : marks + layout.CELLS // layout.STEEP_BLOCK + 1] = rng.integers(
+            0, 2, layout.CELLS // layout.STEEP_BLOCK + 1
+        )
+    return m, starts
+
+
+PLACES = st.one_of(
+    st.floats(-1.0, layout.CELLS + 1.0),
+    st.sampled_from([0.0, -0.0, layout.CELLS - 1e-9, float(layout.CELLS), math.nan, math.inf]),
+)
+SPEEDS = st.one_of(st.floats(-3.0, 3.0), st.sampled_from([0.0, 1.0 / 64.0, -1.0 / 64.0]))
+
+
+@given(
+    lanes=st.lists(
+        st.tuples(PLACES, SPEEDS, SPEEDS, st.floats(0.0, 1.0), st.floats(0.1, 10.0), SPEEDS),
+        min_size=SIMD_WIDTH,
+        max_size=SIMD_WIDTH,
+    ),
+    where=st.lists(st.integers(0, 1), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH),
+)
+def test_every_lane_steps_over_an_edge_as_a_voice_alone(slots, lanes, where):
+    m, starts = slots
+    out = np.zeros(2 * SIMD_WIDTH)
+    step_lanes(m, starts[where], np.array(lanes).T.ravel().copy(), out)
+    alone = [step_alone(m, starts[i], *lane) for i, lane in zip(where, lanes, strict=True)]
+    np.testing.assert_array_equal(bits(out.reshape(2, SIMD_WIDTH).T), bits(alone))
+
+
+@numba.njit(error_model="numpy")
+def steep_lanes(i64, starts, positions, out):
+    position = load(positions, 0)
+    store(out, 0, choose(steep_at(i64, starts, 0, position), 1.0, 0.0 * position))
+    return any_steep(i64, starts, 0, position)
+
+
+@numba.njit(error_model="numpy")
+def steep_alone(i64, start, position):
+    return is_steep(i64, start, on_table(position))
+
+
+@given(
+    positions=st.lists(
+        st.floats(-1.0, layout.CELLS + 1.0), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH
+    ),
+    where=st.lists(st.integers(0, 1), min_size=SIMD_WIDTH, max_size=SIMD_WIDTH),
+    same=st.booleans(),
+)
+def test_each_lane_sees_the_marks_of_its_own_table(slots, positions, where, same):
+    m, starts = slots
+    if same:  # without it, hardly ever is no lane marked
+        positions, where = [positions[0]] * SIMD_WIDTH, [where[0]] * SIMD_WIDTH
+    i64 = m.view(np.int64)
+    out = np.zeros(SIMD_WIDTH)
+    some = steep_lanes(i64, starts[where], np.array(positions), out)
+    alone = [
+        steep_alone(i64, starts[i], position) for i, position in zip(where, positions, strict=True)
+    ]
+    assert (out == 1.0).tolist() == alone
+    assert some == any(alone)
 
 
 @pytest.mark.parametrize("condition", [True, False])

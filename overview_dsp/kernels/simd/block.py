@@ -213,7 +213,6 @@ def join(batch_f64, batch_i64, lane):
     take_hand(batch_f64, f64, i64, lane)
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     batch_i64[own.TABLE + lane] = start_of(lane) + slot + layout.SLOT_TABLE
-    batch_i64[own.STEEP + lane] = start_of(lane) + slot + layout.SLOT_STEEP
     batch_i64[own.DUE + lane] = next_due(i64)
 
 

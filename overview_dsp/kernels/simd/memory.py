@@ -49,13 +49,6 @@ SPRING = row(SIMD_WIDTH)
 DENOMINATOR = row(SIMD_WIDTH)
 PACING = row(SIMD_WIDTH)  # smoothing of the hand's pace, 0 where nobody holds the disk
 CATCH = row(SIMD_WIDTH)  # the clutch's reach where shaft 2 is engaged, else without end
-STEEP = row(SIMD_WIDTH)  # i64: where the marks of its steep blocks begin
-IS_STEEP = row(SIMD_WIDTH)  # i64: 1 = the voice's next step may cross a steep edge; then:
-STEEP_X = row(SIMD_WIDTH)  # position, cells
-STEEP_V = row(SIMD_WIDTH)  # speed, cells a sample
-STEEP_STRETCH = row(SIMD_WIDTH)  # of the springs, cells
-STEEP_MIDDLE = row(SIMD_WIDTH)  # midpoint speed, cells a sample
-STEEP_FRICTION = row(SIMD_WIDTH)
 HIGHEST = row(SIMD_WIDTH)  # position in the last chunk, cells
 LOWEST = row(SIMD_WIDTH)
 TABLE = row(SIMD_WIDTH)  # i64: where the voice's friction table begins

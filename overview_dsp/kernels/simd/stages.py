@@ -11,15 +11,13 @@ from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
-from overview_dsp.kernels.friction import frictions_at, mean_friction, steep_at
+from overview_dsp.kernels.friction import any_steep, frictions_at, mean_frictions, steep_at
 from overview_dsp.kernels.motion import NEAR_REST
 from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd import memory as own
 from overview_dsp.kernels.simd.vector import (
     SIMD_WIDTH,
-    any_of,
     choose,
-    count,
     load,
     load_words,
     store,
@@ -75,28 +73,6 @@ C_TACTOR_GAIN = own.of_coefficient(layout.C_TACTOR_GAIN)
 C_CLICK_GAIN = own.of_coefficient(layout.C_CLICK_GAIN)
 C_GRAIN = own.of_coefficient(layout.C_GRAIN)
 C_DC_POLE = own.of_coefficient(layout.C_DC_POLE)
-
-
-@outlined
-def step_steep(batch_f64, batch_i64):
-    """The step, one by one, of the voices that may cross a steep edge in it."""
-    for lane in range(SIMD_WIDTH):
-        if batch_i64[own.IS_STEEP + lane] == 1:
-            table = batch_i64[own.TABLE + lane]
-            friction, middle = mean_friction(
-                batch_f64,
-                table,
-                table,
-                0.0,
-                batch_f64[own.STEEP_X + lane],
-                batch_f64[own.STEEP_V + lane],
-                batch_f64[own.STEEP_STRETCH + lane],
-                batch_f64[own.SPRING + lane],
-                batch_f64[C_INERTIA + lane],
-                batch_f64[own.STEEP_MIDDLE + lane],
-            )
-            batch_f64[own.STEEP_FRICTION + lane] = friction
-            batch_f64[own.STEEP_MIDDLE + lane] = middle
 
 
 @inlined
@@ -251,17 +227,22 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
             load(batch_f64, own.DENOMINATOR),
             friction,
         )
-        steep = steep_at(batch_i64, own.STEEP, x + half)
-        if any_of(count(steep) > 0.0):
-            store(batch_i64, own.IS_STEEP, steep)
-            store(batch_f64, own.STEEP_X, x)
-            store(batch_f64, own.STEEP_V, 2.0 * half)
-            store(batch_f64, own.STEEP_STRETCH, stretch)
-            store(batch_f64, own.STEEP_MIDDLE, middle)
-            store(batch_f64, own.STEEP_FRICTION, friction)
-            step_steep(batch_f64, batch_i64)
-            middle = load(batch_f64, own.STEEP_MIDDLE)
-            friction = load(batch_f64, own.STEEP_FRICTION)
+        if any_steep(batch_i64, batch_i64, own.TABLE, x + half):
+            mean, of_mean = mean_frictions(
+                batch_f64,
+                batch_i64,
+                own.TABLE,
+                x,
+                2.0 * half,
+                stretch,
+                load(batch_f64, own.SPRING),
+                load(batch_f64, C_INERTIA),
+                load(batch_f64, own.DENOMINATOR),
+                middle,
+            )
+            steep = steep_at(batch_i64, batch_i64, own.TABLE, x + half)
+            friction = choose(steep, mean, friction)
+            middle = choose(steep, of_mean, middle)
         x = x + middle
         half = middle - half
         omega = middle * load(batch_f64, C_OMEGA)

@@ -367,67 +367,6 @@ def _store(typing: Any, f64: Any, at: Any, value: Any) -> Any:
 
 
 @intrinsic
-def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) -> Any:
-    """Of a table of pairs for each lane, those at the whole part of `position`. Compiled code only.
-
-    `load_pairs(f64, starts, first, position)`: lane i's table begins at column `starts[first + i]`;
-    `position` is 0 to 2**31. Returns the whole part, the pairs' first numbers and their second
-    ones.
-    """
-
-    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        f64, starts, first, position = args
-        # to 32 bits: all machines have an instruction for that
-        whole = builder.fptosi(position, ir.VectorType(_INDEX, SIMD_WIDTH))
-        pair = ir.VectorType(ir.DoubleType(), 2)
-        found = []
-        for lane in range(SIMD_WIDTH):
-            number = builder.extract_element(whole, ir.Constant(_INDEX, lane))
-            twice = builder.shl(builder.zext(number, _WORD), ir.Constant(_WORD, 1))
-            slot = builder.add(first, ir.Constant(_WORD, lane))
-            start = builder.load(column_pointer(context, builder, signature.args[1], starts, slot))
-            at = column_pointer(context, builder, signature.args[0], f64, builder.add(start, twice))
-            found.append(builder.load(builder.bitcast(at, pair.as_pointer()), align=8))
-        while len(found) > 1:  # two by two into one vector
-            order = _order(list(range(2 * found[0].type.count)))
-            found = [
-                builder.shuffle_vector(*found[i : i + 2], order) for i in range(0, len(found), 2)
-            ]
-        undefined = ir.Constant(found[0].type, ir.Undefined)
-        one, other = (
-            builder.shuffle_vector(found[0], undefined, _order(list(range(i, 2 * SIMD_WIDTH, 2))))
-            for i in (0, 1)
-        )
-        floor = builder.sitofp(whole, FLOATS.vector)
-        return context.make_tuple(builder, signature.return_type, (floor, one, other))
-
-    return types.UniTuple(FLOATS, 3)(f64, starts, types.int64, FLOATS), emit
-
-
-@intrinsic
-def gather_words(typing: Any, i64: Any, starts: Any, first: Any, position: Any) -> Any:
-    """Of a table of words for each lane, that at the whole part of `position`. Compiled code only.
-
-    `gather_words(i64, starts, first, position)`: as `load_pairs`.
-    """
-
-    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        i64, starts, first, position = args
-        whole = builder.fptosi(position, ir.VectorType(_INDEX, SIMD_WIDTH))
-        found = ir.Constant(WORDS.vector, ir.Undefined)
-        for lane in range(SIMD_WIDTH):
-            number = builder.extract_element(whole, ir.Constant(_INDEX, lane))
-            slot = builder.add(first, ir.Constant(_WORD, lane))
-            start = builder.load(column_pointer(context, builder, signature.args[1], starts, slot))
-            at = builder.add(start, builder.zext(number, _WORD))
-            word = builder.load(column_pointer(context, builder, signature.args[0], i64, at))
-            found = builder.insert_element(found, word, ir.Constant(_INDEX, lane))
-        return found
-
-    return WORDS(i64, starts, types.int64, FLOATS), emit
-
-
-@intrinsic
 def store_pairs(typing: Any, f64: Any, at: Any, apart: Any, first: Any, second: Any) -> Any:
     """Write each lane's two numbers, rounded, side by side into float32. Compiled code only.
 
