@@ -49,14 +49,20 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import and return the command; None if there is none of that name."""
         if cmd_name not in COMMANDS:
-            # click's own hint knows only commands that are imported
-            near = did_you_mean(cmd_name, COMMANDS)
-            if near and not ctx.resilient_parsing:
-                raise click.UsageError(f"No such command {cmd_name!r}{near}", ctx)
             return None
         command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command
         assert isinstance(command, click.Command)
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click does, with the nearest name where there is none of that name."""
+        # click's own hint knows only commands that are imported
+        near = did_you_mean(args[0], COMMANDS) if args[0] not in COMMANDS else ""
+        if near and not ctx.resilient_parsing:
+            ctx.fail(f"No such command {args[0]!r}{near}")
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
