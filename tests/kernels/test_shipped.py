@@ -91,10 +91,7 @@ def test_it_is_of_these_sources():
 @pytest.mark.skipif(
     shipped.usable() is None, reason="no machine code is shipped for this processor"
 )
-@pytest.mark.skipif(
-    os.environ.get("OVERVIEW_LONG") != "1",
-    reason="has numba compile everything, 40 s: set OVERVIEW_LONG=1",
-)
+@pytest.mark.soak  # numba compiles everything: 40 s
 def test_it_gives_the_bits_that_numba_gives_and_compiles_nothing(tmp_path):
     used, quick, said = played(NUMBA_CACHE_DIR=str(tmp_path))
     assert used == shipped.usable()

@@ -41,6 +41,7 @@ def drag(page, places, steps=60):
         page.mouse.move(*at(page, place), steps=steps)
 
 
+@pytest.mark.soak
 def test_the_audio_threads_part_of_its_budget(page, chromium):
     processing = "AudioWorkletProcessor::Process"
     chromium.start_tracing(page=page, categories=["disabled-by-default-audio-worklet"])
@@ -55,6 +56,7 @@ def test_the_audio_threads_part_of_its_budget(page, chromium):
     )
 
 
+@pytest.mark.soak
 def test_the_main_threads_work_a_frame_on_a_slow_phone(page):
     client = page.context.new_cdp_session(page)
     client.send("Performance.enable", {"timeDomain": "threadTicks"})
