@@ -207,7 +207,9 @@ def test_a_whole_session_by_touch_at_phone_size(chromium, tmp_path):
         client = page.context.new_cdp_session(page)
         page.tap("text=Begin")
         page.tap("text=Start")
-        for trial in trials:
+        for done, trial in enumerate(trials):
+            # until then the pad is the last trial's
+            page.wait_for_selector(f"text=/^{done} of {len(trials)}$/")
             page.wait_for_selector(".pad")
             assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
             drag(page, client, 0.7)
