@@ -353,16 +353,20 @@ def test_killed_at_any_step_and_resumed_it_leaves_the_same_files(tmp_path, monke
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGKILL")
-def test_killed_at_random_and_resumed_it_leaves_the_same_files(tmp_path):
+@pytest.mark.parametrize(
+    ("seeds", "workers_of_runs"), [(12, "212"), pytest.param(40, "21121", marks=pytest.mark.soak)]
+)
+def test_killed_at_random_and_resumed_it_leaves_the_same_files(tmp_path, seeds, workers_of_runs):
     # a low rate: no loudness, whose library takes longest to load
-    text = JOBS.replace("seeds = 3", "seeds = 12").replace("0.05", "2.0").replace("8000", "2000")
-    cases = CASES // 3 * 12
+    text = JOBS.replace("seeds = 3", f"seeds = {seeds}")
+    text = text.replace("0.05", "2.0").replace("8000", "2000")
+    cases = CASES // 3 * seeds
     (tmp_path / "pieces").mkdir()
     jobs_file(tmp_path / "pieces", text)
     folder = tmp_path / "pieces" / "study"
     chance = random.Random(5)
     kept = 0
-    for workers in ("2", "1", "2"):
+    for workers in workers_of_runs:
         process = subprocess.Popen(
             [sys.executable, "-m", "overview_dsp", "batch", "jobs.toml", "--workers", workers],
             cwd=tmp_path / "pieces",
@@ -372,7 +376,7 @@ def test_killed_at_random_and_resumed_it_leaves_the_same_files(tmp_path):
             start_new_session=True,
         )
         try:
-            more = kept + chance.randrange(1, 30)
+            more = kept + chance.randrange(1, cases // 6)
             while process.poll() is None and len(list(folder.rglob("*.wav"))) < more:
                 time.sleep(0.002)
             time.sleep(chance.uniform(0.0, 0.01))
