@@ -18,10 +18,11 @@ from overview_dsp.actuators.model import Actuator
 from overview_dsp.errors import InputError
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
+from overview_dsp.kernels.device.output_stage import LONGEST_DELAY_S
 from overview_dsp.public.reprs import changed_fields
 
 MIN_GAIN_DB, MAX_GAIN_DB = -60.0, 24.0
-MAX_DELAY_MS = 100.0
+MAX_DELAY_MS = 1e3 * LONGEST_DELAY_S
 MIN_CEILING_DB, MAX_CEILING_DB = -60.0, 0.0
 MAX_CHANNELS = 64
 
