@@ -169,6 +169,8 @@ def test_the_hour_is_told_where_a_date_alone_doesnt_say_which(
         labels = page.locator("#canvas text").all_text_contents()
         assert any(ticks in label for label in labels)
         assert all(":" not in label for label in labels)  # a day apart, or more
+        # nothing was touched yet, and a page that began before the first evaluation is still
+        page.evaluate("overview.sound.start()")
         page.evaluate("(place) => overview.walk.to(place)", (8 * 86_400 + 14 * 3600) / times[-1])
         told = "document.getElementById('clock').textContent"
         until(page, f"RegExp('^{says}$').test({told})")  # where the disk has come to
