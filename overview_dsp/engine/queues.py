@@ -15,13 +15,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError, OverviewError, OverviewWarning
+from overview_dsp.errors import InputError, OverviewError, OverviewWarning, shown
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.control import push_control
 from overview_dsp.kernels.ordering import acquired, publish
 from overview_dsp.timeline import given
-from overview_dsp.timeline.checks import shown
 
 _RING_OF = {source: ring for ring, source in enumerate(SOURCES)}
 _AS_SOON_AS_POSSIBLE = -1

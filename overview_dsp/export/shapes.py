@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
-from overview_dsp.timeline.checks import shown
+from overview_dsp.errors import shown
 
 Shape = Callable[[Any, str, list[str]], None]
 

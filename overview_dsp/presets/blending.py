@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.kernels.layout import MAX_KINDS
 from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 from overview_dsp.timeline import given
-from overview_dsp.timeline.checks import shown
 
 MAX_STEPS = 1000
 

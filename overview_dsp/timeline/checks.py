@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import math
 import re
-import reprlib
 from collections.abc import Iterator
 from datetime import datetime, timedelta
 
 import numpy as np
 
 from overview_dsp.errors import InputError
+from overview_dsp.errors import shown as shown  # as `checks.shown` too
 
 KIND_MAX_LENGTH = 64
 """Longest event kind, characters: a kind is a name a preset looks up, not a sentence."""
@@ -20,18 +20,6 @@ TIME_HINT = "times are finite seconds from 0 to the timeline's duration"
 """How an error line about a time ends."""
 
 _KIND = re.compile(r"[a-z0-9_]+", re.ASCII)
-_REPR = reprlib.Repr()
-_REPR.maxstring = _REPR.maxother = 60
-
-
-def shown(value: object) -> str:
-    """Short, printable text of any value for an error line (escapes what a terminal can't show)."""
-    if isinstance(value, float | np.floating):
-        return repr(float(value))
-    try:
-        return _REPR.repr(value)
-    except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
-        return f"a {type(value).__name__} too large to show"
 
 
 @contextlib.contextmanager

@@ -13,8 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline.checks import shown
+from overview_dsp.errors import InputError, shown
 
 T = TypeVar("T")
 
