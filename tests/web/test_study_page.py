@@ -193,8 +193,9 @@ def drag(page, client, to):
         kind = "touchStart" if i == 0 else "touchMove"
         client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
         page.wait_for_timeout(16)
+    page.wait_for_timeout(200)  # it rests, so that it is no fling: a tap would only end that
     client.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    page.wait_for_timeout(300)  # Chromium takes what comes sooner for the end of a fling
+    page.wait_for_timeout(300)
 
 
 def test_a_whole_session_by_touch_at_phone_size(chromium, tmp_path):
