@@ -25,6 +25,21 @@ def until(page: Any, condition: str) -> None:
         page.wait_for_timeout(20)
 
 
+def watch(page: Any, place: float) -> None:
+    """Keep how near the disk comes to a place as `nearest`: a tap may be over between two looks."""
+    page.evaluate(
+        """(place) => {
+            window.nearest = 1;
+            const take = overview.take.bind(overview);
+            overview.take = (told) => {
+                nearest = Math.min(nearest, Math.abs(told.cursor - place));
+                take(told);
+            };
+        }""",
+        place,
+    )
+
+
 def at(page: Any, place: float) -> tuple[float, float]:
     """Where a place of the timeline is on the screen."""
     box = page.locator("#canvas").bounding_box()

@@ -20,7 +20,7 @@ from overview_dsp.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
 from overview_dsp.web.packing import packed
 from overview_dsp.web.site_sound import patch_of, window_bytes
-from tests.web.driving import DESKTOP, PHONE, at, until, violations
+from tests.web.driving import DESKTOP, PHONE, at, until, violations, watch
 from tests.web.exported import HELD, opened_host
 from tests.web.null_sink import null_sink
 
@@ -68,8 +68,9 @@ def test_a_drag_sounds_a_release_recoils_and_a_tap_steps(opened):
     page.mouse.up()
     until(page, "p.cursor < 0.001 && p.meters.touching === 0")
     assert page.evaluate("overview.meters.strikes") > strikes
-    page.mouse.click(*at(page, 0.5))  # a tap: held for a second, long enough to be felt
-    until(page, "Math.abs(p.cursor - 0.5) < 0.005")
+    watch(page, 0.5)
+    page.mouse.click(*at(page, 0.5))  # a tap: held until the disk is there
+    until(page, "nearest < 0.005")
     until(page, "p.cursor < 0.001")
 
 
@@ -120,8 +121,9 @@ def test_keys_alone_reach_everything(opened):
     until(page, "Math.abs(p.place - 0.579) < 0.002")
     page.keyboard.press("Escape")
     until(page, "p.meters.touching === 0 && p.cursor < 0.001")
+    watch(page, 0.579)
     page.keyboard.press(" ")
-    until(page, "Math.abs(p.cursor - 0.579) < 0.005")
+    until(page, "nearest < 0.005")
     until(page, "p.cursor < 0.001")
     page.keyboard.press("+")
     until(page, "p.view.zoom === 1")
