@@ -95,15 +95,17 @@ def record_callback(
 def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
     """The counters so far."""
     w = memory.view(np.int64)
+    median, p99 = _quantile(w, 0.5), _quantile(w, 0.99)
+    longest = float(memory[layout.L_LONGEST])
     return StreamMeters(
         callbacks=int(w[layout.L_CALLBACKS]),
         frames=int(w[layout.L_FRAMES]),
         underflows=int(w[layout.L_UNDERFLOWS]),
         late=int(w[layout.L_LATE]),
         load=_load(w, float(memory[layout.S_SAMPLE_RATE])),
-        median_s=_quantile(w, 0.5),
-        p99_s=_quantile(w, 0.99),
-        longest_s=float(memory[layout.L_LONGEST]),
+        median_s=min(median, longest),  # a bin's upper end may lie beyond
+        p99_s=min(p99, longest),
+        longest_s=longest,
         latency_s=latency_s,
     )
 
