@@ -6,7 +6,6 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.stream_meters import read_meters, record_callback
 

@@ -32,7 +32,7 @@ def test_it_says_how_far_the_data_reach_and_what_is_new():
             for _ in range(300):
                 await pilot.pause(0.05)
                 seen = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
-                if "new: goal 1-0 Parris" in seen and "data until 15:05" in seen:
+                if all(part in seen for part in ("new: goal 1-0 Parris", "data until 15:05", "┊")):
                     break
         player.close()
         return seen
