@@ -141,9 +141,11 @@ def test_silence_alone_is_flat_and_without_events(tmp_path: Path) -> None:
     assert (timeline.intensity_at(np.arange(5.0)) == -70.0).all()
 
 
-def test_missing_samples_of_a_float_file_are_a_gap(tmp_path: Path) -> None:
-    sound = murmur(20.0)
-    sound[5 * RATE : 8 * RATE] = np.nan
+@pytest.mark.parametrize("bits", [0x7FC00000, 0xFF800001], ids=["quiet", "signalling"])
+@pytest.mark.filterwarnings("error")
+def test_missing_samples_of_a_float_file_are_a_gap(tmp_path: Path, bits: int) -> None:
+    sound = murmur(20.0).astype(np.float32)
+    sound[5 * RATE : 8 * RATE] = np.array([bits], np.uint32).view(np.float32)  # not a number
     sound[12 * RATE] = np.inf
     soundfile.write(tmp_path / "x.wav", sound, RATE, subtype="FLOAT")
     timeline = load_timeline(tmp_path / "x.wav")

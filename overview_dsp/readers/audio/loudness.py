@@ -128,7 +128,8 @@ class StepMeter:
 
         frames = len(block)
         heard = block if self._all_heard else block[:, self._heard]
-        samples = np.array(heard, dtype=np.float64)
+        with np.errstate(invalid="ignore"):  # a signalling NaN would warn; it is missing, below
+            samples = np.array(heard, dtype=np.float64)
         bad: NDArray[np.bool_] | None = None
         # two passes instead of a mask; a NaN anywhere makes both NaN
         if not (samples.max() <= MAX_SAMPLE and samples.min() >= -MAX_SAMPLE):
