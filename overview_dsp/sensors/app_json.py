@@ -62,10 +62,10 @@ class BatchDecoder:
     def feed(self, data: bytes) -> list[Reading]:
         """The readings that these bytes complete."""
         readings: list[Reading] = []
-        for line in self._lines.feed(data):
+        for line, came in self._lines.with_bytes(data):
             found = readings_of(line)
             if found is None:
-                self._counters.refuse(line.encode())
+                self._counters.refuse(came)
             elif not isinstance(found, str):
                 readings += found
         self._counters.readings += len(readings)

@@ -25,10 +25,14 @@ class LineSplitter:
 
     def feed(self, data: bytes) -> list[str]:
         """The lines that these bytes end, stripped; empty ones and comments (#) left out."""
+        return [line for line, _ in self.with_bytes(data)]
+
+    def with_bytes(self, data: bytes) -> list[tuple[str, bytes]]:
+        """As `feed`, each with the bytes it came as: signs are words in a line, and longer."""
         self._counters.received_bytes += len(data)
         lines = []
         for piece, left_out, first in self._pieces.ended(data.replace(b"\r", b"\n"), b"\n"):
-            text = piece.strip()
+            text = came = piece.strip()
             for sign, word in _SIGNS:
                 text = text.replace(sign, word)
             if first:
@@ -39,7 +43,7 @@ class LineSplitter:
                 self._counters.refuse(piece)
                 self._counters.noise_bytes += left_out
             elif text and not text.startswith(b"#"):
-                lines.append(text.decode("ascii"))
+                lines.append((text.decode("ascii"), came))
         return lines
 
 
@@ -55,10 +59,10 @@ class LineDecoder:
     def feed(self, data: bytes) -> list[Reading]:
         """The readings that these bytes complete."""
         readings: list[Reading] = []
-        for line in self._lines.feed(data):
+        for line, came in self._lines.with_bytes(data):
             reading = self._reading_of(line)
             if reading is None:
-                self._counters.refuse(line.encode())
+                self._counters.refuse(came)
             elif reading:
                 readings.append(reading)
         self._counters.readings += len(readings)

@@ -4,7 +4,7 @@ import json
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.sensors.json_lines import reading_of
@@ -59,6 +59,7 @@ def test_whatever_happens_to_lines_what_comes_out_is_finite_and_counted(harms, w
 
 
 @given(st.binary(max_size=400), places)
+@example("5\N{DEGREE SIGN}".encode(), [])  # a sign is a word in a line, and longer
 def test_noise_is_counted_and_raises_nothing(data, where):
     for read in (text, as_json):
         got, counters = read(b"\n" + data + b"\n", where)
