@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import reprlib
 from collections.abc import Iterable
-from numbers import Integral, Real
+from numbers import Rational, Real
 from types import ModuleType
 
 
@@ -147,8 +147,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 def shown(value: object) -> str:
     """A value as an error line shows it: short, on one line, whatever it is."""
-    if isinstance(value, Real):  # numpy's too: without their type
-        value = value if isinstance(value, Integral) else float(value)
+    if isinstance(value, Real) and not isinstance(value, Rational):
+        value = float(value)  # numpy's too, without their type
     try:
         return _SHORT.repr(value)
     except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
