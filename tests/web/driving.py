@@ -26,13 +26,18 @@ def until(page: Any, condition: str) -> None:
 
 
 def watch(page: Any, place: float) -> None:
-    """Keep how near the disk comes to a place as `nearest`: a tap may be over between two looks."""
+    """Keep how near the disk comes to a place, `nearest`, and its `furthest` from the start.
+
+    A tap may be over between two looks at the page.
+    """
     page.evaluate(
         """(place) => {
             window.nearest = 1;
+            window.furthest = 0;
             const take = overview.take.bind(overview);
             overview.take = (told) => {
                 nearest = Math.min(nearest, Math.abs(told.cursor - place));
+                furthest = Math.max(furthest, told.cursor);
                 take(told);
             };
         }""",

@@ -72,6 +72,7 @@ def test_a_drag_sounds_a_release_recoils_and_a_tap_steps(opened):
     page.mouse.click(*at(page, 0.5))  # a tap: held until the disk is there
     until(page, "nearest < 0.005")
     until(page, "p.cursor < 0.001")
+    assert page.evaluate("furthest") < 0.505
 
 
 def test_sound_comes_with_the_first_touch_alone(chromium, site):
@@ -125,6 +126,7 @@ def test_keys_alone_reach_everything(opened):
     page.keyboard.press(" ")
     until(page, "nearest < 0.005")
     until(page, "p.cursor < 0.001")
+    assert page.evaluate("furthest") < 0.584
     page.keyboard.press("+")
     until(page, "p.view.zoom === 1")
     reached = set()
