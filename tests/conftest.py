@@ -68,7 +68,7 @@ def football():
 @pytest.fixture(scope="session")
 def rigid_football():
     """Football whose disk is pulled at once, where a tap would unfold over two seconds."""
-    return ov.load_preset("football").with_value("disk.catch_up", 0.0)
+    return ov.load_preset("football").with_value("clutch.max_speed_ratio", 0.0)
 
 
 @pytest.fixture(scope="session")

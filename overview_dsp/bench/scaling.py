@@ -24,7 +24,6 @@ from overview_dsp.bench.work import Disk, feed, prepared
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.gestures import sweep
-from overview_dsp.gestures.scripts import ARRIVAL_S
 from overview_dsp.presets.library import load_preset
 from overview_dsp.timeline import Event, Timeline
 
@@ -125,7 +124,7 @@ def measure(
     """All series; durations up to `longest_s`."""
     engine = prepared(frames=BLOCK)
     durations = [
-        Case.of(f"{count * SWEEP_S:g} s", engine, SWEEP_S - ARRIVAL_S, count)
+        Case.of(f"{count * SWEEP_S:g} s", engine, SWEEP_S, count)
         for count in DURATIONS
         if count * SWEEP_S <= longest_s
     ]
@@ -183,9 +182,9 @@ def memory(seconds: float) -> Memory:
 def stream(seconds: float) -> tuple[float, float]:
     """Highest resident memory (MB) before and after a stream."""
     engine = prepared(frames=BLOCK)
-    costs_of(engine, SWEEP_S - ARRIVAL_S)
+    costs_of(engine, SWEEP_S)
     ready = peak_mb()
-    costs_of(engine, SWEEP_S - ARRIVAL_S, max(1, round(seconds / SWEEP_S)))
+    costs_of(engine, SWEEP_S, max(1, round(seconds / SWEEP_S)))
     return ready, peak_mb()
 
 

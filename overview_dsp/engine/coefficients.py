@@ -30,7 +30,7 @@ KERNEL_RANGES = {
 }
 """Lowest and highest number of each of these parameters, in the order of the columns."""
 
-_COEFFICIENTS = range(layout.C_SPRING_HELD, layout.C_PACE_MOST + 1)
+_COEFFICIENTS = range(layout.C_SPRING_HELD, layout.C_RECOIL_EXPONENT + 1)
 
 
 def write_parameters(memory: NDArray[np.float64], preset: Preset) -> None:

@@ -64,6 +64,8 @@ class Meters:
         Amplitude of the carrier, linear; where the disk is, 0 to 1.
     touching : bool
         Whether a hand holds on.
+    engaged : bool
+        Whether shaft 2 is engaged: after a release until the disk has arrived.
     silent_samples : int
         Since the last sample that was not zero.
     still_samples : int
@@ -94,6 +96,7 @@ class Meters:
     envelope: float
     cursor: float
     touching: bool
+    engaged: bool
     silent_samples: int
     still_samples: int
 

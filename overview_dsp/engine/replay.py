@@ -10,6 +10,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.following.difference import applied
 from overview_dsp.following.pattern import pattern_of
 from overview_dsp.presets.dicts import preset_from_dict
+from overview_dsp.presets.migrations import migrated_values
 from overview_dsp.surface.ahead import joined
 from overview_dsp.surface.build import build_surface
 from overview_dsp.timeline import Timeline
@@ -32,7 +33,7 @@ def apply_change(
     """
     try:
         if "set" in what:
-            for id, value in what["set"].items():
+            for id, value in migrated_values(what["set"]).items():
                 engine.set(id, value, sample_time)
         elif "preset" in what:
             engine.set_preset(preset_from_dict(what["preset"]), sample_time)

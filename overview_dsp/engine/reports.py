@@ -49,7 +49,8 @@ def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
         friction=float(f64[layout.M_FRICTION]),
         envelope=float(f64[layout.M_ENVELOPE]),
         cursor=float(f64[layout.X]) / layout.CELLS,
-        touching=bool(i64[layout.TOUCHING]),
+        touching=bool(i64[layout.HOLDER] >= 0),
+        engaged=bool(i64[layout.ENGAGED]),
         silent_samples=int(i64[layout.M_SILENT]),
         still_samples=int(i64[layout.M_STILL]),
     )
@@ -80,7 +81,7 @@ def read_arrival(memory: NDArray[np.float64]) -> int | None:
     """
     i64 = memory.view(np.int64)
     still = int(i64[layout.M_STILL])
-    if still == 0 or not i64[layout.TOUCHING]:
+    if still == 0 or not i64[layout.ENGAGED]:
         return None
     slot = layout.SURFACES + int(i64[layout.ACTIVE_SLOT]) * layout.SLOT_SIZE
     for edge, following in (

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from overview_dsp.kernels.decibels import gain_of_db
-from overview_dsp.kernels.derive import PACE_MOST
+from overview_dsp.kernels.derive import ARRIVAL_S, PACE_MOST
 from overview_dsp.kernels.layout import CELLS
+from overview_dsp.kernels.output_gain import LEAST_CURSOR, SLOWEST_PACE, USUAL_PACE
 from overview_dsp.kernels.texture import QUIET
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.model import Surface
@@ -30,26 +31,29 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
     gate = gain_of_db(number("tactor.threshold_db")) * number("tactor.full_torque_mnm") * 1e-3
     grain = gain_of_db(number("texture.gain_db")) / math.sqrt(1e-3)
     theta1_full = math.pi * k2 / (k1 + k2)
-    catch_up = number("disk.catch_up")
+    slow, recoil = number("tactor.slow_gain_exponent"), number("tactor.recoil_gain_exponent")
+    loudest = max((USUAL_PACE / SLOWEST_PACE) ** slow, LEAST_CURSOR**-recoil)
+    has_clutch = number("clutch.max_speed_ratio") > 0.0
     longest = 0.0
     for k in springs:
         b = surface.friction
         root = np.sqrt(np.maximum(b * b - 4.0 * k * inertia, 0.0))
-        slow = 2.0 * inertia / (b - root)
-        fall = float(np.sum(slow[1:-1] * np.log(1.0 + 1.0 / np.arange(1, CELLS))))
+        falls = 2.0 * inertia / (b - root)
+        fall = float(np.sum(falls[1:-1] * np.log(1.0 + 1.0 / np.arange(1, CELLS))))
         # below the first cell: down to the angle whose torque or grain is the last to matter
-        silent_torque = gate / k
-        lowest = float(slow[:2].max())
-        silent_grain = QUIET / grain * math.sqrt(lowest / k)
+        silent_torque = gate / loudest / k
+        lowest = float(falls[:2].max())
+        silent_grain = QUIET / grain * math.sqrt(lowest / (k * loudest))
         last = min(silent_torque, silent_grain) / theta1_full
         fall += lowest * max(0.0, math.log(1.0 / (last * CELLS)))
         if surface.bristles is not None or surface.detents is not None:
             # held off the springs' rest, the disk comes to its own from anywhere
-            fall += float(slow.max()) * math.log(CELLS)
-        if catch_up > 0.0 and k > k1:
+            fall += float(falls.max()) * math.log(CELLS)
+        if has_clutch and k > k1:
             # to a finger that rests, at least in proportion to the way that is left
-            unfold_s = number("disk.unfold_s") or 1.0 / PACE_MOST
-            fall += unfold_s / catch_up * math.log(CELLS)
+            tap_s = number("clutch.tap_duration_s") or 1.0 / PACE_MOST
+            fall += tap_s * math.log(CELLS)
+            fall += 1.0 / (number("clutch.max_speed") or PACE_MOST)
         longest = max(longest, fall)
     ring = max(
         (
@@ -61,4 +65,4 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
     )
     skin = _SKIN_FALLS * (number("tactor.decay_ms") + 2.0 * number("tactor.rise_ms")) * 1e-3
     settle = 40.0 * number("input.smoothing_ms") * 1e-3
-    return _MARGIN * longest + settle + skin + _DC_BLOCKER_S + 160.0 / 60.0 * ring
+    return _MARGIN * longest + ARRIVAL_S + settle + skin + _DC_BLOCKER_S + 160.0 / 60.0 * ring

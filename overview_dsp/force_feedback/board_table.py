@@ -21,8 +21,8 @@ HARD = 1.0 / 3.0
 """Where between the bare surface (0) and the highest friction (1), in ratios, half of a blow
 counts: above a card's flanks and below a goal."""
 
-DISK_KEYS = ("disk.inertia", "disk.k1", "disk.k2", "disk.catch_up", "disk.unfold_s",
-             "input.smoothing_ms")  # fmt: skip
+DISK_KEYS = ("disk.inertia", "disk.k1", "disk.k2", "clutch.max_speed_ratio",
+             "clutch.tap_duration_s", "input.smoothing_ms")  # fmt: skip
 """Of a preset, what a board's disk is made of."""
 
 _DISK = struct.Struct("<12f")
@@ -75,10 +75,10 @@ def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:
 
     `sensor` says how much of it the knob gives, and how far it is turned for the timeline.
     """
-    inertia, k1, k2, catch_up, unfold_s, smoothing_ms = (float(values[key]) for key in DISK_KEYS)
+    inertia, k1, k2, ratio, tap_s, smoothing_ms = (float(values[key]) for key in DISK_KEYS)
     per_rad = HALF_TURN / math.radians(sensor.number("motor.turn_deg"))
     return _DISK.pack(
-        inertia, k1, k2, catch_up, unfold_s, smoothing_ms * 1e-3,
+        inertia, k1, k2, ratio, tap_s * (ratio or 1.0), smoothing_ms * 1e-3,
         sensor.number("motor.board_scale"), sensor.number("motor.knock"),
         sensor.number("motor.home"), sensor.number("motor.ceiling_nm"),
         sensor.number("motor.end_nm_per_rad"),

@@ -55,9 +55,6 @@ class Gesture:
         Which hand, as an index of touch, twist, serial, osc, midi, remote; touch if left out.
     changes : tuple
         Parameter and surface changes of a recorded take, each with its time, in order.
-    on_arrival : tuple of int
-        Events that let go: each comes as soon as the disk has arrived at the finger, at its time
-        at the latest. In a file they have their times.
 
     Raises
     ------
@@ -74,8 +71,8 @@ class Gesture:
     >>> import overview_dsp as ov
     >>> times, angles = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 1.0])
     >>> mine = ov.Gesture(times, angles, np.array([True, True, False]), duration_s=1.0)
-    >>> (mine + ov.tap(0.8)).duration_s
-    4.0
+    >>> (mine + ov.tap(0.8, hold_seconds=0.5)).duration_s
+    1.5
     """
 
     time_s: NDArray[np.float64]
@@ -84,7 +81,6 @@ class Gesture:
     duration_s: float
     source: NDArray[np.int8] = None  # type: ignore[assignment]
     changes: tuple[Change, ...] = ()
-    on_arrival: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         time_s = given.floats(self.time_s, "time_s")
@@ -104,9 +100,6 @@ class Gesture:
                 f"the gesture's time goes back at event {first + 1}: "
                 f"{time_s[first]:g} s after {time_s[first - 1]:g} s"
             )
-        for event in self.on_arrival:
-            if not 0 < event < len(time_s) or touching[event]:
-                raise InputError(f"on_arrival names event {event}, which doesn't let go")
         last = float(time_s[-1]) if len(time_s) else 0.0
         if not last <= LONGEST_S or not 0.0 <= duration_s <= LONGEST_S:
             raise InputError(
@@ -161,7 +154,6 @@ class Gesture:
 def joined(parts: Sequence[Gesture]) -> Gesture:
     """Gestures one after the other; at least one."""
     starts = list(accumulate((part.duration_s for part in parts), initial=0.0))
-    firsts = accumulate((len(part.time_s) for part in parts), initial=0)
     return Gesture(
         np.concatenate([part.time_s + start for part, start in zip(parts, starts, strict=False)]),
         np.concatenate([part.theta2 for part in parts]),
@@ -172,10 +164,5 @@ def joined(parts: Sequence[Gesture]) -> Gesture:
             replace(change, time_s=change.time_s + start)
             for part, start in zip(parts, starts, strict=False)
             for change in part.changes
-        ),
-        tuple(
-            event + first
-            for part, first in zip(parts, firsts, strict=False)
-            for event in part.on_arrival
         ),
     )

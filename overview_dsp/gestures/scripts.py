@@ -14,11 +14,8 @@ from overview_dsp.units import HALF_TURN
 CONTROL_RATE = 200.0
 """Control events a second of a scripted movement."""
 
-ARRIVAL_S = 1.5
-"""How long a sweep rests at its end at most: the disk lags the finger and must arrive."""
-
-TAP_S = 3.0
-"""How long a tap that has no time of its own holds at most: presets unfold within 2.5 s."""
+TAP_S = 0.05
+"""How long a tap touches that has no time of its own: the disk goes all the way all the same."""
 
 LONGEST_S = 24 * 3600.0
 
@@ -40,9 +37,9 @@ def _seconds(value: float, what: str, zero: bool = False) -> float:
 
 
 def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
-    """Touch down at `start`, move steadily to `end` in `seconds`, let go when the disk is there.
+    """Touch down at `start`, move steadily to `end` in `seconds`, release.
 
-    The disk lags the finger; it is waited for, 1.5 s at most.
+    The disk lags the finger; shaft 2 stays engaged until it has arrived.
 
     Parameters
     ----------
@@ -65,7 +62,7 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
     --------
     >>> import overview_dsp as ov
     >>> ov.sweep(4.0).duration_s
-    5.5
+    4.0
     >>> backwards = ov.sweep(2.0, start=1.0, end=0.5)
     """
     _seconds(seconds, "a sweep's duration")
@@ -74,24 +71,25 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
     steps = max(1, math.ceil(seconds * CONTROL_RATE))
     part = np.arange(steps + 1) / steps
     place = start + (end - start) * part
-    time_s = np.append(seconds * part, seconds + ARRIVAL_S)
+    time_s = np.append(seconds * part, seconds)
     theta2 = np.append(place, place[-1]) * HALF_TURN
     touching = np.ones(steps + 2, dtype=bool)
     touching[-1] = False
-    return Gesture(time_s, theta2, touching, float(time_s[-1]), on_arrival=(steps + 1,))
+    return Gesture(time_s, theta2, touching, float(time_s[-1]))
 
 
 def tap(position: float, hold_seconds: float | None = None) -> Gesture:
-    """Touch down at a position (a step of theta2), hold, let go.
+    """Touch down at a position (a step of theta2), hold, release.
 
-    How fast the disk unfolds is the preset's.
+    The disk goes all the way there before it recoils, however short the touch; how fast is the
+    preset's.
 
     Parameters
     ----------
     position : float
         0 (start of the timeline) to 1 (its end).
     hold_seconds : float or None
-        How long, s; None is until the disk has arrived, 3 s at most.
+        How long the finger stays, s; None is 0.05 s.
 
     Returns
     -------
@@ -112,8 +110,7 @@ def tap(position: float, hold_seconds: float | None = None) -> Gesture:
     _position(position, "a tap's position")
     hold = _seconds(TAP_S if hold_seconds is None else hold_seconds, "a tap's hold")
     theta2 = np.full(2, position * HALF_TURN)
-    arrives = (1,) if hold_seconds is None else ()
-    return Gesture(np.array([0.0, hold]), theta2, np.array([True, False]), hold, on_arrival=arrives)
+    return Gesture(np.array([0.0, hold]), theta2, np.array([True, False]), hold)
 
 
 def pause(seconds: float) -> Gesture:
@@ -138,7 +135,7 @@ def pause(seconds: float) -> Gesture:
     --------
     >>> import overview_dsp as ov
     >>> (ov.sweep(1.0) + ov.pause(2.0) + ov.tap(0.5, 1.0)).duration_s
-    5.5
+    4.0
     """
     _seconds(seconds, "a rest", zero=True)
     return Gesture(np.empty(0), np.empty(0), np.empty(0, dtype=bool), float(seconds))

@@ -46,7 +46,7 @@ def parse_gesture(spec: str) -> Gesture:
     --------
     >>> import overview_dsp as ov
     >>> ov.parse_gesture("sweep:2:0:0.6+rest:3+tap:0.8:1.5").duration_s
-    8.0
+    6.5
     """
     given.instance(spec, str, "a gesture", f"it is {FORMS}")
     # a take's path may hold any character, a plus too

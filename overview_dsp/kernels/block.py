@@ -25,6 +25,8 @@ from overview_dsp.kernels.modal_bank import ring
 from overview_dsp.kernels.motion import move
 from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.output import emit
+from overview_dsp.kernels.output_gain import on_grid, set_gain
+from overview_dsp.kernels.release import stop_waiting
 from overview_dsp.kernels.shaping import shape
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.voice import sound
@@ -52,11 +54,14 @@ def run(f64, i64, u64, out, channels, start, stop, step, waiting, trace, traced)
     how many is returned. It is made beside the next chunk's disk, as neither waits for the other.
     """
     while start < stop:
-        frames = min(stop - start, step)
+        beyond = on_grid(i64)
+        if beyond == 0:
+            set_gain(f64, i64)
+        frames = min(stop - start, step, layout.GAIN_GRID - beyond)
         move(f64, i64, u64, frames, waiting, trace, start * layout.TRACE, traced)
         if waiting > 0:
             speak(f64, i64, out, start - waiting, waiting, channels, trace, traced)
-        shape(f64, frames)
+        shape(f64, frames, beyond)
         ring(f64, i64, frames)
         waiting = frames
         i64[layout.CLOCK] += frames
@@ -84,6 +89,9 @@ def clear(f64, i64, u64):
     for number in range(layout.CONTACT):
         i64[layout.STRIKES_SOUNDED + number] = 0
     i64[layout.HOLDER] = -1
+    stop_waiting(f64, i64)
+    f64[layout.GAIN_FROM] = 1.0
+    f64[layout.GAIN_TO] = 1.0
     u64[layout.NOISE] = u64[layout.S_SEED]
 
 

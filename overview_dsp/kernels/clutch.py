@@ -1,51 +1,63 @@
-"""The slip clutch on shaft 2: it slips where the disk would run ahead of the hand.
+"""The slip clutch on shaft 2: how far the disk may be behind the hand, and how fast it follows.
 
-Against friction B a disk that moves at the pace p (cells a sample) rests on a spring stretched by
-B*p / ((k1 + k2)*dt) cells. The clutch lets shaft 2 be stretched by no more than that for `catch`
-times the hand's own pace, so the rest position used in the step is
+Against friction B a disk that moves at the speed p (cells a sample) rests on a spring stretched by
+B*p / ((k1 + k2)*dt) cells. The clutch limits that stretch, so the rest position used in the step is
+x + clamp(hand - x, low, high), with torque never more than the rigid shaft's nor of another sign:
+it only dissipates, and the ledger of `two_disk` holds with that rest position. Four limits:
 
-    clamp(theta2, x - reach, x + reach),   reach = B * catch * pace / ((k1 + k2)*dt)
+- speed: the stretch for the wanted speed. Without lag that is the hand's pace; the further the disk
+  is behind, the faster, up to a ratio of the pace, and at least as fast as a tap unfolds.
+- maximum speed: nothing pulls the disk faster than that.
+- windup: the stretch grows from sample to sample by at most a ratio of the hand's pace, so that a
+  ridge of friction is not pulled at once by all the way that is behind.
+- backlash: the hand moves by that much before it pulls, so that tremor does not. After a release
+  there is none, so that the disk arrives.
 
-and its torque is never more than the rigid shaft's, nor of another sign. A disk that an event held
-back follows at about the hand's pace, where the rigid shaft would throw it at what comes next; a
-tap, which has no pace, unfolds in a chosen time. The energy ledger of `two_disk` holds with the
-rest position that was used.
-
-The pace is the smoothed input's, smoothed once more. A finger that rests keeps the pace it had, and
-a jump of the input isn't a pace; the disk is always let go fast enough to arrive within a few
-unfolding times, however slowly the hand moved last.
+The pace is that of the smoothed input, smoothed once more. A finger that rests keeps the pace it
+had, a jump of the input is no pace, and while the clutch slips the pace does not fall: the disk is
+still on its way. The wanted speed is that of the sample before, which takes it out of the chain of
+operations that each sample waits for.
 
 Thread: audio.
 """
 
 from __future__ import annotations
 
+from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.simd.vector import choose
 
-OFF = 1e300  # for `catch`: shaft 2 is rigid
-
-
-@inlined
-def follow_hand(pace, moved, smoothing, least, most):
-    """The hand's pace after a sample in which the smoothed input `moved` (cells, >= 0)."""
-    counted = choose(moved > least, moved, pace)
-    counted = choose(moved < most, counted, pace)
-    return pace + smoothing * (counted - pace)
+OFF = 1e300  # of a limit that does not hold
 
 
 @inlined
-def reach_of(stretch, pace, unfold, friction, catch):
-    """How far shaft 2 may be stretched (cells) where a rigid one would be by `stretch`.
+def with_backlash(played, hand, backlash):
+    """The hand's position behind its backlash (cells), of which `played` was the last.
 
-    `unfold` is the part of that way that is let go in a sample at least, `catch` the reach for a
-    pace of one cell a sample and a friction of 1 N m s/rad.
+    Towards an end of the surface, beyond which no hand can go, the backlash shrinks to nothing.
     """
-    least = abs(stretch) * unfold
-    return choose(least > pace, least, pace) * (friction * catch)
+    backlash = min(backlash, min(hand, layout.CELLS - hand))
+    return min(max(played, hand - backlash), hand + backlash)
 
 
 @inlined
-def slipped(stretch, reach):
-    """How far shaft 2 is stretched (cells) where a rigid one would be by `stretch`."""
-    return choose(stretch > 0.0, reach, -reach)
+def wanted_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed):
+    """The speed (cells a sample) that a disk may have.
+
+    A rigid shaft would be stretched by `stretch` (cells), of which `held_back` is what friction
+    takes at the hand's `pace`.
+    """
+    way = abs(stretch)
+    faster = pace + max(0.0, way - held_back) * lag_rate
+    return min(max(min(ratio * pace, faster), way * tap_rate), max_speed)
+
+
+@inlined
+def clutched(stretch, wound, load, growth):
+    """The stretch of shaft 2 (cells), where a rigid one would have `stretch`.
+
+    `wound` is that of the sample before, `load` what friction takes at the wanted speed, `growth`
+    how much more than `wound` there may be.
+    """
+    high = min(load, max(wound, 0.0) + growth)
+    low = max(-load, min(wound, 0.0) - growth)
+    return min(max(stretch, low), high)

@@ -12,8 +12,10 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import briefly_called, inlined
+from overview_dsp.kernels.event_crossing import edges_below
 from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.ordering import load_acquire, store_release
+from overview_dsp.kernels.release import arrive, stop_waiting, wait_for_disk
 
 PI = 3.141592653589793
 CELLS_PER_RAD = layout.CELLS / PI
@@ -28,14 +30,19 @@ def engage(f64, i64, source):
     f64[layout.INPUT] = position
     f64[layout.SMOOTH_1] = position
     f64[layout.SMOOTH_2] = position
-    f64[layout.PACE] = f64[layout.C_UNFOLD] * layout.CELLS
+    f64[layout.PLAYED] = position
+    f64[layout.PACE] = f64[layout.C_TAP_RATE] * layout.CELLS
+    f64[layout.WANTED] = f64[layout.PACE]
+    f64[layout.WOUND] = 0.0
+    f64[layout.SLIP] = 0.0
+    stop_waiting(f64, i64)
     i64[layout.HOLDER] = source
-    i64[layout.TOUCHING] = 1
+    i64[layout.ENGAGED] = 1
 
 
 @inlined
 def let_go(f64, i64):
-    """The holder has let go: another hand takes over, or disk 1 recoils."""
+    """The holder has let go: another hand takes over, or the disk goes on to the last target."""
     latest = 0
     heir = -1
     for source in range(layout.SOURCES):
@@ -48,11 +55,8 @@ def let_go(f64, i64):
     i64[layout.HOLDER] = heir
     if heir >= 0:
         f64[layout.INPUT] = f64[layout.SOURCE_THETA2 + heir] * CELLS_PER_RAD
-    elif i64[layout.S_RELEASE_RETURNS] == 1:
-        f64[layout.INPUT] = 0.0
-        f64[layout.PACE] = f64[layout.C_UNFOLD] * layout.CELLS
     else:
-        i64[layout.TOUCHING] = 0
+        wait_for_disk(f64, i64)
 
 
 @inlined
@@ -93,23 +97,6 @@ def apply_control(f64, i64, source, theta2, touching):
             f64[layout.INPUT] = f64[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
         else:
             let_go(f64, i64)
-
-
-@inlined
-def edges_below(f64, i64, slot, edges, position):
-    """How many edges of a slot's events lie at or below `position` (cells): binary search.
-
-    `edges` is `layout.SLOT_LOWER` or `layout.SLOT_UPPER`.
-    """
-    low = 0
-    high = i64[slot + layout.SLOT_EVENTS]
-    while low < high:
-        middle = (low + high) // 2
-        if f64[slot + edges + middle] <= position:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 @inlined
@@ -161,6 +148,8 @@ def waits(i64, read, written):
 def apply_due(f64, i64):
     """Apply every event due at the clock's sample: parameters and surfaces, then hands in order."""
     now = i64[layout.CLOCK]
+    if i64[layout.WAITING] == 1 and i64[layout.RELEASE_DUE] <= now:
+        arrive(f64, i64)
     while waits(i64, layout.HOST_READ, layout.HOST_WRITTEN):
         at = i64[layout.HOST_READ] % layout.HOST_RING
         if i64[layout.HOST_TIME + at] > now:
@@ -184,10 +173,10 @@ def apply_due(f64, i64):
 
 @inlined
 def next_due(i64):
-    """The sample of the next event that waits in any ring, or NEVER."""
-    due = NEVER
+    """The sample of the next event that waits in any ring, or of a release; or NEVER."""
+    due = i64[layout.RELEASE_DUE] if i64[layout.WAITING] == 1 else NEVER
     if waits(i64, layout.HOST_READ, layout.HOST_WRITTEN):
-        due = i64[layout.HOST_TIME + i64[layout.HOST_READ] % layout.HOST_RING]
+        due = min(due, i64[layout.HOST_TIME + i64[layout.HOST_READ] % layout.HOST_RING])
     for source in range(layout.SOURCES):
         if waits(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
             time = i64[

@@ -29,6 +29,7 @@ GRAIN_S = 0.05  # time constant of the grain's level: many small contacts don't 
 PACE_S = 0.08  # time constant of the hand's pace, behind the input smoother
 PACE_LEAST = 0.02  # timelines a second: slower, a finger rests (3.6 degrees a second)
 PACE_MOST = 6.0  # faster, the input jumps
+ARRIVAL_S = 2.5  # how long shaft 2 stays after a release at most
 FOREVER = 1 << 40  # samples
 LOG_1000 = 6.907755278982137  # of a fall by 60 dB
 MILLIWATT = 1e-3
@@ -78,13 +79,24 @@ def derive_into(f64, to):
     f64[to + layout.C_CEILING] = db_to_gain(f64[layout.PARAM_OUTPUT_CEILING_DB])
     f64[to + layout.C_GRAIN] = one_pole(GRAIN_S, sample_rate)
     f64[to + layout.C_FORGET] = exp(-dt / APPROACH_S)
-    catch_up = f64[layout.PARAM_DISK_CATCH_UP]
-    f64[to + layout.C_CATCH] = catch_up / ((k1 + k2) * dt) if catch_up > 0.0 else OFF
-    unfold_s = f64[layout.PARAM_DISK_UNFOLD_S]
-    f64[to + layout.C_UNFOLD] = dt / unfold_s if unfold_s > 0.0 else PACE_MOST * dt
+    ratio = f64[layout.PARAM_CLUTCH_MAX_SPEED_RATIO]
+    f64[to + layout.C_SPEED_RATIO] = ratio if ratio > 0.0 else 1.0
+    f64[to + layout.C_REACH] = 1.0 / ((k1 + k2) * dt) if ratio > 0.0 else OFF
+    tap_s = f64[layout.PARAM_CLUTCH_TAP_DURATION_S]
+    f64[to + layout.C_TAP_RATE] = dt / tap_s if tap_s > 0.0 else PACE_MOST * dt
+    lag_s = f64[layout.PARAM_CLUTCH_TIME_CONSTANT_S]
+    f64[to + layout.C_LAG_RATE] = dt / lag_s if lag_s > 0.0 else OFF
+    windup = f64[layout.PARAM_CLUTCH_WINDUP_RATIO]
+    f64[to + layout.C_WINDUP] = windup if windup > 0.0 and ratio > 0.0 else OFF
+    speed = f64[layout.PARAM_CLUTCH_MAX_SPEED]
+    f64[to + layout.C_MAX_SPEED] = speed * layout.CELLS * dt if speed > 0.0 else OFF
+    backlash = f64[layout.PARAM_CLUTCH_BACKLASH_PERCENT] if ratio > 0.0 else 0.0
+    f64[to + layout.C_BACKLASH] = backlash * 1e-2 * layout.CELLS
     f64[to + layout.C_PACE] = one_pole(PACE_S, sample_rate)
     f64[to + layout.C_PACE_LEAST] = PACE_LEAST * layout.CELLS * dt
     f64[to + layout.C_PACE_MOST] = PACE_MOST * layout.CELLS * dt
+    f64[to + layout.C_SLOW_EXPONENT] = f64[layout.PARAM_TACTOR_SLOW_GAIN_EXPONENT]
+    f64[to + layout.C_RECOIL_EXPONENT] = f64[layout.PARAM_TACTOR_RECOIL_GAIN_EXPONENT]
     f64[to + layout.C_DC_POLE] = exp(-2.0 * math.pi * CORNER_HZ * dt)
 
 
@@ -165,6 +177,7 @@ def derive(f64, i64):
         i64[layout.GLIDE_LEFT + i] = 0
     i64[layout.S_GLIDE] = int(GLIDE_S * f64[layout.S_SAMPLE_RATE] + ROUND - ROUND)
     i64[layout.S_FADE] = int(FADE_S * f64[layout.S_SAMPLE_RATE] + ROUND - ROUND)
+    i64[layout.S_ARRIVAL] = int(ARRIVAL_S * f64[layout.S_SAMPLE_RATE] + ROUND - ROUND)
     i64[layout.S_RELEASE_RETURNS] = int(f64[layout.PARAM_DISK_RELEASE])
     i64[layout.ASKED_RETURNS] = i64[layout.S_RELEASE_RETURNS]
 

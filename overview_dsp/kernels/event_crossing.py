@@ -17,6 +17,23 @@ RETREAT = 1e-6  # cells: how far the disk must go back before an edge counts as 
 
 
 @inlined
+def edges_below(f64, i64, slot, edges, position):
+    """How many edges of a slot's events lie at or below `position` (cells): binary search.
+
+    `edges` is `layout.SLOT_LOWER` or `layout.SLOT_UPPER`.
+    """
+    low = 0
+    high = i64[slot + layout.SLOT_EVENTS]
+    while low < high:
+        middle = (low + high) // 2
+        if f64[slot + edges + middle] <= position:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@inlined
 def edge_above(f64, i64, slot, edges, following):
     """The position (cells) from which on the edge in column `following` is passed upwards."""
     number = i64[following]

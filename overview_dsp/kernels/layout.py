@@ -44,7 +44,8 @@ STRIKE_LOG = 16384  # strikes kept until they are read
 APPLIED_LOG = 16384  # control events kept, as applied, until they are read (a power of two)
 DELAY_LINE = 131072  # frames of the outputs' delay: 100 ms at the highest rate (a power of two)
 SLOTS = 3  # surfaces: active, fading from, being written
-COEFFS = 32
+COEFFS = 36
+GAIN_GRID = 64  # samples between two values of the output gains (a power of two)
 CHUNK = 64  # samples that pass from one stage to the next at a time
 SIGNALS = 2
 CLICK, TACTOR = range(SIGNALS)  # the order of the signals
@@ -75,12 +76,19 @@ COEFF = column(COEFFS)
     C_DC_POLE,
     C_GRAIN,  # the grain's level smoothing, a sample
     C_FORGET,  # how fast the disk's approach speed is forgotten, a sample
-    C_CATCH,  # clutch: reach for a pace and a friction of 1, cells; clutch.OFF = rigid
-    C_UNFOLD,  # clutch: part of the way to the hand that is let go in a sample at least
-    C_PACE,  # clutch: smoothing of the hand's pace, a sample
+    C_SPEED_RATIO,  # clutch: highest speed of the disk, of the hand's pace
+    C_REACH,  # clutch: stretch at a speed and a friction of 1, cells; clutch.OFF = rigid shaft
+    C_TAP_RATE,  # clutch: part of the stretch that is covered in a sample at least
+    C_LAG_RATE,  # clutch: part of the lag that is made up in a sample
+    C_WINDUP,  # clutch: growth of the stretch, of the hand's pace
+    C_MAX_SPEED,  # clutch: nothing pulls the disk faster, cells a sample
+    C_BACKLASH,  # clutch: play between hand and shaft, cells
+    C_PACE,  # smoothing of the hand's pace, a sample
     C_PACE_LEAST,  # slower, a finger rests, cells a sample
     C_PACE_MOST,  # faster is a jump, cells a sample
-) = range(COEFF, COEFF + 27)
+    C_SLOW_EXPONENT,  # output gain of a slow hand
+    C_RECOIL_EXPONENT,  # output gain of the recoil
+) = range(COEFF, COEFF + 34)
 TARGET = column(COEFFS)
 GLIDE_FROM = column(COEFFS)
 GLIDE_LEFT = column(COEFFS)  # i64: samples left of each glide
@@ -95,18 +103,23 @@ SETTINGS = column(8)
     S_TACTOR_CHANNEL,  # i64: output channel of the tactor, -1 = none
     S_SEED,  # u64: random state at reset
     S_SAMPLE_RATE,  # Hz
-) = range(SETTINGS, SETTINGS + 7)
+    S_ARRIVAL,  # i64: samples that shaft 2 stays after a release at most
+) = range(SETTINGS, SETTINGS + 8)
 
 # --- parameters, as a person sets them: derive.py makes coefficients of them ---------------------
-PARAMETERS = 22
-PARAMS = column(24)
+PARAMETERS = 28
+PARAMS = column(32)
 (  # each is called after its parameter's id, and in its unit
     PARAM_DISK_INERTIA,
     PARAM_DISK_K1,
     PARAM_DISK_K2,
-    PARAM_DISK_CATCH_UP,
-    PARAM_DISK_UNFOLD_S,
     PARAM_DISK_RELEASE,  # 0 = recoil, 1 = return
+    PARAM_CLUTCH_MAX_SPEED_RATIO,
+    PARAM_CLUTCH_TAP_DURATION_S,
+    PARAM_CLUTCH_TIME_CONSTANT_S,
+    PARAM_CLUTCH_WINDUP_RATIO,
+    PARAM_CLUTCH_MAX_SPEED,
+    PARAM_CLUTCH_BACKLASH_PERCENT,
     PARAM_INPUT_SMOOTHING_MS,
     PARAM_TACTOR_FULL_TORQUE_MNM,
     PARAM_TACTOR_COMPRESSION,
@@ -116,6 +129,8 @@ PARAMS = column(24)
     PARAM_TACTOR_FREQUENCY_HZ,
     PARAM_TACTOR_GAIN_DB,
     PARAM_TACTOR_MUTE,  # 0 or 1
+    PARAM_TACTOR_SLOW_GAIN_EXPONENT,
+    PARAM_TACTOR_RECOIL_GAIN_EXPONENT,
     PARAM_CLICK_FULL_TORQUE_MNM,
     PARAM_CLICK_COMPRESSION,
     PARAM_CLICK_GAIN_DB,
@@ -130,7 +145,7 @@ DERIVED = column(COEFFS)  # those that are compared with them
 SET_UP = column.end  # columns that a coefficient depends on, and those it is written to
 
 # --- state: everything `reset` clears ---------------------------------------------------------
-STATE = column(32)
+STATE = column(48)
 (
     CLOCK,  # i64: samples since reset
     APPROACH,  # highest recent |omega1|, rad/s
@@ -139,7 +154,7 @@ STATE = column(32)
     INPUT,  # smoother: its target theta2, cells
     SMOOTH_1,  # smoother: first pole, cells
     SMOOTH_2,  # smoother: second pole = the theta2 in use, cells
-    TOUCHING,  # i64: 1 = shaft 2 engaged
+    ENGAGED,  # i64: 1 = shaft 2 is engaged
     HOLDER,  # i64: source that holds the disk, -1 = none
     TOUCH_COUNT,  # i64: engagements so far: who touched last
     NEXT_LOWER,  # i64: lower edges of the active surface's events at or below the disk
@@ -163,7 +178,18 @@ STATE = column(32)
     BRISTLE_STIFFNESS,  # of the bristles deflected, N m/rad
     SLIP_PEAK,  # highest |torque| of the bristles since they stuck, N m; -1 = they slide
     PACE,  # of the hand, cells a sample
-) = range(STATE, STATE + 31)
+    PLAYED,  # clutch: the hand behind its backlash, cells
+    WOUND,  # clutch: stretch of shaft 2 in the last sample, cells
+    SLIP,  # clutch: what a rigid shaft would have been stretched by beyond that, cells
+    WANTED,  # clutch: speed that the disk may have, cells a sample
+    WAITING,  # i64: 1 = released, and shaft 2 stays until the disk has arrived
+    RELEASE_DUE,  # i64: sample at which it disengages at the latest
+    ARRIVAL_ABOVE,  # position (cells) from which on the disk has arrived; FAR where nothing waits
+    ARRIVAL_BELOW,  # position below which it has
+    GAIN_FROM,  # output gain at the last sample of the grid
+    GAIN_STEP,  # its growth a sample
+    GAIN_TO,  # at the next
+) = range(STATE, STATE + 42)
 SOURCE_TOUCHING = column(SOURCES)  # i64: of each source
 SOURCE_TOUCHED_AT = column(SOURCES)  # i64: TOUCH_COUNT when it last touched
 SOURCE_THETA2 = column(SOURCES)  # rad
@@ -231,6 +257,7 @@ D_POSITION = column(CHUNK)
 D_SPEED = column(CHUNK)
 D_THETA2 = column(CHUNK)
 D_FRICTION = column(CHUNK)
+D_ENGAGED = column(CHUNK)  # for traces alone
 D_AMPLITUDE = column(CHUNK)  # from the shaping
 D_SINE = column(CHUNK)
 D_GRAIN = column(CHUNK)
@@ -403,5 +430,6 @@ TRACE_COLUMNS = (
     "friction",
     "torque",
     "envelope",
+    "engaged",
 )
 TRACE = len(TRACE_COLUMNS)

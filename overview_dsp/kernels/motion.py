@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import log_strike
-from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
-from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
+from overview_dsp.kernels.clutch import OFF, clutched, wanted_speed, with_backlash
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
+from overview_dsp.kernels.event_crossing import pass_events
 from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction, on_table
 from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.nonviscous_step import slide
 from overview_dsp.kernels.ordering import store_release
+from overview_dsp.kernels.release import arrive, has_arrived, next_above, next_below
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
@@ -60,28 +60,46 @@ def step(f64, i64, n, old_slot, modelled):
     table = slot + layout.SLOT_TABLE
     old_table = old_slot + layout.SLOT_TABLE
     friction = friction_between(f64, table, old_table, left, ahead)
-    held = i64[layout.TOUCHING] == 1
-    hold = 1.0 if held else 0.0
+    engaged = i64[layout.ENGAGED] == 1
+    hold = 1.0 if engaged else 0.0
     moved = abs(y2 - was)
     pace = f64[layout.PACE]
-    if i64[layout.HOLDER] >= 0:
-        pace = follow_hand(
-            pace, moved, f64[layout.C_PACE], f64[layout.C_PACE_LEAST], f64[layout.C_PACE_MOST]
-        )
+    max_speed = f64[layout.C_MAX_SPEED]
+    if i64[layout.HOLDER] >= 0 and f64[layout.C_PACE_LEAST] < moved < f64[layout.C_PACE_MOST]:
+        if moved > pace or f64[layout.SLIP] == 0.0:
+            pace = pace + f64[layout.C_PACE] * (moved - pace)
     f64[layout.PACE] = pace
-    catch = f64[layout.C_CATCH] if held else CLUTCH_OFF
-    holding = friction
-    if modelled and catch < CLUTCH_OFF:
-        # the friction that would hold as much at the hand's pace
+    backlash = f64[layout.C_BACKLASH] if i64[layout.HOLDER] >= 0 else 0.0
+    played = with_backlash(f64[layout.PLAYED], y2, backlash)
+    f64[layout.PLAYED] = played
+    rigid = played * hold - x
+    reach = f64[layout.C_REACH] if engaged else OFF
+    windup = f64[layout.C_WINDUP] if engaged else OFF
+    ratio = f64[layout.C_SPEED_RATIO]
+    free = friction * reach
+    load = f64[layout.WANTED] * free
+    held_back = free * pace
+    if modelled and reach < OFF:
+        # what bristles and detents hold the disk with does not depend on its speed
         most = max(f64[slot + layout.SLOT_HOLD], f64[old_slot + layout.SLOT_HOLD])
-        holding = holding + most / (pace * f64[layout.C_OMEGA])
-    stretch = y2 * hold - x
-    used = y2
-    reach = reach_of(stretch, pace, f64[layout.C_UNFOLD], holding, catch)
-    if abs(stretch) > reach:
-        stretch = slipped(stretch, reach)
-        used = x + stretch
-    spring = f64[layout.C_SPRING_HELD] if held else f64[layout.C_SPRING_FREE]
+        held = most / f64[layout.C_OMEGA] * reach
+        load = load + ratio * held
+        held_back = held_back + held
+    stretch = clutched(rigid, f64[layout.WOUND], load, windup * min(pace, max_speed))
+    slip = rigid - stretch
+    used = played if slip == 0.0 else x + stretch
+    f64[layout.WOUND] = stretch
+    f64[layout.SLIP] = slip
+    f64[layout.WANTED] = wanted_speed(
+        rigid,
+        held_back,
+        pace,
+        ratio,
+        f64[layout.C_LAG_RATE],
+        f64[layout.C_TAP_RATE],
+        max_speed,
+    )
+    spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
     inertia = f64[layout.C_INERTIA]
     denominator = inertia * (2.0 + 0.5 * spring)
     to_omega = f64[layout.C_OMEGA]
@@ -121,22 +139,25 @@ def step(f64, i64, n, old_slot, modelled):
 @inlined
 def stands(f64, i64, n, stuck):
     """Whether the disk is at rest in sample n of a chunk; `stuck` is the speed that is rest too."""
-    rest = f64[layout.INPUT] if i64[layout.TOUCHING] == 1 else 0.0
-    near = abs(f64[layout.D_POSITION + n] - rest) < NEAR_REST
+    rest = f64[layout.INPUT] if i64[layout.ENGAGED] == 1 else 0.0
+    near = abs(f64[layout.D_POSITION + n] - rest) < NEAR_REST + f64[layout.C_BACKLASH]
     return near or abs(f64[layout.D_OMEGA + n]) < stuck
 
 
 @inlined
-def note_stillness(f64, i64, frames, modelled):
-    """Count the samples since the disk was last away from where its springs rest."""
+def note_stillness(f64, i64, first, stop, modelled):
+    """Count the samples since the disk was last away from where its springs rest.
+
+    From sample `first` of a chunk to `stop`, in which shaft 2 was not changed.
+    """
     stuck = STUCK if modelled else 0.0
-    last = frames - 1
-    while last >= 0 and stands(f64, i64, last, stuck):
+    last = stop - 1
+    while last >= first and stands(f64, i64, last, stuck):
         last -= 1
-    if last >= 0:
-        i64[layout.M_STILL] = frames - 1 - last
+    if last >= first:
+        i64[layout.M_STILL] = stop - 1 - last
     else:
-        i64[layout.M_STILL] += frames
+        i64[layout.M_STILL] += stop - first
 
 
 @inlined
@@ -152,17 +173,18 @@ def sum_torque(f64, i64, frames):
 @inlined
 def write_trace(f64, i64, frames, trace, at):
     """The disk's columns of one chunk as trace rows from index `at` on."""
-    held = float(i64[layout.TOUCHING])
+    touching = 1.0 if i64[layout.HOLDER] >= 0 else 0.0
     for n in range(frames):
         position = f64[layout.D_POSITION + n]
         trace[at] = float(i64[layout.CLOCK] + n + 1) / f64[layout.S_SAMPLE_RATE]
         trace[at + 1] = f64[layout.D_THETA2 + n] * RAD_PER_CELL
-        trace[at + 2] = held
+        trace[at + 2] = touching
         trace[at + 3] = position * f64[layout.C_THETA]
         trace[at + 4] = f64[layout.D_SPEED + n] * f64[layout.C_OMEGA]
         trace[at + 5] = position * PER_CELL
         trace[at + 6] = f64[layout.D_FRICTION + n]
         trace[at + 7] = f64[layout.D_TORQUE + n]
+        trace[at + 9] = f64[layout.D_ENGAGED + n]
         at += layout.TRACE
 
 
@@ -180,21 +202,28 @@ def move(f64, i64, u64, frames, sounding, trace, at, traced):
     sounded = 0
     n = 0
     while n < frames:
+        first = n
+        engaged = float(i64[layout.ENGAGED])
         if modelled or i64[layout.FADE_LEFT] > 0:
             step(f64, i64, n, old_slot, modelled)
             n += 1
             x = f64[layout.X]
-            passed = x >= event_above(f64, i64) or x < event_below(f64, i64)
+            passed = x >= next_above(f64, i64) or x < next_below(f64, i64)
         else:
             if sounded < min(n, sounding):  # after steps, or what the last chunk had more
                 sound(f64, u64, sounded, min(n, sounding))
             n, passed = travel(f64, i64, u64, n, frames, sounding)
             sounded = min(n, sounding)
+        note_stillness(f64, i64, first, n, modelled)
+        if traced:
+            for i in range(first, n):
+                f64[layout.D_ENGAGED + i] = engaged
         if passed:
             pass_events(f64, i64, n - 1, start if n == 1 else f64[layout.D_POSITION + n - 2])
+            if has_arrived(f64):
+                arrive(f64, i64)
     if sounded < sounding:
         sound(f64, u64, sounded, sounding)
-    note_stillness(f64, i64, frames, modelled)
     f64[layout.M_TORQUE] = f64[layout.D_TORQUE + frames - 1]
     f64[layout.M_FRICTION] = f64[layout.D_FRICTION + frames - 1]
     sum_torque(f64, i64, frames)

@@ -17,15 +17,20 @@ SIDE_BY_SIDE = 16  # what lies behind a chunk's end is made too: several cost no
 
 
 @inlined
-def shape(f64, frames):
-    """Fill the D_AMPLITUDE, D_SINE, D_GRAIN and D_COLOUR columns of one chunk from the disk's."""
+def shape(f64, frames, beyond):
+    """Fill the D_AMPLITUDE, D_SINE, D_GRAIN and D_COLOUR columns of one chunk from the disk's.
+
+    It begins `beyond` samples after one of the output gain's grid.
+    """
+    first = f64[layout.GAIN_FROM]
+    growth = f64[layout.GAIN_STEP]
     scale = f64[layout.C_TORQUE]
     gate = f64[layout.C_GATE]
     exponent = f64[layout.C_EXPONENT]
     gain = f64[layout.C_TEXTURE_GAIN]
     cutoff = f64[layout.C_TEXTURE_CUTOFF]
     for n in range((frames + SIDE_BY_SIDE - 1) & -SIDE_BY_SIDE):
-        torque = f64[layout.D_TORQUE + n]
+        torque = f64[layout.D_TORQUE + n] * (first + growth * float(beyond + n + 1))
         f64[layout.D_AMPLITUDE + n] = compress(torque, scale, gate, exponent)
         f64[layout.D_SINE + n] = sin_turns(f64[layout.D_PHASE + n])
         omega = f64[layout.D_OMEGA + n]

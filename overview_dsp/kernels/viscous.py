@@ -11,11 +11,10 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
-from overview_dsp.kernels.clutch import reach_of, slipped
+from overview_dsp.kernels.clutch import OFF, clutched, wanted_speed, with_backlash
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.event_crossing import event_above, event_below
 from overview_dsp.kernels.friction import friction_on, is_steep, mean_friction, on_table
+from overview_dsp.kernels.release import next_above, next_below
 from overview_dsp.kernels.simd.vector import choose
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
@@ -38,9 +37,9 @@ def snapped(x, least):
 
 @outlined
 def travel(f64, i64, u64, start, frames, sounding):
-    """Move the disk from sample `start` of a chunk on, up to the first in which an event is passed.
+    """Move the disk from sample `start` of a chunk on, up to the first that passes or arrives.
 
-    Returns the sample after it, or the chunk's end, and whether one was. Writes the disk's columns.
+    It passes an event, or arrives after a release. Returns the sample after it, or the chunk's end, and whether one was. Writes the disk's columns.
     Beside each sample goes the `sound` of the same one of the chunk before, of `sounding` samples.
     """
     sound_before = sound_state(f64, u64)
@@ -58,19 +57,28 @@ def travel(f64, i64, u64, start, frames, sounding):
     forget = f64[layout.C_FORGET]
     inertia = f64[layout.C_INERTIA]
     to_omega = f64[layout.C_OMEGA]
-    held = i64[layout.TOUCHING] == 1
-    hold = 1.0 if held else 0.0
+    engaged = i64[layout.ENGAGED] == 1
+    hold = 1.0 if engaged else 0.0
     pace = f64[layout.PACE]
     pacing = f64[layout.C_PACE] if i64[layout.HOLDER] >= 0 else 0.0
     least = f64[layout.C_PACE_LEAST]
     most = f64[layout.C_PACE_MOST]
-    catch = f64[layout.C_CATCH] if held else CLUTCH_OFF
-    unfold = f64[layout.C_UNFOLD]
-    spring = f64[layout.C_SPRING_HELD] if held else f64[layout.C_SPRING_FREE]
+    played = f64[layout.PLAYED]
+    wound = f64[layout.WOUND]
+    slip = f64[layout.SLIP]
+    wanted = f64[layout.WANTED]
+    backlash = f64[layout.C_BACKLASH] if i64[layout.HOLDER] >= 0 else 0.0
+    reach = f64[layout.C_REACH] if engaged else OFF
+    windup = f64[layout.C_WINDUP] if engaged else OFF
+    ratio = f64[layout.C_SPEED_RATIO]
+    lag_rate = f64[layout.C_LAG_RATE]
+    tap_rate = f64[layout.C_TAP_RATE]
+    max_speed = f64[layout.C_MAX_SPEED]
+    spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
     denominator = inertia * (2.0 + 0.5 * spring)
     table = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE + layout.SLOT_TABLE
-    above = event_above(f64, i64)
-    below = event_below(f64, i64)
+    above = next_above(f64, i64)
+    below = next_below(f64, i64)
 
     n = start
     while n < frames:
@@ -81,15 +89,16 @@ def travel(f64, i64, u64, start, frames, sounding):
         ahead = on_table(x + half)
         friction = friction_on(f64, table, ahead)
         moved = abs(y2 - was)
-        # `clutch.follow_hand` as a branch, which costs this loop less than selecting
-        if least < moved < most:
+        if least < moved < most and (moved > pace or slip == 0.0):
             pace = pace + pacing * (moved - pace)
-        stretch = y2 * hold - x
-        used = y2
-        reach = reach_of(stretch, pace, unfold, friction, catch)
-        if abs(stretch) > reach:
-            stretch = slipped(stretch, reach)
-            used = x + stretch
+        played = with_backlash(played, y2, backlash)
+        rigid = played * hold - x
+        free = friction * reach
+        stretch = clutched(rigid, wound, wanted * free, windup * min(pace, max_speed))
+        slip = rigid - stretch
+        used = played if slip == 0.0 else x + stretch
+        wound = stretch
+        wanted = wanted_speed(rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed)
         middle = midpoint_speed(2.0 * half, stretch, spring, inertia, denominator, friction)
         if is_steep(i64, table, ahead):
             friction, middle = mean_friction(
@@ -123,5 +132,9 @@ def travel(f64, i64, u64, start, frames, sounding):
     f64[layout.PHASE] = phase
     f64[layout.APPROACH] = approach
     f64[layout.PACE] = pace
+    f64[layout.PLAYED] = played
+    f64[layout.WOUND] = wound
+    f64[layout.SLIP] = slip
+    f64[layout.WANTED] = wanted
     keep_sound_state(f64, u64, sound_before)
     return n, x >= above or x < below

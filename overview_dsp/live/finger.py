@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 from overview_dsp.engine.engine import Engine
-from overview_dsp.gestures.scripts import TAP_S
 from overview_dsp.units import HALF_TURN
-
-TAP_SETTLES_S = 0.1
-"""A tap holds at least so long: until it is heard, the disk may seem to have arrived."""
 
 
 class Finger:
@@ -32,39 +27,27 @@ class Finger:
         self._heard = heard
         self.position = 0.0
         self.holding = False
-        self._release_at: float | None = None
 
     def touch(self, position: float) -> None:
         """Hold at `position` (0 to 1): a tap if it wasn't down, else it moves there."""
-        self._release_at = None
         self._hold(position)
 
     def release(self) -> None:
-        """Let go: the disk recoils."""
-        self._release_at = None
+        """Release: the disk goes on to `position`, then recoils."""
         if self.holding:
             self.holding = False
             self._engine.control(self.position * HALF_TURN, False)
 
     def tap(self, position: float) -> None:
-        """A step to `position`, held until the disk is there, and let go (paper, figure 6)."""
+        """A step to `position` that is released at once (paper, figure 6)."""
         if self.holding:
             self.release()
         self._hold(position)
-        self._release_at = time.monotonic() + TAP_S
-
-    def poll(self) -> None:
-        """Let go after a tap, when that is due."""
-        if self._release_at is not None:
-            left = self._release_at - time.monotonic()
-            settled = left <= TAP_S - TAP_SETTLES_S and self._engine.arrived_at is not None
-            if left <= 0.0 or settled:
-                self.release()
+        self.release()
 
     def forget(self) -> None:
         """It isn't down: the engine has begun anew."""
         self.holding = False
-        self._release_at = None
 
     def _hold(self, position: float) -> None:
         self.position = min(max(position, 0.0), 1.0)

@@ -253,7 +253,6 @@ class Player:
 
     def poll(self) -> Status:
         """See to everything that is due; how the session stands."""
-        self._finger.poll()
         if self._growing is not None and self._replaying.now is None and self._output.playing:
             self._growing.poll(self.holding)
         while self._asked:

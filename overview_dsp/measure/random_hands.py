@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.gestures import Gesture
-from overview_dsp.gestures.scripts import ARRIVAL_S, CONTROL_RATE
+from overview_dsp.gestures.scripts import CONTROL_RATE
 from overview_dsp.timeline import given
 from overview_dsp.units import HALF_TURN
 
@@ -72,8 +72,7 @@ def random_hand(seed: int) -> Gesture:
     places = np.maximum(np.concatenate([[0.0], np.cumsum(course) / CONTROL_RATE]), 0.0)
     end = int(np.argmax(places >= 1.0 - 1e-9))
     places = np.append(places[:end], [1.0, 1.0])
-    time_s = np.arange(end + 2) / CONTROL_RATE
-    time_s[-1] = time_s[-2] + ARRIVAL_S
+    time_s = np.append(np.arange(end + 1), end) / CONTROL_RATE
     touching = np.ones(end + 2, dtype=bool)
     touching[-1] = False
-    return Gesture(time_s, places * HALF_TURN, touching, float(time_s[-1]), on_arrival=(end + 1,))
+    return Gesture(time_s, places * HALF_TURN, touching, float(time_s[-1]))

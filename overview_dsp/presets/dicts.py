@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from overview_dsp.errors import InputError
+from overview_dsp.presets.migrations import migrated_values
 from overview_dsp.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
 
@@ -52,7 +53,7 @@ def _preset_of(data: Any) -> Preset:
         name,
         title,
         description,
-        data["values"],
+        migrated_values(data["values"]),
         {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
         # states of before had none of these
         Tags(**data.get("tags", {})),

@@ -19,12 +19,6 @@ MAX_TAIL_S = 24 * 3600.0
 FED_AHEAD = 4000
 """Control events that may wait in the engine: its ring holds 4096."""
 
-SETTLE_S = 0.03
-"""How long after it has arrived a disk is let go."""
-
-LOOK_S = 0.01
-"""How often a disk is looked at that has to arrive, counted from the hand's arrival."""
-
 REST_S = 0.05
 """At rest: for so long the disk is where its springs want it and both channels are zero."""
 
@@ -95,9 +89,6 @@ class GesturePlayer:
         else:
             self._end = self._most = length + round(tail * rate)
         self._quiet = round(REST_S * rate)
-        self._settle = round(SETTLE_S * rate)
-        self._look = max(1, round(LOOK_S * rate))
-        self._on_arrival = list(gesture.on_arrival)
         self._start = engine.sample_time
         self._whole = engine.timeline
         self._changes = [(round(change.time_s * rate), change.what) for change in gesture.changes]
@@ -134,12 +125,6 @@ class GesturePlayer:
             what = changes[self._changed][1]
             self._whole = apply_change(self._engine, self._whole, what, self._start + done)
             self._changed += 1
-        if self._on_arrival:
-            frames = min(frames, self._until_look(done))
-            stamps = self._stamps
-            ahead = min(
-                self._fed + FED_AHEAD - waiting, int(np.searchsorted(stamps, done + frames))
-            )
         if self._changed < len(changes):
             # a change is made when it is due: only two surfaces can wait
             frames = min(frames, changes[self._changed][0] - done)
@@ -154,33 +139,6 @@ class GesturePlayer:
             )
             self._fed = ahead
         return frames
-
-    def _until_look(self, done: int) -> int:
-        """Let go if the disk has arrived; the frames until it must be looked at (again).
-
-        It is looked at after fixed samples, so that no partition into blocks changes the answer.
-        """
-        if not self._on_arrival:
-            return self._most
-        event = self._on_arrival[0]
-        since = done - int(self._stamps[event - 1])
-        if since < 0:
-            return -since
-        if self._fed <= event:
-            if self._fed < event or since % self._look:
-                return self._look - since % self._look
-            arrived = self._engine.arrived_at
-            if arrived is None:
-                return self._look
-            release = max(arrived - self._start, int(self._stamps[event - 1])) + self._settle
-            # not yet settled: look again before that time
-            if release - done > self._look:
-                return self._look
-            if release < self._stamps[event]:
-                self._stamps = self._stamps.copy()
-                self._stamps[event] = max(release, done)
-        self._on_arrival.pop(0)
-        return self._until_look(done)
 
     def count(self, frames: int, silent_samples: int | None = None) -> int:
         """Count frames as processed; how many of them belong to the gesture and its tail.

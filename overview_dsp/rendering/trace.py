@@ -43,6 +43,8 @@ class Trace(Mapping[str, NDArray[np.float64]]):
         Friction times the step's mean omega1, and what bristles and detents add, N m.
     envelope : float64 (frames,)
         Amplitude of the tactor's carrier, linear.
+    engaged : float64 (frames,)
+        1 while shaft 2 is engaged: from a touch until the disk has arrived after its release.
 
     Examples
     --------
@@ -64,6 +66,7 @@ class Trace(Mapping[str, NDArray[np.float64]]):
     friction: NDArray[np.float64]
     torque: NDArray[np.float64]
     envelope: NDArray[np.float64]
+    engaged: NDArray[np.float64]
 
     def __init__(self, table: NDArray[np.float64], names: tuple[str, ...] = TRACE_COLUMNS) -> None:
         self._table = table

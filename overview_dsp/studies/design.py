@@ -195,10 +195,7 @@ def _grid(file: StudyFile, table: JobsTable, own: dict[str, Timeline]) -> Study:
         table.data["gestures"] = [one for one in given if one != FREE]
         if not table.data["gestures"]:
             del table.data["gestures"]
-    grid = read_grid(table, "", own, free)
-    # a person's stimulus ends when it was written: a release has its time
-    fixed = {name: replace(hand, on_arrival=()) for name, hand in grid.gestures.items()}
-    return replace(grid, gestures=fixed)
+    return read_grid(table, "", own, free)
 
 
 def _kind_of(timeline: Timeline) -> str | None:

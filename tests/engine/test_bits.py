@@ -38,7 +38,7 @@ def schedule(engine):
 
 def played(engine, sizes):
     out = np.full((FRAMES, 2), np.nan, dtype=np.float32)
-    trace = np.full((FRAMES, 9), np.nan)
+    trace = np.full((FRAMES, 10), np.nan)
     start = 0
     for size in sizes:
         stop = min(FRAMES, start + size)

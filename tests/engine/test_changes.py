@@ -95,7 +95,7 @@ def test_a_preset_is_taken_over_whole():
     assert engine.memory[layout.C_TACTOR_GAIN] == pytest.approx(0.1)
     engine.control(2.0, True)
     engine.control(2.0, False, 2000)
-    assert np.all(run(engine, 3000)[1][1:, 2] == 1.0)  # the shaft stays
+    assert np.all(run(engine, 3000)[1][1:, 9] == 1.0)  # the shaft stays
 
 
 def test_changes_are_reported_in_order_once_each_when_they_have_been_applied():

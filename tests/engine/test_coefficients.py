@@ -25,8 +25,14 @@ VALUES = {
     "disk.inertia": 2e-5,
     "disk.k1": 3e-3,
     "disk.k2": 2e-2,
-    "disk.catch_up": 1.2,
-    "disk.unfold_s": 1.5,
+    "clutch.max_speed_ratio": 1.2,
+    "clutch.tap_duration_s": 1.5,
+    "clutch.time_constant_s": 0.06,
+    "clutch.windup_ratio": 2.5,
+    "clutch.max_speed": 0.9,
+    "clutch.backlash_percent": 0.3,
+    "tactor.slow_gain_exponent": 0.5,
+    "tactor.recoil_gain_exponent": 0.6,
     "input.smoothing_ms": 5.0,
     "tactor.full_torque_mnm": 40.0,
     "tactor.compression": 0.6,
@@ -71,8 +77,15 @@ def test_every_coefficient_is_what_its_parameter_says(rate):
         layout.C_TEXTURE_GAIN: db(-40.0) * math.sqrt(3.0 / 1e-3 * rate / 48e3),
         layout.C_TEXTURE_CUTOFF: 2.0 * math.pi * 800.0 / rate,
         layout.C_CEILING: db(-2.0),
-        layout.C_CATCH: 1.2 / (2.3e-2 / rate),  # at 1.2 times a hand's pace
-        layout.C_UNFOLD: 1.0 / (1.5 * rate),
+        layout.C_SPEED_RATIO: 1.2,
+        layout.C_REACH: 1.0 / (2.3e-2 / rate),
+        layout.C_LAG_RATE: 1.0 / (0.06 * rate),
+        layout.C_WINDUP: 2.5,
+        layout.C_MAX_SPEED: 0.9 * layout.CELLS / rate,
+        layout.C_BACKLASH: 0.003 * layout.CELLS,
+        layout.C_SLOW_EXPONENT: 0.5,
+        layout.C_RECOIL_EXPONENT: 0.6,
+        layout.C_TAP_RATE: 1.0 / (1.5 * rate),
         layout.C_PACE_LEAST: 0.02 * layout.CELLS / rate,
         layout.C_PACE_MOST: 6.0 * layout.CELLS / rate,
     }
@@ -93,13 +106,15 @@ def test_every_coefficient_is_what_its_parameter_says(rate):
 
 
 @pytest.mark.parametrize("rate", RATES)
-def test_a_clutch_that_is_off_is_rigid_and_a_tap_unfolds_as_fast_as_a_hand_may_move(rate):
-    found = coefficients(plain_preset(disk__catch_up=0.0, disk__unfold_s=0.0), rate)
-    assert found[layout.C_CATCH] == clutch.OFF
-    assert found[layout.C_UNFOLD] == pytest.approx(PACE_MOST / rate)
-    slow = coefficients(plain_preset(disk__catch_up=0.25, disk__unfold_s=0.25), rate)
-    assert slow[layout.C_CATCH] == pytest.approx(0.25 * rate / (K1 + K2))
-    assert slow[layout.C_UNFOLD] == pytest.approx(1.0 / (0.25 * rate))
+def test_each_limit_of_the_clutch_is_off_at_0_and_all_are_with_a_rigid_shaft(rate):
+    rigid = coefficients(plain_preset(clutch__windup_ratio=2.0, clutch__backlash_percent=1.0), rate)
+    assert rigid[layout.C_REACH] == rigid[layout.C_WINDUP] == clutch.OFF
+    assert rigid[layout.C_BACKLASH] == 0.0
+    bare = coefficients(plain_preset(clutch__max_speed_ratio=0.25), rate)
+    assert bare[layout.C_REACH] == pytest.approx(rate / (K1 + K2))
+    assert bare[layout.C_TAP_RATE] == pytest.approx(PACE_MOST / rate)
+    for column in (layout.C_LAG_RATE, layout.C_WINDUP, layout.C_MAX_SPEED):
+        assert bare[column] == clutch.OFF
 
 
 @pytest.mark.parametrize("signal", ["tactor", "click"])

@@ -32,7 +32,7 @@ def prepared(preset, timeline, rate=48_000, block=4096, seed=0):
 
 def run(engine, frames, block=4096):
     out = np.full((frames, 2), np.nan, dtype=np.float32)
-    trace = np.full((frames, 9), np.nan)
+    trace = np.full((frames, 10), np.nan)
     for start in range(0, frames, block):
         engine.process(out[start : start + block], trace[start : start + block])
     return out, trace
@@ -274,7 +274,9 @@ def test_at_the_same_sample_the_order_of_sources_is_fixed():
 
 @pytest.mark.parametrize("theta2", [math.nan, math.inf, -math.inf, 1e30, -1e30, 4.0, 5e-324])
 def test_a_hostile_angle_is_survived_and_counted(match, football, theta2):
-    rigid = football.with_changes({"disk.catch_up": 0.0})  # else the trace has where it slipped to
+    rigid = football.with_changes(
+        {"clutch.max_speed_ratio": 0.0}
+    )  # else the trace has where it slipped to
     engine = prepared(rigid, match)
     engine.control(1.0, True, 0)
     engine.control(theta2, True, 1000)
@@ -334,7 +336,7 @@ def denormal(values):
 
 
 INTEGER_COLUMNS = {
-    layout.CLOCK, layout.TOUCHING, layout.HOLDER, layout.TOUCH_COUNT, layout.NEXT_LOWER,
+    layout.CLOCK, layout.ENGAGED, layout.HOLDER, layout.TOUCH_COUNT, layout.NEXT_LOWER,
     layout.NEXT_UPPER, layout.ACTIVE_SLOT, layout.FADING_SLOT, layout.FADE_LEFT, layout.NOISE,
     layout.RINGING,
 }  # fmt: skip

@@ -126,7 +126,7 @@ def test_a_release_set_while_it_sounds_is_that_of_a_preset_that_has_it(before, a
         one.control(2.0, False)
         traces.append(trace_of(one))
     # letting go, "return" keeps the shaft and takes it back; "recoil" takes it away
-    assert np.all(traces[0].touching == (after == "return"))
+    assert np.all(traces[0].engaged[1:] == (after == "return"))
     for name in traces[0]:
         assert np.array_equal(traces[0][name], traces[1][name])
 

@@ -79,14 +79,14 @@ def test_how_the_disk_is_released_may_be_set_while_it_is_held(match, football):
         run(engine, RATE)
         for choice in choices[1:]:
             engine.set("disk.release", choice)
-        run(engine, RATE // 4)
+        run(engine, 3 * RATE)
         engine.control(2.0, False)
         return run(engine, RATE)[1]
 
     recoil, back = released("recoil"), released("return")
-    touching = 2
-    assert not recoil[100:, touching].any()
-    assert back[100:, touching].all()
+    engaged = 9
+    assert not recoil[100:, engaged].any()
+    assert back[100:, engaged].all()
     assert not np.array_equal(recoil[:, 3], back[:, 3])
     for choices, wanted in (
         (("recoil", "return"), back),
@@ -146,7 +146,7 @@ def test_three_hands_at_one_sample_are_taken_in_the_order_of_sources(match, foot
 
 def test_an_heir_takes_the_disk_from_where_it_is_without_a_step(match, football):
     # without the clutch the trace has the hand's own angle
-    engine = prepared(football.with_changes({"disk.catch_up": 0.0}), match, RATE)
+    engine = prepared(football.with_changes({"clutch.max_speed_ratio": 0.0}), match, RATE)
     touch(engine, "touch", 0.5)
     touch(engine, "twist", 2.0)
     run(engine, 2 * RATE)

@@ -43,7 +43,9 @@ def test_there_is_no_dc(match, football, gesture):
     result = ov.render(match, football, gesture, trace=False)
     held = round(gesture.duration_s * result.sample_rate)
     for part in (result.samples, result.samples[:held]):
-        assert np.abs(part.astype(float).mean(axis=0)).max() < 1e-4
+        # a part may end within a cycle
+        mean = np.average(part.astype(float), axis=0, weights=np.hanning(len(part)))
+        assert np.abs(mean).max() < 1e-4
 
 
 @pytest.mark.parametrize("gesture", [ov.sweep(1.0), ov.sweep(4.0), ov.tap(1.0, 1.5)])
@@ -109,7 +111,7 @@ def test_any_preset_in_range_stays_finite_and_under_the_ceiling(
     ):  # fmt: skip
         engine.control(theta2, touching, at)
     out = np.zeros((4000, 2), dtype=np.float32)
-    trace = np.zeros((4000, 9))
+    trace = np.zeros((4000, 10))
     engine.process(out, trace)
     assert np.isfinite(out).all()
     assert np.isfinite(trace).all()

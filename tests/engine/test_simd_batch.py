@@ -53,7 +53,7 @@ def play(lanes, pairs, frames, trace):
         if pair is None:
             continue
         out = np.zeros((frames, 2), np.float32)
-        table = np.zeros((frames, 9))
+        table = np.zeros((frames, 10))
         pair.engines[1].process(out, table if trace else None)
         np.testing.assert_array_equal(samples[lane], out)
         if trace:

@@ -78,7 +78,7 @@ def test_at_rest_the_knob_lies_still(match, football, hand, times, delay_s):
 
 def test_without_the_controller_the_same_hand_is_given_energy(match, football):
     """What the tests above would say of a loop that sends the torque as it is."""
-    rigid = {"disk.catch_up": 0.0, "disk.k1": 0.00097, "disk.k2": 0.00278}
+    rigid = {"clutch.max_speed_ratio": 0.0, "disk.k1": 0.00097, "disk.k2": 0.00278}
     preset = football.with_changes({**rigid, "surface.friction": 10 * FRICTION})
     course, motor, _ = simulate(preset, match, SENSOR, sim.jiggle(hertz=4.0), 3.5, 0.02, naive=True)
     assert motor.given - motor.put_in > 5e-3

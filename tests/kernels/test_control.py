@@ -12,12 +12,22 @@ from hypothesis import strategies as st
 
 from overview_dsp.engine.queues import ControlQueues
 from overview_dsp.gestures import SOURCES
-from overview_dsp.kernels import control, layout
+from overview_dsp.kernels import control, event_crossing, layout, release
 
 
 @numba.njit
 def apply_one(f64, i64, source, theta2, touching):
     control.apply_control(f64, i64, source, theta2, touching)
+
+
+@numba.njit
+def arrive(f64, i64):
+    release.arrive(f64, i64)
+
+
+@numba.njit
+def stop_waiting(f64, i64):
+    release.stop_waiting(f64, i64)
 
 
 @numba.njit
@@ -42,7 +52,7 @@ def glide_all(f64, i64):
 
 @numba.njit
 def edges_below(f64, i64, slot, edges, position):
-    return control.edges_below(f64, i64, slot, edges, position)
+    return event_crossing.edges_below(f64, i64, slot, edges, position)
 
 
 # smaller ones are the start: a test of their own
@@ -56,6 +66,7 @@ class Block:
         self.f64 = np.zeros(layout.TOTAL)
         self.i64 = self.f64.view(np.int64)
         self.i64[layout.HOLDER] = -1
+        stop_waiting(self.f64, self.i64)
         self.i64[layout.S_GLIDE] = 8
         self.i64[layout.S_FADE] = 5
         self.queues = ControlQueues(self.f64)
@@ -100,6 +111,7 @@ def test_the_hand_that_touched_last_of_those_that_touch_holds_the_disk(touches, 
     block = Block()
     f64, i64 = block.f64, block.i64
     i64[layout.S_RELEASE_RETURNS] = returns
+    f64[layout.X] = -layout.CELLS  # nowhere near any target
     touching, theta2_of = [], {}  # in the order in which they took hold
     expected = 0.0
     steps = 0  # takes hold: no smoothing
@@ -116,14 +128,13 @@ def test_the_hand_that_touched_last_of_those_that_touch_holds_the_disk(touches, 
         apply_one(f64, i64, source, theta2, int(on))
         if takes or (held and touching):
             expected = theta2_of[touching[-1]]
-        elif held and returns:
-            expected = 0.0
         assert i64[layout.HOLDER] == (touching[-1] if touching else -1)
         assert f64[layout.INPUT] == pytest.approx(expected / math.pi * layout.CELLS, rel=1e-15)
         smoothed = f64[layout.INPUT] if takes else -1.0
         assert f64[layout.SMOOTH_1] == f64[layout.SMOOTH_2] == smoothed
-        # where the shaft stays on release, it is engaged from the first touch on
-        assert i64[layout.TOUCHING] == (steps > 0 if returns else bool(touching))
+        # the disk lies still here: after a release shaft 2 waits for it, with its last target
+        assert i64[layout.ENGAGED] == (steps > 0)
+        assert i64[layout.WAITING] == (steps > 0 and not touching)
     assert block.applied() == [(0, source, theta2, int(touch)) for source, theta2, touch in touches]
 
 
@@ -330,10 +341,10 @@ def test_commands_are_no_coefficients_and_what_is_neither_does_nothing():
 
 
 @pytest.mark.parametrize("returns", [False, True])
-def test_a_hand_that_takes_hold_and_a_return_begin_at_the_unfolding_pace(returns):
+def test_a_touch_and_a_return_begin_at_the_pace_of_a_tap(returns):
     block = Block()
     f64, i64 = block.f64, block.i64
-    f64[layout.C_UNFOLD] = 0.25
+    f64[layout.C_TAP_RATE] = 0.25
     i64[layout.S_RELEASE_RETURNS] = returns
     apply_one(f64, i64, 2, 1.0, 1)
     assert f64[layout.PACE] == 0.25 * layout.CELLS
@@ -341,7 +352,33 @@ def test_a_hand_that_takes_hold_and_a_return_begin_at_the_unfolding_pace(returns
     apply_one(f64, i64, 2, 1.5, 1)
     assert f64[layout.PACE] == 3.0  # a hand that goes on keeps its own
     apply_one(f64, i64, 2, 1.5, 0)
+    assert f64[layout.PACE] == 3.0  # and so does the disk on its way to the last target
+    arrive(f64, i64)
     assert f64[layout.PACE] == (0.25 * layout.CELLS if returns else 3.0)
+    assert i64[layout.ENGAGED] == returns
+
+
+@pytest.mark.parametrize("returns", [False, True])
+@pytest.mark.parametrize("at", [0.0, 0.49, 0.4939, 0.4941, 0.5059, 0.5061, 1.0])
+def test_a_release_waits_unless_the_disk_is_at_the_target(at, returns):
+    block = Block()
+    f64, i64 = block.f64, block.i64
+    i64[layout.S_RELEASE_RETURNS] = returns
+    i64[layout.S_ARRIVAL] = 120_000
+    i64[layout.CLOCK] = 7
+    apply_one(f64, i64, 0, math.pi / 2, 1)
+    f64[layout.X] = at * layout.CELLS
+    apply_one(f64, i64, 0, math.pi / 2, 0)
+    arrived = abs(at - 0.5) < 0.006
+    assert i64[layout.WAITING] == (not arrived)
+    assert i64[layout.ENGAGED] == (not arrived or returns)
+    if not arrived:
+        assert i64[layout.RELEASE_DUE] == 120_007
+        i64[layout.CLOCK] = 120_007
+        block.apply(120_007)
+        assert i64[layout.WAITING] == 0
+        assert i64[layout.ENGAGED] == returns
+    assert f64[layout.INPUT] == (0.0 if returns else layout.CELLS / 2)
 
 
 # --- what is pushed -------------------------------------------------------------------------------

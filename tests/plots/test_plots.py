@@ -204,7 +204,9 @@ def test_strikes_are_marked_by_kind_at_their_times():
 
 def test_the_finger_is_drawn_beside_a_clutch_that_slips():
     timeline, hand = timeline_of(), ov.tap(0.75, 0.2)
-    preset = preset_with().with_changes({"disk.catch_up": 1.1, "disk.unfold_s": 2.0})
+    preset = preset_with().with_changes(
+        {"clutch.max_speed_ratio": 1.1, "clutch.tap_duration_s": 2.0}
+    )
     result = ov.render(timeline, preset, hand, 8000)
     panel = plot_strokes([("a tap", result)], timeline, "a title", [hand]).axes[4]
     disk, finger = (

@@ -23,7 +23,7 @@ def releases(result: ov.Result) -> np.ndarray:
 
 
 def clutched(preset: ov.Preset) -> ov.Preset:
-    return preset.with_changes({"disk.catch_up": 1.1, "disk.unfold_s": 1.8})
+    return preset.with_changes({"clutch.max_speed_ratio": 1.1, "clutch.tap_duration_s": 1.8})
 
 
 @pytest.mark.parametrize("name", ["football", "ratchet", "silk"])

@@ -121,7 +121,7 @@ def test_let_go_the_energy_never_rises(stiffness, other, damping, static, grip, 
     out = np.zeros((rate // 2, 2), dtype=np.float32)
     engine.process(out)
     engine.control(2.5, False)
-    table = np.zeros((1, 9))
+    table = np.zeros((1, 10))
     energies = []
     grip, before = engine.surface.bristles.grip, engine.meters.cursor
     for _ in range(1500):
@@ -283,7 +283,7 @@ def played(sizes, frames=16_000):
     engine.prepare(RATE, frames)
     schedule(engine)
     out = np.zeros((frames, 2), dtype=np.float32)
-    trace = np.zeros((frames, 9))
+    trace = np.zeros((frames, 10))
     start = 0
     for size in sizes:
         stop = min(frames, start + size)

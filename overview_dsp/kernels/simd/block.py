@@ -11,29 +11,46 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import recover
-from overview_dsp.kernels.clutch import OFF as CLUTCH_OFF
+from overview_dsp.kernels.clutch import OFF
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
 from overview_dsp.kernels.control import apply_due, is_gliding, next_due, waits
-from overview_dsp.kernels.event_crossing import event_above, event_below, pass_events
+from overview_dsp.kernels.event_crossing import FAR, event_above, event_below, pass_events
 from overview_dsp.kernels.limiter import KNEE
 from overview_dsp.kernels.modal_bank import ring
 from overview_dsp.kernels.motion import write_trace
 from overview_dsp.kernels.output import limit_column
+from overview_dsp.kernels.output_gain import on_grid, set_gain
+from overview_dsp.kernels.release import arrive, has_arrived
 from overview_dsp.kernels.simd import memory as own
 from overview_dsp.kernels.simd.memory import put_back, start_of, take_in
 from overview_dsp.kernels.simd.stages import (
     PACE,
+    PLAYED,
+    SLIP,
     SMOOTH_1,
     SMOOTH_2,
+    WANTED,
+    WOUND,
     X,
     shape_all,
     sound_all,
     travel_all,
     write_all,
 )
-from overview_dsp.kernels.simd.vector import SIMD_WIDTH
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH, store
 
 FEWEST = 4  # voices for which the lanes' loops pay, with vectors of four numbers
+# what a hand's events and a release change
+OF_HAND = (
+    (layout.X, X),
+    (layout.SMOOTH_1, SMOOTH_1),
+    (layout.SMOOTH_2, SMOOTH_2),
+    (layout.PACE, PACE),
+    (layout.PLAYED, PLAYED),
+    (layout.WOUND, WOUND),
+    (layout.SLIP, SLIP),
+    (layout.WANTED, WANTED),
+)
 TRACE_COLUMNS = (
     (layout.D_POSITION, own.POSITION),
     (layout.D_THETA2, own.THETA2),
@@ -57,28 +74,48 @@ def is_plain(f64, i64):
 @inlined
 def take_hand(batch_f64, f64, i64, lane):
     """A voice's hand, and the springs that act, into its lane."""
-    held = i64[layout.TOUCHING] == 1
-    spring = f64[layout.C_SPRING_HELD] if held else f64[layout.C_SPRING_FREE]
+    engaged = i64[layout.ENGAGED] == 1
+    spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
     batch_f64[own.INPUT + lane] = f64[layout.INPUT]
-    pacing = f64[layout.C_PACE] if i64[layout.HOLDER] >= 0 else 0.0
-    batch_f64[own.PACING + lane] = pacing
-    batch_f64[own.CATCH + lane] = f64[layout.C_CATCH] if held else CLUTCH_OFF
-    batch_f64[own.HOLD + lane] = 1.0 if held else 0.0
+    held = i64[layout.HOLDER] >= 0
+    batch_f64[own.PACING + lane] = f64[layout.C_PACE] if held else 0.0
+    batch_f64[own.BACKLASH + lane] = f64[layout.C_BACKLASH] if held else 0.0
+    batch_f64[own.REACH + lane] = f64[layout.C_REACH] if engaged else OFF
+    batch_f64[own.WINDUP + lane] = f64[layout.C_WINDUP] if engaged else OFF
+    batch_f64[own.HOLD + lane] = 1.0 if engaged else 0.0
     batch_f64[own.SPRING + lane] = spring
     batch_f64[own.DENOMINATOR + lane] = f64[layout.C_INERTIA] * (2.0 + 0.5 * spring)
+    batch_f64[own.ARRIVAL_ABOVE + lane] = f64[layout.ARRIVAL_ABOVE]
+    batch_f64[own.ARRIVAL_BELOW + lane] = f64[layout.ARRIVAL_BELOW]
+
+
+@inlined
+def take_gain(batch_f64, f64, lane):
+    """A voice's output gain into its lane."""
+    batch_f64[own.GAIN_FROM + lane] = f64[layout.GAIN_FROM]
+    batch_f64[own.GAIN_STEP + lane] = f64[layout.GAIN_STEP]
 
 
 @outlined
 def obey(batch_f64, f64, i64, lane):
-    """Apply a voice's control events that are due."""
-    f64[layout.SMOOTH_1] = batch_f64[SMOOTH_1 + lane]
-    f64[layout.SMOOTH_2] = batch_f64[SMOOTH_2 + lane]
-    f64[layout.PACE] = batch_f64[PACE + lane]
+    """Apply a voice's control events that are due, and its arrival after a release."""
+    for i in range(len(OF_HAND)):
+        f64[OF_HAND[i][0]] = batch_f64[OF_HAND[i][1] + lane]
+    if has_arrived(f64):
+        arrive(f64, i64)
     apply_due(f64, i64)
-    batch_f64[SMOOTH_1 + lane] = f64[layout.SMOOTH_1]
-    batch_f64[SMOOTH_2 + lane] = f64[layout.SMOOTH_2]
-    batch_f64[PACE + lane] = f64[layout.PACE]
+    for i in range(len(OF_HAND)):
+        batch_f64[OF_HAND[i][1] + lane] = f64[OF_HAND[i][0]]
     take_hand(batch_f64, f64, i64, lane)
+
+
+@inlined
+def renew_gain(batch_f64, f64, i64, lane):
+    """A voice's output gain at a sample of its grid."""
+    f64[layout.X] = batch_f64[X + lane]
+    f64[layout.PACE] = batch_f64[PACE + lane]
+    set_gain(f64, i64)
+    take_gain(batch_f64, f64, lane)
 
 
 @inlined
@@ -155,7 +192,10 @@ def trace_lane(batch_f64, batch_i64, lane, frames, trace, at):
     for i in range(len(TRACE_COLUMNS)):
         to, column = TRACE_COLUMNS[i]
         copy(own.column(batch_f64, column, lane, frames), f64[to : to + frames])
-    write_trace(f64, own.block(batch_i64, lane), frames, trace, at)
+    i64 = own.block(batch_i64, lane)
+    for n in range(frames):
+        f64[layout.D_ENGAGED + n] = float(i64[layout.ENGAGED])
+    write_trace(f64, i64, frames, trace, at)
 
 
 @outlined
@@ -181,13 +221,14 @@ def speak_all(batch_f64, batch_i64, count, out, block, start, frames, trace, tra
 def run_all(
     batch_f64, batch_i64, batch_u64, count, out, block, start, frames, waiting, trace, traced
 ):
-    """`frames` from frame `start` of a block of `block`, in which no voice has an event due.
+    """`frames` or fewer from frame `start` of a block of `block`, in which no voice has an event.
 
     As in `run`, they lack their sound afterwards, and the `waiting` ones before them get it.
+    Returns how many: the last is the first in which a disk arrives after a release.
     """
     for lane in range(count):
         batch_f64[own.BEFORE + lane] = batch_f64[X + lane]
-    travel_all(batch_f64, batch_i64, batch_u64, frames, waiting, traced)
+    frames = travel_all(batch_f64, batch_i64, batch_u64, frames, waiting, traced)
     if waiting > frames:
         sound_all(batch_f64, batch_u64, frames, waiting)
     if waiting > 0:
@@ -200,6 +241,7 @@ def run_all(
                 trace_lane(batch_f64, batch_i64, lane, frames, trace, at)
             batch_i64[start_of(lane) + layout.CLOCK] += frames
     shape_all(batch_f64, frames)
+    return frames
 
 
 @inlined
@@ -211,6 +253,7 @@ def join(batch_f64, batch_i64, lane):
     f64[layout.M_PEAK_TACTOR] = 0.0
     take_in(batch_f64, f64, lane)
     take_hand(batch_f64, f64, i64, lane)
+    take_gain(batch_f64, f64, lane)
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     batch_i64[own.TABLE + lane] = start_of(lane) + slot + layout.SLOT_TABLE
     batch_i64[own.DUE + lane] = next_due(i64)
@@ -222,6 +265,8 @@ def leave(batch_f64, batch_i64, batch_u64, lane, out, frames):
     f64 = own.block(batch_f64, lane)
     i64 = own.block(batch_i64, lane)
     put_back(batch_f64, f64, lane)
+    if has_arrived(f64):
+        arrive(f64, i64)
     i64[layout.M_SUMMED] += frames
     i64[layout.M_BLOCKS] += 1
     first = lane * frames * layout.SIGNALS
@@ -237,10 +282,20 @@ def next_stop(batch_f64, batch_i64, count, n, stop):
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             now = batch_i64[start_of(lane) + layout.CLOCK]
-            if batch_i64[own.DUE + lane] <= now:
-                i64 = own.block(batch_i64, lane)
-                obey(batch_f64, own.block(batch_f64, lane), i64, lane)
+            f64 = own.block(batch_f64, lane)
+            i64 = own.block(batch_i64, lane)
+            x = batch_f64[X + lane]
+            arrived = (
+                x >= batch_f64[own.ARRIVAL_ABOVE + lane] or x < batch_f64[own.ARRIVAL_BELOW + lane]
+            )
+            if batch_i64[own.DUE + lane] <= now or arrived:
+                obey(batch_f64, f64, i64, lane)
                 batch_i64[own.DUE + lane] = next_due(i64)
+            beyond = on_grid(i64)
+            if beyond == 0:
+                renew_gain(batch_f64, f64, i64, lane)
+            batch_f64[own.BEYOND + lane] = float(beyond)
+            stop = min(stop, n + layout.GAIN_GRID - beyond)
             # what is due already waits for a sample, as it does alone
             left = max(1, batch_i64[own.DUE + lane] - now)
             stop = min(stop, n + left)
@@ -276,6 +331,8 @@ def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, tr
         plain = wanted and is_plain(own.block(batch_f64, lane), own.block(batch_i64, lane))
         batch_i64[own.MEMBER + lane] = 1 if plain else 0
         members += batch_i64[own.MEMBER + lane]
+    store(batch_f64, own.ARRIVAL_ABOVE, FAR)  # of lanes without a voice, too
+    store(batch_f64, own.ARRIVAL_BELOW, -FAR)
     for lane in range(count):
         if members < FEWEST:
             batch_i64[own.MEMBER + lane] = 0
@@ -287,11 +344,10 @@ def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, tr
     waiting = 0
     while n < frames:
         stop = next_stop(batch_f64, batch_i64, count, n, min(frames, n + layout.CHUNK))
-        run_all(
+        waiting = run_all(
             batch_f64, batch_i64, batch_u64, count, out, frames, n, stop - n, waiting, trace, traced
         )
-        waiting = stop - n
-        n = stop
+        n += waiting
     if waiting > 0:
         sound_all(batch_f64, batch_u64, 0, waiting)
         start = frames - waiting

@@ -20,6 +20,10 @@ MOVED = (
     layout.X,
     layout.V,
     layout.PACE,
+    layout.PLAYED,
+    layout.WOUND,
+    layout.SLIP,
+    layout.WANTED,
     layout.SMOOTH_1,
     layout.SMOOTH_2,
     layout.FOLLOWER,
@@ -48,7 +52,14 @@ HOLD = row(SIMD_WIDTH)  # 1 while shaft 2 is engaged, else 0
 SPRING = row(SIMD_WIDTH)
 DENOMINATOR = row(SIMD_WIDTH)
 PACING = row(SIMD_WIDTH)  # smoothing of the hand's pace, 0 where nobody holds the disk
-CATCH = row(SIMD_WIDTH)  # the clutch's reach where shaft 2 is engaged, else without end
+REACH = row(SIMD_WIDTH)  # the clutch's where shaft 2 is engaged, else without end
+WINDUP = row(SIMD_WIDTH)
+BACKLASH = row(SIMD_WIDTH)  # 0 where nobody holds the disk
+ARRIVAL_ABOVE = row(SIMD_WIDTH)
+ARRIVAL_BELOW = row(SIMD_WIDTH)
+GAIN_FROM = row(SIMD_WIDTH)
+GAIN_STEP = row(SIMD_WIDTH)
+BEYOND = row(SIMD_WIDTH)  # samples from the output gain's grid to the chunk's first
 HIGHEST = row(SIMD_WIDTH)  # position in the last chunk, cells
 LOWEST = row(SIMD_WIDTH)
 TABLE = row(SIMD_WIDTH)  # i64: where the voice's friction table begins

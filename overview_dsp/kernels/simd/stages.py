@@ -6,7 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import follow_hand, reach_of, slipped
+from overview_dsp.kernels.clutch import clutched, wanted_speed, with_backlash
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
@@ -17,6 +17,7 @@ from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd import memory as own
 from overview_dsp.kernels.simd.vector import (
     SIMD_WIDTH,
+    any_of,
     choose,
     load,
     load_words,
@@ -33,6 +34,10 @@ APPROACH = own.of_state(layout.APPROACH)
 X = own.of_state(layout.X)
 V = own.of_state(layout.V)
 PACE = own.of_state(layout.PACE)
+PLAYED = own.of_state(layout.PLAYED)
+WOUND = own.of_state(layout.WOUND)
+SLIP = own.of_state(layout.SLIP)
+WANTED = own.of_state(layout.WANTED)
 SMOOTH_1 = own.of_state(layout.SMOOTH_1)
 SMOOTH_2 = own.of_state(layout.SMOOTH_2)
 FOLLOWER = own.of_state(layout.FOLLOWER)
@@ -55,7 +60,11 @@ LAST_ENVELOPE = own.of_state(layout.M_ENVELOPE)
 PEAK_CLICK = own.of_state(layout.M_PEAK_CLICK)
 PEAK_TACTOR = own.of_state(layout.M_PEAK_TACTOR)
 C_SMOOTH = own.of_coefficient(layout.C_SMOOTH)
-C_UNFOLD = own.of_coefficient(layout.C_UNFOLD)
+C_SPEED_RATIO = own.of_coefficient(layout.C_SPEED_RATIO)
+C_TAP_RATE = own.of_coefficient(layout.C_TAP_RATE)
+C_LAG_RATE = own.of_coefficient(layout.C_LAG_RATE)
+C_MAX_SPEED = own.of_coefficient(layout.C_MAX_SPEED)
+C_BACKLASH = own.of_coefficient(layout.C_BACKLASH)
 C_PACE_LEAST = own.of_coefficient(layout.C_PACE_LEAST)
 C_PACE_MOST = own.of_coefficient(layout.C_PACE_MOST)
 C_INERTIA = own.of_coefficient(layout.C_INERTIA)
@@ -183,7 +192,10 @@ def sound_all(batch_f64, batch_u64, start, stop):
 
 @outlined
 def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
-    """`travel` for lanes, through a whole chunk: events that are passed on the way stop no lane."""
+    """`travel` for lanes, up to the first sample in which a disk arrives after a release.
+
+    Events that are passed on the way stop no lane. Returns the sample after it, or the chunk's end.
+    """
     sound_before = sound_state_all(batch_f64, batch_u64)
     x = load(batch_f64, X)
     half = 0.5 * load(batch_f64, V)
@@ -192,33 +204,48 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     phase = load(batch_f64, PHASE)
     approach = load(batch_f64, APPROACH)
     pace = load(batch_f64, PACE)
+    played = load(batch_f64, PLAYED)
+    wound = load(batch_f64, WOUND)
+    slip = load(batch_f64, SLIP)
+    wanted = load(batch_f64, WANTED)
     impulse = load(batch_f64, IMPULSE)
     still = load_words(batch_i64, STILL)
     torque = load(batch_f64, LAST_TORQUE)
     friction = load(batch_f64, LAST_FRICTION)
     highest = x
     lowest = x
-    for n in range(frames):
+    n = 0
+    arrived = False
+    while n < frames and not arrived:
         at = n * SIMD_WIDTH
         if n < sounding:
             sound_before = sound_once_all(batch_f64, at, sound_before)
         was = y2
         y1, y2 = smooth(load(batch_f64, own.INPUT), y1, y2, load(batch_f64, C_SMOOTH))
         friction = frictions_at(batch_f64, batch_i64, own.TABLE, x + half)
-        pace = follow_hand(
+        moved = abs(y2 - was)
+        counts = choose(slip == 0.0, moved, max(moved, pace))
+        counts = choose(moved > load(batch_f64, C_PACE_LEAST), counts, pace)
+        counts = choose(moved < load(batch_f64, C_PACE_MOST), counts, pace)
+        pace = pace + load(batch_f64, own.PACING) * (counts - pace)
+        played = with_backlash(played, y2, load(batch_f64, own.BACKLASH))
+        rigid = played * load(batch_f64, own.HOLD) - x
+        free = friction * load(batch_f64, own.REACH)
+        max_speed = load(batch_f64, C_MAX_SPEED)
+        growth = load(batch_f64, own.WINDUP) * min(pace, max_speed)
+        stretch = clutched(rigid, wound, wanted * free, growth)
+        slip = rigid - stretch
+        used = choose(slip == 0.0, played, x + stretch)
+        wound = stretch
+        wanted = wanted_speed(
+            rigid,
+            free * pace,
             pace,
-            abs(y2 - was),
-            load(batch_f64, own.PACING),
-            load(batch_f64, C_PACE_LEAST),
-            load(batch_f64, C_PACE_MOST),
+            load(batch_f64, C_SPEED_RATIO),
+            load(batch_f64, C_LAG_RATE),
+            load(batch_f64, C_TAP_RATE),
+            max_speed,
         )
-        rigid = y2 * load(batch_f64, own.HOLD) - x
-        reach = reach_of(
-            rigid, pace, load(batch_f64, C_UNFOLD), friction, load(batch_f64, own.CATCH)
-        )
-        slips = abs(rigid) > reach
-        stretch = choose(slips, slipped(rigid, reach), rigid)
-        used = choose(slips, x + stretch, y2)
         middle = midpoint_speed(
             2.0 * half,
             stretch,
@@ -247,17 +274,18 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         half = middle - half
         omega = middle * load(batch_f64, C_OMEGA)
         approach = max(abs(omega), approach * load(batch_f64, C_FORGET))
-        near = min(abs(x), abs(half)) < STANDSTILL
+        tiny = min(abs(x), abs(half)) < STANDSTILL
         x = snapped(x, STANDSTILL)
         half = snapped(half, 0.5 * STANDSTILL)
-        approach = choose(near, snapped(approach, STANDSTILL), approach)
+        approach = choose(tiny, snapped(approach, STANDSTILL), approach)
         phase = advance(phase, load(batch_f64, C_CARRIER))
         torque = friction * omega
         impulse = impulse + torque
         highest = max(highest, x)
         lowest = min(lowest, x)
         at_rest = load(batch_f64, own.INPUT) * load(batch_f64, own.HOLD)
-        still = choose(abs(x - at_rest) < NEAR_REST, still + 1, 0)
+        near = abs(x - at_rest) < NEAR_REST + load(batch_f64, C_BACKLASH)
+        still = choose(near, still + 1, 0)
         store(batch_f64, own.TORQUE + at, torque)
         store(batch_f64, own.OMEGA + at, omega)
         store(batch_f64, own.PHASE + at, phase)
@@ -267,6 +295,9 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
             store(batch_f64, own.SPEED + at, 2.0 * half)
             store(batch_f64, own.THETA2 + at, used)
             store(batch_f64, own.FRICTION + at, friction)
+        below = choose(x < load(batch_f64, own.ARRIVAL_BELOW), 1.0, 0.0)
+        arrived = any_of(choose(x >= load(batch_f64, own.ARRIVAL_ABOVE), 1.0, below) > 0.0)
+        n += 1
     store(batch_f64, X, x)
     store(batch_f64, V, 2.0 * half)
     store(batch_f64, SMOOTH_1, y1)
@@ -274,6 +305,10 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     store(batch_f64, PHASE, phase)
     store(batch_f64, APPROACH, approach)
     store(batch_f64, PACE, pace)
+    store(batch_f64, PLAYED, played)
+    store(batch_f64, WOUND, wound)
+    store(batch_f64, SLIP, slip)
+    store(batch_f64, WANTED, wanted)
     store(batch_f64, IMPULSE, impulse)
     store(batch_f64, STILL, still)
     store(batch_f64, LAST_TORQUE, torque)
@@ -281,6 +316,14 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     store(batch_f64, own.HIGHEST, highest)
     store(batch_f64, own.LOWEST, lowest)
     keep_sound_state_all(batch_f64, sound_before)
+    return n
+
+
+@inlined
+def gain_at(batch_f64, at):
+    """The output gains of the sample whose rows begin at `at`."""
+    sample = load(batch_f64, own.BEYOND) + float(at // SIMD_WIDTH + 1)
+    return load(batch_f64, own.GAIN_FROM) + load(batch_f64, own.GAIN_STEP) * sample
 
 
 @outlined
@@ -289,16 +332,15 @@ def shape_all(batch_f64, frames):
     store(batch_f64, own.LOUDEST_CLICK, 0.0)
     store(batch_f64, own.LOUDEST_TACTOR, 0.0)
     for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
-        torque = load(batch_f64, own.TORQUE + at)
+        torque = load(batch_f64, own.TORQUE + at) * gain_at(batch_f64, at)
         amplitude = compress(
             torque, load(batch_f64, C_TORQUE), load(batch_f64, C_GATE), load(batch_f64, C_EXPONENT)
         )
         store(batch_f64, own.AMPLITUDE + at, amplitude)
     for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
         omega = load(batch_f64, own.OMEGA + at)
-        level = grain_level(
-            load(batch_f64, own.TORQUE + at), omega, load(batch_f64, C_TEXTURE_GAIN)
-        )
+        torque = load(batch_f64, own.TORQUE + at) * gain_at(batch_f64, at)
+        level = grain_level(torque, omega, load(batch_f64, C_TEXTURE_GAIN))
         store(batch_f64, own.SINE + at, sin_turns(load(batch_f64, own.PHASE + at)))
         store(batch_f64, own.GRAIN + at, level)
         store(batch_f64, own.COLOUR + at, brightness(omega, load(batch_f64, C_TEXTURE_CUTOFF)))
