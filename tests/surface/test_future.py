@@ -25,7 +25,7 @@ def half(match):
 def test_the_future_is_smooth_and_heavier_than_all_the_curve_could_be(half, name):
     preset = ov.load_preset(name)
     surface = ov.build_surface(half, preset)
-    now = int(half.until_s / half.duration_s * CELLS)
+    now = int(surface.position_of(half.until_s) * CELLS)
     later = surface.friction[now + int(0.04 * CELLS) :]
     assert np.ptp(later) == 0.0
     bare = preset.number("surface.friction") * (1.0 + preset.number("surface.ambience"))
