@@ -154,6 +154,10 @@ class Player:
         """The surface under the hand."""
         return self.engine.surface
 
+    def moment_s(self, position: float) -> float:
+        """The moment of the whole, s, at a position of the window, 0 to 1."""
+        return self.under_hand.moment_s(position)
+
     def zoom(self, factor: float, about: float) -> None:
         """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
         self.under_hand.zoom(factor, about)

@@ -20,11 +20,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from overview_dsp.presets.model import Preset
 from overview_dsp.timeline import Timeline, given
 from overview_dsp.timeline.ticks import KINDS as TICKS
 
 FILL = frozenset((*TICKS, "touch", "shot"))
 """Event kinds that aren't kept apart."""
+
+SHARE = "surface.angle_map"
+"""The preset's parameter: the narrowest gap between two events, relative to the mean gap."""
 
 BISECTIONS = 60
 """Steps to find the factor of the wide gaps: to float64's precision."""
@@ -51,22 +55,18 @@ class AngleMap:
     events: Array
 
     @classmethod
-    def of(cls, timeline: Timeline, share: float) -> AngleMap:
-        """Return the map of a timeline.
-
-        Parameters
-        ----------
-        timeline
-            Timeline to map.
-        share
-            Narrowest gap between two events, relative to the mean gap, 0 to 1; 0 is linear.
-        """
-        points = np.array([0.0, timeline.duration_s])
-        made = cls(points, np.array([0.0, 1.0]), np.zeros(0))
-        times = [time_s for _, time_s in _apart(timeline)] if share > 0.0 else ()
-        if times:
-            points = np.concatenate((points[:1], times, points[1:]))
-            made = replace(made, time_s=points, position=_spread(np.diff(points), share))
+    def of(cls, timeline: Timeline, preset: Preset) -> AngleMap:
+        """Return the map of a timeline under a preset; linear where all events lie apart."""
+        ends = np.array([0.0, timeline.duration_s])
+        made = cls(ends, np.array([0.0, 1.0]), np.zeros(0))
+        share = preset.number(SHARE)
+        if share > 0.0:
+            times = [time_s for _, time_s in _apart(timeline)]
+            points = np.concatenate((ends[:1], times, ends[1:]))
+            gaps = np.diff(points)
+            least = share * timeline.duration_s / len(gaps)
+            if gaps.min() < least:
+                made = cls(points, _spread(gaps, least), made.events)
         return made.on(timeline)
 
     def on(self, timeline: Timeline) -> AngleMap:
@@ -101,6 +101,12 @@ class AngleMap:
         positions = np.clip(given.numbers(position, "position"), 0.0, 1.0)
         return positions * self.duration_s if self.is_linear else self._between(positions)
 
+    def stretched(self) -> list[tuple[float, float]]:
+        """Return the parts, as positions, that are half as wide again as time is, or wider."""
+        wide = np.diff(self.position) >= 1.5 * np.diff(self.time_s) / self.duration_s
+        ends = zip(self.position[:-1], self.position[1:], strict=True)
+        return [(float(a), float(b)) for (a, b), one in zip(ends, wide, strict=True) if one]
+
     def evened(self, time_s: ArrayLike) -> Array:
         """Return times (s) that the linear map places where this one places `time_s`."""
         times = given.numbers(time_s, "time_s")
@@ -124,6 +130,11 @@ class AngleMap:
         return np.asarray(np.where(np.isnan(at), at, found))
 
 
+def without_map(preset: Preset) -> Preset:
+    """Return the preset with positions proportional to time (`--linear`)."""
+    return preset.with_value(SHARE, 0.0)
+
+
 def _apart(timeline: Timeline) -> Iterator[tuple[int, float]]:
     """Give index and time of the events that are kept apart, by time."""
     for i, event in enumerate(timeline.events):
@@ -131,10 +142,9 @@ def _apart(timeline: Timeline) -> Iterator[tuple[int, float]]:
             yield i, event.time_s
 
 
-def _spread(gaps: Array, share: float) -> Array:
-    """Return the positions of the ends of gaps, none of which is narrower than the least."""
+def _spread(gaps: Array, least: float) -> Array:
+    """Return the positions of the ends of gaps, none of which is narrower than `least` then."""
     total = float(gaps.sum())
-    least = share * total / len(gaps)
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
         factor = (low + high) / 2.0

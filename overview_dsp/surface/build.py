@@ -183,7 +183,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     by_kind, left_out = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     if angle_map is None:
-        angle_map = AngleMap.of(timeline, preset.number("surface.angle_map"))
+        angle_map = AngleMap.of(timeline, preset)
     elif angle_map.duration_s == timeline.duration_s:
         angle_map = angle_map.on(timeline)
     else:

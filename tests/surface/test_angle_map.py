@@ -27,6 +27,10 @@ def crowded():
     return ov.Timeline("crowded", 5700.0, tuple(events), curve)
 
 
+def mapped(share):
+    return preset_with(surface__angle_map=share)
+
+
 def apart(timeline):
     """The indices of the events that the map keeps apart."""
     inside = enumerate(timeline.events)
@@ -37,7 +41,7 @@ def apart(timeline):
 
 @given(timelines(), SHARES)
 def test_the_map_is_monotonic_fixes_the_ends_and_keeps_neighbours_apart(timeline, share):
-    made = AngleMap.of(timeline, share)
+    made = AngleMap.of(timeline, mapped(share))
     assert (made.time_s[0], made.time_s[-1]) == (0.0, timeline.duration_s)
     assert (made.position[0], made.position[-1]) == (0.0, 1.0)
     assert (np.diff(made.position) > 0.0).all()
@@ -60,7 +64,7 @@ def test_the_map_is_monotonic_fixes_the_ends_and_keeps_neighbours_apart(timeline
 
 @given(timelines(), SHARES | st.just(0.0), st.floats(0.0, 1.0))
 def test_the_inverse_leads_back(timeline, share, part):
-    made = AngleMap.of(timeline, share)
+    made = AngleMap.of(timeline, mapped(share))
     time_s = part * timeline.duration_s
     back = made.time_at(made.position_of(time_s))
     assert back == pytest.approx(time_s, abs=1e-12 * timeline.duration_s)
@@ -75,7 +79,7 @@ def test_the_inverse_leads_back(timeline, share, part):
 
 def test_events_of_one_time_keep_their_order_and_the_curve_takes_the_last_ones_place():
     timeline = crowded()
-    made = AngleMap.of(timeline, 0.7)
+    made = AngleMap.of(timeline, mapped(0.7))
     same = [i for i in apart(timeline) if timeline.events[i].time_s == 1020.0]
     least = 0.7 / (len(apart(timeline)) + 1)
     assert np.diff(made.events[same]) == pytest.approx([least, least])
@@ -86,7 +90,7 @@ def test_events_of_one_time_keep_their_order_and_the_curve_takes_the_last_ones_p
 def test_what_fills_a_timeline_up_moves_with_its_surroundings():
     timeline = crowded()
     without = replace(timeline, events=tuple(e for e in timeline.events if e.kind != "touch"))
-    made, bare = AngleMap.of(timeline, 0.7), AngleMap.of(without, 0.7)
+    made, bare = AngleMap.of(timeline, mapped(0.7)), AngleMap.of(without, mapped(0.7))
     assert np.array_equal(made.position, bare.position)
     touches = [i for i, e in enumerate(timeline.events) if e.kind == "touch"]
     times = [timeline.events[i].time_s for i in touches]
@@ -94,7 +98,7 @@ def test_what_fills_a_timeline_up_moves_with_its_surroundings():
 
 
 def test_times_and_positions_outside_are_those_of_the_ends():
-    made = AngleMap.of(crowded(), 0.7)
+    made = AngleMap.of(crowded(), mapped(0.7))
     assert made.position_of([-5.0, 1e9]).tolist() == [0.0, 1.0]
     assert made.time_at([-0.1, 1.5]).tolist() == [0.0, 5700.0]
     assert np.isnan(made.position_of(np.nan))
@@ -128,7 +132,7 @@ def test_gaps_and_now_lie_where_the_map_says():
 
 def test_a_map_that_is_kept_stays_under_other_events():
     timeline = crowded()
-    kept = AngleMap.of(timeline, 0.7)
+    kept = AngleMap.of(timeline, mapped(0.7))
     more = replace(timeline, events=(*timeline.events, ov.Event(3000.0, "goal")))
     surface = ov.build_surface(more, preset_with(surface__angle_map=0.2), kept)
     assert np.array_equal(surface.angle_map.position, kept.position)

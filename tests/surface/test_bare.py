@@ -25,7 +25,7 @@ INSIDE = (np.arange(CELLS + 1) >= 400) & (np.arange(CELLS + 1) <= 800)
 
 
 def bare_surface(timeline, preset, cells):
-    return bare_module.bare_surface(timeline, preset, cells, AngleMap.of(timeline, 0.0))
+    return bare_module.bare_surface(timeline, preset, cells, AngleMap.of(timeline, preset))
 
 
 def made_of(made="waves", **values):
