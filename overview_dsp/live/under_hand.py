@@ -5,6 +5,7 @@ Both are wished for, and handed to the engine as soon as it has a surface free.
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from collections.abc import Callable, Mapping
@@ -24,8 +25,8 @@ from overview_dsp.timeline.zooming import Zoom
 
 _NUMBER = re.compile(r"\d[\d.:e+-]*")
 
-SETTLES = 8
-"""Windows tried at most until a zoom's moment lies where it did: each has a map of its own."""
+TRIED = 8
+"""Windows tried at most for one in which a zoom's moment lies where it did."""
 
 NEAR = 1e-6
 """Of the window: an event so near is the one that the hand is on."""
@@ -102,14 +103,20 @@ class UnderHand:
         return True
 
     def zoom(self, factor: float, about: float) -> None:
-        """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
+        """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there.
+
+        With an angle map it stays as near as can be: which events a window has moves them all.
+        """
         moment_s, at = self.moment_s(about), about
         zoom = Zoom(self.timeline, *(self._wanted_window or self.window))
-        for _ in range(SETTLES):
-            wanted = zoom.scaled(factor, moment_s, at)
-            away = about - self._position_in(wanted, moment_s)
+        nearest, wanted = math.inf, zoom
+        for _ in range(TRIED):
+            tried = zoom.scaled(factor, moment_s, at)
+            away = about - self._position_in(tried, moment_s)
+            if abs(away) < nearest:
+                nearest, wanted = abs(away), tried
             at = min(max(at + away, 0.0), 1.0)
-            if abs(away) < NEAR or wanted == zoom.scaled(factor, moment_s, at):
+            if nearest < NEAR or tried == zoom.scaled(factor, moment_s, at):
                 break
         self.show(*wanted.window)
 

@@ -56,11 +56,15 @@ class AngleMap:
 
     @classmethod
     def of(cls, timeline: Timeline, preset: Preset) -> AngleMap:
-        """Return the map of a timeline under a preset; linear where all events lie apart."""
+        """Return the map of a timeline under a preset.
+
+        It is linear where all events lie apart, and while a timeline grows: no event that comes
+        moves the others then.
+        """
         ends = np.array([0.0, timeline.duration_s])
         made = cls(ends, np.array([0.0, 1.0]), np.zeros(0))
         share = preset.number(SHARE)
-        if share > 0.0:
+        if share > 0.0 and timeline.until_s is None:
             times = [time_s for _, time_s in _apart(timeline)]
             points = np.concatenate((ends[:1], times, ends[1:]))
             gaps = np.diff(points)

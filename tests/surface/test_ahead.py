@@ -30,8 +30,7 @@ def surface(*arguments, **keywords):
     st.lists(st.tuples(st.integers(1500, 3000), st.sampled_from(["goal", "foul"])), max_size=4),
 )
 def test_up_to_the_place_it_is_the_old_one_and_beyond_the_new(place, came):
-    old = surface(BEFORE)
-    new = build_surface(match([*BEFORE, *came], now=3000.0), FOOTBALL, old.angle_map)
+    old, new = surface(BEFORE), surface([*BEFORE, *came], now=3000.0)
     one = joined(old, new, place)
     if one is None:  # what came begins before the place, and so may not come there
         assert place > 1500.0 / 5700.0 - 0.05
