@@ -174,7 +174,7 @@ class Player:
 
     def use_preset(self, name: str) -> None:
         """Change to another preset, by name or path, and watch its file; InputError."""
-        self.under_hand.use(self._presets.replace(PresetWatch(name)))
+        self.under_hand.use(self._presets.replace(PresetWatch(name, self._presets.linear)))
 
     def choose_preset(self, which: int) -> None:
         """Change to the first (0) or the second (1) preset: at the loop's start, else at once.

@@ -17,6 +17,8 @@ class PresetPair:
 
     Attributes
     ----------
+    linear : bool
+        Whether presets are used without their angle map.
     waiting : int or None
         The one (0 or 1) that is to be chosen when a loop begins.
     """
@@ -24,7 +26,7 @@ class PresetPair:
     def __init__(self, watch: PresetWatch, other: PresetWatch | None = None) -> None:
         """`watch` is chosen first. Without `other`, A is its file as it is now."""
         self._before = watch.preset
-        self._linear, self._compares = watch.linear, other is not None
+        self.linear, self._compares = watch.linear, other is not None
         self._watches = (None, watch) if other is None else (watch, other)
         self._chosen = 1 if other is None else 0
         self._changed: Preset | None = None
@@ -36,7 +38,7 @@ class PresetPair:
 
     def fitted(self, preset: Preset) -> Preset:
         """A preset with the map of this session, where that is one for all presets."""
-        if self._linear:
+        if self.linear:
             return without_map(preset)
         first = self._watches[0]
         if not self._compares or first is None:

@@ -20,6 +20,7 @@ from overview_dsp.studies import file_model
 from overview_dsp.studies.file_model import Factor, Level, Made, StudyFile
 from overview_dsp.studies.made import made_timelines, nothing
 from overview_dsp.studies.orders import MOST_FULL, rows_of
+from overview_dsp.surface.angle_map import SHARE
 from overview_dsp.timeline import Timeline
 
 FREE = "free"
@@ -198,7 +199,10 @@ def _grid(file: StudyFile, table: JobsTable, own: dict[str, Timeline]) -> Study:
     grid = read_grid(table, "", own, free)
     # a person's stimulus ends when it was written: a release has its time
     fixed = {name: replace(hand, on_arrival=()) for name, hand in grid.gestures.items()}
-    return replace(grid, gestures=fixed)
+    # presets are compared on one map between time and angle, the first one's
+    share = next(iter(grid.presets.values())).number(SHARE)
+    presets = {name: preset.with_value(SHARE, share) for name, preset in grid.presets.items()}
+    return replace(grid, gestures=fixed, presets=presets)
 
 
 def _kind_of(timeline: Timeline) -> str | None:
