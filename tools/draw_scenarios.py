@@ -50,7 +50,7 @@ def draw(looks: list[Look], preset: ov.Preset) -> Figure:
         middle = np.minimum((starts + WINDOW_S / 2.0 * result.sample_rate).astype(int) + out.start,
                             out.stop - 1)  # fmt: skip
         degrees = np.linspace(0.0, 180.0, len(result.engine.surface.friction))
-        draw_timeline(data, look.timeline)
+        draw_timeline(data, look.timeline, result.engine.surface.angle_map)
         data.set_title(look.words, loc="left", fontsize=10)
         surface.plot(degrees, result.engine.surface.friction * 1e3, color=VERMILION, linewidth=0.7)
         surface.set_yscale("log")

@@ -82,11 +82,13 @@ def opened_player(
     live: dict[str, Any],
     ab: str | None = None,
     growth: Growth | None = None,
+    linear: bool = False,
 ) -> Iterator[tuple[Player, list[int]]]:
     """A player on the device that the options name, and the signals that ask for its end.
 
     It is closed, saved and remembered afterwards. `part` (s) is what it shows first, `ab` a second
-    preset to switch to; with `growth` the data, which are its snapshot, grow.
+    preset to switch to; with `growth` the data, which are its snapshot, grow; `linear` leaves the
+    presets' angle maps out.
 
     Raises
     ------
@@ -115,7 +117,7 @@ def opened_player(
         require_writable(os.path.splitext(record)[0] + ".json")
     for take in take_cut_short():
         note(f"a take was cut short; it is in {take} (overview render ... --gesture {take})")
-    watch = PresetWatch(preset)
+    watch = PresetWatch(preset, linear)
     name, rate, channels = _device(device, sample_rate)
     chosen = output_settings(None if device == SILENT else name, live, actuator, channels)
     settings = chosen.settings
@@ -136,7 +138,7 @@ def opened_player(
         callback="native" if native else "python",
         record=record,
         seed=seed,
-        other=None if ab is None else PresetWatch(ab),
+        other=None if ab is None else PresetWatch(ab, linear),
         growth=growth,
     )
     with ended_by_signals(player.end_take) as received:

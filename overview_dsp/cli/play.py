@@ -26,6 +26,7 @@ from overview_dsp.cli.options.server import (
 )
 from overview_dsp.cli.options.sources import choose_force_block, input_options, parse_sources
 from overview_dsp.cli.options.timeline import (
+    linear_option,
     preset_for,
     preset_option,
     timeline_options,
@@ -39,6 +40,7 @@ from overview_dsp.cli.options.timeline import (
 @click.argument("timeline", required=False)
 @follow_options
 @preset_option
+@linear_option
 @input_options
 @window_options
 @click.option("--seconds", type=float, callback=seconds_given, help="Stop after so long.")
@@ -59,6 +61,7 @@ def command(
     timeline: str | None,
     following: dict[str, Any],
     preset: str | None,
+    linear: bool,
     sources: tuple[str, ...],
     sensor: str | None,
     baud: int | None,
@@ -111,7 +114,9 @@ def command(
             data, part = data.window(*part), None
         name = preset_for(data, preset if growth is None else preset or growth.preset)
         data = laid_out(data, growth, name)
-        player, received = stack.enter_context(opened_player(data, part, name, live, ab, growth))
+        player, received = stack.enter_context(
+            opened_player(data, part, name, live, ab, growth, linear)
+        )
         if hand is not None:
             assert replay is not None
             player.replay(hand, os.path.basename(replay), loop)
@@ -127,7 +132,12 @@ def command(
 
             source = session = HostSession(player, source)
             routes = data_routes(
-                data, name, audio="host", first=part, live=None if growth is None else growth.live
+                data,
+                name,
+                audio="host",
+                first=part,
+                live=None if growth is None else growth.live,
+                linear=linear,
             )
             invitation = stack.enter_context(
                 open_server(server, session, routes, growth is not None)

@@ -16,6 +16,7 @@ from overview_dsp.cli.common import (
 )
 from overview_dsp.cli.options.actuator import actuator_option, calibrated, drive_line
 from overview_dsp.cli.options.timeline import (
+    linear_option,
     open_part,
     preset_for,
     preset_option,
@@ -36,6 +37,7 @@ from overview_dsp.gestures.spec import DEFAULT, FORMS
 )
 @click.argument("timeline")
 @preset_option
+@linear_option
 @click.option("--gesture", default=DEFAULT, show_default=True, help=FORMS + "; + joins parts.")
 @click.option("-o", "--out", default="out.wav", show_default=True, help="WAV, FLAC, ... by suffix.")
 @click.option("--trace", help="Also write what the disk did, to a .npz or .csv file.")
@@ -57,6 +59,7 @@ from overview_dsp.gestures.spec import DEFAULT, FORMS
 def command(
     timeline: str,
     preset: str | None,
+    linear: bool,
     gesture: str,
     out: str,
     trace: str | None,
@@ -87,6 +90,7 @@ def command(
     from overview_dsp.rendering.offline import render_to_file
     from overview_dsp.rendering.schedule import tail_of
     from overview_dsp.rendering.stems import stem_paths
+    from overview_dsp.surface.angle_map import without_map
     from overview_dsp.units import clock_text, gain_to_db
 
     require_transcripts(transcripts)
@@ -94,6 +98,8 @@ def command(
         require_wav(out)
     data = open_part(timeline, load, window, zoom_to)
     chosen = load_preset(preset_for(data, preset))
+    if linear:
+        chosen = without_map(chosen)
     movement = read_gesture(gesture)
     rest = tail_of(tail)
     driven = calibrated(actuator)

@@ -27,6 +27,7 @@ from overview_dsp.cli.options.server import (
     server_options,
 )
 from overview_dsp.cli.options.timeline import (
+    linear_option,
     preset_for,
     preset_option,
     timeline_options,
@@ -42,6 +43,7 @@ LOOK_EVERY_S = 0.1
 @click.argument("timeline", required=False)
 @follow_options
 @preset_option
+@linear_option
 @click.option("--audio", type=click.Choice(["here", "host"]), default="here", show_default=True,
               help="What makes the sound: the page, or this machine's output.")  # fmt: skip
 @window_options
@@ -59,6 +61,7 @@ def command(
     timeline: str | None,
     following: dict[str, Any],
     preset: str | None,
+    linear: bool,
     audio: str,
     window: tuple[str, str] | None,
     zoom_to: str | None,
@@ -105,16 +108,20 @@ def command(
             first=part,
             media=film,
             live=None if growth is None else growth.live,
+            linear=linear,
         )
         if publish is not None and growth is not None:
             from overview_dsp.presets.library import load_preset
+            from overview_dsp.surface.angle_map import without_map
             from overview_dsp.web.published import Published
 
-            stack.callback(Published(growth.live, load_preset(name), publish, note).close)
+            chosen = load_preset(name)
+            chosen = without_map(chosen) if linear else chosen
+            stack.callback(Published(growth.live, chosen, publish, note).close)
         if audio == "host":
             from overview_dsp.web.session import HostSession
 
-            with opened_player(data, part, name, live, growth=growth) as (player, received):
+            with opened_player(data, part, name, live, None, growth, linear) as (player, received):
                 session = HostSession(player)
                 with open_server(server, session, routes, growth is not None) as opened:
                     _report(opened, as_json)

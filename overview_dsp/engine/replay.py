@@ -12,6 +12,7 @@ from overview_dsp.following.pattern import pattern_of
 from overview_dsp.presets.dicts import preset_from_dict
 from overview_dsp.presets.migrations import migrated_values
 from overview_dsp.surface.ahead import joined
+from overview_dsp.surface.angle_map import without_map
 from overview_dsp.surface.build import build_surface
 from overview_dsp.timeline import Timeline
 
@@ -38,15 +39,17 @@ def apply_change(
         elif "preset" in what:
             engine.set_preset(preset_from_dict(what["preset"]), sample_time)
         elif "pattern" in what:
-            engine.set_timeline(pattern_of(what["pattern"]), sample_time, change=what)
+            set_pattern(engine, what, sample_time)
         elif "timeline" in what:
             grown = applied(whole, what["timeline"])
             window = what["timeline"].get("window")
             shown = grown if window is None else grown.window(*window)
             ahead = what["timeline"].get("ahead")
-            surface = None
-            if ahead is not None:
-                surface = joined(engine.surface, build_surface(shown, engine.preset), float(ahead))
+            surface, before = None, engine.surface
+            if ahead is not None or what["timeline"].get("keeps_map"):
+                surface = build_surface(shown, engine.preset, before.angle_map)
+            if ahead is not None and surface is not None:
+                surface = joined(before, surface, float(ahead))
                 if surface is None:
                     raise InputError(f"what was behind {ahead:g} isn't what it was")
             engine.set_timeline(shown, sample_time, change=what, surface=surface)
@@ -59,3 +62,13 @@ def apply_change(
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"not a recorded change: {str(dict(what))[:80]} ({error})") from None
     return whole
+
+
+def set_pattern(engine: Engine, change: Mapping[str, Any], sample_time: int | None = None) -> None:
+    """Put the pattern of a change under the disk, where its tap reaches: without an angle map.
+
+    Errors as `Engine.set_timeline`.
+    """
+    pattern = pattern_of(change["pattern"])
+    surface = build_surface(pattern, without_map(engine.preset))
+    engine.set_timeline(pattern, sample_time, change=change, surface=surface)

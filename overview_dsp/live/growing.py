@@ -1,7 +1,7 @@
 """A timeline that grows under a live hand: when what came arrives, and how it is told.
 
-A hand that holds the disk keeps the map that it touched. What comes meanwhile waits until it lets
-go, or for a chosen time; where the map is the whole, what lies ahead of disk and hand comes at
+A hand that holds the disk keeps the positions that it touched. What comes meanwhile waits until it
+lets go, or for a chosen time; where the map is the whole, what lies ahead of disk and hand comes at
 once, since no place moves. What is new and strong enough is told by a pattern of its own
 (`following.pattern`) while nobody holds the disk.
 """
@@ -14,10 +14,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from overview_dsp.engine.engine import Engine
+from overview_dsp.engine.replay import set_pattern
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.following.follower import Follower
 from overview_dsp.following.live_timeline import LiveTimeline
-from overview_dsp.following.pattern import HOLDS_S, LASTS_S, TAP, pattern_change, pattern_of
+from overview_dsp.following.pattern import HOLDS_S, LASTS_S, TAP, pattern_change
 from overview_dsp.live.follow_source import map_named
 from overview_dsp.live.under_hand import UnderHand
 from overview_dsp.presets.model import DEFAULT_KIND, Preset
@@ -140,7 +141,7 @@ class Growing:
         if snapshot is not self._under_hand.timeline or self._put_back:
             if not self._under_hand.grow(snapshot):
                 return  # two surfaces fade already
-            self._put_back = False
+            self._put_back = hands  # whom the map under them is kept for
             self._next = now + EVERY_S
             self._held_since = now if hands else None
         if self._news is not None and not hands:
@@ -221,7 +222,7 @@ class Growing:
         self._news = None
         change = pattern_change(event)
         try:
-            self._engine.set_timeline(pattern_of(change["pattern"]), change=change)
+            set_pattern(self._engine, change)
         except InputError:
             return
         except OverviewError:  # two surfaces fade already: at the next poll

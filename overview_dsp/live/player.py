@@ -154,6 +154,10 @@ class Player:
         """The surface under the hand."""
         return self.engine.surface
 
+    def moment_s(self, position: float) -> float:
+        """The moment of the whole, s, at a position of the window, 0 to 1."""
+        return self.under_hand.moment_s(position)
+
     def zoom(self, factor: float, about: float) -> None:
         """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
         self.under_hand.zoom(factor, about)
@@ -170,7 +174,7 @@ class Player:
 
     def use_preset(self, name: str) -> None:
         """Change to another preset, by name or path, and watch its file; InputError."""
-        self.under_hand.use(self._presets.replace(PresetWatch(name)))
+        self.under_hand.use(self._presets.replace(PresetWatch(name, self._presets.linear)))
 
     def choose_preset(self, which: int) -> None:
         """Change to the first (0) or the second (1) preset: at the loop's start, else at once.

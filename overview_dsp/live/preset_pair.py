@@ -5,15 +5,20 @@ from __future__ import annotations
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.presets.model import Preset
+from overview_dsp.surface.angle_map import SHARE, without_map
 
 
 class PresetPair:
     """A and B, one of them chosen: two watched files, or one file as it was and as it is now.
 
+    Two files are compared on one map between time and angle, A's.
+
     Thread: control.
 
     Attributes
     ----------
+    linear : bool
+        Whether presets are used without their angle map.
     waiting : int or None
         The one (0 or 1) that is to be chosen when a loop begins.
     """
@@ -21,6 +26,7 @@ class PresetPair:
     def __init__(self, watch: PresetWatch, other: PresetWatch | None = None) -> None:
         """`watch` is chosen first. Without `other`, A is its file as it is now."""
         self._before = watch.preset
+        self.linear, self._compares = watch.linear, other is not None
         self._watches = (None, watch) if other is None else (watch, other)
         self._chosen = 1 if other is None else 0
         self._changed: Preset | None = None
@@ -28,7 +34,16 @@ class PresetPair:
 
     def _preset(self, which: int) -> Preset:
         watch = self._watches[which]
-        return self._before if watch is None else watch.preset
+        return self._before if watch is None else self.fitted(watch.preset)
+
+    def fitted(self, preset: Preset) -> Preset:
+        """A preset with the map of this session, where that is one for all presets."""
+        if self.linear:
+            return without_map(preset)
+        first = self._watches[0]
+        if not self._compares or first is None:
+            return preset
+        return preset.with_value(SHARE, first.preset.number(SHARE))
 
     @property
     def preset(self) -> Preset:
@@ -87,4 +102,4 @@ class PresetPair:
     def take_changed(self) -> Preset | None:
         """The chosen preset, if its file was saved since the last call."""
         changed, self._changed = self._changed, None
-        return changed
+        return None if changed is None else self.fitted(changed)

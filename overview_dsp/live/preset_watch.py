@@ -8,6 +8,7 @@ from pathlib import Path
 
 from overview_dsp.presets.library import load_preset, preset_path
 from overview_dsp.presets.model import Preset
+from overview_dsp.surface.angle_map import without_map
 
 LOOK_EVERY_S = 0.2
 
@@ -18,13 +19,21 @@ class PresetWatch:
     Thread: control.
     """
 
-    def __init__(self, name: str) -> None:
-        """Watch a preset by name or path; InputError if there is none or it isn't valid."""
+    def __init__(self, name: str, linear: bool = False) -> None:
+        """Watch a preset by name or path; InputError if there is none or it isn't valid.
+
+        `linear` leaves its angle map out.
+        """
         self.path: Path = preset_path(name)
+        self.linear = linear
         self._signature = self._look()
-        self.preset: Preset = load_preset(name)
         self._name = name
+        self.preset: Preset = self._load()
         self._next = 0.0
+
+    def _load(self) -> Preset:
+        preset = load_preset(self._name)
+        return without_map(preset) if self.linear else preset
 
     def _look(self) -> tuple[int, int, int] | None:
         try:
@@ -49,7 +58,7 @@ class PresetWatch:
         if signature is None or signature == self._signature:
             return None
         self._signature = signature
-        preset = load_preset(self._name)
+        preset = self._load()
         if preset == self.preset:
             return None
         self.preset = preset

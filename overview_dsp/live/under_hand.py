@@ -5,6 +5,7 @@ Both are wished for, and handed to the engine as soon as it has a surface free.
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from collections.abc import Callable, Mapping
@@ -17,11 +18,15 @@ from overview_dsp.following.difference import difference
 from overview_dsp.live.preset_pair import PresetPair
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.ahead import joined
+from overview_dsp.surface.angle_map import SHARE, AngleMap
 from overview_dsp.surface.build import build_surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.zooming import Zoom
 
 _NUMBER = re.compile(r"\d[\d.:e+-]*")
+
+TRIED = 8
+"""Windows tried at most for one in which a zoom's moment lies where it did."""
 
 NEAR = 1e-6
 """Of the window: an event so near is the one that the hand is on."""
@@ -56,6 +61,7 @@ class UnderHand:
         self._wanted_window: tuple[float, float] | None = None
         self._wanted_preset: Preset | None = None
         self._wanted_whole: Timeline | None = None
+        self._map_waits: Preset | None = None
         self._grows = False
         self._said_of_growth: set[str] = set()
 
@@ -83,7 +89,9 @@ class UnderHand:
         try:
             with warnings.catch_warnings():  # they are said when the whole comes
                 warnings.simplefilter("ignore", OverviewWarning)
-                surface = joined(engine.surface, build_surface(timeline, engine.preset), place)
+                kept = engine.surface.angle_map
+                new = build_surface(timeline, engine.preset, kept)
+                surface = joined(engine.surface, new, place)
             if surface is None:
                 return False
             note = self._note(timeline, {"window": None, "ahead": place})
@@ -95,9 +103,40 @@ class UnderHand:
         return True
 
     def zoom(self, factor: float, about: float) -> None:
-        """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
-        wanted = Zoom(self.timeline, *(self._wanted_window or self.window)).scaled(factor, about)
+        """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there.
+
+        With an angle map it stays as near as can be: which events a window has moves them all.
+        """
+        moment_s, at = self.moment_s(about), about
+        zoom = Zoom(self.timeline, *(self._wanted_window or self.window))
+        nearest, wanted = math.inf, zoom
+        for _ in range(TRIED):
+            tried = zoom.scaled(factor, moment_s, at)
+            away = about - self._position_in(tried, moment_s)
+            if abs(away) < nearest:
+                nearest, wanted = abs(away), tried
+            at = min(max(at + away, 0.0), 1.0)
+            if nearest < NEAR or tried == zoom.scaled(factor, moment_s, at):
+                break
         self.show(*wanted.window)
+
+    @property
+    def angle_map(self) -> AngleMap:
+        """The map of the part under the hand."""
+        made = self._engine.surface.angle_map
+        # while a pattern tells of something new, the surface is that's
+        same = self._engine.timeline is self.shown
+        return made if same else AngleMap.of(self.shown, self._engine.preset)
+
+    def moment_s(self, position: float) -> float:
+        """The moment of the whole, s, at a position of the window, 0 to 1."""
+        return self.window[0] + float(self.angle_map.time_at(position))
+
+    def _position_in(self, zoom: Zoom, moment_s: float) -> float:
+        """The position of a moment in another window, which has a map of its own."""
+        part = self.timeline.window(*zoom.window)
+        made = AngleMap.of(part, self._engine.preset)
+        return float(made.position_of(moment_s - zoom.start_s))
 
     def show(self, start_s: float, end_s: float) -> None:
         """Put a part of the timeline under the hand; InputError if it isn't one."""
@@ -122,12 +161,12 @@ class UnderHand:
         if wanted is None and beyond is not None:
             moved = zoom.showing(beyond)
             self.show(*moved.window)
-            wanted = moved.position(beyond)
+            wanted = self._position_in(moved, beyond)
         return wanted
 
     def use(self, preset: Preset) -> None:
         """Change to a preset."""
-        self._wanted_preset = preset
+        self._wanted_preset = self.presets.fitted(preset)
         self._make_changes()
 
     def poll(self) -> None:
@@ -135,11 +174,14 @@ class UnderHand:
         for line in self.presets.look():
             self._say(line)
         self._wanted_preset = self.presets.take_changed() or self._wanted_preset
+        if self._map_waits is not None and self._engine.holder is None:
+            self._wanted_preset = self._wanted_preset or self._map_waits
         self._make_changes()
 
     def take_wish(self) -> Preset:
         """The preset that is wanted, or the present one; nothing waits then."""
-        preset, self._wanted_preset = self._wanted_preset or self._engine.preset, None
+        preset = self._wanted_preset or self._map_waits or self._engine.preset
+        self._wanted_preset = self._map_waits = None
         return preset
 
     def put(self, shown: Timeline, window: tuple[float, float]) -> None:
@@ -194,7 +236,11 @@ class UnderHand:
             self._engine.set_timeline(shown, window=window)
             self.put(shown, window)
         if self._wanted_preset is not None:
-            self._engine.set_preset(self._wanted_preset)
+            wanted, kept = self._wanted_preset, self._wanted_preset
+            if self._engine.holder is not None:  # no place moves under a hand
+                kept = wanted.with_value(SHARE, self._engine.preset.number(SHARE))
+            self._engine.set_preset(kept)
+            self._map_waits = None if kept == wanted else wanted
             self._wanted_preset = None
 
     def _grow(self, whole: Timeline) -> None:
@@ -208,7 +254,12 @@ class UnderHand:
         all_of_it = (start, end) == (0.0, whole.duration_s) and self.shown is self.timeline
         shown = whole if all_of_it else whole.window(start, end)
         note = self._note(whole, {"window": None if all_of_it else [start, end]})
-        self._engine.set_timeline(shown, change=note)
+        kept = self._engine.surface.angle_map
+        held = self._engine.holder is not None and kept.duration_s == shown.duration_s
+        if note is not None and held:
+            note["timeline"]["keeps_map"] = True
+        surface = build_surface(shown, self._engine.preset, kept) if held else None
+        self._engine.set_timeline(shown, change=note, surface=surface)
         self.timeline = whole
         self.put(shown, (start, end))
 

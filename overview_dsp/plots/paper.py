@@ -51,7 +51,7 @@ def draw(timeline: Timeline, results: dict[str, Result], folder: str | Path) -> 
         [hands["tap"]],
     )
     return [
-        *save_figure(plot_timeline(timeline), out / "figure-4"),
+        *save_figure(plot_timeline(timeline, fast.engine.surface.angle_map), out / "figure-4"),
         *save_figure(sweeps, out / "figure-5"),
         *save_figure(taps, out / "figure-6"),
     ]

@@ -72,10 +72,11 @@ def plot_strokes(
                 *extremes(time, finger), color=GREY, linewidth=0.9, label="finger", zorder=1.5
             )
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
-        for start, end in timeline.gaps:
+        for gap in timeline.gaps:
+            start, end = result.engine.surface.position_of(gap) * HALF_TURN
             axes[3].axhspan(
-                start / timeline.duration_s * HALF_TURN,
-                end / timeline.duration_s * HALF_TURN,
+                start,
+                end,
                 facecolor="none",
                 edgecolor="#b0b0b0",
                 hatch=GAP_HATCH,

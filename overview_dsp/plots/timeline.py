@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.plots.style import BLACK, GAP_HATCH, GREY, has_face, new_figure, styles_of, tidy
-from overview_dsp.plots.time_axis import label_time, time_unit
+from overview_dsp.plots.time_axis import TimeAxis
+from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.timeline import Intensity, Timeline
 from overview_dsp.timeline.gaps import in_gap
 
@@ -26,23 +27,25 @@ _NAMED_GAP = 0.08
 """A gap of this part of the picture's width has its reason written in it."""
 
 
-def plot_timeline(timeline: Timeline) -> Figure:
+def plot_timeline(timeline: Timeline, angle_map: AngleMap | None = None) -> Figure:
     """The data with their events, as in the paper's figure 4; gaps are hatched.
 
-    A recording that the curve was found in (an ECG) is drawn below it.
+    A recording that the curve was found in (an ECG) is drawn below it. With the map of a surface
+    all lies where it is felt.
     """
+    axis = TimeAxis(timeline, angle_map)
     signal = timeline.signal
     figure = new_figure(9.0, 3.6 if signal is None else 5.2)
     heights = (1,) if signal is None else (2, 1)
     grid: Any = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights)
     axes = grid[0, 0]
-    draw_timeline(axes, timeline)
+    draw_timeline(axes, timeline, angle_map)
     if signal is not None:
         below = grid[1, 0]
-        _draw_gaps(below, timeline)
-        _draw_curve(below, timeline, signal, BLACK, band=0.8)
+        _draw_gaps(below, timeline, axis)
+        _draw_curve(below, timeline, signal, axis, BLACK, band=0.8)
         below.set_ylabel(signal.unit or "signal")
-        label_time(below, timeline)
+        axis.label(below)
         axes.set_xlabel("")
         axes.tick_params(labelbottom=False)
         tidy(below)
@@ -55,31 +58,32 @@ def plot_timeline(timeline: Timeline) -> Figure:
     return figure
 
 
-def draw_timeline(axes: Axes, timeline: Timeline) -> None:
+def draw_timeline(axes: Axes, timeline: Timeline, angle_map: AngleMap | None = None) -> None:
     """The curve with its events and gaps into axes of any figure.
 
     The left axis has the data's own unit; on the right is the intensity that is felt of them.
     """
-    _draw_gaps(axes, timeline)
+    axis = TimeAxis(timeline, angle_map)
+    _draw_gaps(axes, timeline, axis)
     if timeline.intensity is not None:
-        _draw_curve(axes, timeline, timeline.intensity, GREY)
+        _draw_curve(axes, timeline, timeline.intensity, axis, GREY)
         _label_values(axes, timeline, timeline.intensity)
-    _draw_events(axes, timeline)
-    label_time(axes, timeline)
+    _draw_events(axes, timeline, axis)
+    axis.label(axes)
     tidy(axes)
 
 
-def _draw_gaps(axes: Axes, timeline: Timeline) -> None:
+def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
     """Gaps hatched, each reason once in the legend; in a wide gap it is written too."""
-    scale, _ = time_unit(timeline.duration_s)
     reasons: tuple[str, ...] = getattr(timeline, "gap_reasons", ())
     reasons = reasons or ("",) * len(timeline.gaps)
     named: set[str] = set()
-    for (start, end), reason in zip(timeline.gaps, reasons, strict=True):
+    for gap, reason in zip(timeline.gaps, reasons, strict=True):
+        start, end = axis.x(gap).tolist()
         words = f"no data: {reason}" if reason else "no data"
         axes.axvspan(
-            start / scale,
-            end / scale,
+            start,
+            end,
             facecolor="none",
             edgecolor="#b0b0b0",
             hatch=GAP_HATCH,
@@ -88,9 +92,9 @@ def _draw_gaps(axes: Axes, timeline: Timeline) -> None:
             zorder=1,
         )
         named.add(reason)
-        if end - start >= _NAMED_GAP * timeline.duration_s:
+        if end - start >= _NAMED_GAP * axis.width:
             axes.text(
-                (start + end) / 2.0 / scale,
+                (start + end) / 2.0,
                 0.5,
                 words.replace(": ", ":\n"),
                 transform=axes.get_xaxis_transform(),
@@ -103,31 +107,35 @@ def _draw_gaps(axes: Axes, timeline: Timeline) -> None:
 
 
 def _draw_curve(
-    axes: Axes, timeline: Timeline, curve: Intensity, colour: str, band: float = 0.3
+    axes: Axes,
+    timeline: Timeline,
+    curve: Intensity,
+    axis: TimeAxis,
+    colour: str,
+    band: float = 0.3,
 ) -> None:
     """A line where there are few points, else their mean in the band from lowest to highest."""
-    scale, _ = time_unit(timeline.duration_s)
     if curve.is_constant:
         axes.axhline(float(curve.value[0]), color=colour, linewidth=1.2, zorder=2)
         return
     if curve.count <= 2 * _STEPS:
         times = np.asarray(curve.time_s)
-        axes.plot(*_broken(times, np.asarray(curve.value), timeline, scale), color=colour,
+        axes.plot(*_broken(times, np.asarray(curve.value), timeline, axis), color=colour,
                   linewidth=1.2, zorder=2)  # fmt: skip
         return
-    times = np.linspace(0.0, timeline.duration_s, _STEPS)
+    times = axis.even_times(_STEPS)
     low, mean, high = curve.band(times)
     gone = in_gap(timeline.gaps, times)
     for row in (low, mean, high):
         row[gone] = np.nan  # no line over a gap
     axes.fill_between(
-        times / scale, low, high, color=colour, alpha=band, linewidth=0.0, zorder=2, step="mid"
+        axis.x(times), low, high, color=colour, alpha=band, linewidth=0.0, zorder=2, step="mid"
     )
-    axes.plot(times / scale, mean, color=colour, linewidth=1.0, zorder=2)
+    axes.plot(axis.x(times), mean, color=colour, linewidth=1.0, zorder=2)
 
 
 def _broken(
-    times: NDArray[np.float64], values: NDArray[np.float64], timeline: Timeline, scale: float
+    times: NDArray[np.float64], values: NDArray[np.float64], timeline: Timeline, axis: TimeAxis
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The points without those in gaps, the line broken at each gap."""
     known = ~in_gap(timeline.gaps, times)
@@ -135,7 +143,7 @@ def _broken(
     every = np.concatenate((times[known], middles))
     order = np.argsort(every, kind="stable")
     levels = np.concatenate((values[known], np.full(len(middles), np.nan)))
-    return every[order] / scale, levels[order]
+    return axis.x(every[order]), levels[order]
 
 
 def _label_values(axes: Axes, timeline: Timeline, curve: Intensity) -> None:
@@ -161,20 +169,21 @@ def _label_values(axes: Axes, timeline: Timeline, curve: Intensity) -> None:
         felt.set_ylabel("intensity")
 
 
-def _draw_events(axes: Axes, timeline: Timeline) -> None:
+def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
     """One symbol a kind: on the curve, or without one a row a kind."""
-    scale, _ = time_unit(timeline.duration_s)
+    places = axis.event_x()
     bottom, _ = axes.get_ylim()
     styles = styles_of(timeline)
     rows = timeline.intensity is None
     for row, (kind, (marker, colour, words)) in enumerate(styles.items()):
         events = [event for event in timeline.events if event.kind == kind]
         at = np.array([event.time_s for event in events])
+        x = places[[event.kind == kind for event in timeline.events]]
         height = np.full(len(at), float(row)) if rows else _heights(timeline, at, bottom)
         goal = kind in ("goal", "own_goal")
         face = has_face(marker)
         axes.scatter(
-            at / scale,
+            x,
             height,
             s=90 if goal else 46 if len(at) < _CROWDED else 14,
             marker=marker,
@@ -185,8 +194,8 @@ def _draw_events(axes: Axes, timeline: Timeline) -> None:
             zorder=4 if goal else 3,
         )
         if goal:
-            for event, level in zip(events, height.tolist(), strict=True):
-                _name_goal(axes, event.label.split(" ")[0], event.time_s / scale, level)
+            for event, place, level in zip(events, x.tolist(), height.tolist(), strict=True):
+                _name_goal(axes, event.label.split(" ")[0], place, level)
     if rows and styles:
         axes.set_yticks(range(len(styles)), [words for _, _, words in styles.values()], fontsize=8)
         axes.set_ylim(-0.7, len(styles) - 0.3)

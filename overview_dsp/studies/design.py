@@ -20,6 +20,7 @@ from overview_dsp.studies import file_model
 from overview_dsp.studies.file_model import Factor, Level, Made, StudyFile
 from overview_dsp.studies.made import made_timelines, nothing
 from overview_dsp.studies.orders import MOST_FULL, rows_of
+from overview_dsp.surface.angle_map import SHARE
 from overview_dsp.timeline import Timeline
 
 FREE = "free"
@@ -195,7 +196,11 @@ def _grid(file: StudyFile, table: JobsTable, own: dict[str, Timeline]) -> Study:
         table.data["gestures"] = [one for one in given if one != FREE]
         if not table.data["gestures"]:
             del table.data["gestures"]
-    return read_grid(table, "", own, free)
+    grid = read_grid(table, "", own, free)
+    # presets are compared on one map between time and angle, the first one's
+    share = next(iter(grid.presets.values())).number(SHARE)
+    presets = {name: preset.with_value(SHARE, share) for name, preset in grid.presets.items()}
+    return replace(grid, presets=presets)
 
 
 def _kind_of(timeline: Timeline) -> str | None:

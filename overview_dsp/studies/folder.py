@@ -24,7 +24,6 @@ from overview_dsp.studies.file_model import Mask
 from overview_dsp.studies.forms import forms_of
 from overview_dsp.studies.items import RATE, Item, items_of, samples_sha256
 from overview_dsp.studies.lists import ListMaker
-from overview_dsp.studies.made import curve_of
 from overview_dsp.studies.static_mapping import static_mapping
 from overview_dsp.surface.build import build_surface
 from overview_dsp.web.assets import study_files
@@ -246,7 +245,9 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
         "duration_s": None if item.free else hand.duration_s,
         "answer": str(item.names["answer"]),
         "places": item.places(design.file.task.target),
-        "curve": curve_of(item.timeline, CURVE_POINTS) if design.file.task.name == "draw" else None,
+        "curve": item.curve(CURVE_POINTS).round(4).tolist()
+        if design.file.task.name == "draw"
+        else None,
         "level": item.names.get(vary) if vary is not None else None,
         "timeline": item.names["timeline"],
         "preset": item.names["preset"],

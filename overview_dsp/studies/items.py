@@ -18,6 +18,7 @@ from overview_dsp.rendering.offline import Result, render
 from overview_dsp.rendering.trace import Trace
 from overview_dsp.studies.design import FREE, NOTHING, Design
 from overview_dsp.studies.file_model import Level
+from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.timeline import Timeline
 
 RATE = 48_000
@@ -65,8 +66,18 @@ class Item:
 
     def places(self, target: str | None) -> list[float]:
         """Where its events are (of one kind, if `target` says so), 0 to 1."""
-        events = (e for e in self.timeline.events if target is None or e.kind == target)
-        return [event.time_s / self.timeline.duration_s for event in events]
+        events = zip(self.angle_map.events.tolist(), self.timeline.events, strict=True)
+        return [place for place, event in events if target is None or event.kind == target]
+
+    def curve(self, points: int) -> NDArray[np.float64]:
+        """The curve of the timeline at so many even places, 0 to 1."""
+        levels = self.angle_map.at_even_positions(self.timeline.normalised_levels(points - 1))
+        return np.where(np.isfinite(levels), levels, 0.0)
+
+    @property
+    def angle_map(self) -> AngleMap:
+        """The map between its times and places."""
+        return AngleMap.of(self.timeline, self.preset)
 
     def rendered(self, gesture: Gesture | None = None, rate: int = RATE) -> Result[Trace]:
         """What is felt: of its own gesture, or of a take."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -106,9 +105,3 @@ def _crowd(made: Made, chance: Seeded) -> Intensity | None:
 
 
 _FROM = "made for a study by its seed"
-
-
-def curve_of(timeline: Timeline, points: int) -> list[float]:
-    """The curve as `points` numbers, 0 to 1."""
-    levels = timeline.normalised_levels(points - 1).tolist()
-    return [round(level, 4) if math.isfinite(level) else 0.0 for level in levels]

@@ -146,7 +146,7 @@ def static_mapping(item: Item, rate: int) -> StaticMapping:
     surface, trace = felt.engine.surface, felt.trace
     wanted, free_db = held_levels(surface, trace, felt.samples[:, TACTOR], rate)
     wanted = np.where(np.isfinite(wanted), np.maximum(wanted, LEAST_DB), LEAST_DB)
-    level = item.timeline.normalised_levels(COLUMNS - 1)
+    level = item.curve(COLUMNS)
     rest = level / max(float(np.mean(level)), 1e-9) * _peak(free_db) if level.any() else level
     kinds = [item.timeline.events[e].kind for e in surface.event]
     names = sorted(set(kinds))

@@ -2,12 +2,12 @@
 
     B = friction * ((1 + ambience)**intensity + pattern_height * pattern)
 
-The intensity is the timeline's curve scaled to 0..1, through the preset's map (`points`) where it
-has one. Equal steps of it are equal ratios of friction, which a finger takes for equal steps
-(Weber's law). Where data is missing there are ribs instead (`gaps.ribs`), and what hasn't happened
-yet is smooth and heavy (`future`). With the model `detent` the pattern is detents in place of
-friction, deeper where there is more of it (a period's mean); in a gap and in the future there are
-none.
+The intensity is the timeline's curve scaled to 0..1, mixed with its rank (`surface.rank`), through
+the preset's map (`points`) where it has one. Equal steps of it are equal ratios of friction, which
+a finger takes for equal steps (Weber's law). Where data is missing there are ribs instead
+(`gaps.ribs`), and what hasn't happened yet is smooth and heavy (`future`). With the model `detent`
+the pattern is detents in place of friction, deeper where there is more of it (a period's mean); in
+a gap and in the future there are none.
 """
 
 from __future__ import annotations
@@ -20,12 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.presets.model import ClickMode, Preset
+from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.surface.detents import impedance
 from overview_dsp.surface.future import heaviness, rise
 from overview_dsp.surface.gaps import ribs
 from overview_dsp.surface.lockup import warn_of_lockup
 from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.patterns import pattern
+from overview_dsp.surface.rank import known_levels, mixed_with_rank
 from overview_dsp.surface.texture_strikes import NONE, TextureStrikes, crests_of, troughs_of
 
 if TYPE_CHECKING:
@@ -57,18 +59,22 @@ class BareSurface:
     texture_strikes: TextureStrikes
 
 
-def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
+def bare_surface(
+    timeline: Timeline, preset: Preset, cells: int, angle_map: AngleMap
+) -> BareSurface:
     """The bare surface of a timeline under a preset, on a table of cells + 1 points.
 
     Warns (OverviewWarning) of gaps too narrow to be felt.
     """
     number = preset.number
     bare, model = number("surface.friction"), preset.values["surface.model"]
-    intensity = timeline.normalised_levels(cells)
-    if preset.points:
-        steps = np.linspace(0.0, 1.0, len(preset.points))
-        intensity = np.interp(intensity, steps, preset.points)
-    loud = np.exp(math.log1p(number("surface.ambience")) * intensity)
+    intensity, rise_of_mean = _intensity(timeline, preset, cells, angle_map)
+    steepness = math.log1p(number("surface.ambience"))
+    loud = np.exp(steepness * intensity)
+    ground = bare
+    if rise_of_mean:  # the rank keeps the mean of log B, and ribs stand on its lowest level
+        bare *= math.exp(-steepness * rise_of_mean)
+        ground = bare * loud.min()
     friction = bare * loud
     made_of = str(preset.values["surface.pattern"])
     period = number("surface.pattern_period_percent")
@@ -79,18 +85,19 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
     known = np.ones(cells + 1)
     if timeline.gaps:
         missing, ribbed = ribs(
-            timeline.gaps,
+            angle_map.evened(timeline.gaps),
             timeline.duration_s,
             cells,
             number("surface.gap_height"),
             number("surface.gap_period_percent"),
         )
         # ribs stand out of the pattern too
-        friction[missing] = ribbed * (bare + (top if made_of != "none" else 0.0))
+        friction[missing] = ribbed * (ground + (top if made_of != "none" else 0.0))
         known[missing] = 0.0
     if timeline.until_s is not None:
-        begun = rise(timeline.until_s / timeline.duration_s, cells)
-        friction += begun * (bare * heaviness(number("surface.ambience")) - friction)
+        heavy = number("surface.friction") * heaviness(number("surface.ambience"))
+        begun = rise(float(angle_map.position_of(timeline.until_s)), cells)
+        friction += begun * (heavy - friction)
         known[begun > 0.0] = 0.0
     material = str(preset.values["surface.material"])
     free = modes_of(material, number("surface.pitch_hz"), number("surface.ring"))
@@ -108,6 +115,21 @@ def bare_surface(timeline: Timeline, preset: Preset, cells: int) -> BareSurface:
         grip = number("surface.grip") if model == "bristle" else 1.0
         strikes = crests_of(course * known, grip * top)
     return BareSurface(friction, energy, modes, strikes)
+
+
+def _intensity(
+    timeline: Timeline, preset: Preset, cells: int, angle_map: AngleMap
+) -> tuple[Array, float]:
+    """The curve at the table's points as it is felt, and by how much its rank raises the mean."""
+    even = timeline.normalised_levels(cells)
+    plain = felt = angle_map.at_even_positions(even)
+    share = preset.number("surface.rank_share")
+    if share > 0.0:
+        felt = mixed_with_rank(plain, known_levels(timeline, even), share)
+    if preset.points:
+        steps = np.linspace(0.0, 1.0, len(preset.points))
+        plain, felt = (np.interp(levels, steps, preset.points) for levels in (plain, felt))
+    return felt, float((felt - plain).mean()) if share > 0.0 else 0.0
 
 
 def _detents(course: Array, pull: float, period: float, loud: Array) -> Array:

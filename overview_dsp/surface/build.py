@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
+from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.surface.bare import BareSurface, bare_surface
 from overview_dsp.surface.bristles import BristleLayer, has_bristles
 from overview_dsp.surface.detents import (
@@ -66,13 +67,12 @@ class _Placed:
     span: NDArray[np.float64]
 
     @classmethod
-    def of(cls, event: NDArray[np.int64], timeline: Timeline) -> _Placed:
+    def of(cls, event: NDArray[np.int64], angle_map: AngleMap) -> _Placed:
         """Nothing but where each event is; the rest is for each kind to fill."""
-        times = np.array([timeline.events[i].time_s for i in event])
         count = len(event)
         return cls(
             event=event,
-            centre=times / timeline.duration_s * CELLS,
+            centre=angle_map.events[event] * CELLS,
             position=np.zeros(count),
             edges=np.zeros((count, 2)),
             release=np.zeros(count),
@@ -139,7 +139,7 @@ def _width_cells(kind: EventKind, name: str, duration_s: float) -> float:
     return min(cells, float(CELLS))
 
 
-def build_surface(timeline: Timeline, preset: Preset) -> Surface:
+def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None = None) -> Surface:
     """Build the surface of a timeline under a preset.
 
     Parameters
@@ -148,6 +148,9 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         What is felt.
     preset : Preset
         How it is felt.
+    angle_map : AngleMap or None
+        Map between time and angle to keep, that of another surface of the same duration; None
+        makes the one of this timeline and preset.
 
     Returns
     -------
@@ -157,7 +160,8 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     Raises
     ------
     InputError
-        The bare surface's pattern has more crests than a surface holds strikes.
+        The bare surface's pattern has more crests than a surface holds strikes; a map of another
+        duration.
 
     Warns
     -----
@@ -178,7 +182,15 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     given.instance(preset, Preset, "preset", "ov.load_preset gives one")
     by_kind, left_out = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
-    under = bare_surface(timeline, preset, CELLS)
+    if angle_map is None:
+        angle_map = AngleMap.of(timeline, preset)
+    elif angle_map.duration_s == timeline.duration_s:
+        angle_map = angle_map.on(timeline)
+    else:
+        raise InputError(
+            f"angle_map is for {angle_map.duration_s:g} s; must be for {timeline.duration_s:g} s"
+        )
+    under = bare_surface(timeline, preset, CELLS, angle_map)
     crests = len(under.texture_strikes.position)
     capacity = MAX_EVENTS - crests
     if capacity < min(len(felt), 1):
@@ -187,7 +199,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
             "make surface.pattern_period_percent longer"
         )
     _warn_of_unknown(timeline, preset)
-    placed = _Placed.of(felt, timeline)
+    placed = _Placed.of(felt, angle_map)
     layers = _Layers(preset, under)
     for name, indices in by_kind.items():
         kind = preset.kinds[name]
@@ -210,6 +222,7 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
         span=placed.span[order] / CELLS,
         kind_names=names,
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
+        angle_map=angle_map,
         left_out=left_out,
         own_modes=under.modes,
         texture_strikes=under.texture_strikes,

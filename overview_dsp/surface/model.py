@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.presets.model import ClickMode
 from overview_dsp.public.reprs import counted
+from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.surface.bristles import BristleField
 from overview_dsp.surface.detents import DetentField
 from overview_dsp.surface.texture_strikes import NONE as NO_TEXTURE_STRIKES
@@ -44,6 +45,8 @@ class Surface:
         Event kinds.
     kind_modes : tuple of tuple of ClickMode
         Their clicks; a mode's gain includes its kind's.
+    angle_map : AngleMap
+        The one map between times and positions, for `position_of` and `time_at`.
     left_out : mapping of str to int
         Kinds whose events lie too densely to be felt one by one, and how many there are.
     own_modes : tuple of ClickMode
@@ -81,6 +84,7 @@ class Surface:
     span: NDArray[np.float64]
     kind_names: tuple[str, ...]
     kind_modes: tuple[tuple[ClickMode, ...], ...]
+    angle_map: AngleMap
     left_out: Mapping[str, int] = field(default_factory=dict)
     own_modes: tuple[ClickMode, ...] = ()
     texture_strikes: TextureStrikes = NO_TEXTURE_STRIKES
@@ -101,6 +105,62 @@ class Surface:
         if self.detents is not None:
             total = total + np.abs(self.detents.pull)
         return total
+
+    def position_of(self, time_s: ArrayLike) -> NDArray[np.float64]:
+        """Convert times to positions.
+
+        Parameters
+        ----------
+        time_s : array_like
+            Seconds from the start of the timeline (of a window: from its start), any shape;
+            limited to the timeline.
+
+        Returns
+        -------
+        float64
+            Of that shape: the cursor, 0 to 1. At a time of several events that of the last one.
+
+        See Also
+        --------
+        time_at : The inverse.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> surface = ov.build_surface(match, football)
+        >>> surface.position_of([0.0, match.duration_s])
+        array([0., 1.])
+        """
+        return self.angle_map.position_of(time_s)
+
+    def time_at(self, position: ArrayLike) -> NDArray[np.float64]:
+        """Convert positions to times.
+
+        Parameters
+        ----------
+        position : array_like
+            Cursor, 0 to 1, any shape; limited to that range.
+
+        Returns
+        -------
+        float64
+            Of that shape: seconds from the start of the timeline (of a window: from its start).
+
+        See Also
+        --------
+        position_of : The inverse.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> surface = ov.build_surface(match, football)
+        >>> goal = match.event("goal", 1).time_s
+        >>> abs(surface.time_at(surface.position_of(goal)) - goal) < 1e-6
+        np.True_
+        """
+        return self.angle_map.time_at(position)
 
     def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """Look up B, linear between the table's points.

@@ -46,21 +46,10 @@ class Zoom:
         """Length of the window, s."""
         return self.end_s - self.start_s
 
-    def moment_s(self, position: float) -> float:
-        """The moment at a position of the window (0 to 1), s of the whole."""
-        return self.start_s + self.width_s * position
-
-    def position(self, moment_s: float) -> float:
-        """The position (0 to 1 within the window) of a moment of the whole, s."""
-        return (moment_s - self.start_s) / self.width_s
-
-    def scaled(self, factor: float, about: float) -> Zoom:
-        """`factor` times as much detail; the moment at `about` (0 to 1) stays at that position.
-
-        Less detail than 1 at an end of the timeline moves it as far as it must.
-        """
+    def scaled(self, factor: float, moment_s: float, at: float) -> Zoom:
+        """`factor` times as much detail, with a moment at `at` (0 to 1), as `around`."""
         narrowest = min(NARROWEST_S, self.timeline.duration_s)
-        return self.around(self.moment_s(about), max(self.width_s / factor, narrowest), about)
+        return self.around(moment_s, max(self.width_s / factor, narrowest), at)
 
     def around(self, moment_s: float, width_s: float, at: float = ZOOM_LEAD) -> Zoom:
         """A window of `width_s` with a moment at `at` (0 to 1) of it, or as near as it can."""

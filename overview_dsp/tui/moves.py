@@ -8,6 +8,7 @@ from overview_dsp.live.player import Player
 from overview_dsp.live.status import Status
 from overview_dsp.tui.help_screen import HELP
 from overview_dsp.tui.place import marks
+from overview_dsp.tui.timeline_view import STRETCHED
 
 STEP = 0.01
 ZOOM = 1.5
@@ -87,5 +88,7 @@ class Moves:
 
 def help_text(player: Player) -> str:
     """The keys, and what the marks above the timeline are."""
-    shown = "  ".join(f"{mark} {kind}" for mark, _, kind in marks(player))
-    return HELP.replace("MARKS", shown or "no events")
+    shown = "  ".join(f"{mark} {kind}" for mark, _, kind in marks(player)) or "no events"
+    if not player.under_hand.angle_map.is_linear:
+        shown += f"\n{STRETCHED} time is stretched: events lie close together there"
+    return HELP.replace("MARKS", shown)

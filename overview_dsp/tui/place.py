@@ -8,8 +8,7 @@ from overview_dsp.tui.timeline_view import COLOURS, MARKS, axis_text
 
 def place_words(player: Player, cursor: float) -> str:
     """The moment under the cursor (0 to 1), and the event whose surface it is on."""
-    start, end = player.window
-    words = axis_text(player, start + (end - start) * cursor)
+    words = axis_text(player, player.moment_s(cursor))
     surface = player.surface
     for span, event in zip(surface.span, surface.event, strict=True):
         if span[0] <= cursor <= span[1]:

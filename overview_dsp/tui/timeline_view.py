@@ -28,6 +28,9 @@ COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
 NOW = "┊"
 """Up to where a timeline that grows has happened."""
 
+STRETCHED = "═"
+"""On the axis, where time is stretched so that close events lie apart."""
+
 AXIS, FINGER, EVENTS = 1, 1, 1
 MARK_EVERY = 2
 """Looks: the disk's column is marked less often than the disk moves. A part of a line is written
@@ -63,6 +66,7 @@ class TimelineView(Widget):
         self._touching = False
         self._mark = self._looks = 0
         self._now: int | None = None
+        self._stretched: list[tuple[int, int]] = []
         self._drawn: tuple[object, int, int] | None = None
         self._pressed: tuple[float, float] | None = None
         self._moved = False
@@ -145,7 +149,11 @@ class TimelineView(Widget):
             self._marks[column(float(where), width)] = mark
         shown = self._player.shown
         until = shown.until_s
-        self._now = None if until is None else column(until / shown.duration_s, width)
+        angle_map = self._player.under_hand.angle_map
+        self._now = None if until is None else column(float(angle_map.position_of(until)), width)
+        self._stretched = [
+            (column(first, width), column(last, width)) for first, last in angle_map.stretched()
+        ]
 
     def render_line(self, y: int) -> Strip:
         """One line: events, the friction's columns, the finger, the axis."""
@@ -197,17 +205,23 @@ class TimelineView(Widget):
 
     def _axis(self, width: int) -> str:
         start, end = self._player.window
+        angle_map = self._player.under_hand.angle_map
         cells = [" "] * width
         if self._now is not None:
             first = max(0, min(self._now, width - len("now")))
             cells[first : first + len("now")] = "now"
         count = max(1, width // 16)
         for i in range(count + 1):
-            text = axis_text(self._player, start + (end - start) * i / count)
-            at = min(round(i / count * (width - 1)), width - len(text))
+            time_s = (end - start) * i / count
+            text = axis_text(self._player, start + time_s)
+            place = float(angle_map.position_of(time_s))
+            at = min(round(place * (width - 1)), width - len(text))
             at = max(0, at - len(text) // 2) if 0 < i < count else max(0, at)
             if not "".join(cells[max(0, at - 1) : at + len(text) + 1]).strip():
                 cells[at : at + len(text)] = text
+        for first, last in self._stretched:
+            for x in range(first, last + 1):
+                cells[x] = STRETCHED if cells[x] == " " else cells[x]
         return "".join(cells[:width])
 
 

@@ -35,6 +35,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.following.live_timeline import LiveTimeline
 from overview_dsp.presets.library import load_preset
 from overview_dsp.presets.model import Preset
+from overview_dsp.surface.angle_map import without_map
 from overview_dsp.timeline import Timeline
 from overview_dsp.web import sound_data
 from overview_dsp.web.live_data import LiveData
@@ -64,6 +65,7 @@ def data_routes(
     first: tuple[float, float] | None = None,
     media: Media | None = None,
     live: LiveTimeline | None = None,
+    linear: bool = False,
 ) -> list[BaseRoute]:
     """The routes of a timeline.
 
@@ -79,16 +81,22 @@ def data_routes(
         The film of it.
     live
         What grows; `timeline` is its snapshot then.
+    linear
+        Whether presets are used without their angle map.
     """
     one_at_a_time = threading.Lock()
     known = preset_names()
     named = preset in (*known["bundled"], *known["own"])
     given = load_preset(preset)
 
+    def fitted(preset: Preset) -> Preset:
+        return without_map(preset) if linear else preset
+
+    def served() -> Preset:
+        return fitted(load_preset(preset))  # as its file is now
+
     def chosen(name: str) -> Preset:
-        if name == given.name and not named:
-            return load_preset(preset)  # as its file is now
-        return preset_named(name)
+        return served() if name == given.name and not named else fitted(preset_named(name))
 
     def now() -> Timeline:
         return timeline if live is None else live.felt()
@@ -103,7 +111,7 @@ def data_routes(
         }
         return SiteContent(
             present,
-            load_preset(preset),
+            served(),
             levels=LEVELS,
             server=server,
             live=None if live is None else {"levels": LEVELS, "version": version},
@@ -116,7 +124,7 @@ def data_routes(
         name = request.url.path.removeprefix("/")
         with one_at_a_time:
             if name in (TIMELINE_FILE, POINTS_FILE) and (
-                load_preset(preset) != content.preset or now() is not content.timeline
+                served() != content.preset or now() is not content.timeline
             ):
                 content = made()
             if name not in content.names:
@@ -156,7 +164,7 @@ def data_routes(
         return JSONResponse({"name": path.stem}, 201)
 
     routes: list[BaseRoute] = [
-        preset_link(preset),
+        preset_link(preset, linear),
         Route("/data/presets", answering(names)),
         Route("/data/preset", answering(one)),
         Route("/sound/change", answering(change), methods=["POST"]),

@@ -7,6 +7,8 @@ from __future__ import annotations
 import html
 import io
 
+from overview_dsp.presets.model import Preset
+from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.timeline import Timeline
 
 PICTURE = "preview.png"
@@ -49,14 +51,14 @@ def sharing(title: str, picture: str, address: str | None, alt: str | None = Non
     ]
 
 
-def front_picture(timeline: Timeline) -> bytes:
-    """The timeline as a picture, PNG."""
+def front_picture(timeline: Timeline, preset: Preset) -> bytes:
+    """The timeline as a picture, PNG, on the axis of its surface."""
     from overview_dsp.plots.style import new_figure
     from overview_dsp.plots.timeline import draw_timeline
 
     figure = new_figure(WIDTH / _DPI, HEIGHT / _DPI)
     axes = figure.subplots()
-    draw_timeline(axes, timeline)
+    draw_timeline(axes, timeline, AngleMap.of(timeline, preset))
     axes.set_title(timeline.title, fontsize=16)
     file = io.BytesIO()
     figure.savefig(file, format="png", dpi=_DPI, metadata={"Software": None})

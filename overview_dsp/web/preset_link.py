@@ -27,19 +27,21 @@ ALIVE_EVERY = 50
 """Looks after which a line is sent in any case: a dead connection is noticed."""
 
 
-def preset_link(name: str) -> Route:
-    """The route for a preset, by name or path."""
+def preset_link(name: str, linear: bool) -> Route:
+    """The route for a preset, by name or path; `linear`: without its angle map."""
 
     async def changes(request: Request) -> Response:
         return StreamingResponse(
-            _told(name), headers={"cache-control": "no-store"}, media_type="text/event-stream"
+            _told(name, linear),
+            headers={"cache-control": "no-store"},
+            media_type="text/event-stream",
         )
 
     return Route("/preset/changes", changes)
 
 
-async def _told(name: str) -> AsyncIterator[str]:
-    watch = PresetWatch(name)
+async def _told(name: str, linear: bool) -> AsyncIterator[str]:
+    watch = PresetWatch(name, linear)
     yield "retry: 1000\n\n" + _message(watch.preset)
     looks = 0
     while True:

@@ -11,7 +11,6 @@ from typing import Any
 
 from overview_dsp.engine.coefficients import check_carrier
 from overview_dsp.engine.engine import Engine
-from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.hand import Input
 from overview_dsp.live.player import Player
 from overview_dsp.presets.model import Preset
@@ -62,14 +61,7 @@ class HostSession(Input):
         while self._wanted:
             self._player.show(*self._wanted.popleft())
         if self._presets:
-            preset = self._presets.popleft()
-            try:
-                engine.set_preset(preset)
-            except InputError:  # the window has changed since it was tried
-                return
-            except OverviewError:  # two surfaces fade already: the next time, unless another came
-                if not self._presets:
-                    self._presets.append(preset)
+            self._player.under_hand.use(self._presets.popleft())
 
     def is_over(self, engine: Engine) -> bool:
         """Whether the other input is over; without one it never is."""

@@ -14,7 +14,9 @@
 
 ``data/window-N.json``, places being 0 to 1 in that window::
 
-    {"level": [COLUMNS numbers 0 to 1], "resistance": [COLUMNS numbers, N m s/rad],
+    {"map": {"time_s": [s of the timeline], "place": [...]}, between whose points places are linear
+        in time, or null where they are all along,
+     "level": [COLUMNS numbers 0 to 1], "resistance": [COLUMNS numbers, N m s/rad],
      "gaps": [[from, to], ...], "now": the place up to where it has happened, or null,
      "events": [{"place", "time_s", "kind", "label"}, ...],
      "struck": [of each number that a strike may name, its index in "events", or -1],
@@ -39,6 +41,7 @@ from overview_dsp.kernels.layout import CELLS
 from overview_dsp.plots.style import KIND_STYLE
 from overview_dsp.presets.model import Preset
 from overview_dsp.readers.tables.events import KINDS as SERIES_KINDS
+from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.ticks import KINDS as TICKS
@@ -131,25 +134,34 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
     nearest = np.rint(np.arange(CELLS + 1) * ((COLUMNS - 1) / CELLS)).astype(np.int64)
     first = np.searchsorted(nearest, np.arange(COLUMNS))
     resistance = np.maximum.reduceat(surface.resistance, first)
-    length = shown.duration_s
-    now = None if shown.until_s is None else shown.until_s / length
+    angle_map = surface.angle_map
+    level = angle_map.at_even_positions(shown.normalised_levels(COLUMNS - 1))
+    now = None if shown.until_s is None else float(angle_map.position_of(shown.until_s))
     return {
-        "level": [round(one, 4) for one in shown.normalised_levels(COLUMNS - 1).tolist()],
+        "map": _map_json(angle_map, start_s),
+        "level": [round(one, 4) for one in level.tolist()],
         "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
         "gaps": [
-            *([start / length, end / length] for start, end in shown.gaps),
+            *(angle_map.position_of(gap).tolist() for gap in shown.gaps),
             *([[now, 1.0]] if now is not None else []),
         ],
         "now": now,
         "events": [
             {
-                "place": event.time_s / length,
+                "place": place,
                 "time_s": start_s + event.time_s,
                 "kind": event.kind,
                 "label": event.words,
             }
-            for event in shown.events
+            for place, event in zip(angle_map.events.tolist(), shown.events, strict=True)
         ],
         "struck": event_numbers(surface),
         "scale": list(shown.scale),
     }
+
+
+def _map_json(angle_map: AngleMap, start_s: float) -> dict[str, list[float]] | None:
+    if angle_map.is_linear:
+        return None
+    time_s = start_s + angle_map.time_s
+    return {"time_s": time_s.tolist(), "place": angle_map.position.tolist()}

@@ -77,7 +77,7 @@ def write_site(
 
         for name, file in folder_files(live=live is not None).items():
             put(name, front(file) if name == START else file, "page")
-        put(PICTURE, front_picture(timeline), "more")
+        put(PICTURE, front_picture(timeline, preset), "more")
         for i, name in enumerate(content.names):
             put(name, content.make(name), "page" if content.is_needed_first(name) else "more")
             if progress is not None:

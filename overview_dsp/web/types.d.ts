@@ -40,8 +40,16 @@ export interface Points {
   value: number[];
 }
 
+/** Points of a window's map from moments (s of the timeline) to places; lines between them. */
+export interface AngleMap {
+  time_s: number[];
+  place: number[];
+}
+
 /** What is drawn of a part, and said. */
 export interface View extends Part {
+  /** null where places are proportional to time. */
+  map: AngleMap | null;
   level: number[];
   resistance: number[];
   gaps: [number, number][];

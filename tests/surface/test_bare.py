@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.surface.bare import bare_surface
+from overview_dsp.surface import bare as bare_module
+from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.surface.detents import impedance
 from overview_dsp.surface.materials import modes_of
 from overview_dsp.surface.patterns import pattern
@@ -21,6 +22,10 @@ RAMP = ov.Timeline("ramp", 10.0, (), ov.Intensity(np.array([0.0, 10.0]), np.arra
 GAPPED = replace(RAMP, gaps=((2.0, 4.0),))
 LOUD = 3.0 ** (np.arange(CELLS + 1) / CELLS)  # ambience 2
 INSIDE = (np.arange(CELLS + 1) >= 400) & (np.arange(CELLS + 1) <= 800)
+
+
+def bare_surface(timeline, preset, cells):
+    return bare_module.bare_surface(timeline, preset, cells, AngleMap.of(timeline, preset))
 
 
 def made_of(made="waves", **values):

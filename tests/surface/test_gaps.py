@@ -50,12 +50,13 @@ def series_with_a_gap(gaps=((28.0, 52.0),)):
 
 
 def levels(result, part):
-    """The levels (dB) while the disk moves out over a part of the surface, as far as felt."""
+    """The levels (dB) while the disk moves out over a part of the timeline, as far as felt."""
+    first, last = result.engine.surface.position_of(100.0 * np.array(part))
     (out, *_) = strokes(result.trace.touching, result.trace.cursor)
     starts, level = window_db(result.samples[out.start : out.stop, 1], result.sample_rate, 0.002)
     middle = (starts + 0.005 * result.sample_rate).astype(int)
     cursor = result.trace.cursor[out.start : out.stop][np.minimum(middle, out.stop - out.start - 1)]
-    return np.maximum(level[(cursor > part[0]) & (cursor < part[1])], SILENT_DB)
+    return np.maximum(level[(cursor > first) & (cursor < last)], SILENT_DB)
 
 
 @pytest.fixture(scope="module")

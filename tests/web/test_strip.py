@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import pytest
 
+import overview_dsp as ov
 from tests.web.driving import PHONE, until
 from tests.web.exported import opened_host
 from tests.web.serving import served
@@ -41,17 +42,18 @@ def test_the_strip_tells_the_score_and_where_the_window_lies_and_moves_it(chromi
             box = page.locator("#strip-window").bounding_box()
             return (box["x"] - strip["x"]) / strip["width"], box["width"] / strip["width"]
 
-        start, end = page.evaluate("[overview.view.start_s, overview.view.end_s]")
-        assert window() == pytest.approx(
-            (start / match.duration_s, (end - start) / match.duration_s), abs=0.01
-        )
+        ends = page.evaluate("[overview.view.start_s, overview.view.end_s]")
+        surface = ov.build_surface(match, ov.load_preset("football"))
+        start, end = surface.position_of(ends)
+        assert window() == pytest.approx((start, end - start), abs=0.01)
         y = strip["y"] + strip["height"] / 2
         page.mouse.move(strip["x"] + strip["width"] * (window()[0] + 0.05), y)
         page.mouse.down()
         page.mouse.move(strip["x"] + strip["width"] * 0.99, y, steps=10)
         until(page, f"p.view.end_s === {match.duration_s}")
         page.mouse.up()
-        assert window()[0] == pytest.approx(2 / 3, abs=0.01)
+        last = surface.position_of(match.duration_s * 2 / 3)
+        assert window()[0] == pytest.approx(last, abs=0.01)
         assert page.evaluate("overview.hand.holder") is None  # the disk isn't touched by it
         page.click("#out")
         until(page, "p.view.zoom === 0")

@@ -62,6 +62,13 @@ def preset_option(function: Callable[..., Any]) -> Callable[..., Any]:
     )(function)
 
 
+def linear_option(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The option --linear, which leaves a preset's angle map out."""
+    return click.option(
+        "--linear", is_flag=True, help="Keep positions proportional to time: no angle map."
+    )(function)
+
+
 def preset_for(timeline: Timeline, preset: str | None) -> str:
     """The preset that was asked for, or the bundled one that fits the data."""
     from overview_dsp.presets.library import fitting_preset

@@ -3,18 +3,21 @@
 import { drawMark } from "./marks.js";
 import { coloursOf } from "./picture.js";
 
-/** @import { Colours, Info, Kind } from "../types" */
+/** @import { Colours, Info, Kind, View } from "../types" */
 
 const SIZE = 26; // CSS pixels of a mark
+const STRETCHED = "Where the axis is a double line, time is stretched so that close events lie apart";
 
 /**
  * `about` gets the sentences, each of `lists` an item for each kind of event.
  * @param {HTMLElement} about
  * @param {Element[]} lists
  * @param {Info} info
+ * @param {View | null} view
  */
-export function tellAbout(about, lists, info) {
-  about.textContent = [info.provenance, ...info.notes].filter(Boolean).join(". ");
+export function tellAbout(about, lists, info, view) {
+  const axis = view?.map ? STRETCHED : "";
+  about.textContent = [info.provenance, ...info.notes, axis].filter(Boolean).join(". ");
   const colours = coloursOf(document.documentElement);
   // ticks of time explain themselves
   const kinds = Object.values(info.kinds).filter((kind) => kind.count > 0 || kind.shape !== "bar");

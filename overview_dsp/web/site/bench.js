@@ -7,11 +7,13 @@ import { by } from "./dom.js";
 import { ask, post } from "./session.js";
 
 /** @import { Drawing, EventKind, Parameter, Preset } from "../types" */
+/** @import { Hand } from "./hand.js" */
 /** @typedef {[Parameter, Record<string, any>, string]} Row a parameter, whose value, its key there */
 
 /** @param {string} path */
 const json = async (path) => (await ask(path)).json();
 const ELSEWHERE = ["twist", "follow"]; // a sensor's twist, a host's map: nothing of the page's
+const MAP = "surface.angle_map";
 const NAME = /^[\w-]+$/; // others are no preset's, or would lead elsewhere
 const TAKEN = "there already";
 /** @type {(a: unknown, b: unknown) => boolean} */
@@ -21,9 +23,16 @@ export class Bench {
   /**
    * `feel(before, after, surface)` makes the change sound; `surface`: whether that differs.
    * @param {(before: Preset, after: Preset, surface: boolean) => Promise<void>} feel
+   * @param {Hand} hand
    */
-  constructor(feel) {
+  constructor(feel, hand) {
     this.feel = feel;
+    this.hand = hand;
+    const { onchange } = hand;
+    hand.onchange = () => {
+      onchange();
+      if (hand.holder === null) this.settle();
+    };
     /** @type {Preset[] | null} */
     this.sides = null; // the presets of A and B
     this.side = 1;
@@ -214,11 +223,18 @@ export class Bench {
     do {
       this.again = false;
       const after = structuredClone(this.preset);
+      // no place moves under a hand
+      if (this.hand.holder !== null) after.values[MAP] = this.sounding.values[MAP];
       const surface = this.differs(this.sounding, after);
       if (surface === null) continue;
       if (await this.guarded(() => this.feel(this.sounding, after, surface))) this.sounding = after;
     } while (this.again);
     this.busy = false;
+  }
+
+  /** The map of the preset that was chosen under a hand, once that has let go. */
+  settle() {
+    if (this.sides && this.sounding.values[MAP] !== this.preset.values[MAP]) this.changed();
   }
 
   /**

@@ -1,6 +1,7 @@
 // What stands still: the curve, its axis, the events, the disk's scale. Drawn once into a layer of
 // its own, and again when the window, the size or the colours change.
 
+import { placeAt, stretched } from "./angle_map.js";
 import { angleOf } from "./geometry.js";
 import { drawMark } from "./marks.js";
 import { linesOf } from "./values.js";
@@ -194,11 +195,16 @@ function drawAxis(c, g, view, info, colours) {
   c.beginPath();
   c.moveTo(g.left, g.bottom + 0.5);
   c.lineTo(g.right, g.bottom + 0.5);
+  // where events lie close together time is stretched: the axis is double there (`help`)
+  for (const [from, to] of stretched(view)) {
+    c.moveTo(g.x(from), g.bottom + 3.5);
+    c.lineTo(g.x(to), g.bottom + 3.5);
+  }
   c.fillStyle = colours.soft;
   c.textBaseline = "top";
   let free = g.left; // from where on there is room for a label
   for (let at = Math.ceil(view.start_s / step) * step; at <= view.end_s; at += step) {
-    const x = g.x((at - view.start_s) / length);
+    const x = g.x(placeAt(view, at));
     c.moveTo(x, g.bottom + 0.5);
     c.lineTo(x, g.bottom + 6);
     const text = tickText(at, info, step);

@@ -2,6 +2,7 @@
 
 import { tellAbout } from "./about.js";
 import { readAddress } from "./address.js";
+import { placeAt } from "./angle_map.js";
 import { by } from "./dom.js";
 import { Frames } from "./frames.js";
 import { Hand } from "./hand.js";
@@ -140,8 +141,7 @@ export class Page {
    * @param {number} moment
    */
   placeAt(moment) {
-    const { start_s, end_s } = this.view;
-    return Math.min(Math.max((moment - start_s) / (end_s - start_s), 0), 1);
+    return placeAt(this.view, moment);
   }
 
   /**
@@ -277,7 +277,7 @@ export class Page {
   }
 
   tellAbout() {
-    tellAbout(by("about"), [...document.querySelectorAll(".kinds")], this.info);
+    tellAbout(by("about"), [...document.querySelectorAll(".kinds")], this.info, this.view);
   }
 
   // --- every frame ------------------------------------------------------------------------------

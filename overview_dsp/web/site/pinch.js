@@ -2,7 +2,7 @@
 // steps where a server makes any window, else to the nearest of the folder's windows.
 
 import { croppedTo, partBetween, partNearest } from "./windows.js";
-import { secondsAt } from "./words.js";
+import { secondsAt } from "./angle_map.js";
 
 /** @import { View } from "../types" */
 /** @import { Picture } from "./picture.js" */

@@ -1,11 +1,12 @@
 // What only a server gives: the film, the bench, and the disk of a host.
 
+import { secondsAt } from "./angle_map.js";
 import { Bench } from "./bench.js";
 import { by } from "./dom.js";
 import { Film } from "./film.js";
 import { HostSound } from "./host_sound.js";
 import { PresetLink } from "./preset_link.js";
-import { eventText, momentText, secondsAt } from "./words.js";
+import { eventText, momentText } from "./words.js";
 
 /** @import { OtherHand, Server, TimelineEvent } from "../types" */
 /** @import { Page } from "./page.js" */
@@ -31,7 +32,7 @@ export class Served {
   constructor(page, server) {
     this.page = page;
     this.film = server.media ? new Film(by("film"), server.media) : null;
-    this.bench = new Bench((before, after, surface) => page.feel(before, after, surface));
+    this.bench = new Bench((before, after, surface) => page.feel(before, after, surface), page.hand);
     by("play").hidden = this.film === null;
     by("play").addEventListener("click", () => this.watch(page.felt));
     by("tune").hidden = false;

@@ -1,8 +1,9 @@
 // Which part of the timeline is under the hand, and how it comes there: zoom, beside, wheel.
 
+import { placeAt, secondsAt } from "./angle_map.js";
 import { by } from "./dom.js";
 import { levels, partAbout, partBeside, partBetween } from "./windows.js";
-import { momentText, secondsAt } from "./words.js";
+import { momentText } from "./words.js";
 
 /** @import { Ends, Part, SoundFace, View } from "../types" */
 /** @import { Data } from "./data.js" */
@@ -129,7 +130,7 @@ export class Shown {
       this.under = part;
       this.take(view);
       if (this.hand.holder === "keys") {
-        this.hand.hold("keys", (moment - view.start_s) / (view.end_s - view.start_s));
+        this.hand.hold("keys", placeAt(view, moment));
       }
       this.tell();
       this.onfault("");

@@ -1,8 +1,9 @@
 // What the picture shows, in words: the timeline as a slider for assistive technology, whose value
 // says what is there, and a line of text above the picture.
 
+import { secondsAt } from "./angle_map.js";
 import {
-  eventAt, eventText, momentText, placeText, scoreAt, secondsAt, summaryText, valueAt,
+  eventAt, eventText, momentText, placeText, scoreAt, summaryText, valueAt,
 } from "./words.js";
 
 /** @import { Info, View } from "../types" */

@@ -1,6 +1,7 @@
 // The whole timeline as a strip: where the shown window lies in it, and how the score went. A finger
 // moves the window; keys and screen readers have the buttons "earlier" and "later" for that.
 
+import { placeAt, secondsAt } from "./angle_map.js";
 import { by } from "./dom.js";
 import { coloursOf } from "./picture.js";
 import { SvgContext } from "./svg.js";
@@ -51,9 +52,16 @@ export class Strip {
     if (this.held === null) this.place(view.start_s, view.end_s);
   }
 
+  /** What the strip shows: until it has come, its length alone. */
+  get drawn() {
+    return this.whole ?? { start_s: 0, end_s: this.data.info.duration_s };
+  }
+
   async fetch() {
     this.whole = await this.data.view(partOf(this.shown.windows, 0)).catch(() => /** @type {View | null} */ (null));
     this.draw();
+    const { start_s, end_s } = this.shown.view;
+    if (this.held === null) this.place(start_s, end_s);
   }
 
   /**
@@ -62,9 +70,9 @@ export class Strip {
    * @param {number} end
    */
   place(start, end) {
-    const { duration_s } = this.data.info;
-    this.box.style.left = `${(100 * start) / duration_s}%`;
-    this.box.style.width = `${(100 * (end - start)) / duration_s}%`;
+    const [from, to] = [start, end].map((moment) => placeAt(this.drawn, moment));
+    this.box.style.left = `${100 * from}%`;
+    this.box.style.width = `${100 * (to - from)}%`;
   }
 
   draw() {
@@ -108,7 +116,7 @@ export class Strip {
    */
   under({ clientX }) {
     const { left, width } = this.element.getBoundingClientRect();
-    return ((clientX - left) / width) * this.data.info.duration_s;
+    return secondsAt(this.drawn, (clientX - left) / width);
   }
 
   /** @param {PointerEvent} event */

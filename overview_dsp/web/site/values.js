@@ -1,5 +1,7 @@
 // The data's own values: the point nearest to a place of a window, never one made up between two.
 
+import { placeAt } from "./angle_map.js";
+
 /** @import { Info, Points, View } from "../types" */
 
 /**
@@ -70,7 +72,7 @@ function within(view) {
   const inside = first + (points.time_s[first] < start_s && first < last ? 1 : 0);
   return [
     points.value, inside, last - (points.time_s[last] > end_s && last > inside ? 1 : 0),
-    (i) => (points.time_s[i] - start_s) / (end_s - start_s),
+    (i) => placeAt(view, points.time_s[i]),
   ];
 }
 

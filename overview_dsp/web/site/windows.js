@@ -1,6 +1,8 @@
 // Which part comes next: the nearest of another level about a moment, or the one beside. A part is
 // a window of the list by its number, or any other (number -1) that a host shows.
 
+import { croppedMap, placeAt } from "./angle_map.js";
+
 const SAME_S = 1e-6;
 
 /** @import { Info, Part, View, Window } from "../types" */
@@ -73,8 +75,8 @@ export function partNearest(windows, [start, end]) {
  */
 export function croppedTo(view, [start_s, end_s]) {
   const { level, resistance } = view;
-  const from = (start_s - view.start_s) / (view.end_s - view.start_s);
-  const part = (end_s - start_s) / (view.end_s - view.start_s);
+  const from = placeAt(view, start_s);
+  const part = placeAt(view, end_s) - from;
   const last = level.length - 1;
   const columns = level.map((_, i) => Math.round((from + (part * i) / last) * last));
   const placed = (/** @type {number} */ place) => (place - from) / part;
@@ -83,6 +85,7 @@ export function croppedTo(view, [start_s, end_s]) {
   const both = (a, b) => [a, b];
   return {
     ...view, start_s, end_s,
+    map: croppedMap(view, from, from + part),
     level: columns.map((i) => level[i]),
     resistance: columns.map((i) => resistance[i]),
     gaps: view.gaps.map(([a, b]) => both(inside(a), inside(b))).filter(([a, b]) => b > a),

@@ -1,5 +1,6 @@
 // A place of a window in words: when it is, and what happened there.
 
+import { secondsAt } from "./angle_map.js";
 import { pointAt, rangeOf, valueText } from "./values.js";
 
 const AT = 0.004; // of the surface: as near is at the event
@@ -128,14 +129,6 @@ export function eventPassed(view, from, to) {
   const [low, high] = from < to ? [from, to] : [to, from];
   const passed = view.events.filter(({ place }) => place > low && place <= high);
   return (from < to ? passed.at(-1) : passed[0]) ?? null;
-}
-
-/**
- * @param {View} view
- * @param {number} place
- */
-export function secondsAt(view, place) {
-  return view.start_s + (view.end_s - view.start_s) * place;
 }
 
 /**

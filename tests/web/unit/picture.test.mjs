@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
+import { placeAt, secondsAt, stretched } from "../../../overview_dsp/web/site/angle_map.js";
 import { geometryOf, placeTurned } from "../../../overview_dsp/web/site/geometry.js";
 import { linesOf, pointAt, valueText } from "../../../overview_dsp/web/site/values.js";
 import {
@@ -78,6 +79,41 @@ test("a view cropped to a window of it has what lies there, at its places", () =
   assert.equal(cropped.gaps.length, 1);
   assert.equal(cropped.gaps[0][0], 0);
   assert.ok(Math.abs(cropped.gaps[0][1] - 0.1) < 1e-9);
+});
+
+const MAPPED = {
+  start_s: 100, end_s: 1100,
+  map: { time_s: [100, 200, 210, 210, 1100], place: [0, 0.25, 0.5, 0.75, 1] },
+};
+
+test("moments and places of a mapped window lead to each other", () => {
+  const moments = [100, 150, 200, 205, 600, 1100];
+  const places = [0, 0.125, 0.25, 0.375, 0.75 + (0.25 * 390) / 890, 1];
+  moments.forEach((moment, i) => {
+    assert.ok(Math.abs(placeAt(MAPPED, moment) - places[i]) < 1e-12, `${moment}`);
+    assert.ok(Math.abs(secondsAt(MAPPED, places[i]) - moment) < 1e-9, `${moment}`);
+  });
+  // of events at one moment the last one's place; in between it stands still
+  assert.equal(placeAt(MAPPED, 210), 0.75);
+  assert.equal(secondsAt(MAPPED, 0.6), 210);
+  assert.deepEqual([placeAt(MAPPED, 0), placeAt(MAPPED, 2000)], [0, 1]);
+  assert.deepEqual(stretched(MAPPED), [[0, 0.25], [0.25, 0.5], [0.5, 0.75]]);
+  const linear = { start_s: 100, end_s: 1100, map: null };
+  assert.deepEqual([placeAt(linear, 350), secondsAt(linear, 0.25), placeAt(linear, 0)], [0.25, 350, 0]);
+});
+
+test("a cropped window keeps the map of what it shows", () => {
+  const level = Array.from({ length: 101 }, (_, i) => i / 100);
+  const view = { ...MAPPED, level, resistance: level, gaps: [], events: [{ place: 0.5 }] };
+  const ends = [150, 600];
+  const cropped = croppedTo(view, ends);
+  const [from, to] = ends.map((moment) => placeAt(view, moment));
+  assert.ok(Math.abs(cropped.events[0].place - (0.5 - from) / (to - from)) < 1e-12);
+  for (const moment of [150, 190, 207, 300, 600]) {
+    const wanted = (placeAt(view, moment) - from) / (to - from);
+    assert.ok(Math.abs(placeAt(cropped, moment) - wanted) < 1e-12, `${moment}`);
+  }
+  assert.ok(Math.abs(cropped.level[0] - from) < 0.01);
 });
 
 test("the nearest window is as long as any and about the same moment", () => {
