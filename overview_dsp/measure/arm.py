@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,6 +143,17 @@ class ArmReport(Report):
     scrubs: tuple[tuple[float, int, int, int], ...]
     curve_db: tuple[float, float]
 
+    def _plain(self) -> dict[str, Any]:
+        data = super()._plain()
+        for stroke in data["strokes"]:
+            for lag in ("lag_ms", "lag_percent"):
+                stroke[lag] = dict(zip(("median", "p95", "worst"), stroke[lag], strict=True))
+        of = ("target", "turns_back_at"), ("hz", "crossings", "followed", "felt")
+        for name, keys in zip(("taps", "scrubs"), of, strict=True):
+            data[name] = [dict(zip(keys, row, strict=True)) for row in data[name]]
+        data["curve_db"] = dict(zip(("lowest", "median"), data["curve_db"], strict=True))
+        return data
+
     def _lines(self) -> Iterator[str]:
         yield f"{self.preset}, a human arm beside a sweep: {counted(self.timelines, 'timeline')}"
         yield (
@@ -170,8 +182,8 @@ class ArmReport(Report):
     def _faults(self) -> Iterator[str]:
         for one in self.strokes:
             if one.missed:
-                of_main = f", {one.main_missed} of the strongest among them" * bool(one.main_missed)
-                yield f"{one.missed} events are never reached by {one.name}{of_main}"
+                among = f", {one.main_missed} of the strongest kinds" if one.main_missed else ""
+                yield f"{one.name} never reaches {one.missed} of {one.events} events{among}"
         for hz, crossings, _, felt in self.scrubs:
             if felt < crossings:
                 yield f"scrubbing at {hz:g} Hz: {felt} of {crossings} crossings are felt"
