@@ -66,11 +66,13 @@ class FeltEvents:
     lag_ms, lag_percent : float64 (events,)
         Lag where the disk enters the span; NaN in a recoil and where it is not reached.
     level_db : float64 (events,)
-        Highest level on the event; NaN if it is not reached.
+        Highest level on the event; NaN if the disk is never on it.
     detected : bool (events,)
         Whether a pulse belongs to the event.
     click_lag_ms : float64 (events,)
         Distance between click and peak of the vibration; NaN without either.
+    pulse_s : float64 (pulses,)
+        When a pulse is felt, s.
     course, level : float64 (milliseconds,)
         Position of the disk and level (dB) at each millisecond from the start of the stroke.
     """
@@ -93,6 +95,7 @@ class FeltEvents:
     level_db: Floats
     detected: NDArray[np.bool_]
     click_lag_ms: Floats
+    pulse_s: Floats
     course: Floats
     level: Floats
 
@@ -122,7 +125,7 @@ def felt_events(done: RenderedJob[Trace]) -> list[FeltEvents]:
             at = surface.position[row]
             reached[row] = low_turn <= at <= high_turn
             on = slice(max(int(first_ms[row]) - _NEAR_MS, 0), int(last_ms[row]) + _NEAR_MS + 1)
-            if reached[row] and len(level[on]):
+            if len(level[on]):
                 high[row] = level[on].max()
                 detected[row] = _belongs(pulses, first_ms[row], last_ms[row])
         start, end = surface.span.T
@@ -155,6 +158,7 @@ def felt_events(done: RenderedJob[Trace]) -> list[FeltEvents]:
                 high,
                 detected,
                 _click_lags(done, stroke, frames),
+                pulses / 1e3 + stroke.start / rate,
                 cursor[step],
                 level,
             )

@@ -143,6 +143,7 @@ def table_of(kinds, levels, times=None, apart_s=0.2, detected=True, reached=True
         level_db=np.array(levels, float),
         detected=np.broadcast_to(detected, count).copy(),
         click_lag_ms=np.zeros(count),
+        pulse_s=at,
         course=np.zeros(1),
         level=np.zeros(1),
     )
