@@ -30,7 +30,7 @@ FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 
 
 def observed(preset: ov.Preset) -> dict[str, Any]:
-    """What an observer tells apart on random timelines, in all strokes and by hands of mixed pace."""
+    """What an observer tells apart on random timelines, in all strokes and at mixed pace."""
     found: dict[str, Any] = {"preset_digest": preset_digest(preset)[:KEY_DIGITS], "strokes": []}
     for hands in ("all", "mixed"):
         (scores,) = (report := ov.measure.observe(preset, hands=hands)).to_json()["sets"]

@@ -103,6 +103,32 @@ def test_an_outward_stroke_ends_where_the_disk_turns_back():
     assert strokes(touching, recoils) == [Stroke("out", 0, 3), Stroke("recoil", 3, 8)]
 
 
+def test_a_disk_that_arrives_after_the_release_reaches_what_it_passes_then():
+    (done,) = rendered(RIGID, [EVENTS], ov.sweep(2.0))
+    count = len(done.trace.time)
+    released = done.trace.time > 1.0
+    # the same course of the disk, by a finger that releases halfway at full pace
+    table = np.column_stack([done.trace[name] for name in done.trace] + [np.ones(count)])
+    names = (*done.trace, "engaged")
+    table[released, names.index("touching")] = 0.0
+    sweep = done.job.gesture
+    before = sweep.time_s <= 1.0
+    early = ov.Gesture(
+        np.append(sweep.time_s[before], 1.0),
+        np.append(sweep.theta2[before], np.pi),
+        np.append(sweep.touching[before], False),
+        1.0,
+    )
+    moved = replace(done, trace=ov.Trace(table, names), job=replace(done.job, gesture=early))
+    out = felt_events(moved)[0]
+    assert out.turn == pytest.approx(1.0, abs=0.01)
+    assert out.reached.all()
+    # the finger passes half of the timeline
+    assert out.target == pytest.approx(0.5)
+    assert out.passed.tolist() == [True, True, False, False, False]
+    assert np.isfinite(out.lag_ms[:2]).all()
+
+
 def test_an_event_at_an_end_of_the_timeline_is_not_passed():
     (table,) = outward(RIGID, [timeline_of(0.0, 50.0, 100.0)], ov.arm(1.0))
     assert table.passed.tolist() == [False, True, False]

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.batch.cache_keys import KEY_DIGITS, preset_digest
 from overview_dsp.gestures import sweep
-from overview_dsp.measure.comparing import character_steps
 from overview_dsp.measure.arm import arm_report
+from overview_dsp.measure.comparing import character_steps
 from overview_dsp.measure.report import feel_report
 from overview_dsp.presets import library
 from overview_dsp.presets.parameters import PARAMETERS
