@@ -10,7 +10,6 @@ pulse (`observer.noticed`) belongs to it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,10 +68,16 @@ class FeltEvents:
         Highest level on the event; NaN if the disk is never on it.
     detected : bool (events,)
         Whether a pulse belongs to the event.
+    release : float64 (events,)
+        Friction that lets go, N m s/rad.
+    click_s : float64 (events,)
+        When the event is struck, s; NaN if it is not.
     click_lag_ms : float64 (events,)
         Distance between click and peak of the vibration; NaN without either.
     pulse_s : float64 (pulses,)
         When a pulse is felt, s.
+    free_db : float
+        Median level while the disk is on no event, dB; NaN if it always is on one.
     course, level : float64 (milliseconds,)
         Position of the disk and level (dB) at each millisecond from the start of the stroke.
     """
@@ -94,8 +99,11 @@ class FeltEvents:
     lag_percent: Floats
     level_db: Floats
     detected: NDArray[np.bool_]
+    release: Floats
+    click_s: Floats
     click_lag_ms: Floats
     pulse_s: Floats
+    free_db: float
     course: Floats
     level: Floats
 
@@ -137,7 +145,8 @@ def felt_events(done: RenderedJob[Trace]) -> list[FeltEvents]:
             passed = (start > -np.inf) & (end <= cursor[0])
         lag_ms[~reached], lag[~reached] = np.nan, np.nan
         times, kinds = _events(done.job.timeline, surface.event)
-        step = np.arange(0.0, len(cursor), rate / 1e3).astype(np.int64)
+        course = cursor[np.arange(0.0, len(cursor), rate / 1e3).astype(np.int64)]
+        free = level[: len(course)][~surface.in_span(course)]
         made.append(
             FeltEvents(
                 stroke,
@@ -157,9 +166,11 @@ def felt_events(done: RenderedJob[Trace]) -> list[FeltEvents]:
                 lag,
                 high,
                 detected,
-                _click_lags(done, stroke, frames),
+                surface.release,
+                *_clicks(done, stroke, frames),
                 pulses / 1e3 + stroke.start / rate,
-                cursor[step],
+                float(np.median(free)) if len(free) else np.nan,
+                course,
                 level,
             )
         )
@@ -190,18 +201,20 @@ def _lags(
     return float(furthest[-1]), np.asarray(lag_ms), np.asarray(lag)
 
 
-def _click_lags(done: RenderedJob[Any], stroke: Stroke, frames: Floats) -> Floats:
-    """Return the distance in ms between the click and the peak of the vibration at each event."""
+def _clicks(done: RenderedJob[Trace], stroke: Stroke, frames: Floats) -> tuple[Floats, Floats]:
+    """Return when each event is struck, s, and how far from the peak of its vibration, ms."""
     rate, envelope = done.sample_rate, done.trace.envelope
     row_of = {event: row for row, event in enumerate(done.surface.event.tolist())}
-    found = np.full(frames.shape[1], np.nan)
+    struck, lag = np.full((2, frames.shape[1]), np.nan)
     near, peak = round(_NEAR_MS * rate / 1e3), round(_PEAK_MS * rate / 1e3)
     for time_s, event in zip(done.strikes.time_s, done.strikes.event.tolist(), strict=True):
         row = row_of.get(event, -1)
-        if row < 0 or not stroke.start <= time_s * rate < stroke.stop or np.isnan(frames[0, row]):
+        if row < 0 or not stroke.start <= time_s * rate < stroke.stop:
             continue
-        first, last = (frames[:, row] + stroke.start).astype(int).tolist()
-        begin = max(0, first - near)
-        felt = begin + int(np.argmax(envelope[begin : max(last, first + peak) + near]))
-        found[row] = 1e3 * abs(felt / rate - time_s)
-    return found
+        struck[row] = time_s
+        if np.isfinite(frames[0, row]):
+            first, last = (frames[:, row] + stroke.start).astype(int).tolist()
+            begin = max(0, first - near)
+            felt = begin + int(np.argmax(envelope[begin : max(last, first + peak) + near]))
+            lag[row] = 1e3 * abs(felt / rate - time_s)
+    return struck, lag

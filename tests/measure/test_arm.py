@@ -168,8 +168,11 @@ def table_of(kinds, levels, times=None, apart_s=0.2, detected=True, reached=True
         lag_percent=np.zeros(count),
         level_db=np.array(levels, float),
         detected=np.broadcast_to(detected, count).copy(),
+        release=np.ones(count),
+        click_s=at,
         click_lag_ms=np.zeros(count),
         pulse_s=at,
+        free_db=-50.0,
         course=np.zeros(1),
         level=np.zeros(1),
     )
