@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from overview_dsp.engine.meters import EngineParameter, Meters, Strikes
     from overview_dsp.following.live_timeline import LiveTimeline
     from overview_dsp.gestures.model import Gesture
-    from overview_dsp.gestures.scripts import pause, sweep, tap
+    from overview_dsp.gestures.scripts import arm, flick, pause, scrub, sweep, tap
     from overview_dsp.gestures.spec import parse_gesture
     from overview_dsp.gestures.take import load_gesture, save_gesture
     from overview_dsp.presets.library import bundled_presets, load_preset
@@ -88,9 +88,11 @@ __all__ = [
     "Timeline",
     "Trace",
     "actuators",
+    "arm",
     "build_surface",
     "bundled_presets",
     "export",
+    "flick",
     "live",
     "load_actuator",
     "load_gesture",
@@ -106,6 +108,7 @@ __all__ = [
     "render_to_file",
     "save_gesture",
     "save_timeline",
+    "scrub",
     "sweep",
     "tap",
 ]
@@ -137,9 +140,11 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "Timeline": "timeline.model",
             "Trace": "rendering.trace",
             "actuators": "",
+            "arm": "gestures.scripts",
             "build_surface": "surface.build",
             "bundled_presets": "presets.library",
             "export": "",
+            "flick": "gestures.scripts",
             "live": "",
             "load_actuator": "actuators.library",
             "load_gesture": "gestures.take",
@@ -155,6 +160,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "render_to_file": "rendering.offline",
             "save_gesture": "gestures.take",
             "save_timeline": "readers.native",
+            "scrub": "gestures.scripts",
             "sweep": "gestures.scripts",
             "tap": "gestures.scripts",
             # private, but there

@@ -36,6 +36,7 @@ def objects(match, football, tmp_path_factory):
     (rendered,) = ov.render_many([job], sample_rate=8000, tail="none", threads=1)
     report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
     crowd = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)}, sample_rate=8000)
+    arm = ov.measure.arm_report(football, [match], {"arm 1 s": ov.arm(1.0)})
     shown = ov.measure.characters(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
     asked = ov.measure.observe(football, modalities=["touch"], hands="mixed", learned=2, held_out=1)
     (scores,) = asked.sets
@@ -52,7 +53,7 @@ def objects(match, football, tmp_path_factory):
         *(result.trace, result.strikes, engine, engine.meters, engine.surface, job, rendered),
         *(asked, scores, scores.strokes["mixed"]["touch"], scores.strokes["mixed"]["touch"].kinds),
         *(report, report.strokes[0], report.strokes[0].kinds[0], c2, builder, to_file),
-        *(crowd, crowd.strokes[0], crowd.strokes[0].kinds[0], *shown.values()),
+        *(arm, arm.strokes[0], crowd, crowd.strokes[0], crowd.strokes[0].kinds[0], *shown.values()),
         *(exported, exported.error, clip, ov.live.OutputSettings(actuator=c2), stream),
         *(stream.meters, ov.live.SignalSettings(3, gain_db=-6.0), ov.EvenTimes(1000, 0.001)),
         ov.LiveTimeline("A name as long as titles are, and longer still"),

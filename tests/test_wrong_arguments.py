@@ -46,6 +46,9 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
     return {
         "sweep": (ov.sweep, {"seconds": 1.0, "start": 0.0, "end": 1.0}),
         "tap": (ov.tap, {"position": 0.5, "hold_seconds": 0.1}),
+        "arm": (ov.arm, {"seconds": 1.0, "rest_s": 0.1}),
+        "flick": (ov.flick, {"seconds": 0.3}),
+        "scrub": (ov.scrub, {"position": 0.5, "width": 0.1, "hz": 2.0, "seconds": 1.0}),
         "pause": (ov.pause, {"seconds": 1.0}),
         "parse_gesture": (ov.parse_gesture, {"spec": "sweep:1"}),
         "save_gesture": (ov.save_gesture, {"gesture": ov.tap(0.5), "path": "take.csv"}),

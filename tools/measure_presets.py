@@ -30,9 +30,9 @@ FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 
 
 def observed(preset: ov.Preset) -> dict[str, Any]:
-    """What an observer tells apart on random timelines, in both sorts of hands."""
+    """What an observer tells apart on random timelines, in all strokes and at mixed pace."""
     found: dict[str, Any] = {"preset_digest": preset_digest(preset)[:KEY_DIGITS], "strokes": []}
-    for hands in ("steady", "mixed"):
+    for hands in ("all", "mixed"):
         (scores,) = (report := ov.measure.observe(preset, hands=hands)).to_json()["sets"]
         found |= {"learned": report.learned, "timelines": scores["timelines"]}
         found["strokes"] += scores["strokes"]
@@ -43,6 +43,7 @@ def lines_of(report: dict[str, Any]) -> str:
     """JSON with a line for each stroke, so that a change of one is seen as one."""
     parts = [f'"{key}": {json.dumps(report[key])}' for key in ("preset", "timeline")]
     parts.append(f'"strokes": {_rows(report["strokes"])}')
+    parts.append(f'"arm": {json.dumps(report["arm"])}')
     if "observer" in report:
         observer = dict(report["observer"])
         rows = _rows(observer.pop("strokes"))
@@ -95,7 +96,8 @@ def main() -> None:
         path = FOLDER / f"{name}.json"
         preset = ov.load_preset(name)
         found = ov.measure.feel_report(preset, pages(preset))
-        report = found.to_json()
+        arm = ov.measure.arm_report(preset, pages(preset))
+        report = {**found.to_json(), "arm": arm.to_json()}
         if not options.no_observer:
             report["observer"] = observed(preset)
         elif path.is_file():

@@ -1,7 +1,7 @@
 """Gestures: scripts and takes in, control events out; opens no device."""
 
 from overview_dsp.gestures.model import SOURCES, Change, Gesture
-from overview_dsp.gestures.scripts import pause, sweep, tap
+from overview_dsp.gestures.scripts import arm, flick, pause, scrub, sweep, tap
 from overview_dsp.gestures.spec import parse_gesture
 from overview_dsp.gestures.take import load_gesture, save_gesture
 
@@ -9,10 +9,13 @@ __all__ = [
     "SOURCES",
     "Change",
     "Gesture",
+    "arm",
+    "flick",
     "load_gesture",
     "parse_gesture",
     "pause",
     "save_gesture",
+    "scrub",
     "sweep",
     "tap",
 ]

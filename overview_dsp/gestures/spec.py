@@ -9,18 +9,26 @@ from pathlib import Path
 
 from overview_dsp.errors import InputError
 from overview_dsp.gestures.model import Gesture, joined
-from overview_dsp.gestures.scripts import pause, sweep, tap
+from overview_dsp.gestures.scripts import arm, flick, pause, scrub, sweep, tap
 from overview_dsp.gestures.take import load_gesture
 from overview_dsp.timeline import given
 
 FORMS = (
-    "sweep:SECONDS[:FROM:TO], tap:POSITION[:HOLD_SECONDS], rest:SECONDS, or a take's path (.csv)"
+    "sweep:SECONDS[:FROM:TO], tap:POSITION[:HOLD_SECONDS], arm:SECONDS[:REST_SECONDS], "
+    "flick[:SECONDS], scrub:POSITION:WIDTH:HZ[:SECONDS], rest:SECONDS, or a take's path (.csv)"
 )
 DEFAULT = "sweep:4"
 """What the hand does where nothing is said."""
 
-_MAKERS: dict[str, Callable[..., Gesture]] = {"sweep": sweep, "tap": tap, "rest": pause}
-_COUNTS = {"sweep": (1, 3), "tap": (1, 2), "rest": (1,)}
+_MAKERS: dict[str, tuple[Callable[..., Gesture], tuple[int, ...]]] = {
+    "sweep": (sweep, (1, 3)),
+    "tap": (tap, (1, 2)),
+    "arm": (arm, (1, 2)),
+    "flick": (flick, (0, 1)),
+    "scrub": (scrub, (3, 4)),
+    "rest": (pause, (1,)),
+}
+"""Function of each form, and the allowed counts of its numbers."""
 
 
 def parse_gesture(spec: str) -> Gesture:
@@ -29,7 +37,8 @@ def parse_gesture(spec: str) -> Gesture:
     Parameters
     ----------
     spec : str
-        `sweep:SECONDS[:FROM:TO]`, `tap:POSITION[:HOLD_SECONDS]`, `rest:SECONDS` or a take's path
+        `sweep:SECONDS[:FROM:TO]`, `tap:POSITION[:HOLD_SECONDS]`, `arm:SECONDS[:REST_SECONDS]`,
+        `flick[:SECONDS]`, `scrub:POSITION:WIDTH:HZ[:SECONDS]`, `rest:SECONDS` or a take's path
         (.csv); parts are joined with `+`.
 
     Returns
@@ -62,14 +71,15 @@ def parse_gesture(spec: str) -> Gesture:
 
 def _part(text: str) -> Gesture:
     name, *arguments = text.split(":")
-    if name not in _COUNTS:
+    if name not in _MAKERS:
         if Path(text).suffix.lower() == ".csv":
             return load_gesture(text)
         raise InputError(f"gesture {text!r} is not understood; it is {FORMS}")
-    if len(arguments) not in _COUNTS[name]:
+    make, counts = _MAKERS[name]
+    if len(arguments) not in counts:
         raise InputError(f"gesture {text!r} has {len(arguments)} numbers; it is {FORMS}")
     numbers = [_number(argument, text) for argument in arguments]
-    return _MAKERS[name](*numbers)
+    return make(*numbers)
 
 
 def _number(text: str, part: str) -> float:

@@ -21,6 +21,7 @@ from overview_dsp.public.lazy import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.measure.apart import events_felt_apart
+    from overview_dsp.measure.arm import ArmReport, ArmStroke, arm_report
     from overview_dsp.measure.character import Character, characters, level_matched_steps
     from overview_dsp.measure.comparing import character_steps, steps_apart
     from overview_dsp.measure.crowd import crowd_report
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
     from overview_dsp.measure.tuning.separating import separated
 
 __all__ = [
+    "ArmReport",
+    "ArmStroke",
     "Character",
     "CrowdKind",
     "CrowdReport",
@@ -59,6 +62,7 @@ __all__ = [
     "StrokeReport",
     "StrokeScores",
     "Tuned",
+    "arm_report",
     "character_steps",
     "characters",
     "crowd_report",
@@ -88,6 +92,8 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(
         __name__,
         {
+            "ArmReport": "arm",
+            "ArmStroke": "arm",
             "Character": "character",
             "CrowdKind": "crowd_kind",
             "CrowdReport": "crowd_kind",
@@ -102,6 +108,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "StrokeReport": "kind_feel",
             "StrokeScores": "observer.report",
             "Tuned": "tuning.moves",
+            "arm_report": "arm",
             "character_steps": "comparing",
             "characters": "character",
             "crowd_report": "crowd",

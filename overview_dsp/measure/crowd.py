@@ -27,15 +27,13 @@ from numpy.typing import NDArray
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import Gesture
 from overview_dsp.measure.crowd_kind import CrowdKind, CrowdReport, CrowdStroke
-from overview_dsp.measure.felt import Stroke, passages, stroke_feel, strokes
+from overview_dsp.measure.felt_events import FeltEvents, felt_events
 from overview_dsp.measure.report import require_gestures
 from overview_dsp.measure.steps import GESTURES, MERGED_S, STEP_DB
 from overview_dsp.presets.model import Preset
-from overview_dsp.rendering.offline import Result, render
+from overview_dsp.rendering.many import RenderJob, render_many
+from overview_dsp.rendering.schedule import Tail
 from overview_dsp.timeline import Timeline, given
-
-KNOCK_AFTER_S = 0.020
-"""A tactor is at its highest so long after the disk has left a narrow event, at most."""
 
 LOW, HIGH = 10.0, 90.0
 """The spread of a kind's levels, percentiles."""
@@ -107,16 +105,17 @@ def crowd_report(
     require_gestures(gestures)
     timelines = given.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
     given.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    weight = pacinian_db(preset.number("tactor.frequency_hz"))
     found: dict[str, list[_Events]] = {}
     for done, (name, gesture) in enumerate(gestures.items()):
-        for k, timeline in enumerate(timelines):
-            result = render(
-                timeline, preset, gesture, sample_rate, tail="rest" if recoils else "none"
-            )
-            for stroke in strokes(result.trace.touching, result.trace.cursor):
-                if stroke.name == "out" or recoils:
-                    way = name if stroke.name == "out" else f"{name} {stroke.name}"
-                    found.setdefault(way, []).append(_measured(stroke, result))
+        jobs = [RenderJob(timeline, preset, gesture) for timeline in timelines]
+        tail: Tail = "rest" if recoils else "none"
+        for k, result in enumerate(render_many(jobs, sample_rate, tail=tail, trace=True)):
+            for table in felt_events(result):
+                way = table.stroke.name
+                if way == "out" or recoils:
+                    there = found.setdefault(name if way == "out" else f"{name} {way}", [])
+                    there.append(_measured(table, weight))
             progress((done + (k + 1) / len(timelines)) / len(gestures))
     order = _order(target, [one for events in found.values() for one in events])
     return CrowdReport(
@@ -126,31 +125,14 @@ def crowd_report(
     )
 
 
-def _measured(stroke: Stroke, result: Result) -> _Events:
-    surface, rate = result.engine.surface, result.sample_rate
-    felt = stroke_feel(stroke, surface, result.trace, result.samples[:, 1], rate)
-    weight = pacinian_db(result.engine.preset.number("tactor.frequency_hz"))
-    names = np.array(surface.kind_names)[surface.kind]
-    count = len(surface.position)
-    struck = np.full(count, np.nan)
-    row_of = {int(event): row for row, event in enumerate(surface.event)}
-    passed = result.strikes.of_events()
-    for time_s, event in zip(passed.time_s, passed.event, strict=True):
-        if stroke.start <= time_s * rate < stroke.stop:
-            struck[row_of[int(event)]] = time_s
-    envelope = result.trace.envelope[stroke.start : stroke.stop]
-    cursor = result.trace.cursor[stroke.start : stroke.stop]
-    knock = np.full(count, np.nan)
-    for row, first, last in zip(*passages(surface, cursor), strict=True):
-        on = envelope[first : last + 1 + round(KNOCK_AFTER_S * rate)]
-        knock[row] = (stroke.start + first + int(np.argmax(on))) / rate
+def _measured(table: FeltEvents, weight: float) -> _Events:
     return _Events(
-        names,
-        felt.event_db + weight,
-        felt.event_free_db + weight,
-        surface.release,
-        1000.0 * np.abs(knock - struck),
-        _lost(struck, surface.release, names),
+        table.kind,
+        table.level_db + weight,
+        table.free_db + weight,
+        table.release,
+        table.click_lag_ms,
+        _lost(table.click_s, table.release, table.kind),
     )
 
 

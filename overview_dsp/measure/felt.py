@@ -1,7 +1,8 @@
 """Felt level: what the tactor channel gives a finger, stroke by stroke and event by event.
 
 Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk:
-from touching down to letting go (out), or from letting go until the disk is back (recoil). An event
+from the touch until the disk turns back after the release (out), or from there until it is back at
+the start (recoil). The disk may turn back at the release or arrive at its target first. An event
 is felt while the disk is within its span (where its profile exceeds a tenth of its height): its
 level is the highest of the windows that overlap that time. Windows that overlap no event's span are
 the event-free rest of the stroke; its level is their median.
@@ -79,7 +80,9 @@ class StrokeFeel:
 
 
 def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
-    """Find the strokes of a trace: from touching down to letting go, and back.
+    """Find the strokes of a trace: from a touch until the disk turns back, and the recoil.
+
+    The disk turns back at the release, or later if it still moves away from the start then.
 
     Parameters
     ----------
@@ -107,11 +110,17 @@ def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[
     held = touching > 0.5
     edges = np.flatnonzero(np.diff(held)) + 1
     bounds = [0, *edges.tolist(), len(held)]
-    found = []
+    found: list[Stroke] = []
     for start, stop in itertools.pairwise(bounds):
         if held[start]:
             found.append(Stroke("out", start, stop))
         elif start > 0:
+            before = found.pop()
+            # the disk may be on its way still, but not behind the furthest place of the touch
+            turn = start + int(np.argmax(cursor[start:stop]))
+            if cursor[turn] > cursor[start - 1]:
+                start = min(turn + 1, stop - 1)
+            found.append(Stroke("out", before.start, start))
             back = np.flatnonzero(cursor[start:stop] <= BACK_AT)
             end = start + int(back[0]) + 1 if len(back) else stop
             if end - start > 1:

@@ -117,7 +117,7 @@ def test_goals_within_two_minutes_are_both_felt(felt, gesture):
 @pytest.mark.parametrize("which", SETS)
 def test_most_events_of_a_full_tap_are_knocks_of_their_own(felt, which):
     parts = [match[0] for match in felt(which, "tap")]
-    assert sum(len(part.knocks_s) for part in parts) >= 0.6 * sum(map(moments, parts))
+    assert sum(len(part.pulse_s) for part in parts) >= 0.6 * sum(map(moments, parts))
 
 
 @pytest.mark.parametrize("gesture", [*SWEEPS, "tap"])

@@ -53,6 +53,52 @@ def test_a_tap_is_the_same_step_wherever_the_hand_was_before():
     assert np.array_equal(joined.theta2[-2:], ov.tap(0.5, 0.2).theta2)
 
 
+@given(st.floats(0.02, 20.0), st.floats(0.0, 3.0))
+def test_an_arm_speeds_up_and_slows_down_and_releases_without_waiting(seconds, rest):
+    gesture = ov.arm(seconds, rest)
+    moving = gesture.time_s <= seconds
+    time_s, place = gesture.time_s[:-1], gesture.theta2[:-1] / math.pi
+    assert (place[0], place[-1]) == (0.0, 1.0)
+    assert (np.diff(place) >= 0.0).all()
+    # symmetrical, at rest at both ends, 15/8 of the mean speed in the middle
+    assert np.allclose(place + place[::-1], 1.0, atol=1e-12)
+    speed = np.diff(place) / np.diff(time_s) * seconds
+    assert speed.max() <= 1.875 + 1e-9
+    if seconds > 1.0:
+        assert speed.max() > 1.87
+        assert max(speed[0], speed[-1]) < 0.01
+    assert moving.any()
+    assert gesture.touching[:-1].all()
+    assert not gesture.touching[-1]
+    assert gesture.duration_s == gesture.time_s[-1] == pytest.approx(seconds + rest)
+    assert gesture.on_arrival == ()
+
+
+def test_a_flick_is_the_same_movement_in_a_fraction_of_a_second():
+    assert np.array_equal(ov.flick().theta2, ov.arm(0.3).theta2)
+    assert ov.flick(0.15).duration_s == pytest.approx(0.25)
+
+
+@given(PLACES, st.floats(0.001, 0.2), st.sampled_from([0.5, 1.0, 2.0, 5.0]))
+def test_scrubbing_moves_back_and_forth_over_a_place(position, width, hz):
+    gesture = ov.scrub(position, width, hz, seconds=4.0)
+    place = gesture.theta2 / math.pi
+    wave = (gesture.time_s >= 1.2 - 1e-9) & gesture.touching
+    low, high = max(position - width, 0.0), min(position + width, 1.0)
+    assert place[wave].min() == pytest.approx(low, abs=1e-12)
+    assert place[wave].max() == pytest.approx(high, abs=1e-3 * width)
+    assert place[0] == 0.0
+    # it rests where the oscillation starts
+    assert np.allclose(place[gesture.time_s <= 1.2].max(), low)
+    assert np.abs(np.diff(place[wave])).max() <= 2.0 * math.pi * hz * width / 200.0 + 1e-12
+    if low > 0.0 and high < 1.0:
+        above = place[wave] > position
+        assert np.count_nonzero(np.diff(above)) == pytest.approx(8 * hz, abs=1)
+    assert gesture.touching[:-1].all()
+    assert not gesture.touching[-1]
+    assert gesture.duration_s == pytest.approx(5.2)
+
+
 def test_a_rest_is_nothing_for_a_while():
     gesture = ov.pause(2.5)
     assert len(gesture.time_s) == 0
@@ -73,6 +119,13 @@ def test_a_rest_is_nothing_for_a_while():
         (lambda: ov.sweep(1.0, math.nan), "0 .start. to 1 .end."),
         (lambda: ov.tap(1.5), "tap's position"),
         (lambda: ov.tap(0.5, 0.0), "tap's hold"),
+        (lambda: ov.arm(0.0), "arm's movement"),
+        (lambda: ov.arm(1.0, -0.1), "rest of an arm"),
+        (lambda: ov.flick(math.nan), "flick"),
+        (lambda: ov.scrub(1.1, 0.02, 2.0), "position of scrubbing"),
+        (lambda: ov.scrub(0.5, 0.0, 2.0), "width of scrubbing"),
+        (lambda: ov.scrub(0.5, 0.02, 21.0), "up to 20 Hz"),
+        (lambda: ov.scrub(0.5, 0.02, 2.0, 0.0), "duration of scrubbing"),
         (lambda: ov.pause(-0.5), "rest"),
         (lambda: ov.pause(math.nan), "rest"),
     ],

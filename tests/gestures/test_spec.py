@@ -26,6 +26,12 @@ def same(one: ov.Gesture, other: ov.Gesture) -> bool:
         ("sweep:0.5:1:0", ov.sweep(0.5, 1.0, 0.0)),
         ("tap:0.8", ov.tap(0.8)),
         ("tap:0.8:1.5", ov.tap(0.8, 1.5)),
+        ("arm:2", ov.arm(2.0)),
+        ("arm:2:0.5", ov.arm(2.0, 0.5)),
+        ("flick", ov.flick()),
+        ("flick:0.15", ov.flick(0.15)),
+        ("scrub:0.5:0.02:2", ov.scrub(0.5, 0.02, 2.0)),
+        ("scrub:0.5:0.02:2:3", ov.scrub(0.5, 0.02, 2.0, 3.0)),
         ("rest:2", ov.pause(2.0)),
         ("sweep:1+rest:0.5+tap:1:0.2", ov.sweep(1.0) + ov.pause(0.5) + ov.tap(1.0, 0.2)),
         (" sweep:1 + tap:0.1 ", ov.sweep(1.0) + ov.tap(0.1)),
@@ -56,6 +62,7 @@ def test_a_take_may_have_any_name(tmp_path, monkeypatch):
     [
         *("", "+", "sweep:1+", "swoop:4", "sweep", "sweep:", "sweep:1:0.5", "sweep:1:2:3:4"),
         *("tap", "tap:a", "sweep:4s", "rest:1:2", "sweep:nan", "tap:inf", "sweep:0", "tap:2"),
+        *("arm", "arm:1:2:3", "flick:1:2", "scrub:0.5", "scrub:0.5:0.02", "scrub:1:1:1:1:1"),
         *("tap:0.5:1:2", "take.txt", "x" * 5000, "tap:0.5;"),
     ],
 )
@@ -77,7 +84,8 @@ def test_a_take_that_is_not_there_is_one_line(spec):
 
 
 PIECES = st.one_of(
-    st.sampled_from(["sweep", "tap", "rest", ":", "+", ".", "-", " ", "e", "_", "nan", "inf"]),
+    st.sampled_from(["sweep", "tap", "arm", "flick", "scrub", "rest", ":", "+", ".", "-", " "]),
+    st.sampled_from(["e", "_", "nan", "inf"]),
     st.sampled_from(["0", "0.5", "1", "2.5", "1e1", "1e999", "-1"]),
     st.text(max_size=3),
 )

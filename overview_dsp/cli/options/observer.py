@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 MODALITIES = ("touch", "sound", "both")
-HANDS = ("steady", "mixed")
+HANDS = ("all", "steady", "arm", "mixed")
 
 
 def observer_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -35,7 +35,8 @@ def observer_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option(
             "--hands",
             type=click.Choice(HANDS),
-            help="An observer's: steady, or mixed: speeding up, hesitating, turning back.",
+            help="An observer's strokes: steady (sweeps, a tap, the recoil), arm (releases early), "
+            "all of these, or mixed (speeds up, hesitates, turns back).  [default: all]",
         ),
         click.option(
             "--modality",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from overview_dsp.measure.arm import ArmReport
     from overview_dsp.measure.crowd_kind import CrowdReport
     from overview_dsp.measure.kind_feel import FeelReport
     from overview_dsp.measure.observer.report import ObserverReport
@@ -98,9 +99,12 @@ def feel(
     On TIMELINEs, each event where it lies, in its crowd: medians and spreads by kind, whether the
     order of importance is kept, what is missed, masked, and lost beside which other kind.
 
-    With --observer: what can be told apart in sweeps of 1 to 6 s, a recoil and a tap, by touch, by
-    sound and by both. It learns on random timelines like real ones, and is asked about others and
-    about every TIMELINE given.
+    A human arm beside the sweeps: how far the disk lags, which events it never reaches, what
+    scrubbing and a tap give. An arm speeds up, slows down and releases without waiting.
+
+    With --observer: what can be told apart in sweeps of 1 to 30 s, a recoil, a tap and an arm's
+    movements, by touch, by sound and by both. It learns on random timelines like real ones, and is
+    asked about others and about every TIMELINE given.
     """
     from overview_dsp.plots.saving import require_picture
     from overview_dsp.presets.library import load_preset
@@ -129,42 +133,45 @@ def feel(
         click.echo(f"note: {line}")
 
 
-def _measured(
-    preset: Preset, timelines: list[Timeline]
-) -> tuple[FeelReport | Felt, Callable[[], Figure]]:
+def _measured(preset: Preset, timelines: list[Timeline]) -> tuple[Felt, Callable[[], Figure]]:
+    from overview_dsp.measure.arm import arm_report
+    from overview_dsp.measure.crowd import crowd_report
     from overview_dsp.measure.report import feel_report
     from overview_dsp.plots.presets import plot_feel
     from overview_dsp.rendering.audition import pages
 
     announce_compile()
-    if not timelines:
-        report = feel_report(preset, pages(preset))
-        return report, lambda: plot_feel(report)
-    from overview_dsp.measure.crowd import crowd_report
-
-    first = feel_report(preset, timelines[0])
+    made_up = pages(preset)
+    first = feel_report(preset, timelines[0] if timelines else made_up)
     with progress_bar(f"measuring {preset.name}") as progress:
-        found = Felt(first, crowd_report(preset, timelines, progress=progress))
-    return found, lambda: plot_feel(first)
+        arm = arm_report(preset, timelines or made_up, progress=lambda part: progress(part / 2))
+        crowd = None
+        if timelines:
+            crowd = crowd_report(preset, timelines, progress=lambda part: progress(0.5 + part / 2))
+        progress(1.0)
+    return Felt(first, crowd, arm), lambda: plot_feel(first)
 
 
 class Felt:
-    """A preset on timelines of a person's own: the kinds of the first, and all events in place."""
+    """How a preset feels: its kinds one by one, all events in place, and an arm beside a sweep."""
 
-    def __init__(self, first: FeelReport, crowd: CrowdReport) -> None:
-        self._first, self._crowd = first, crowd
+    def __init__(self, first: FeelReport, crowd: CrowdReport | None, arm: ArmReport) -> None:
+        """The kinds are those of the first timeline; `crowd` is None without timelines."""
+        self._first, self._crowd, self._arm = first, crowd, arm
 
     def to_json(self) -> dict[str, Any]:
-        """Both, the crowd's under its own key."""
-        return {**self._first.to_json(), "crowd": self._crowd.to_json()}
+        """Return the kinds, with the crowd and the arm under keys of their own."""
+        crowd = {} if self._crowd is None else {"crowd": self._crowd.to_json()}
+        return {**self._first.to_json(), **crowd, "arm": self._arm.to_json()}
 
     def table(self) -> str:
-        """The events where they lie."""
-        return self._crowd.table()
+        """Return the events where they lie, or the kinds, then the arm beside the sweep."""
+        return f"{(self._crowd or self._first).table()}\n\n{self._arm.table()}"
 
     def warnings(self) -> list[str]:
-        """Of both: which kinds are alike, and where the order isn't kept."""
-        return [*self._first.warnings(), *self._crowd.warnings()]
+        """Return which kinds are alike, where the order isn't kept, and what an arm misses."""
+        reports = (self._first, self._crowd, self._arm)
+        return [line for report in reports if report is not None for line in report.warnings()]
 
 
 def _observed(

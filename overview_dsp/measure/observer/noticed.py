@@ -105,7 +105,7 @@ def notice(
         Log of the hand's pace, for a feature more.
     """
     level = levels(samples[:, TACTOR], sample_rate, TOUCH_WINDOW_S, TOUCH_FLOOR_DB)
-    touched = _pulses(level, STEP_DB, TOUCH_FLOOR_DB + 3.0)
+    touched = touch_pulses(level)
     found: dict[Modality, Noticed] = {}
     click, heard = np.zeros(0), np.zeros(0, np.int64)
     if any(modality != "touch" for modality in modalities):
@@ -129,6 +129,11 @@ def notice(
             names.append(PACE)
         found[modality] = Noticed(at, np.hstack(columns), tuple(names))
     return found
+
+
+def touch_pulses(level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the milliseconds of the pulses that a finger notices in a level."""
+    return _pulses(np.maximum(level, TOUCH_FLOOR_DB), STEP_DB, TOUCH_FLOOR_DB + 3.0)
 
 
 def _pulses(level: NDArray[np.float64], step_db: float, least_db: float) -> NDArray[np.int64]:

@@ -13,8 +13,8 @@ from overview_dsp.measure.observer.noticed import MODALITIES, Modality
 from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
 from overview_dsp.measure.observer.scoring import Tally, groups_of
 from overview_dsp.measure.observer.strokes import (
+    GESTURES,
     HANDS,
-    STEADY,
     Hands,
     StrokeMet,
     rendered_strokes,
@@ -43,7 +43,7 @@ def observe(
     timelines: Sequence[Timeline] = (),
     *,
     modalities: Sequence[Modality] = MODALITIES,
-    hands: Hands = "steady",
+    hands: Hands = "all",
     learned: int = LEARNED,
     held_out: int = HELD_OUT,
     seed: int = 0,
@@ -62,9 +62,10 @@ def observe(
         What it is asked about besides random timelines that it hasn't met.
     modalities : sequence of {"touch", "sound", "both"}
         What it gets.
-    hands : {"steady", "mixed"}
-        Sweeps of 1, 2, 4 and 6 s, the recoil and a tap; or hands that speed up, hesitate and turn
-        back.
+    hands : {"all", "steady", "arm", "mixed"}
+        `steady`: sweeps of 1 to 30 s, the recoil and a tap. `arm`: an arm's movements of 1 to 6 s,
+        which release without waiting for the disk. `all`: both. `mixed`: hands that speed up,
+        hesitate and turn back.
     learned, held_out : int
         How many random timelines it learns from, and is asked about.
     seed : int
@@ -156,7 +157,7 @@ def _steps(
     held_out: int,
 ) -> Callable[[int], None]:
     """What is called after each step of the work, with how much it was."""
-    gestures = 1 if hands == "mixed" else len(STEADY)
+    gestures = 1 if hands == "mixed" else len(GESTURES[hands])
     total = gestures * (learned + held_out + len(timelines))
     total += _LESSON * len(stroke_names(hands)) * len(modalities)
     done = 0

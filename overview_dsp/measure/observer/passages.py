@@ -9,6 +9,7 @@ would take the goal's).
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +29,9 @@ LOOK_S = 0.004
 
 @dataclass(frozen=True, eq=False)
 class Met:
-    """The events that a stroke meets, once for each time that it passes them; row by row.
+    """Events of a stroke, once for each time that the disk passes them; row by row.
+
+    Events that the input disk passes and the disk never meets are rows too, with infinite times.
 
     Attributes
     ----------
@@ -49,8 +52,10 @@ class Met:
         return len(self.kind)
 
 
-def met(surface: Surface, cursor: NDArray[np.float64], sample_rate: float) -> Met:
-    """Find the events that a stroke meets.
+def met(
+    surface: Surface, cursor: NDArray[np.float64], sample_rate: float, furthest: float = -math.inf
+) -> Met:
+    """Find the events that a stroke meets, and those that it misses.
 
     Parameters
     ----------
@@ -59,6 +64,8 @@ def met(surface: Surface, cursor: NDArray[np.float64], sample_rate: float) -> Me
         Of the stroke.
     sample_rate : float
         Hz.
+    furthest : float
+        Furthest position of the input disk: it passes all events that start before.
     """
     bounds = _turns(cursor, max(1, int(LOOK_S * sample_rate)))
     events, enters, leaves = [], [], []
@@ -69,6 +76,10 @@ def met(surface: Surface, cursor: NDArray[np.float64], sample_rate: float) -> Me
         leaves.append(last + start)
     event = np.concatenate(events)
     frames = np.stack([np.concatenate(enters), np.concatenate(leaves)]).astype(np.float64)
+    begins = surface.span[:, 0]
+    missed = np.setdiff1d(np.flatnonzero((begins > -math.inf) & (begins <= furthest)), event)
+    event = np.append(event, missed)
+    frames = np.hstack([frames, np.full((2, len(missed)), math.inf)])
     enters_ms, leaves_ms = frames * (1000.0 / sample_rate)
     return Met(
         surface.kind[event],

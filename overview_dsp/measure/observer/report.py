@@ -58,7 +58,7 @@ class SetScores:
     timelines : int
         How many.
     strokes : mapping of str to mapping of str to StrokeScores
-        By stroke (`1 s`, ..., `recoil`, `tap`, or `mixed`), then by modality.
+        By stroke (`1 s`, ..., `recoil`, `tap`, `arm 1 s`, ..., or `mixed`), then by modality.
 
     Examples
     --------
@@ -92,7 +92,7 @@ class ObserverReport(Report):
     preset : str
         Its name.
     hands : str
-        `steady` or `mixed`.
+        `all`, `steady`, `arm` or `mixed`.
     learned : int
         From how many random timelines.
     sets : tuple of SetScores
@@ -239,6 +239,8 @@ def _ratio(share: float) -> tuple[int, int]:
 def _where(stroke: str) -> str:
     if stroke in ("recoil", "tap"):
         return f"in the {stroke}"
+    if stroke.startswith("arm "):
+        return f"by an arm in {stroke.removeprefix('arm ')}"
     return "by a hand of mixed pace" if stroke == "mixed" else f"at {stroke}"
 
 

@@ -1,11 +1,12 @@
 """The strokes that an observer is asked about: rendered, cut, and what is noticed in each.
 
-A model a stroke: who moves knows how fast, and whether it is a tap or a recoil. Hands of mixed pace
-share one model, which is told the pace of the hand (`noticed.PACE`).
+One model per stroke: who moves knows how fast, and whether it is an arm's movement, a tap or a
+recoil. Hands of mixed pace share one model, which is told the pace of the hand (`noticed.PACE`).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -13,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.gestures import Gesture, sweep, tap
+from overview_dsp.gestures import Gesture, arm, sweep, tap
 from overview_dsp.measure.felt import strokes
 from overview_dsp.measure.observer.noticed import Modality, Noticed, notice
 from overview_dsp.measure.observer.passages import Met, met, owners
@@ -25,8 +26,8 @@ from overview_dsp.rendering.trace import Trace
 from overview_dsp.timeline import Timeline
 from overview_dsp.units import HALF_TURN
 
-Hands = Literal["steady", "mixed"]
-HANDS: tuple[Hands, ...] = ("steady", "mixed")
+Hands = Literal["all", "steady", "arm", "mixed"]
+HANDS: tuple[Hands, ...] = ("all", "steady", "arm", "mixed")
 
 RECOIL_OF = "2 s"
 """A recoil is much the same after any sweep: this one's is looked at."""
@@ -36,9 +37,26 @@ STEADY: Mapping[str, Gesture] = {
     RECOIL_OF: sweep(2.0),
     "4 s": sweep(4.0),
     "6 s": sweep(6.0),
+    "15 s": sweep(15.0),
+    "30 s": sweep(30.0),
     "tap": tap(1.0, 3.0),
 }
 """The tap is held until a slow one has unfolded."""
+
+ARMS: Mapping[str, Gesture] = {f"arm {seconds} s": arm(seconds) for seconds in (1, 2, 4, 6)}
+"""These release without waiting for the disk."""
+
+GESTURES: Mapping[Hands, Mapping[str, Gesture]] = {
+    "all": {**STEADY, **ARMS},
+    "steady": STEADY,
+    "arm": ARMS,
+}
+
+ARRIVAL_S = 3.0
+"""Rendered after an arm's release: a preset may let the disk arrive first."""
+
+TRAILING_S = 0.15
+"""Output that still belongs to an outward stroke after the disk turns back: its last pulse ends."""
 
 RECOIL, MIXED = "recoil", "mixed"
 
@@ -58,7 +76,7 @@ class StrokeMet:
     Attributes
     ----------
     name : str
-        `1 s` to `6 s`, `recoil`, `tap`, `mixed`.
+        `1 s` to `30 s`, `recoil`, `tap`, `arm 1 s` to `arm 6 s`, `mixed`.
     noticed : dict of Modality to Noticed
     owner : dict of Modality to int64 (onsets,)
         The row of `met` that each onset belongs to, or -1.
@@ -75,8 +93,10 @@ def stroke_names(hands: Hands) -> tuple[str, ...]:
     """The strokes of a sort of hands, in the order of a report."""
     if hands == "mixed":
         return (MIXED,)
-    sweeps = [name for name in STEADY if name != "tap"]
-    return (*sweeps, RECOIL, "tap")
+    names = list(GESTURES[hands])
+    if RECOIL_OF in names:
+        names.insert(names.index("tap"), RECOIL)
+    return tuple(names)
 
 
 def rendered_strokes(
@@ -95,7 +115,7 @@ def rendered_strokes(
     preset, timelines
         What is felt.
     hands
-        Steady ones, or one of mixed pace a timeline.
+        Which strokes; `mixed` is one of mixed pace for each timeline.
     modalities
         What is noticed by.
     seed
@@ -117,11 +137,13 @@ def rendered_strokes(
     if hands == "mixed":
         plans = [("none", [(MIXED, i, random_hand(seed + i)) for i in range(len(timelines))])]
     else:
-        every = [(name, i, STEADY[name]) for name in STEADY for i in range(len(timelines))]
+        chosen = GESTURES[hands]
+        every = [(name, i, chosen[name]) for name in chosen for i in range(len(timelines))]
         # only one sweep's recoil is looked at
         plans = [
-            ("none", [one for one in every if one[0] != RECOIL_OF]),
+            ("none", [one for one in every if one[0] in STEADY and one[0] != RECOIL_OF]),
             ("rest", [one for one in every if one[0] == RECOIL_OF]),
+            (ARRIVAL_S, [one for one in every if one[0] in ARMS]),
         ]
     for tail, plan in plans:
         jobs = [RenderJob(timelines[i], preset, gesture) for _, i, gesture in plan]
@@ -136,14 +158,18 @@ def _cut(
     name: str, result: RenderedJob[Trace], modalities: Sequence[Modality]
 ) -> Iterator[StrokeMet]:
     for stroke in strokes(result.trace.touching, result.trace.cursor):
-        if stroke.name != "out" and name != RECOIL_OF:
+        outward = stroke.name == "out"
+        if not outward and name != RECOIL_OF:
             continue  # the end of a gesture that lets go with its last frame
         frames = slice(stroke.start, stroke.stop)
-        there = met(result.surface, result.trace.cursor[frames], result.sample_rate)
+        furthest = float(result.job.gesture.theta2.max()) / HALF_TURN if outward else -math.inf
+        there = met(result.surface, result.trace.cursor[frames], result.sample_rate, furthest)
+        if outward and name in ARMS:
+            frames = slice(stroke.start, stroke.stop + round(TRAILING_S * result.sample_rate))
         pace = log_pace(result.job.gesture) if name == MIXED else None
         found = notice(result.samples[frames], result.sample_rate, modalities, pace)
         yield StrokeMet(
-            name if stroke.name == "out" else RECOIL,
+            name if outward else RECOIL,
             found,
             {modality: owners(one.at_ms, there) for modality, one in found.items()},
             there,

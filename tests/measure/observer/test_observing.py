@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,8 +14,10 @@ from overview_dsp.measure.observer import observing
 from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
 from overview_dsp.measure.observer.scoring import ObserverScores
 from overview_dsp.measure.observer.strokes import rendered_strokes, stroke_names
+from tests.examples import plain_preset
 
-STROKES = ["1 s", "2 s", "4 s", "6 s", "recoil", "tap"]
+ARMS = ["arm 1 s", "arm 2 s", "arm 4 s", "arm 6 s"]
+STROKES = ["1 s", "2 s", "4 s", "6 s", "15 s", "30 s", "recoil", "tap", *ARMS]
 
 
 def preset_of(**kinds):
@@ -80,17 +83,31 @@ def test_every_stroke_is_asked_about_on_the_given_timelines_too():
     ]
     counts = {kind: sum(one.kinds()[kind] for one in given) for kind in ("hard", "soft")}
     for one in report.sets:
-        assert list(one.strokes) == STROKES == list(stroke_names("steady"))
+        assert list(one.strokes) == STROKES == list(stroke_names("all"))
     for stroke in STROKES:
         scores = report.sets[1].strokes[stroke]["touch"].kinds
         events = dict(zip(scores.kinds, scores.events // scores.draws, strict=True))
-        # every event is met, also by the recoil and the tap
+        # every event counts, also in the recoil and the tap, and where an arm never reaches it
         assert {kind: events[kind] for kind in counts} == counts, stroke
     table = report.table()
     assert "timelines given (2), touch: recall / precision, %" in table
     assert all(f"touch, {stroke}: of 100" in table for stroke in STROKES)
     plain = json.loads(json.dumps(report.to_json(), allow_nan=False))
     assert [stroke["name"] for stroke in plain["sets"][1]["strokes"]] == STROKES
+
+
+def test_an_event_that_an_arm_never_reaches_counts_as_unnoticed():
+    kind = ov.EventKind(height=20.0, width_percent=1.0)
+    # a time constant of 3 s: the disk is far behind when the finger releases
+    soft = plain_preset(disk__k1=1e-4, disk__k2=9e-4, surface__friction=3e-3)
+    soft = replace(soft, kinds={"hard": kind, "default": kind})
+    late = ov.Timeline("late", 100.0, (ov.Event(10.0, "hard"), ov.Event(90.0, "hard")))
+    how = {"modalities": ["touch"], "hands": "arm", "learned": 4, "held_out": 0}
+    report = observed(soft, timelines=[late], **how)
+    assert list(report.sets[0].strokes) == ARMS
+    scores = report.sets[0].strokes["arm 1 s"]["touch"].kinds
+    assert scores.events.tolist() == [2 * scores.draws, 0]
+    assert scores.recall[0] <= 0.5
 
 
 def test_a_seed_gives_the_same_report_and_another_seed_another():
@@ -103,7 +120,7 @@ def test_a_seed_gives_the_same_report_and_another_seed_another():
 
 def test_what_is_noticed_by_touch_is_the_same_at_16_and_at_48_khz(match, football):
     at = {
-        rate: rendered_strokes(football, [match], "steady", ["touch"], 0, lambda _: None, rate)[0]
+        rate: rendered_strokes(football, [match], "all", ["touch"], 0, lambda _: None, rate)[0]
         for rate in (16_000.0, 48_000.0)
     }
     levels = []
@@ -134,7 +151,7 @@ def test_progress_rises_to_the_end():
     [
         ({"modalities": ["smell"]}, "touch, sound, both"),
         ({"modalities": []}, "touch, sound, both"),
-        ({"hands": "cold"}, "steady, mixed"),
+        ({"hands": "cold"}, "all, steady, arm, mixed"),
         ({"learned": 0}, "1 timeline or more"),
         ({"held_out": -1}, "held_out = -1"),
         ({"held_out": 0}, "nothing to ask about"),

@@ -78,6 +78,17 @@ def test_a_disk_that_trembles_does_not_turn_back(football):
     assert len(met(surface, trembling, 1000.0)) == 1
 
 
+def test_an_event_that_the_finger_passes_and_the_disk_does_not_is_missed(football):
+    timeline = ov.Timeline("", 100.0, tuple(ov.Event(t, "goal") for t in (20.0, 60.0, 90.0)))
+    surface = ov.build_surface(timeline, football)
+    course = np.linspace(0.0, 0.5, 8000)
+    assert len(met(surface, course, 1000.0)) == 1
+    there = met(surface, course, 1000.0, 0.8)
+    assert np.isfinite(there.enters_ms).tolist() == [True, False]
+    # no onset belongs to it
+    assert (owners(np.arange(0, 8000, 50), there) <= 0).all()
+
+
 def test_recall_counts_events_and_precision_counts_reports():
     scores = counted(
         [100, 300, 500, 900],
