@@ -7,7 +7,8 @@ it only dissipates, and the ledger of `two_disk` holds with that rest position. 
 
 - speed: the stretch for the wanted speed. Without lag that is the hand's pace; the further the disk
   is behind, the faster, up to a ratio of the pace, and at least as fast as a tap unfolds.
-- maximum speed: nothing pulls the disk faster than that.
+- maximum speed: nothing pulls the disk faster than that. Towards a hand that rests, or has let
+  go, it is pulled no faster than friction stops it, so that it does not overshoot.
 - windup: the stretch grows from sample to sample by at most a ratio of the hand's pace, so that a
   ridge of friction is not pulled at once by all the way that is behind.
 - backlash: the hand moves by that much before it pulls, so that tremor does not. After a release
@@ -27,6 +28,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined
 
 OFF = 1e300  # of a limit that does not hold
+LEAST_SPEED = 1e-9  # cells a sample: of no account, but not 0
 
 
 @inlined
@@ -40,15 +42,18 @@ def with_backlash(played, hand, backlash):
 
 
 @inlined
-def wanted_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed):
+def wanted_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed, slowing):
     """The speed (cells a sample) that a disk may have.
 
     A rigid shaft would be stretched by `stretch` (cells), of which `held_back` is what friction
-    takes at the hand's `pace`.
+    takes at the hand's `pace`. `slowing` is the part of its way that it may cover in a sample:
+    `OFF` towards a hand that moves, else friction over inertia (J/dt), as a free disk goes on for
+    its speed times inertia over friction.
     """
     way = abs(stretch)
     faster = pace + max(0.0, way - held_back) * lag_rate
-    return min(max(min(ratio * pace, faster), way * tap_rate), max_speed)
+    speed = min(max(min(ratio * pace, faster), way * tap_rate), max_speed)
+    return min(speed, way * slowing + LEAST_SPEED)
 
 
 @inlined

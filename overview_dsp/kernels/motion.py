@@ -65,8 +65,10 @@ def step(f64, i64, n, old_slot, modelled):
     moved = abs(y2 - was)
     pace = f64[layout.PACE]
     max_speed = f64[layout.C_MAX_SPEED]
-    if i64[layout.HOLDER] >= 0 and f64[layout.C_PACE_LEAST] < moved < f64[layout.C_PACE_MOST]:
-        if moved > pace or f64[layout.SLIP] == 0.0:
+    slowing = friction * (1.0 / f64[layout.C_INERTIA])
+    if f64[layout.C_PACE_LEAST] < moved < f64[layout.C_PACE_MOST]:
+        slowing = OFF
+        if i64[layout.HOLDER] >= 0 and (moved > pace or f64[layout.SLIP] == 0.0):
             pace = pace + f64[layout.C_PACE] * (moved - pace)
     f64[layout.PACE] = pace
     backlash = f64[layout.C_BACKLASH] if i64[layout.HOLDER] >= 0 else 0.0
@@ -98,6 +100,7 @@ def step(f64, i64, n, old_slot, modelled):
         f64[layout.C_LAG_RATE],
         f64[layout.C_TAP_RATE],
         max_speed,
+        slowing,
     )
     spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
     inertia = f64[layout.C_INERTIA]

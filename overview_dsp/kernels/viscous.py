@@ -61,6 +61,7 @@ def travel(f64, i64, u64, start, frames, sounding):
     hold = 1.0 if engaged else 0.0
     pace = f64[layout.PACE]
     pacing = f64[layout.C_PACE] if i64[layout.HOLDER] >= 0 else 0.0
+    per_inertia = 1.0 / inertia
     least = f64[layout.C_PACE_LEAST]
     most = f64[layout.C_PACE_MOST]
     played = f64[layout.PLAYED]
@@ -89,8 +90,11 @@ def travel(f64, i64, u64, start, frames, sounding):
         ahead = on_table(x + half)
         friction = friction_on(f64, table, ahead)
         moved = abs(y2 - was)
-        if least < moved < most and (moved > pace or slip == 0.0):
-            pace = pace + pacing * (moved - pace)
+        slowing = friction * per_inertia
+        if least < moved < most:
+            slowing = OFF
+            if moved > pace or slip == 0.0:
+                pace = pace + pacing * (moved - pace)
         played = with_backlash(played, y2, backlash)
         rigid = played * hold - x
         free = friction * reach
@@ -98,7 +102,9 @@ def travel(f64, i64, u64, start, frames, sounding):
         slip = rigid - stretch
         used = played if slip == 0.0 else x + stretch
         wound = stretch
-        wanted = wanted_speed(rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed)
+        wanted = wanted_speed(
+            rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed, slowing
+        )
         middle = midpoint_speed(2.0 * half, stretch, spring, inertia, denominator, friction)
         if is_steep(i64, table, ahead):
             friction, middle = mean_friction(

@@ -6,7 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import clutched, wanted_speed, with_backlash
+from overview_dsp.kernels.clutch import OFF, clutched, wanted_speed, with_backlash
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
@@ -212,6 +212,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     still = load_words(batch_i64, STILL)
     torque = load(batch_f64, LAST_TORQUE)
     friction = load(batch_f64, LAST_FRICTION)
+    per_inertia = 1.0 / load(batch_f64, C_INERTIA)
     highest = x
     lowest = x
     n = 0
@@ -225,8 +226,10 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         friction = frictions_at(batch_f64, batch_i64, own.TABLE, x + half)
         moved = abs(y2 - was)
         counts = choose(slip == 0.0, moved, max(moved, pace))
-        counts = choose(moved > load(batch_f64, C_PACE_LEAST), counts, pace)
-        counts = choose(moved < load(batch_f64, C_PACE_MOST), counts, pace)
+        moves = choose(moved < load(batch_f64, C_PACE_MOST), moved, 0.0)
+        moves = moves > load(batch_f64, C_PACE_LEAST)
+        counts = choose(moves, counts, pace)
+        slowing = choose(moves, OFF, friction * per_inertia)
         pace = pace + load(batch_f64, own.PACING) * (counts - pace)
         played = with_backlash(played, y2, load(batch_f64, own.BACKLASH))
         rigid = played * load(batch_f64, own.HOLD) - x
@@ -245,6 +248,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
             load(batch_f64, C_LAG_RATE),
             load(batch_f64, C_TAP_RATE),
             max_speed,
+            slowing,
         )
         middle = midpoint_speed(
             2.0 * half,
