@@ -43,7 +43,7 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
         # below the first cell: down to the angle whose torque or grain is the last to matter
         silent_torque = gate / loudest / k
         lowest = float(falls[:2].max())
-        silent_grain = QUIET / grain * math.sqrt(lowest / (k * loudest))
+        silent_grain = QUIET / (grain * loudest**2) * math.sqrt(lowest / k)
         last = min(silent_torque, silent_grain) / theta1_full
         fall += lowest * max(0.0, math.log(1.0 / (last * CELLS)))
         if surface.bristles is not None or surface.detents is not None:

@@ -92,6 +92,7 @@ def clear(f64, i64, u64):
     stop_waiting(f64, i64)
     f64[layout.GAIN_FROM] = 1.0
     f64[layout.GAIN_TO] = 1.0
+    f64[layout.GRAIN_GAIN] = 1.0
     u64[layout.NOISE] = u64[layout.S_SEED]
 
 

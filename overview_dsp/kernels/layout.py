@@ -189,7 +189,8 @@ STATE = column(48)
     GAIN_FROM,  # output gain at the last sample of the grid
     GAIN_STEP,  # its growth a sample
     GAIN_TO,  # at the next
-) = range(STATE, STATE + 42)
+    GRAIN_GAIN,  # output gain of the grain, since the last sample of the grid
+) = range(STATE, STATE + 43)
 SOURCE_TOUCHING = column(SOURCES)  # i64: of each source
 SOURCE_TOUCHED_AT = column(SOURCES)  # i64: TOUCH_COUNT when it last touched
 SOURCE_THETA2 = column(SOURCES)  # rad

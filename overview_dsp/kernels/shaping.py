@@ -27,11 +27,12 @@ def shape(f64, frames, beyond):
     scale = f64[layout.C_TORQUE]
     gate = f64[layout.C_GATE]
     exponent = f64[layout.C_EXPONENT]
-    gain = f64[layout.C_TEXTURE_GAIN]
+    gain = f64[layout.C_TEXTURE_GAIN] * f64[layout.GRAIN_GAIN]
     cutoff = f64[layout.C_TEXTURE_CUTOFF]
     for n in range((frames + SIDE_BY_SIDE - 1) & -SIDE_BY_SIDE):
-        torque = f64[layout.D_TORQUE + n] * (first + growth * float(beyond + n + 1))
-        f64[layout.D_AMPLITUDE + n] = compress(torque, scale, gate, exponent)
+        torque = f64[layout.D_TORQUE + n]
+        raised = first + growth * float(beyond + n + 1)
+        f64[layout.D_AMPLITUDE + n] = compress(torque * raised, scale, gate, exponent)
         f64[layout.D_SINE + n] = sin_turns(f64[layout.D_PHASE + n])
         omega = f64[layout.D_OMEGA + n]
         f64[layout.D_GRAIN + n] = grain_level(torque, omega, gain)

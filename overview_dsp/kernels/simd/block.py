@@ -94,6 +94,7 @@ def take_gain(batch_f64, f64, lane):
     """A voice's output gain into its lane."""
     batch_f64[own.GAIN_FROM + lane] = f64[layout.GAIN_FROM]
     batch_f64[own.GAIN_STEP + lane] = f64[layout.GAIN_STEP]
+    batch_f64[own.GRAIN_GAIN + lane] = f64[layout.GRAIN_GAIN]
 
 
 @outlined

@@ -59,6 +59,7 @@ ARRIVAL_ABOVE = row(SIMD_WIDTH)
 ARRIVAL_BELOW = row(SIMD_WIDTH)
 GAIN_FROM = row(SIMD_WIDTH)
 GAIN_STEP = row(SIMD_WIDTH)
+GRAIN_GAIN = row(SIMD_WIDTH)
 BEYOND = row(SIMD_WIDTH)  # samples from the output gain's grid to the chunk's first
 HIGHEST = row(SIMD_WIDTH)  # position in the last chunk, cells
 LOWEST = row(SIMD_WIDTH)

@@ -343,8 +343,8 @@ def shape_all(batch_f64, frames):
         store(batch_f64, own.AMPLITUDE + at, amplitude)
     for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
         omega = load(batch_f64, own.OMEGA + at)
-        torque = load(batch_f64, own.TORQUE + at) * gain_at(batch_f64, at)
-        level = grain_level(torque, omega, load(batch_f64, C_TEXTURE_GAIN))
+        gain = load(batch_f64, C_TEXTURE_GAIN) * load(batch_f64, own.GRAIN_GAIN)
+        level = grain_level(load(batch_f64, own.TORQUE + at), omega, gain)
         store(batch_f64, own.SINE + at, sin_turns(load(batch_f64, own.PHASE + at)))
         store(batch_f64, own.GRAIN + at, level)
         store(batch_f64, own.COLOUR + at, brightness(omega, load(batch_f64, C_TEXTURE_CUTOFF)))
