@@ -105,6 +105,7 @@ def crowd_report(
     require_gestures(gestures)
     timelines = given.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
     given.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    sample_rate = given.above_zero(sample_rate, "sample_rate")
     weight = pacinian_db(preset.number("tactor.frequency_hz"))
     found: dict[str, list[_Events]] = {}
     for done, (name, gesture) in enumerate(gestures.items()):

@@ -31,6 +31,9 @@ JUST_NOTICEABLE_DB = 2.5
 _RUN = 64
 """Frames whose lowest and highest position are looked at together."""
 
+COASTS = 0.001
+"""A disk that goes on by less after the release, as a share of the timeline, turned back there."""
+
 BACK_AT = 0.01
 """A recoil ends where the cursor is back to this."""
 
@@ -118,7 +121,7 @@ def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[
             before = found.pop()
             # the disk may be on its way still, but not behind the furthest place of the touch
             turn = start + int(np.argmax(cursor[start:stop]))
-            if cursor[turn] > cursor[start - 1]:
+            if cursor[turn] > cursor[start - 1] + COASTS:
                 start = min(turn + 1, stop - 1)
             found.append(Stroke("out", before.start, start))
             back = np.flatnonzero(cursor[start:stop] <= BACK_AT)

@@ -2,7 +2,7 @@
 
 On the bundled match, the shared ones and random ones; every event counts. What can't be promised of
 every match is asserted as a share, and said in the preset's header. `tools/measure_feel.py` prints
-the figures of all of it, of more matches.
+levels, lags and what an arm gets, of more matches.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.measure.arm import cards_over_goals, spread_db
 from overview_dsp.measure.felt import JUST_NOTICEABLE_DB
 from tests.feel.whole_matches import (
     CARDS,
     RATE,
-    cards_over_goals,
     close_goals_felt,
     close_matches,
     felt_strokes,
@@ -26,7 +26,6 @@ from tests.feel.whole_matches import (
     peaks_under_goals,
     random_matches,
     real_matches,
-    spread_of_goals,
 )
 
 SWEEPS = (1.0, 2.0, 4.0, 6.0)
@@ -99,7 +98,7 @@ def test_a_card_soon_after_a_goal_stays_a_card(felt, gesture):
 @pytest.mark.parametrize("gesture", [2.0, 4.0, 6.0])
 def test_equal_goals_of_one_sweep_are_about_equal(felt, gesture):
     for out, _ in felt("real", gesture):
-        assert spread_of_goals(out) <= (8.0 if gesture < 4.0 else 6.0)
+        assert spread_db(out, "goal") <= (8.0 if gesture < 4.0 else 6.0)
 
 
 @pytest.mark.parametrize("gesture", [2.0, 4.0, 6.0])

@@ -18,7 +18,6 @@ RATE = 16_000
 
 GOALS = ("goal", "own_goal")
 CARDS = ("yellow_card", "red_card")
-SOON_S = 600.0
 CLOSE_S = 120.0
 
 
@@ -71,22 +70,6 @@ def felt_strokes(
 def lags_s(part: FeltEvents) -> NDArray[np.float64]:
     """How far ear and finger are apart at each event of which both get something."""
     return part.click_lag_ms[np.isfinite(part.click_lag_ms)] / 1e3
-
-
-def cards_over_goals(part: FeltEvents) -> list[float]:
-    """Level of each card over that of a goal that it follows within ten minutes of play, dB."""
-    return [
-        float(part.level_db[card] - part.level_db[goal])
-        for goal in np.flatnonzero(np.isin(part.kind, GOALS))
-        for card in np.flatnonzero(np.isin(part.kind, CARDS))
-        if 0.0 < part.time_s[card] - part.time_s[goal] <= SOON_S
-    ]
-
-
-def spread_of_goals(part: FeltEvents) -> float:
-    """How far the strongest goal is above the weakest, dB; 0 without two."""
-    goals = part.level_db[part.kind == "goal"]
-    return float(np.ptp(goals)) if len(goals) else 0.0
 
 
 def close_goals_felt(part: FeltEvents) -> list[bool]:

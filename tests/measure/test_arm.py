@@ -134,6 +134,15 @@ def test_an_event_at_an_end_of_the_timeline_is_not_passed():
     assert table.passed.tolist() == [False, True, False]
 
 
+def test_an_event_that_the_disk_enters_and_does_not_cross_is_not_reached():
+    wide = preset_with(height=0.5, width=10.0, disk__k1=0.1, disk__k2=0.4, disk__inertia=2e-6)
+    (table,) = outward(wide, [timeline_of(50.0)], ov.sweep(2.0, 0.0, 0.48))
+    assert table.start[0] < table.turn < 0.49
+    assert not table.reached[0]
+    assert np.isfinite(table.level_db[0])
+    assert np.isnan(table.lag_ms[0])
+
+
 def test_a_recoil_has_rows_for_what_the_disk_goes_back_over():
     timeline = timeline_of(20.0, 40.0, 80.0)
     (done,) = rendered(RIGID, [timeline], ov.sweep(2.0, 0.0, 0.6))
@@ -222,8 +231,8 @@ def test_crossings_are_felt_where_a_pulse_of_the_event_comes():
     (felt,) = scrubbed(stiff, [goal], ("goal",), 1.0)
     assert [followed for followed, _ in felt] == [True] * 9
     assert sum(there for _, there in felt) >= 8
-    # what a bare surface with little friction gives is weaker than a foul
+    # a bare surface gives a pulse too, where the finger is fastest: here one of -37 dBFS
     gesture = ov.scrub(0.5, 0.02, 1.0)
-    bare = plain_preset(disk__k2=0.1, surface__friction=2e-4, disk__inertia=2e-6)
+    bare = plain_preset(disk__k2=0.1, surface__friction=1e-3, disk__inertia=2e-6)
     (done,) = ov.render_many([ov.RenderJob(timeline_of(50.0), bare, gesture)], RATE, trace=True)
     assert crossings(done, 0, 1.0) == [(True, False)] * 9
