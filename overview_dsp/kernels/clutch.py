@@ -28,6 +28,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined
 
 OFF = 1e300  # of a limit that does not hold
+SLOWING, LEAD = 3.2, 3.0  # to 0.8 of the speed from which friction alone stops it
 LEAST_SPEED = 1e-9  # cells a sample: of no account, but not 0
 
 
@@ -42,18 +43,18 @@ def with_backlash(played, hand, backlash):
 
 
 @inlined
-def wanted_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed, slowing):
-    """The speed (cells a sample) that a disk may have.
+def wanted_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed, slowing, v):
+    """The speed (cells a sample) that the disk may be pulled to.
 
     A rigid shaft would be stretched by `stretch` (cells), of which `held_back` is what friction
-    takes at the hand's `pace`. `slowing` is the part of its way that it may cover in a sample:
-    `OFF` towards a hand that moves, else friction over inertia (J/dt), as a free disk goes on for
-    its speed times inertia over friction.
+    takes at the hand's `pace`. `slowing` is `OFF` towards a hand that moves, else `SLOWING` times
+    friction over inertia (J/dt). A disk of speed `v` that is not pulled goes on for v inertia /
+    friction: so that it stops at the hand, v is led to 0.8 way friction / inertia.
     """
     way = abs(stretch)
     faster = pace + max(0.0, way - held_back) * lag_rate
     speed = min(max(min(ratio * pace, faster), way * tap_rate), max_speed)
-    return min(speed, way * slowing + LEAST_SPEED)
+    return min(speed, max(way * slowing - LEAD * abs(v), LEAST_SPEED))
 
 
 @inlined

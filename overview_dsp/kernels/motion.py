@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import log_strike
-from overview_dsp.kernels.clutch import OFF, clutched, wanted_speed, with_backlash
+from overview_dsp.kernels.clutch import OFF, SLOWING, clutched, wanted_speed, with_backlash
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import pass_events
 from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction, on_table
@@ -65,7 +65,7 @@ def step(f64, i64, n, old_slot, modelled):
     moved = abs(y2 - was)
     pace = f64[layout.PACE]
     max_speed = f64[layout.C_MAX_SPEED]
-    slowing = friction * (1.0 / f64[layout.C_INERTIA])
+    slowing = friction * (SLOWING / f64[layout.C_INERTIA])
     if f64[layout.C_PACE_LEAST] < moved < f64[layout.C_PACE_MOST]:
         slowing = OFF
         if i64[layout.HOLDER] >= 0 and (moved > pace or f64[layout.SLIP] == 0.0):
@@ -101,6 +101,7 @@ def step(f64, i64, n, old_slot, modelled):
         f64[layout.C_TAP_RATE],
         max_speed,
         slowing,
+        v,
     )
     spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
     inertia = f64[layout.C_INERTIA]

@@ -11,7 +11,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import OFF, clutched, wanted_speed, with_backlash
+from overview_dsp.kernels.clutch import OFF, SLOWING, clutched, wanted_speed, with_backlash
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.friction import friction_on, is_steep, mean_friction, on_table
 from overview_dsp.kernels.release import next_above, next_below
@@ -61,7 +61,7 @@ def travel(f64, i64, u64, start, frames, sounding):
     hold = 1.0 if engaged else 0.0
     pace = f64[layout.PACE]
     pacing = f64[layout.C_PACE] if i64[layout.HOLDER] >= 0 else 0.0
-    per_inertia = 1.0 / inertia
+    per_inertia = SLOWING / inertia
     least = f64[layout.C_PACE_LEAST]
     most = f64[layout.C_PACE_MOST]
     played = f64[layout.PLAYED]
@@ -103,7 +103,7 @@ def travel(f64, i64, u64, start, frames, sounding):
         used = played if slip == 0.0 else x + stretch
         wound = stretch
         wanted = wanted_speed(
-            rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed, slowing
+            rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed, slowing, 2.0 * half
         )
         middle = midpoint_speed(2.0 * half, stretch, spring, inertia, denominator, friction)
         if is_steep(i64, table, ahead):

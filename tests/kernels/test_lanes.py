@@ -71,7 +71,7 @@ def everything(a, b, c, d, e, f, state):
         advance(a, b),
         midpoint_speed(a, b, c, d, e, f),
         with_backlash(a, b, c),
-        wanted_speed(a, b, c, d, e, f, 1.0, 2.0),
+        wanted_speed(a, b, c, d, e, f, 1.0, 2.0, a),
         clutched(a, b, c, d),
         snapped(a, STANDSTILL),
         compress(a, b, c, d),

@@ -6,7 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import OFF, clutched, wanted_speed, with_backlash
+from overview_dsp.kernels.clutch import OFF, SLOWING, clutched, wanted_speed, with_backlash
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
@@ -212,7 +212,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     still = load_words(batch_i64, STILL)
     torque = load(batch_f64, LAST_TORQUE)
     friction = load(batch_f64, LAST_FRICTION)
-    per_inertia = 1.0 / load(batch_f64, C_INERTIA)
+    per_inertia = SLOWING / load(batch_f64, C_INERTIA)
     highest = x
     lowest = x
     n = 0
@@ -249,6 +249,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
             load(batch_f64, C_TAP_RATE),
             max_speed,
             slowing,
+            2.0 * half,
         )
         middle = midpoint_speed(
             2.0 * half,
