@@ -26,7 +26,6 @@ from tests.web.null_sink import null_sink
 
 RATE = 48_000
 BLOCK = 128
-GOAL = 0.7176  # 4-1
 
 
 @pytest.fixture
@@ -424,6 +423,39 @@ def test_zooming_shows_the_windows_and_comes_back_to_the_whole(opened):
     until(page, "p.meters.changesWaiting === 0")
 
 
+def test_moments_and_places_of_a_page_are_those_of_the_surface(opened, match, springy_football):
+    page = opened
+    for zoom in (0, 1):
+        if zoom:
+            page.evaluate("overview.shown.zoom(1, 0.4)")
+            until(page, "p.view.zoom === 1")
+        start, end = page.evaluate("[overview.view.start_s, overview.view.end_s]")
+        part = match.window(start, end) if zoom else match
+        surface = build_surface(part, springy_football)
+        assert not surface.angle_map.is_linear
+        even = np.linspace(0.0, 1.0, 41)
+        times = start + even * (end - start)
+        found = page.evaluate("all => all.map((at) => overview.placeAt(at))", times.tolist())
+        assert found == pytest.approx(surface.position_of(times - start), abs=1e-9)
+        there = page.evaluate(
+            "async (all) => {"
+            " const { secondsAt } = await import('./angle_map.js');"
+            " return all.map((place) => secondsAt(overview.view, place)); }",
+            even.tolist(),
+        )
+        assert there == pytest.approx(start + surface.time_at(even), abs=1e-6)
+        # what is read out where the hand is
+        page.evaluate("overview.walk.to(0.37)")
+        minutes, seconds = divmod(round(start + float(surface.time_at(0.37))), 60)
+        assert page.evaluate("overview.moment") == pytest.approx(start + surface.time_at(0.37))
+        until(page, f"document.getElementById('clock').textContent === '{minutes}:{seconds:02d}'")
+        # the marks lie where the events are felt
+        places = page.evaluate("overview.view.events.map(({ place }) => place)")
+        assert places == surface.angle_map.events.tolist()
+    page.click("#settings")
+    assert "time is stretched" in page.text_content("#about")
+
+
 def test_settings_are_remembered_and_speech_and_clicks_are_apart(opened):
     page = opened
     page.evaluate("""() => {
@@ -486,7 +518,8 @@ def test_axe_finds_nothing(chromium, site, axe, scheme, size):
         until(page, "p.playback.player.playing && p.cursor > 0.05")
         assert violations(page, axe) == []
         page.click("#run")
-        page.mouse.click(*at(page, GOAL))
+        goal = page.evaluate("overview.view.events.find(({ label }) => label.startsWith('4-1')).place")
+        page.mouse.click(*at(page, goal))
         until(page, "document.getElementById('event').textContent !== ''")
         page.click("#in")
         until(page, "p.view.zoom === 1 && !document.getElementById('strip').hidden")
