@@ -289,10 +289,12 @@ def test_a_page_has_the_map_of_each_window(page, match, football):
 
 
 def test_without_the_map_no_preset_of_a_page_has_one(match):
-    with served(match, plays=False, linear=True) as server:
-        with server.client(Origin=server.origin) as client:
-            whole = {"window": [0.0, match.duration_s]}
-            assert client.post("/data/window", json=whole).json()["map"] is None
-            for name in ("football", "football-stadium"):
-                preset = client.get(f"/data/preset?name={name}").json()["preset"]
-                assert preset["values"]["surface.angle_map"] == 0.0
+    with (
+        served(match, plays=False, linear=True) as server,
+        server.client(Origin=server.origin) as client,
+    ):
+        whole = {"window": [0.0, match.duration_s]}
+        assert client.post("/data/window", json=whole).json()["map"] is None
+        for name in ("football", "football-stadium"):
+            preset = client.get(f"/data/preset?name={name}").json()["preset"]
+            assert preset["values"]["surface.angle_map"] == 0.0

@@ -9,7 +9,6 @@ import wave
 import pytest
 
 import overview_dsp as ov
-
 from overview_dsp.web.media import open_media
 from tests.web.driving import DESKTOP, PHONE, at, until, violations
 from tests.web.serving import served
