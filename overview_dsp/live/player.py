@@ -37,6 +37,7 @@ from overview_dsp.live.under_hand import UnderHand
 from overview_dsp.presets.dicts import preset_to_dict
 from overview_dsp.presets.model import Preset
 from overview_dsp.readers.registry import load_timeline
+from overview_dsp.surface.angle_map import SHARE
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline
 
@@ -374,8 +375,13 @@ class Player:
         return None if self._growing is None else self.timeline
 
     @property
-    def _about(self) -> dict[str, str]:
-        return {"title": self.timeline.title, "preset": self._presets.preset.name}
+    def _about(self) -> dict[str, Any]:
+        preset = self._presets.preset
+        return {
+            "title": self.timeline.title,
+            "preset": preset.name,
+            "angle_map": preset.number(SHARE),
+        }
 
     def _begin_first_take(self) -> None:
         self._takes.begin(self._about, self._grown)

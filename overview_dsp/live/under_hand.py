@@ -107,8 +107,9 @@ class UnderHand:
 
         With an angle map it stays as near as can be: which events a window has moves them all.
         """
-        moment_s, at = self.moment_s(about), about
         zoom = Zoom(self.timeline, *(self._wanted_window or self.window))
+        shown = self.angle_map if self._wanted_window is None else self._map_of(zoom)
+        moment_s, at = zoom.start_s + float(shown.time_at(about)), about
         nearest, wanted = math.inf, zoom
         for _ in range(TRIED):
             tried = zoom.scaled(factor, moment_s, at)
@@ -134,9 +135,10 @@ class UnderHand:
 
     def _position_in(self, zoom: Zoom, moment_s: float) -> float:
         """The position of a moment in another window, which has a map of its own."""
-        part = self.timeline.window(*zoom.window)
-        made = AngleMap.of(part, self._engine.preset)
-        return float(made.position_of(moment_s - zoom.start_s))
+        return float(self._map_of(zoom).position_of(moment_s - zoom.start_s))
+
+    def _map_of(self, zoom: Zoom) -> AngleMap:
+        return AngleMap.of(self.timeline.window(*zoom.window), self._engine.preset)
 
     def show(self, start_s: float, end_s: float) -> None:
         """Put a part of the timeline under the hand; InputError if it isn't one."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 from bisect import bisect_left, insort
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import groupby
 from typing import Protocol
 
@@ -39,6 +40,11 @@ crossings are wider than a touch, and a whole series has 20 to 90."""
 MOST_OF_A_KIND = 100
 """More of a kind in a window (a heart's beats) are no single events but a ground, which presets
 leave out (`spacing_percent`): they keep none of those found by rule away."""
+
+
+HEAVY = 10
+"""Of events found by rule so many together weigh as much as any more do: between crowded ones the
+curve's trend would not be felt."""
 
 
 class Rules(Protocol):
@@ -91,11 +97,21 @@ def window_events(
     taken = [*single, *_clear(_other(marks, single), single, duration_s)]
     sampled = {event.time_s for event in single if event.kind not in KINDS}
     found = (event for event in ruled if event.time_s not in sampled)
+    kept = len(taken)
     _fill(taken, found, MOST_BY_RULE, duration_s)
+    taken[kept:] = _lighter(taken[kept:])
     taken += ground
     for _, alike in groupby(_other(details, taken), key=lambda event: event.weight):
         _fill(taken, [*alike], MOST_DETAILS, duration_s)
     return tuple(sorted(taken, key=lambda event: event.time_s))
+
+
+def _lighter(found: list[Event]) -> list[Event]:
+    """Return events found by rule, the lighter the more there are."""
+    share = min(1.0, HEAVY / max(1, len(found)))
+    if share == 1.0:
+        return found
+    return [replace(event, weight=event.weight * share) for event in found]
 
 
 def _clear(marks: Sequence[Event], given: Sequence[Event], duration_s: float) -> list[Event]:

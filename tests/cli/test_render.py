@@ -178,3 +178,15 @@ def test_render_names_the_events_that_were_not_reached(folder):
     whole = ("render", MATCH, "--gesture", "sweep:0.5", "--sample-rate", "8000", "-o", "b.wav")
     assert json.loads(overview(*whole, "--json").out)["unreached"] == []
     assert "not reached" not in overview(*whole[:-1], "c.wav").out
+
+
+def test_linear_renders_without_the_angle_map(folder, match, football):
+    outcome = overview(
+        *("render", MATCH, "--linear", "--gesture", "sweep:0.2", "--sample-rate", "8000"),
+        *("--subtype", "FLOAT", "-o", "a.wav"),
+    )
+    assert outcome.code == 0, outcome.err
+    samples, _ = soundfile.read(folder / "a.wav", dtype="float32")
+    linear = football.with_value("surface.angle_map", 0.0)
+    assert np.array_equal(samples, ov.render(match, linear, ov.sweep(0.2), 8000).samples)
+    assert not np.array_equal(samples, ov.render(match, football, ov.sweep(0.2), 8000).samples)

@@ -9,6 +9,7 @@ felt level in sixteen windows of the stroke out, each with the noise of human ju
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -181,7 +182,26 @@ def thirds_told(
 ) -> NDArray[np.bool_]:
     """Of each noisy share year: is its highest third told, and its lowest; bool (2, years)."""
     random = np.random.default_rng(4)
-    made_up = [loaded(share_year(random)) for _ in range(60)]
+    return _told([loaded(share_year(random)) for _ in range(60)], years, preset, seconds, random)
+
+
+def third_of_windows(
+    learnt: Sequence[ov.Timeline],
+    asked: Sequence[ov.Timeline],
+    preset: ov.Preset,
+    seconds: float,
+) -> NDArray[np.bool_]:
+    """The same of windows, whose observer has felt other windows."""
+    return _told(learnt, asked, preset, seconds, np.random.default_rng(4))
+
+
+def _told(
+    made_up: Sequence[ov.Timeline],
+    years: Sequence[ov.Timeline],
+    preset: ov.Preset,
+    seconds: float,
+    random: np.random.Generator,
+) -> NDArray[np.bool_]:
     learnt = judged(envelopes(made_up, preset, seconds), random)
     thirds = np.repeat([mean_of_thirds(timeline) for timeline in made_up], DRAWS, axis=0)
     ones = np.ones((len(learnt), 1))
@@ -195,3 +215,52 @@ def thirds_told(
             said.argmin(axis=1) == truth.argmin(axis=1),
         ]
     )
+
+
+# --- share years as windows of longer files -------------------------------------------------------
+
+
+def made_up_prices(files: int) -> list[list[str]]:
+    """Rows of tables of five share years each."""
+    tables = []
+    for seed in range(files):
+        random = np.random.default_rng(seed)
+        prices = np.array([100.0])
+        for _ in range(5):
+            year = share_year(random)
+            prices = np.concatenate((prices, year / year[0] * prices[-1]))
+        days = np.busday_offset("2010-01-04", np.arange(len(prices)), roll="forward")
+        tables.append([f"{d},{p:.4f}\n" for d, p in zip(days, prices, strict=True)])
+    return tables
+
+
+def real_prices(data: Path) -> list[list[str]]:
+    """Rows of other people's tables."""
+    tables = []
+    for file, column in (
+        ("sp500-2000.csv", "close"),
+        ("bokeh_AAPL.csv", "adj close"),
+        ("bokeh_IBM.csv", "adj close"),
+    ):
+        header, *lines = (data / "stocks" / file).read_text().splitlines()
+        names = header.lower().split(",")
+        day, price = names.index("date"), names.index(column)
+        fields = [line.split(",") for line in lines]
+        tables.append([f"{row[day]},{row[price]}\n" for row in fields])
+    return tables
+
+
+def years_of_files(tables: Sequence[Sequence[str]], folder: Path) -> list[ov.Timeline]:
+    """The whole calendar years of tables, as windows of the timelines that they make."""
+    found = []
+    for rows in tables:
+        path = folder / "years.csv"
+        path.write_text("date,close\n" + "".join(rows))
+        whole = ov.load_timeline(path)
+        assert whole.start is not None
+        first = whole.start.replace(tzinfo=None)
+        for year in range(first.year, first.year + 30):
+            edges = [(datetime(n, 1, 1) - first).total_seconds() for n in (year, year + 1)]
+            if edges[0] >= 0.0 and edges[1] <= whole.duration_s:
+                found.append(whole.window(*edges))
+    return found

@@ -13,11 +13,15 @@ from tests.feel.curves import (
     curve_of,
     grain_db,
     loader,
+    made_up_prices,
+    real_prices,
     real_share_years,
     shape_lessons,
     shapes_told,
     steps_of,
+    third_of_windows,
     thirds_told,
+    years_of_files,
 )
 
 CURVED = ("series", "stocks", "weather", "heart", "crowd", "plain")
@@ -104,3 +108,14 @@ def test_the_highest_and_the_lowest_third_of_a_share_year_are_felt(
     loaded, share_years, name, seconds
 ):
     assert thirds_told(loaded, share_years, ov.load_preset(name), seconds).mean() >= 0.88
+
+
+def test_events_that_fill_a_window_up_do_not_hide_the_trend_of_a_share_year(tmp_path, data_folder):
+    """Years as windows of files of many: learnt from made-up ones, asked about real ones."""
+    learnt = years_of_files(made_up_prices(18), tmp_path)[:60]
+    asked = years_of_files(real_prices(data_folder), tmp_path)
+    assert np.mean([len(year.events) for year in asked]) > 80.0
+    for name in ("series", "stocks"):
+        preset = ov.load_preset(name)
+        told = [third_of_windows(learnt, asked, preset, seconds) for seconds in (2.0, 4.0)]
+        assert np.mean(told) >= 0.85

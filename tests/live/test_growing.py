@@ -167,6 +167,29 @@ def test_an_update_comes_under_a_finger_after_the_time_that_was_chosen(session, 
     assert one.shown is live.felt()
 
 
+def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_path):
+    take = tmp_path / "take.csv"
+    one = session(after_s=0.2, record=take)
+    one.run(0.1)
+    events = [event(900 + 10 * n, "foul", str(n)) for n in range(5)]
+    live.append(events=events, clock_s=950.0)
+    one.run(0.1)
+    one.player.touch(0.13)
+    one.run(0.1)
+    live.end(live.felt().duration_s)
+    one.run(0.5)
+    assert one.shown.until_s is None
+    assert one.player.surface.angle_map.is_linear
+    one.player.release()
+    one.run(0.5)
+    assert not one.player.surface.angle_map.is_linear
+    heard = one.samples
+    one.player.close()
+    again = ov.render(str(timeline_beside(take)), "football", str(take), RATE, tail="none").samples
+    count = min(len(heard), len(again))
+    assert np.array_equal(again[:count], heard[:count])
+
+
 @pytest.mark.parametrize("preset", ["football", "plain", "series"])
 def test_no_click_comes_with_an_update(monkeypatch, preset):
     live = ov.LiveTimeline("flat", map="so far", unit="u")

@@ -109,7 +109,7 @@ def test_a_saved_preset_is_felt_and_a_broken_one_reported_while_the_last_good_pl
 
 
 def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):
-    player = make()
+    player = make("plain")
     whole = player.timeline.duration_s
     for about in (0.0, 0.5, 1.0):
         player.show(0.0, whole)
@@ -125,6 +125,54 @@ def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):
         wait(player, lambda status: player.window == (0.0, whole))
     with pytest.raises(ov.InputError):
         player.show(5.0, 1.0)
+
+
+def test_a_zoom_keeps_the_moment_as_near_as_the_windows_own_maps_let_it(make):
+    player = make()
+    for about in (0.2, 0.5, 0.9):
+        player.show(0.0, player.timeline.duration_s)
+        for _ in range(8):
+            before, moment = player.window, player.moment_s(about)
+            player.zoom(1.5, about)
+            wait(player, lambda status, before=before: player.window != before)
+            start, end = player.window
+            assert abs(player.moment_s(about) - moment) < 0.2 * (end - start)
+
+
+def test_another_preset_moves_no_place_under_a_hand(make):
+    player = make()
+    places = player.surface.angle_map.events
+    player.touch(0.5)
+    wait(player, lambda status: status.touching)
+    player.use_preset("plain")
+    wait(player, lambda status: player.preset.name == "plain")
+    assert np.array_equal(player.surface.angle_map.events, places)
+    moment = player.moment_s(0.5)
+    assert moment != 0.5 * player.timeline.duration_s
+    player.release()
+    wait(player, lambda status: player.surface.angle_map.is_linear)
+    assert player.preset == ov.load_preset("plain")
+    assert player.moment_s(0.5) == 0.5 * player.timeline.duration_s
+
+
+def test_two_presets_are_compared_on_one_map(make):
+    player = make(other=PresetWatch("plain"))
+    places = player.surface.angle_map.events
+    assert not player.surface.angle_map.is_linear
+    player.choose_preset(1)
+    wait(player, lambda status: player.preset.name == "plain")
+    assert np.array_equal(player.surface.angle_map.events, places)
+
+
+def test_without_the_map_no_preset_has_one(match, outputs):
+    player = Player(
+        match, PresetWatch("football", linear=True), outputs, OutputSettings(), callback="python"
+    )
+    assert player.surface.angle_map.is_linear
+    player.use_preset("football-stadium")
+    wait(player, lambda status: player.preset.name == "football-stadium")
+    assert player.surface.angle_map.is_linear
+    player.close()
 
 
 def test_a_lost_output_lets_go_is_reported_and_comes_back(make, outputs):
@@ -202,9 +250,9 @@ def test_going_from_event_to_event_takes_the_window_along(make):
         start, end = player.window
         if start <= goals[1] <= end:
             break
-    assert start + (end - start) * player.finger == pytest.approx(goals[1])
+    assert player.moment_s(player.finger) == pytest.approx(goals[1])
     player.go_to_event(-1, player.finger)
-    assert start + (end - start) * player.finger < goals[1]
+    assert player.moment_s(player.finger) < goals[1]
 
 
 def test_what_a_person_should_know_of_a_zoom_is_reported(make):

@@ -274,3 +274,27 @@ def test_a_series_and_a_bare_timeline_are_served_too(tmp_path):
             assert all(math.isfinite(level) for level in drawn["level"])
             assert drawn["gaps"] == [[start / 120.0, end / 120.0] for start, end in timeline.gaps]
             assert page.get("/sound/0.packed").status_code == 200
+
+
+def test_a_page_has_the_map_of_each_window(page, match, football):
+    for window in ([0.0, match.duration_s], [1000.0, 2000.0]):
+        drawn = page.post("/data/window", json={"window": window}).json()
+        start, end = window
+        part = match if end == match.duration_s else match.window(start, end)
+        surface = build_surface(part, football)
+        assert drawn["map"]["place"] == surface.angle_map.position.tolist()
+        assert drawn["map"]["time_s"] == (start + surface.angle_map.time_s).tolist()
+        places = [event["place"] for event in drawn["events"]]
+        assert places == surface.angle_map.events.tolist()
+
+
+def test_without_the_map_no_preset_of_a_page_has_one(match):
+    with (
+        served(match, plays=False, linear=True) as server,
+        server.client(Origin=server.origin) as client,
+    ):
+        whole = {"window": [0.0, match.duration_s]}
+        assert client.post("/data/window", json=whole).json()["map"] is None
+        for name in ("football", "football-stadium"):
+            preset = client.get(f"/data/preset?name={name}").json()["preset"]
+            assert preset["values"]["surface.angle_map"] == 0.0

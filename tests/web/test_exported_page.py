@@ -26,7 +26,6 @@ from tests.web.null_sink import null_sink
 
 RATE = 48_000
 BLOCK = 128
-GOAL = 0.7176  # 4-1
 
 
 @pytest.fixture
@@ -116,17 +115,18 @@ def test_keys_alone_reach_everything(opened):
         page.keyboard.press("[")
     until(page, "document.getElementById('slider').ariaValueText.includes('4-1 Mbapp')")
     assert says().startswith("67:30, goal")
+    goal = page.evaluate("overview.place")
     page.keyboard.press("ArrowLeft")
-    until(page, "Math.abs(p.place - 0.679) < 0.002")
+    until(page, f"Math.abs(p.place - {goal - 0.01}) < 0.002")
     page.keyboard.press("PageDown")
-    until(page, "Math.abs(p.place - 0.579) < 0.002")
+    until(page, f"Math.abs(p.place - {goal - 0.11}) < 0.002")
     page.keyboard.press("Escape")
     until(page, "p.meters.touching === 0 && p.cursor < 0.001")
-    watch(page, 0.579)
+    watch(page, goal - 0.11)
     page.keyboard.press(" ")
     until(page, "nearest < 0.005")
     until(page, "p.cursor < 0.001")
-    assert page.evaluate("furthest") < 0.584
+    assert page.evaluate("furthest") < goal - 0.105
     page.keyboard.press("+")
     until(page, "p.view.zoom === 1")
     reached = set()
@@ -424,6 +424,40 @@ def test_zooming_shows_the_windows_and_comes_back_to_the_whole(opened):
     until(page, "p.meters.changesWaiting === 0")
 
 
+def test_moments_and_places_of_a_page_are_those_of_the_surface(opened, match, springy_football):
+    page = opened
+    for zoom in (0, 1):
+        if zoom:
+            page.evaluate("overview.shown.zoom(1, 0.4)")
+            until(page, "p.view.zoom === 1")
+        start, end = page.evaluate("[overview.view.start_s, overview.view.end_s]")
+        part = match.window(start, end) if zoom else match
+        surface = build_surface(part, springy_football)
+        assert not surface.angle_map.is_linear
+        even = np.linspace(0.0, 1.0, 41)
+        times = start + even * (end - start)
+        found = page.evaluate("all => all.map((at) => overview.placeAt(at))", times.tolist())
+        assert found == pytest.approx(surface.position_of(times - start), abs=1e-9)
+        there = page.evaluate(
+            "async (all) => {"
+            " const { secondsAt } = await import('./angle_map.js');"
+            " return all.map((place) => secondsAt(overview.view, place)); }",
+            even.tolist(),
+        )
+        assert there == pytest.approx(start + surface.time_at(even), abs=1e-6)
+        # what is read out where the hand is
+        page.evaluate("overview.walk.to(0.37)")
+        minutes, seconds = divmod(round(start + float(surface.time_at(0.37))), 60)
+        assert page.evaluate("overview.moment") == pytest.approx(start + surface.time_at(0.37))
+        said = "document.getElementById('slider').ariaValueText"
+        until(page, f"{said}.startsWith('{minutes}:{seconds:02d}')")
+        # the marks lie where the events are felt
+        places = page.evaluate("overview.view.events.map(({ place }) => place)")
+        assert places == surface.angle_map.events.tolist()
+    page.click("#settings")
+    assert "time is stretched" in page.text_content("#about")
+
+
 def test_settings_are_remembered_and_speech_and_clicks_are_apart(opened):
     page = opened
     page.evaluate("""() => {
@@ -486,7 +520,10 @@ def test_axe_finds_nothing(chromium, site, axe, scheme, size):
         until(page, "p.playback.player.playing && p.cursor > 0.05")
         assert violations(page, axe) == []
         page.click("#run")
-        page.mouse.click(*at(page, GOAL))
+        goal = page.evaluate(
+            "overview.view.events.find(({ label }) => label.startsWith('4-1')).place"
+        )
+        page.mouse.click(*at(page, goal))
         until(page, "document.getElementById('event').textContent !== ''")
         page.click("#in")
         until(page, "p.view.zoom === 1 && !document.getElementById('strip').hidden")

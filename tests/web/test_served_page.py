@@ -8,11 +8,13 @@ import wave
 
 import pytest
 
+import overview_dsp as ov
 from overview_dsp.web.media import open_media
 from tests.web.driving import DESKTOP, PHONE, at, until, violations
 from tests.web.serving import served
 
-GOAL = 4050.0 / 5880.0  # 4-1
+MATCH, FOOTBALL = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+GOAL = float(ov.build_surface(MATCH, FOOTBALL).position_of(4050.0))  # 4-1
 
 
 @contextlib.contextmanager

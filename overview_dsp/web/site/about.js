@@ -6,7 +6,7 @@ import { coloursOf } from "./picture.js";
 /** @import { Colours, Info, Kind, View } from "../types" */
 
 const SIZE = 26; // CSS pixels of a mark
-const STRETCHED = "Where the axis is a double line, time is stretched so that close events lie apart";
+const STRETCHED = "Where the axis is bold, time is stretched so that close events lie apart";
 
 /**
  * `about` gets the sentences, each of `lists` an item for each kind of event.

@@ -13,7 +13,7 @@ import { ask, post } from "./session.js";
 /** @param {string} path */
 const json = async (path) => (await ask(path)).json();
 const ELSEWHERE = ["twist", "follow"]; // a sensor's twist, a host's map: nothing of the page's
-const MAP = "surface.angle_map";
+const ANGLE_MAP = "surface.angle_map";
 const NAME = /^[\w-]+$/; // others are no preset's, or would lead elsewhere
 const TAKEN = "there already";
 /** @type {(a: unknown, b: unknown) => boolean} */
@@ -224,7 +224,7 @@ export class Bench {
       this.again = false;
       const after = structuredClone(this.preset);
       // no place moves under a hand
-      if (this.hand.holder !== null) after.values[MAP] = this.sounding.values[MAP];
+      if (this.hand.holder !== null) after.values[ANGLE_MAP] = this.sounding.values[ANGLE_MAP];
       const surface = this.differs(this.sounding, after);
       if (surface === null) continue;
       if (await this.guarded(() => this.feel(this.sounding, after, surface))) this.sounding = after;
@@ -234,7 +234,7 @@ export class Bench {
 
   /** The map of the preset that was chosen under a hand, once that has let go. */
   settle() {
-    if (this.sides && this.sounding.values[MAP] !== this.preset.values[MAP]) this.changed();
+    if (this.sides && this.sounding.values[ANGLE_MAP] !== this.preset.values[ANGLE_MAP]) this.changed();
   }
 
   /**

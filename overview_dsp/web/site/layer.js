@@ -195,11 +195,6 @@ function drawAxis(c, g, view, info, colours) {
   c.beginPath();
   c.moveTo(g.left, g.bottom + 0.5);
   c.lineTo(g.right, g.bottom + 0.5);
-  // where events lie close together time is stretched: the axis is double there (`help`)
-  for (const [from, to] of stretched(view)) {
-    c.moveTo(g.x(from), g.bottom + 3.5);
-    c.lineTo(g.x(to), g.bottom + 3.5);
-  }
   c.fillStyle = colours.soft;
   c.textBaseline = "top";
   let free = g.left; // from where on there is room for a label
@@ -214,6 +209,25 @@ function drawAxis(c, g, view, info, colours) {
     c.textAlign = "left";
     c.fillText(text, left, g.bottom + 10);
     free = left + 2 * half + BETWEEN / 3;
+  }
+  c.stroke();
+  drawStretched(c, g, view, colours);
+}
+
+/**
+ * The axis is bold where time is stretched, so that close events lie apart (`about.js`).
+ * @param {SvgContext} c
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Colours} colours
+ */
+function drawStretched(c, g, view, colours) {
+  c.strokeStyle = colours.soft;
+  c.lineWidth = 3;
+  c.beginPath();
+  for (const [from, to] of stretched(view)) {
+    c.moveTo(g.x(from), g.bottom + 1.5);
+    c.lineTo(g.x(to), g.bottom + 1.5);
   }
   c.stroke();
 }
