@@ -25,7 +25,9 @@ def named(folder, pattern):
 
 @named("takes", "*.csv")
 def test_a_take_of_an_earlier_version_replays_by_the_present_release_rule(match, football, path):
-    with pytest.warns(ov.OverviewWarning, match="older version, in which a release let") as noted:
+    with pytest.warns(
+        ov.OverviewWarning, match="of an older version, in which a release let"
+    ) as noted:
         gesture = ov.load_gesture(path)
     assert len(noted) == 1
     assert "\n" not in str(noted[0].message)

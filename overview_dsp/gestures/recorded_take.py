@@ -15,8 +15,8 @@ name beside it holds the stamped parameter and surface changes::
 
 `timeline` is how one that grows has changed (`following.difference`) and which part of it is under
 the hand (null: all); with `ahead` (0 to 1) only what lies beyond there has (`surface.ahead`). The
-timeline at the take's beginning is in `NAME.timeline.json` beside it. `angle_map` is the share of the
-angle map that the angles were made on (`surface.angle_map` of the preset at the take's beginning).
+timeline at the take's beginning is in `NAME.timeline.json` beside it. `angle_map` is the preset's
+`surface.angle_map` at the take's beginning: by which map its angles were moments.
 
 | version | what is new |
 |---|---|
@@ -108,8 +108,8 @@ def load_beside(path: Path) -> Beside:
         raise InputError(f'{beside}: not a take\'s changes ("overview_take": {VERSION} is missing)')
     if version < VERSION:
         warnings.warn(
-            f"{path}: recorded by an older version, in which a release let the disk go at once; "
-            "now the disk arrives where it was pulled first, so it sounds otherwise after a release",
+            f"{path}: of an older version, in which a release let the disk go at once; now the disk "
+            "arrives first, so what follows a release sounds otherwise",
             OverviewWarning,
             stacklevel=3,
         )

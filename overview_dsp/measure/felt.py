@@ -2,8 +2,8 @@
 
 Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk:
 from the touch until shaft 2 disengages, which is when the disk has arrived after the release (out),
-or from there until it is back at the start (recoil). An event is felt while the disk is within its span (where its profile exceeds a tenth of its height): its
-level is the highest of the windows that overlap that time. Windows that overlap no event's span are
+or from there until it is back at the start (recoil). An event is felt while the disk is within its
+span (where its profile exceeds a tenth of its height): its level is the highest of the windows that overlap that time. Windows that overlap no event's span are
 the event-free rest of the stroke; its level is their median.
 """
 
@@ -81,7 +81,7 @@ class StrokeFeel:
 def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
     """Find the strokes of a trace: from a touch until the disk turns back, and the recoil.
 
-    The disk turns back when shaft 2 disengages, or later if it still moves away from the start then.
+    It turns back when shaft 2 disengages, or later if it still moves away from the start then.
 
     Parameters
     ----------
