@@ -103,13 +103,12 @@ def load_beside(path: Path) -> Beside:
         growing = document is not None
         if document is None:
             raise InputError(f"{beside}: broken JSON ({error})") from None
-    version = document.get("overview_take") if isinstance(document, dict) else None
-    if version not in range(1, VERSION + 1):
+    if not isinstance(document, dict) or document.get("overview_take") not in (1, VERSION):
         raise InputError(f'{beside}: not a take\'s changes ("overview_take": {VERSION} is missing)')
-    if version < VERSION:
+    if document["overview_take"] < VERSION:
         warnings.warn(
-            f"{path}: of an older version, in which a release let the disk go at once; now the disk "
-            "arrives first, so what follows a release sounds otherwise",
+            f"{path}: of an older version, in which a release let the disk go at once; now the "
+            "disk arrives first, so what follows a release sounds otherwise",
             OverviewWarning,
             stacklevel=3,
         )

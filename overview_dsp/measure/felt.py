@@ -3,8 +3,9 @@
 Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk:
 from the touch until shaft 2 disengages, which is when the disk has arrived after the release (out),
 or from there until it is back at the start (recoil). An event is felt while the disk is within its
-span (where its profile exceeds a tenth of its height): its level is the highest of the windows that overlap that time. Windows that overlap no event's span are
-the event-free rest of the stroke; its level is their median.
+span (where its profile exceeds a tenth of its height): its level is the highest of the windows that
+overlap that time. Windows that overlap no event's span are the event-free rest of the stroke; its
+level is their median.
 """
 
 from __future__ import annotations
