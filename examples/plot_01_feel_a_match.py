@@ -6,7 +6,7 @@ For anyone: the World Cup final 2018 in one sweep of the hand. Left is heard, ri
 
 What you should feel: an even hum that swells with the crowd, fouls as soft bumps, cards as short
 snaps, goals as hard knocks on which the disk catches and breaks loose. After four seconds the hand
-lets go, and everything passes again, backwards.
+releases, the disk arrives, and everything passes again, backwards.
 """
 
 import matplotlib.pyplot as plt
@@ -32,4 +32,8 @@ axes.set_title("The final's intensity over its minutes, with its goals as blue l
 # A sweep of four seconds.
 
 result = ov.render(match, ov.load_preset("football"), ov.sweep(4.0))
+arrived_s = result.trace.time[result.trace.engaged > 0.5][-1]
+assert 4.0 < arrived_s < 4.5
+met = result.strikes.of_events()
+assert set(met.event[met.time_s <= arrived_s]) == set(range(len(match.events)))
 result

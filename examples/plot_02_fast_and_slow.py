@@ -16,10 +16,10 @@ slow = ov.render(match, preset, ov.sweep(4.0))
 
 figure, axes = plt.subplots(figsize=(8, 3.2), layout="constrained")
 for result, colour, name in ((fast, "#D55E00", "fast, 1 s"), (slow, "#0072B2", "slow, 4 s")):
-    held = result.trace.touching > 0.5
+    out = result.trace.engaged > 0.5
     axes.plot(
-        result.trace.cursor[held],
-        1e3 * result.trace.torque[held],
+        result.trace.cursor[out],
+        1e3 * result.trace.torque[out],
         color=colour,
         linewidth=0.8,
         label=name,
@@ -29,6 +29,7 @@ axes.legend(frameon=False)
 axes.set_title("Torque over the match: the fast sweep's spikes are higher than the slow one's")
 print(f"peak torque: fast {1e3 * fast.trace.torque.max():.0f} mN·m")
 print(f"peak torque: slow {1e3 * slow.trace.torque.max():.0f} mN·m")
+assert fast.trace.torque.max() > slow.trace.torque.max()
 
 # %%
 # The fast sweep:

@@ -2,8 +2,8 @@
 A tap plays everything up to there
 ==================================
 
-A tap is a step of the hand (the paper's figure 6): the disk runs to the finger over every event on
-its way, rests, and recoils when the finger lets go.
+A tap is a step of the hand that is released at once (the paper's figure 6): the disk runs over
+every event on its way to where the finger was, and then recoils.
 """
 
 import matplotlib.pyplot as plt
@@ -11,14 +11,16 @@ import matplotlib.pyplot as plt
 import overview_dsp as ov
 
 match, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-result = ov.render(match, preset, ov.tap(0.8, hold_seconds=1.0))
+result = ov.render(match, preset, ov.tap(0.8))
 
 trace = result.trace
 figure, axes = plt.subplots(figsize=(8, 3), layout="constrained")
 axes.plot(trace.time, trace.cursor, color="#000000")
 axes.axhline(0.8, color="#009E73", linestyle="--", linewidth=1.0)
 axes.set(xlabel="seconds", ylabel="position of the disk", ylim=(0.0, 1.0))
-axes.set_title("The disk jumps to the finger at 0.8, rests, and falls back when it lets go")
+axes.set_title("A tap of 0.05 s: the disk runs all the way to 0.8 and falls back")
+assert trace.touching.sum() / result.sample_rate < 0.06
+assert abs(trace.cursor.max() - 0.8) < 0.01
 
 # %%
 result

@@ -43,7 +43,7 @@ def draw(looks: list[Look], preset: ov.Preset) -> Figure:
     for column, look in enumerate(looks):
         data, surface, felt = grid[:, column]
         result = ov.render(look.timeline, preset, ov.sweep(look.seconds))
-        (out, *_) = strokes(result.trace.touching, result.trace.cursor)
+        (out, *_) = strokes(result.trace.engaged, result.trace.cursor)
         starts, level = window_db(
             result.samples[out.start : out.stop, 1], result.sample_rate, WINDOW_S / 2.0
         )

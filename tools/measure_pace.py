@@ -60,8 +60,8 @@ def noticed_at(preset: ov.Preset, count: int, seed: int) -> dict[Key, list[strok
         for i, timeline in enumerate(timelines)
     ]
     found: dict[Key, list[strokes.StrokeMet]] = {(w, a): [] for w in PLACES for a in ALPHAS}
-    for done in ov.render_many(jobs, strokes.SOUND_RATE, tail="none", trace=True):
-        out = ov.measure.strokes(done.trace.touching, done.trace.cursor)[0]
+    for done in ov.render_many(jobs, strokes.SOUND_RATE, tail=strokes.ARRIVAL_S, trace=True):
+        out = ov.measure.strokes(done.trace.engaged, done.trace.cursor)[0]
         frames = slice(out.start, out.stop)
         there = met(done.surface, done.trace.cursor[frames], done.sample_rate)
         pace = strokes.log_pace(done.job.gesture)

@@ -8,7 +8,7 @@ from overview_dsp.cli.common import announce_compile, print_json
 
 LISTEN = {
     "fast sweep": "the whole match in a second: each goal is a knock that stands out of a strong, "
-    "even hum; let go, and the match runs back under your finger",
+    "even hum; on release the match runs back under your finger",
     "slow sweep": "the same match in four seconds: the hum is weaker, the disk sticks at each goal "
     "and snaps free; fouls are soft bumps between",
     "tap": "one touch at the end: everything up to there unfolds in two seconds, then held still "

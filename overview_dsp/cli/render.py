@@ -174,8 +174,8 @@ def command(
         named = [f"{event.kind} {data.moment_text(event.time_s)}" for event in missed[:NAMED]]
         more = f" and {len(missed) - NAMED} more" if len(missed) > NAMED else ""
         click.echo(
-            f"not reached: {', '.join(named)}{more}; the disk was let go before it came to them: "
-            "hold on longer, or move more slowly"
+            f"not reached: {', '.join(named)}{more}; the disk did not arrive in time: "
+            "hold on longer, render a longer tail, or move more slowly"
         )
     write_transcripts(transcripts, passed, as_json)
 

@@ -7,7 +7,7 @@ Takeover, the one rule: **the last to touch holds the disk, until it lets go or 
   begins where the disk is held and goes over to its own position (`sensors.touching`).
 - A fader that lies still holds on; turning another one, or a device, takes over from it.
 - Whoever lets go gives the disk back to the last one that still holds on; where none does, it
-  recoils.
+  arrives at the last target and recoils.
 """
 
 from __future__ import annotations

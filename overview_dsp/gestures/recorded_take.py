@@ -5,7 +5,8 @@ Written while they are played: `growing_take.py`.
 The CSV has the columns of any take and `sample`, `sample_rate` and `source`; a JSON of the same
 name beside it holds the stamped parameter and surface changes::
 
-    {"overview_take": 1, "sample_rate": 48000.0, "seed": 0, "title": "...", "preset": "football",
+    {"overview_take": 2, "sample_rate": 48000.0, "seed": 0, "angle_map": 0.7, "title": "...",
+     "preset": "football",
      "changes": [{"sample": 9600, "set": {"tactor.gain_db": -6.0}},
                  {"sample": 24000, "window": [0.0, 2700.0]},
                  {"sample": 48000, "preset": {...}},
@@ -14,24 +15,31 @@ name beside it holds the stamped parameter and surface changes::
 
 `timeline` is how one that grows has changed (`following.difference`) and which part of it is under
 the hand (null: all); with `ahead` (0 to 1) only what lies beyond there has (`surface.ahead`). The
-timeline at the take's beginning is in `NAME.timeline.json` beside it.
+timeline at the take's beginning is in `NAME.timeline.json` beside it. `angle_map` is the preset's
+`surface.angle_map` at the take's beginning: by which map its angles were moments.
+
+| version | what is new |
+|---|---|
+| 1 | the first: a release let the disk go at once |
+| 2 | `angle_map`; after a release the disk arrives first |
 """
 
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.gestures.model import LONGEST_S, SOURCES, Change
 
 COLUMNS = ("time_s", "theta2_rad", "touching", "sample", "sample_rate", "source")
 CHANGES = ("set", "preset", "window", "timeline", "pattern")
-VERSION = 1
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -95,8 +103,15 @@ def load_beside(path: Path) -> Beside:
         growing = document is not None
         if document is None:
             raise InputError(f"{beside}: broken JSON ({error})") from None
-    if not isinstance(document, dict) or document.get("overview_take") != VERSION:
+    if not isinstance(document, dict) or document.get("overview_take") not in (1, VERSION):
         raise InputError(f'{beside}: not a take\'s changes ("overview_take": {VERSION} is missing)')
+    if document["overview_take"] < VERSION:
+        warnings.warn(
+            f"{path}: of an older version, in which a release let the disk go at once; now the "
+            "disk arrives first, so what follows a release sounds otherwise",
+            OverviewWarning,
+            stacklevel=3,
+        )
     rate = document.get("sample_rate")
     if isinstance(rate, bool) or not isinstance(rate, int | float) or not rate > 0.0:
         raise InputError(f"{beside}: sample_rate is {rate!r}; it is a number above 0, Hz")

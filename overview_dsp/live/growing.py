@@ -166,11 +166,16 @@ class Growing:
             self._refused = (snapshot, place)
 
     def _held_by_a_hand(self) -> bool:
-        """Whether anybody holds the disk but the pattern's tap."""
+        """Whether anybody pulls the disk but the pattern's tap."""
         holder = self._engine.holder
         if self._pattern is not None and self._pattern[1]:
             return holder not in (None, ("touch", TAP * HALF_TURN))
-        return holder is not None
+        return holder is not None or (self._pattern is None and self._is_arriving())
+
+    def _is_arriving(self) -> bool:
+        """Whether the disk is still on its way to where a hand released it."""
+        engine = self._engine
+        return engine.meters.engaged and engine.preset.values["disk.release"] == "recoil"
 
     def restarted(self) -> None:
         """The engine has begun anew: whatever was being told is over."""

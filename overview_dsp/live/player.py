@@ -105,11 +105,11 @@ class Player:
         self._finger.touch(position)
 
     def release(self) -> None:
-        """The finger lets go: the disk recoils."""
+        """The finger releases: the disk arrives where it was pulled, then it recoils."""
         self._finger.release()
 
     def tap(self, position: float) -> None:
-        """A step to `position`, held until the disk is there, and let go (paper, figure 6)."""
+        """A step to `position` that is released at once (paper, figure 6)."""
         self.stop_replay()
         self._finger.tap(position)
 

@@ -66,7 +66,8 @@ class Recorder:
         self._thread: threading.Thread | None = None
         self._said: set[str] = set()
         self._busy = threading.Lock()  # whoever ends the process may close it from elsewhere
-        about = {"seed": engine.seed, **about}
+        share = engine.preset.number("surface.angle_map")
+        about = {"seed": engine.seed, "angle_map": share, **about}
         self._take: GrowingTake | None = GrowingTake(path, engine.sample_rate, about)
         self.path: Path = self._take.path  # where it is now
         self._note = GrowingNote(self.path)

@@ -64,7 +64,7 @@ def events_felt_apart(
     >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> trace, surface = result.trace, result.engine.surface
-    >>> stroke = ov.measure.strokes(trace.touching, trace.cursor)[0]
+    >>> stroke = ov.measure.strokes(trace.engaged, trace.cursor)[0]
     >>> ov.measure.events_felt_apart(stroke, surface, trace, result.samples[:, 1], 8000) > 0
     True
     """

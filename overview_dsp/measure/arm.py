@@ -32,7 +32,7 @@ RATE = 16_000.0
 """Hz. The disk and its vibration are the same at any rate."""
 
 TAIL_S = 3.0
-"""Rendered after the release: a preset may let the disk arrive first."""
+"""Rendered after the release: the disk arrives first."""
 
 STROKES: Mapping[str, Gesture] = {
     **{f"sweep {s} s": sweep(s) for s in (1, 2, 4, 6)},

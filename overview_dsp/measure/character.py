@@ -124,7 +124,7 @@ def characters(
     found = {}
     for name, gesture in gestures.items():
         result = render(timeline, preset, gesture, sample_rate)
-        for stroke in strokes(result.trace.touching, result.trace.cursor):
+        for stroke in strokes(result.trace.engaged, result.trace.cursor):
             way = name if stroke.name == "out" else f"{name} {stroke.name}"
             found[way] = _character(result, stroke.start, stroke.stop)
     return found

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import Gesture
+from overview_dsp.kernels.derive import ARRIVAL_S
 from overview_dsp.measure.crowd_kind import CrowdKind, CrowdReport, CrowdStroke
 from overview_dsp.measure.felt_events import FeltEvents, felt_events
 from overview_dsp.measure.report import require_gestures
@@ -110,7 +111,7 @@ def crowd_report(
     found: dict[str, list[_Events]] = {}
     for done, (name, gesture) in enumerate(gestures.items()):
         jobs = [RenderJob(timeline, preset, gesture) for timeline in timelines]
-        tail: Tail = "rest" if recoils else "none"
+        tail: Tail = "rest" if recoils else ARRIVAL_S
         for k, result in enumerate(render_many(jobs, sample_rate, tail=tail, trace=True)):
             for table in felt_events(result):
                 way = table.stroke.name

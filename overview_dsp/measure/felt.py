@@ -1,11 +1,11 @@
 """Felt level: what the tactor channel gives a finger, stroke by stroke and event by event.
 
 Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk:
-from the touch until the disk turns back after the release (out), or from there until it is back at
-the start (recoil). The disk may turn back at the release or arrive at its target first. An event
-is felt while the disk is within its span (where its profile exceeds a tenth of its height): its
-level is the highest of the windows that overlap that time. Windows that overlap no event's span are
-the event-free rest of the stroke; its level is their median.
+from the touch until shaft 2 disengages, which is when the disk has arrived after the release (out),
+or from there until it is back at the start (recoil). An event is felt while the disk is within its
+span (where its profile exceeds a tenth of its height): its level is the highest of the windows that
+overlap that time. Windows that overlap no event's span are the event-free rest of the stroke; its
+level is their median.
 """
 
 from __future__ import annotations
@@ -82,14 +82,14 @@ class StrokeFeel:
     rise: NDArray[np.float64]
 
 
-def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
+def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
     """Find the strokes of a trace: from a touch until the disk turns back, and the recoil.
 
-    The disk turns back at the release, or later if it still moves away from the start then.
+    It turns back when shaft 2 disengages, or later if it still moves away from the start then.
 
     Parameters
     ----------
-    touching, cursor : float64 (frames,)
+    engaged, cursor : float64 (frames,)
         The trace's columns.
 
     Returns
@@ -102,15 +102,15 @@ def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[
     >>> import overview_dsp as ov
     >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
-    >>> [stroke.name for stroke in ov.measure.strokes(result.trace.touching, result.trace.cursor)]
+    >>> [stroke.name for stroke in ov.measure.strokes(result.trace.engaged, result.trace.cursor)]
     ['out', 'recoil']
     """
-    touching = given.floats(touching, "touching")
+    engaged = given.floats(engaged, "engaged")
     cursor = given.floats(cursor, "cursor")
-    given.equally_long("touching and cursor", touching, cursor)
-    if not len(touching):
+    given.equally_long("engaged and cursor", engaged, cursor)
+    if not len(engaged):
         return []
-    held = touching > 0.5
+    held = engaged > 0.5
     edges = np.flatnonzero(np.diff(held)) + 1
     bounds = [0, *edges.tolist(), len(held)]
     found: list[Stroke] = []
@@ -252,7 +252,7 @@ def event_levels(
     surface : Surface
         What the disk moved on.
     columns : Trace or mapping
-        Its columns `touching` and `cursor` are used.
+        Its columns `engaged` and `cursor` are used.
     tactor : float32 (frames,)
         The tactor's channel of the same render.
     sample_rate : float
@@ -273,13 +273,13 @@ def event_levels(
     True
     """
     given.instance(surface, Surface, "surface", "ov.build_surface makes one")
-    if not isinstance(columns, Mapping) or not {"touching", "cursor"} <= set(columns):
+    if not isinstance(columns, Mapping) or not {"engaged", "cursor"} <= set(columns):
         raise InputError(f"columns is {shown(columns)}; give a render's trace")
     given.equally_long(
-        "the trace's touching and tactor", columns["touching"], given.floats(tactor, "tactor")
+        "the trace's engaged and tactor", columns["engaged"], given.floats(tactor, "tactor")
     )
     found = np.full(len(surface.position), np.nan)
-    for stroke in strokes(columns["touching"], columns["cursor"]):
+    for stroke in strokes(columns["engaged"], columns["cursor"]):
         frames = slice(stroke.start, stroke.stop)
         starts, level = window_db(tactor[frames], sample_rate, HOP_S)
         events, first, last = passages(surface, columns["cursor"][frames])

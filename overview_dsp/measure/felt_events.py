@@ -116,7 +116,7 @@ def felt_events(done: RenderedJob[Trace]) -> list[FeltEvents]:
     """Return the table of each stroke of a render, in order."""
     trace, surface, rate = done.trace, done.surface, done.sample_rate
     made = []
-    for stroke in strokes(trace.touching, trace.cursor):
+    for stroke in strokes(trace.engaged, trace.cursor):
         tail = stroke.stop + (round(TRAILING_S * rate) if stroke.name == "out" else 0)
         cursor = trace.cursor[stroke.start : stroke.stop]
         level = levels(done.samples[stroke.start : tail, TACTOR], rate, TOUCH_WINDOW_S, FLOOR_DB)

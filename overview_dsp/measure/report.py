@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.errors import InputError, shown
 from overview_dsp.gestures import Gesture
+from overview_dsp.kernels.derive import ARRIVAL_S
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.comparing import alike_pairs
 from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
@@ -90,7 +91,7 @@ def feel_report(
     require_gestures(gestures)
     if not recoils:
         gestures = {name: _held(gesture) for name, gesture in gestures.items()}
-    tail: Tail = "rest" if recoils else "none"
+    tail: Tail = "rest" if recoils else ARRIVAL_S
     one = [timeline] if isinstance(timeline, Timeline) else timeline
     timelines = given.instances(one, Timeline, "timelines", "ov.load_timeline gives one")
     if not timelines:
@@ -136,7 +137,7 @@ def _stroke_reports(
             _until_arrived(stroke, trace.cursor),
             result,
         )
-        for stroke in strokes(trace.touching, trace.cursor)
+        for stroke in strokes(trace.engaged, trace.cursor)
     ]
 
 

@@ -36,7 +36,7 @@ def plot_gallery(result: Result, preset: Preset) -> Figure:
     rate = result.sample_rate
     trace = result.trace
     # out only: the recoil is the same backwards, and slower
-    count = int(np.argmax(trace.touching < 0.5)) or len(trace.time)
+    count = int(np.argmax(trace.engaged < 0.5)) or len(trace.time)
     time = trace.time[:count]
     heard.plot(*extremes(time, result.samples[:count, 0].astype(float)), color=BLUE, linewidth=0.7)
     heard.set_ylabel("click")

@@ -49,25 +49,25 @@ def plot_strokes(
         trace = result.trace
         # the last part of the recoil is all alike
         shown = trace.time <= _end_of_interest(trace.time, trace.cursor)
-        time, held = trace.time[shown], trace.touching[shown] > 0.5
+        time, touching = trace.time[shown], trace.touching[shown] > 0.5
         axes: list[Axes] = list(grid[:, column])
         rows = (
             (trace.torque[shown] * 1e3, "(a) torque\nmN·m, logarithmic", BLUE),
             (trace.torque[shown] * 1e3, "torque\nmN·m, linear", BLUE),
             (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", VERMILION),
             (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", BLACK),
-            (np.where(held, trace.theta2[shown], 0.0), "(d) disk 2\nrad", GREEN),
+            (trace.theta2[shown] * trace.engaged[shown], "(d) disk 2\nrad", GREEN),
         )
         for ax, (values, label, colour) in zip(axes, rows, strict=True):
             ax.plot(*extremes(time, values), color=colour, linewidth=1.0)
             if column == 0:
                 ax.set_ylabel(label)
             tidy(ax)
-            if held.any() and not held.all():
-                release = float(time[np.flatnonzero(held)[-1]])
+            if touching.any() and not touching.all():
+                release = float(time[np.flatnonzero(touching)[-1]])
                 ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
         if hands:
-            finger = _finger(hands[column], trace.time[shown], held)
+            finger = _finger(hands[column], trace.time[shown], touching)
             axes[4].plot(
                 *extremes(time, finger), color=GREY, linewidth=0.9, label="finger", zorder=1.5
             )
@@ -88,7 +88,7 @@ def plot_strokes(
         axes[0].set_yscale("symlog", linthresh=1.0)
         # plain numbers: powers of ten would go through the slow setting of formulas
         axes[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-        axes[-1].set_xlabel("time, s (dashed: the finger lets go)")
+        axes[-1].set_xlabel("time, s (dashed: the finger releases)")
     # margins by hand: finding them takes longer than drawing
     inch = 1.0 / (5.2 * len(results) + 0.6)
     figure.subplots_adjust(
@@ -106,10 +106,10 @@ def plot_strokes(
 
 
 def _finger(
-    hand: Gesture, time: NDArray[np.float64], held: NDArray[np.bool_]
+    hand: Gesture, time: NDArray[np.float64], touching: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
     latest = np.searchsorted(hand.time_s, time, side="right") - 1
-    return np.where(held & (latest >= 0), hand.theta2[np.maximum(latest, 0)], 0.0)
+    return np.where(touching & (latest >= 0), hand.theta2[np.maximum(latest, 0)], 0.0)
 
 
 def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> float:

@@ -125,15 +125,15 @@ class Result(Sounding, Generic[Traced]):
         rows: list[Row] = []
         if self.trace is not None:
             rows = [
-                ("hand, rad", self.trace.theta2 * self.trace.touching, "#009E73"),
+                ("disk 2, rad", self.trace.theta2 * self.trace.engaged, "#009E73"),
                 ("cursor", self.trace.cursor, "#000000"),
                 ("torque, mN·m", 1e3 * self.trace.torque, "#0072B2"),
                 ("vibration", self.trace.envelope, "#D55E00"),
             ]
         timeline = self.engine.timeline
         title = f"{timeline.title or 'timeline'}, preset {self.engine.preset.name}"
-        held = self.trace.touching if self.trace is not None else None
-        spoken = transcript(self.strikes, timeline, held, self.sample_rate)
+        engaged = self.trace.engaged if self.trace is not None else None
+        spoken = transcript(self.strikes, timeline, engaged, self.sample_rate)
         passed = len(self.strikes.of_events())
         return result_page(title, self.samples, self.sample_rate, rows, spoken, passed)
 

@@ -15,11 +15,11 @@ MOST = 8
 def transcript(
     strikes: Strikes,
     timeline: Timeline,
-    held: NDArray[np.float64] | None,
+    engaged: NDArray[np.float64] | None,
     sample_rate: float,
     most: int = MOST,
 ) -> tuple[str, ...]:
-    """The strongest strikes under the hand and of the recoil, in order of time, a line each.
+    """The strongest strikes of the way out and of the recoil, in order of time, a line each.
 
     Parameters
     ----------
@@ -27,11 +27,11 @@ def transcript(
         Of a render; those of the bare surface are left out.
     timeline
         The one that was rendered: gives kinds, labels and moments.
-    held
-        The trace's `touching`, one value a frame, or None where there is no trace: says which
+    engaged
+        The trace's column, one value a frame, or None where there is no trace: says which
         strikes belong to the recoil; without it all count as one way.
     sample_rate
-        Hz, of `held`.
+        Hz, of `engaged`.
     most
         Lines for each way.
 
@@ -44,20 +44,18 @@ def transcript(
     passed = strikes.of_events()
     if not len(passed):
         return ()
-    held_then = np.ones(len(passed), dtype=bool)
-    if held is not None and len(held):
-        frames = np.minimum((passed.time_s * sample_rate).astype(int), len(held) - 1)
-        held_then = held[frames] > 0.5
+    out = np.ones(len(passed), dtype=bool)
+    if engaged is not None and len(engaged):
+        frames = np.minimum((passed.time_s * sample_rate).astype(int), len(engaged) - 1)
+        out = engaged[frames] > 0.5
     order = np.argsort(-passed.level, kind="stable")
-    kept = np.sort(
-        np.concatenate([order[held_then[order]][:most], order[~held_then[order]][:most]])
-    )
+    kept = np.sort(np.concatenate([order[out[order]][:most], order[~out[order]][:most]]))
     strongest = float(passed.level.max())
     lines = []
     for at in kept:
         event = timeline.events[passed.event[at]]
         words = event.kind.replace("_", " ") + (f", {event.words}" if event.words else "")
-        words += "" if held_then[at] else ", on the way back"
+        words += "" if out[at] else ", on the way back"
         below = round(-20.0 * np.log10(max(float(passed.level[at]) / strongest, 1e-6)))
         level = f"{below} dB below the strongest" if below else "the strongest"
         moment = timeline.moment_text(event.time_s)

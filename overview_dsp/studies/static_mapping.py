@@ -180,7 +180,7 @@ def held_levels(
 ) -> tuple[NDArray[np.float64], float]:
     """How strong each event is felt while the hand holds on, and the rest between them, dB."""
     found, free = np.full(len(surface.position), np.nan), LEAST_DB
-    for stroke in strokes(columns["touching"], columns["cursor"]):
+    for stroke in strokes(columns["engaged"], columns["cursor"]):
         if stroke.name == "out":
             felt = stroke_feel(stroke, surface, columns, tactor, rate)
             found = np.fmax(found, felt.event_db)
@@ -218,11 +218,11 @@ def _amplitude(
 def _levels(made: StaticMapping, hand: Gesture, surface: Surface) -> NDArray[np.float64]:
     """How strong each event is felt in the control condition."""
     samples, cursor = made._rendered(hand, WAVE_S)
-    touching = np.zeros(len(cursor))
+    engaged = np.zeros(len(cursor))
     stamps = hand.stamps(made.rate)
     for start, stop, holds in zip(stamps, [*stamps[1:], len(cursor)], hand.touching, strict=True):
-        touching[start:stop] = float(holds)
-    columns = {"touching": touching, "cursor": cursor, "torque": np.zeros(len(cursor))}
+        engaged[start:stop] = float(holds)
+    columns = {"engaged": engaged, "cursor": cursor, "torque": np.zeros(len(cursor))}
     return held_levels(surface, columns, samples[:, TACTOR], made.rate)[0]
 
 

@@ -90,7 +90,8 @@ def test_the_textbook_disk_in_c_is_ours(plain, torque, wide, library):
 def test_the_textbook_voice_in_c_sounds_like_ours(plain):
     frames = 4 * RATE
     ours_, theirs = np.zeros((2, frames, 2), dtype=np.float32)
-    rigid = load_preset("football").with_changes({"clutch.max_speed_ratio": 0.0})  # it has no clutch
+    # it has no clutch
+    rigid = load_preset("football").with_changes({"clutch.max_speed_ratio": 0.0})
     engine = prepared(preset=rigid)
     fed(engine, the_sweep()).process(ours_)
     plain.voice(plain_scene(engine), *c_rows.held_hand(frames), theirs)

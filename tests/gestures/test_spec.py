@@ -113,5 +113,5 @@ def test_many_parts_are_one_after_the_other_as_two_are():
     count = len(one_by_one.time_s)
     assert np.array_equal(whole.time_s[:count], one_by_one.time_s)
     assert np.array_equal(whole.theta2[:count], one_by_one.theta2)
-    assert whole.on_arrival[: len(one_by_one.on_arrival)] == one_by_one.on_arrival
+    assert np.array_equal(whole.touching[:count], one_by_one.touching)
     assert len(whole.time_s) == 10_000

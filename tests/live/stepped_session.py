@@ -8,7 +8,7 @@ import numpy as np
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.live import finger, growing
+from overview_dsp.live import growing
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
@@ -59,8 +59,7 @@ class Session:
     def __init__(self, live, monkeypatch, preset="football", timeline=None, **keywords):
         """With a `timeline` nothing grows."""
         self.now = 1000.0
-        for module in (growing, finger):
-            monkeypatch.setattr(module, "time", self)
+        monkeypatch.setattr(growing, "time", self)
         self.live = live
         self.messages = []
         growth = growing.Growth(

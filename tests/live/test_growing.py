@@ -155,6 +155,24 @@ def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
     assert np.abs(moved).max() < 1e-12
 
 
+def test_an_update_waits_for_a_disk_that_is_still_on_its_way(session, live):
+    one = session()
+    live.map = "so far"
+    one.run(0.2)
+    one.player.tap(0.9)
+    one.run(0.3)
+    live.append(events=[event(1500, "goal", "1-0")], clock_s=1600.0)
+    one.run(0.3)
+    meters = one.player.engine.meters
+    assert (meters.touching, meters.engaged) == (False, True)
+    assert one.shown.until_s == 800.0
+    one.run(2.0)
+    assert one.shown.until_s == 1600.0
+    trace = one.trace
+    cursor, engaged = (trace[:, layout.TRACE_COLUMNS.index(n)] for n in ("cursor", "engaged"))
+    assert cursor[engaged > 0.5].max() == pytest.approx(0.9, abs=0.008)
+
+
 def test_an_update_comes_under_a_finger_after_the_time_that_was_chosen(session, live):
     one = session(after_s=0.5)
     one.run(0.1)

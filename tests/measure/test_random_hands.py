@@ -20,7 +20,7 @@ def test_each_goes_from_the_start_to_the_end_and_lets_go_there(hands):
         assert hand.theta2.min() >= 0.0
         assert hand.touching[:-1].all()
         assert not hand.touching[-1]
-        assert hand.on_arrival == (len(hand.time_s) - 1,)
+        assert hand.duration_s == hand.time_s[-1] == hand.time_s[-2]
 
 
 def test_some_turn_back_some_hesitate_and_all_change_their_pace(hands):

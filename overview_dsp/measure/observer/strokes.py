@@ -44,7 +44,7 @@ STEADY: Mapping[str, Gesture] = {
 """The tap is held until a slow one has unfolded."""
 
 ARMS: Mapping[str, Gesture] = {f"arm {seconds} s": arm(seconds) for seconds in (1, 2, 4, 6)}
-"""These release without waiting for the disk."""
+"""An arm's movements: the disk arrives after their release, as after any."""
 
 GESTURES: Mapping[Hands, Mapping[str, Gesture]] = {
     "all": {**STEADY, **ARMS},
@@ -53,7 +53,7 @@ GESTURES: Mapping[Hands, Mapping[str, Gesture]] = {
 }
 
 ARRIVAL_S = 3.0
-"""Rendered after an arm's release: a preset may let the disk arrive first."""
+"""Rendered after a release: the disk arrives first."""
 
 TRAILING_S = 0.15
 """Output that still belongs to an outward stroke after the disk turns back: its last pulse ends."""
@@ -135,15 +135,14 @@ def rendered_strokes(
     found: list[list[StrokeMet]] = [[] for _ in timelines]
     plans: list[tuple[Tail, list[tuple[str, int, Gesture]]]]
     if hands == "mixed":
-        plans = [("none", [(MIXED, i, random_hand(seed + i)) for i in range(len(timelines))])]
+        plans = [(ARRIVAL_S, [(MIXED, i, random_hand(seed + i)) for i in range(len(timelines))])]
     else:
         chosen = GESTURES[hands]
         every = [(name, i, chosen[name]) for name in chosen for i in range(len(timelines))]
         # only one sweep's recoil is looked at
         plans = [
-            ("none", [one for one in every if one[0] in STEADY and one[0] != RECOIL_OF]),
+            (ARRIVAL_S, [one for one in every if one[0] != RECOIL_OF]),
             ("rest", [one for one in every if one[0] == RECOIL_OF]),
-            (ARRIVAL_S, [one for one in every if one[0] in ARMS]),
         ]
     for tail, plan in plans:
         jobs = [RenderJob(timelines[i], preset, gesture) for _, i, gesture in plan]
@@ -157,14 +156,14 @@ def rendered_strokes(
 def _cut(
     name: str, result: RenderedJob[Trace], modalities: Sequence[Modality]
 ) -> Iterator[StrokeMet]:
-    for stroke in strokes(result.trace.touching, result.trace.cursor):
+    for stroke in strokes(result.trace.engaged, result.trace.cursor):
         outward = stroke.name == "out"
         if not outward and name != RECOIL_OF:
-            continue  # the end of a gesture that lets go with its last frame
+            continue
         frames = slice(stroke.start, stroke.stop)
         furthest = float(result.job.gesture.theta2.max()) / HALF_TURN if outward else -math.inf
         there = met(result.surface, result.trace.cursor[frames], result.sample_rate, furthest)
-        if outward and name in ARMS:
+        if outward:
             frames = slice(stroke.start, stroke.stop + round(TRAILING_S * result.sample_rate))
         pace = log_pace(result.job.gesture) if name == MIXED else None
         found = notice(result.samples[frames], result.sample_rate, modalities, pace)

@@ -5,10 +5,6 @@
 // lies between them is made up as it moves, always in the direction of its movement.
 
 const MADE_UP = 0.5; // of a gap, for each movement as long as the gap
-const TAP_MOST_MS = 3000; // presets unfold within 2.5 s
-const TAP_LEAST_MS = 300; // before it is heard a disk may seem to have arrived
-const TAP_LOOK_MS = 30;
-const ARRIVED = 0.002; // of the timeline
 
 /** @import { Source } from "../types" */
 /** @import { Strokes } from "./strokes.js" */
@@ -26,9 +22,6 @@ export class Hand {
     this.raw = {}; // where each is, 0 to 1
     this.gap = 0; // from where the holder is to where the hand is
     this.place = 0;
-    this.letGo = 0; // timer of a tap
-    /** @type {() => number | null} */
-    this.cursor = () => null; // where the disk is, if that is known
     this.onchange = () => {};
   }
 
@@ -43,7 +36,6 @@ export class Hand {
    */
   hold(source, place, time = performance.now()) {
     const raw = Math.min(Math.max(place, 0), 1);
-    clearTimeout(this.letGo);
     const before = this.raw[source];
     this.raw[source] = raw;
     if (this.holder === null) {
@@ -67,7 +59,7 @@ export class Hand {
   }
 
   /**
-   * A source lets go: another that still holds goes on, or the disk recoils.
+   * A source lets go: another that still holds goes on, or the disk, which arrives and recoils.
    * @param {Source} source
    */
   release(source, time = performance.now()) {
@@ -81,34 +73,18 @@ export class Hand {
   }
 
   /**
-   * A source lets go when the disk has arrived, or after a while: what was a tap.
-   * @param {Source} source
-   */
-  releaseLater(source, since = performance.now()) {
-    clearTimeout(this.letGo);
-    this.letGo = setTimeout(() => {
-      const waited = performance.now() - since;
-      const cursor = this.cursor();
-      const there = cursor !== null && Math.abs(cursor - this.place) < ARRIVED;
-      if (waited > TAP_MOST_MS || (there && waited > TAP_LEAST_MS)) this.release(source);
-      else this.releaseLater(source, since);
-    }, TAP_LOOK_MS);
-  }
-
-  /**
-   * A step to `place`, held until the disk is there (unless another hand holds).
+   * A step to `place` that is released at once (unless another hand holds): the disk goes there.
    * @param {Source} source
    * @param {number} place
    */
   tap(source, place) {
     if (this.holder === source) this.release(source);
     this.hold(source, place);
-    this.releaseLater(source);
+    this.release(source);
   }
 
   /** Nothing sticks: the page is left, the sound is lost. */
   releaseAll() {
-    clearTimeout(this.letGo);
     for (const source of [...this.held].reverse()) this.release(source);
   }
 }

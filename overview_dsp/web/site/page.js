@@ -46,7 +46,6 @@ export class Page {
     this.hand = new Hand(
       new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
     );
-    this.hand.cursor = () => (this.meters === null ? null : this.cursor);
     this.picture = picture;
     const told = ["slider", "clock", "value", "event", "summary"];
     this.slider = new Slider(Object.fromEntries(told.map((id) => [id, by(id)])));
@@ -179,10 +178,9 @@ export class Page {
    */
   tapped(x, y) {
     const event = this.film === null ? null : this.picture.markAt(x, y);
-    if (event === null) return false;
+    if (event === null) return;
     this.last = event;
     this.served.watch(event);
-    return true;
   }
 
   /** In a touch, a key or a click. */

@@ -61,7 +61,7 @@ export class Player {
       return;
     }
     this.playing = true;
-    this.begun = this.arriving = false;
+    this.begun = false;
     this.last = performance.now();
     this.onchange(true);
     requestAnimationFrame(() => this.step());
@@ -79,11 +79,7 @@ export class Player {
     if (!this.playing) return;
     const { hand, gesture } = this;
     if (this.begun && hand.holder !== "play") {
-      this.end(); // another hand has taken it, or it was let go
-      return;
-    }
-    if (this.arriving) {
-      requestAnimationFrame(() => this.step());
+      this.pause(); // another hand has taken it, or it was let go
       return;
     }
     const now = performance.now();
@@ -92,17 +88,12 @@ export class Player {
     this.begun = true;
     const part = Math.min(this.done / gesture.seconds, 1);
     hand.hold("play", gesture.from + (gesture.to - gesture.from) * part, now);
-    if (part === 1) {
-      this.arriving = true;
-      hand.releaseLater("play"); // once the disk is there
-    }
-    requestAnimationFrame(() => this.step());
+    if (part === 1) this.end();
+    else requestAnimationFrame(() => this.step());
   }
 
   end() {
-    const whole = this.arriving;
     this.pause();
-    if (!whole) return;
     this.done = 0;
     if (!this.loop || this.hand.holder !== null) return;
     this.waits = setTimeout(() => this.play(this.gesture), AGAIN_MS);

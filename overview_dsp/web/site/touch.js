@@ -8,18 +8,18 @@ const TAP_PX = 10;
 /**
  * @typedef {object} TouchMeans
  * @property {(pointer: { clientX: number, clientY: number }, first?: boolean) => number} placeOf
- * @property {(x: number, y: number) => boolean} ontap
+ * @property {(x: number, y: number) => void} ontap
  * @property {(factor: number, x: number, over: boolean) => void} onpinch
  * @property {() => void} onfirst
  */
 
 /**
  * `placeOf(event, first)` is the place (0 to 1) of a pointer, `first` where it came down;
- * `ontap(x, y)` is called after a short touch and says whether it meant something else than a step
- * to there; `onpinch(factor, x, over)` while two fingers spread or close about x, `factor` since they
- * came down; `onfirst()` at every touch, in which sound may be started.
+ * `ontap(x, y)` is called after a short touch; `onpinch(factor, x, over)` while two fingers spread or
+ * close about x, `factor` since they came down; `onfirst()` at every touch, in which sound may be
+ * started.
  * @param {HTMLElement} element
- * @param {Pick<Hand, "hold" | "release" | "releaseLater">} hand
+ * @param {Pick<Hand, "hold" | "release">} hand
  * @param {TouchMeans} means
  */
 export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst }) {
@@ -71,8 +71,8 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
     fingers.delete(event.pointerId);
     if (!down) return;
     const tapped = down.tap && event.type === "pointerup" && event.timeStamp - down.time < TAP_MS;
-    if (tapped && !ontap(event.clientX, event.clientY)) hand.releaseLater("touch");
-    else hand.release("touch", event.timeStamp);
+    if (tapped) ontap(event.clientX, event.clientY);
+    hand.release("touch", event.timeStamp);
     down = null;
   };
   element.addEventListener("pointerup", up);

@@ -64,7 +64,6 @@ export class Pad {
     this.clock = new SampleClock(presentation.rate);
     const send = (place, touching, sample) => presentation.control(place, touching, sample);
     this.hand = new Hand(new Strokes(this.clock, send));
-    this.hand.cursor = () => presentation.told.cursor;
     this.hand.onchange = () => this.moved();
     if (this.toggle) this.twist.hand = this.hand;
     this.follow(presentation);
@@ -130,14 +129,13 @@ export class Pad {
     const touch = {
       hold: (source, place, time) => may("touch") && this.hand.hold(source, place, time),
       release: (source, time) => may("touch") && this.hand.release(source, time),
-      releaseLater: (source) => may("touch") && this.hand.releaseLater(source),
     };
     listenToTouch(this.slider, touch, {
       placeOf: ({ clientX }) => {
         const { left, width, height } = this.slider.getBoundingClientRect();
         return boxOf(width, height).place(clientX - left);
       },
-      ontap: () => false,
+      ontap: () => {},
       onpinch: () => {},
       onfirst: () => {},
     });
