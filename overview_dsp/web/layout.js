@@ -146,6 +146,7 @@ export const L = Object.freeze({
   GAIN_FROM: 296,
   GAIN_STEP: 297,
   GAIN_TO: 298,
+  GRAIN_GAIN: 299,
   SOURCE_TOUCHING: 305,
   SOURCE_TOUCHED_AT: 311,
   SOURCE_THETA2: 317,
@@ -396,4 +397,4 @@ export const PARAMETERS = Object.freeze({
 });
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([1132551232, 475570638]);
+export const DIGEST = Object.freeze([-647448056, -1373696792]);
