@@ -11,8 +11,8 @@ it only dissipates, and the ledger of `two_disk` holds with that rest position. 
   go, it is pulled no faster than friction stops it, so that it does not overshoot.
 - windup: the stretch grows from sample to sample by at most a ratio of the hand's pace, so that a
   ridge of friction is not pulled at once by all the way that is behind.
-- backlash: the hand moves by that much before it pulls, so that tremor does not. After a release
-  there is none, so that the disk arrives.
+- backlash: the hand moves by that much before it pulls, so that tremor does not. It is applied to
+  control events (`control.py`). After a release there is none, so that the disk arrives.
 
 The pace is that of the smoothed input, smoothed once more. A finger that rests keeps the pace it
 had, a jump of the input is no pace, and while the clutch slips the pace does not fall: the disk is
@@ -43,18 +43,26 @@ def with_backlash(played, hand, backlash):
 
 
 @inlined
-def wanted_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed, slowing, v):
+def wanted_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed):
     """The speed (cells a sample) that the disk may be pulled to.
 
     A rigid shaft would be stretched by `stretch` (cells), of which `held_back` is what friction
-    takes at the hand's `pace`. `slowing` is `OFF` towards a hand that moves, else `SLOWING` times
-    friction over inertia (J/dt). A disk of speed `v` that is not pulled goes on for v inertia /
-    friction: so that it stops at the hand, v is led to 0.8 way friction / inertia.
+    takes at the hand's `pace`.
     """
     way = abs(stretch)
     faster = pace + max(0.0, way - held_back) * lag_rate
-    speed = min(max(min(ratio * pace, faster), way * tap_rate), max_speed)
-    return min(speed, max(way * slowing - LEAD * abs(v), LEAST_SPEED))
+    return min(max(min(ratio * pace, faster), way * tap_rate), max_speed)
+
+
+@inlined
+def slowed(wanted, stretch, v, friction, per_inertia):
+    """The speed that it may be pulled to where the hand rests, so that it stops there.
+
+    A disk of speed `v` that is not pulled goes on for v inertia / friction: v is led to 0.8 of
+    way friction / inertia. `per_inertia` is dt/J.
+    """
+    stopping = SLOWING * (abs(stretch) * friction * per_inertia) - LEAD * abs(v)
+    return min(wanted, max(stopping, LEAST_SPEED))
 
 
 @inlined

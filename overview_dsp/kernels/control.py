@@ -11,6 +11,7 @@ Thread: audio, except `push_control`.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.clutch import with_backlash
 from overview_dsp.kernels.compiling import briefly_called, inlined
 from overview_dsp.kernels.event_crossing import edges_below
 from overview_dsp.kernels.glide import smooth_step
@@ -28,9 +29,9 @@ def engage(f64, i64, source):
     """Shaft 2 takes hold of `source`'s finger: a step, wherever the hand was before."""
     position = f64[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
     f64[layout.INPUT] = position
+    f64[layout.TARGET_POSITION] = position
     f64[layout.SMOOTH_1] = position
     f64[layout.SMOOTH_2] = position
-    f64[layout.PLAYED] = position
     f64[layout.PACE] = f64[layout.C_TAP_RATE] * layout.CELLS
     f64[layout.WANTED] = f64[layout.PACE]
     f64[layout.WOUND] = 0.0
@@ -55,6 +56,7 @@ def let_go(f64, i64):
     i64[layout.HOLDER] = heir
     if heir >= 0:
         f64[layout.INPUT] = f64[layout.SOURCE_THETA2 + heir] * CELLS_PER_RAD
+        f64[layout.TARGET_POSITION] = f64[layout.INPUT]
     else:
         wait_for_disk(f64, i64)
 
@@ -93,9 +95,13 @@ def apply_control(f64, i64, source, theta2, touching):
         i64[layout.SOURCE_TOUCHED_AT + source] = i64[layout.TOUCH_COUNT]
         engage(f64, i64, source)
     elif i64[layout.HOLDER] == source:
+        position = f64[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
         if touching == 1:
-            f64[layout.INPUT] = f64[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
+            backlash = f64[layout.C_BACKLASH]
+            f64[layout.INPUT] = with_backlash(f64[layout.INPUT], position, backlash)
+            f64[layout.TARGET_POSITION] = position
         else:
+            f64[layout.INPUT] = f64[layout.TARGET_POSITION]
             let_go(f64, i64)
 
 

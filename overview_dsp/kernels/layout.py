@@ -151,7 +151,7 @@ STATE = column(48)
     APPROACH,  # highest recent |omega1|, rad/s
     X,  # disk 1, cells
     V,  # disk 1, cells a sample
-    INPUT,  # smoother: its target theta2, cells
+    INPUT,  # smoother: its target theta2 behind the clutch's backlash, cells
     SMOOTH_1,  # smoother: first pole, cells
     SMOOTH_2,  # smoother: second pole = the theta2 in use, cells
     ENGAGED,  # i64: 1 = shaft 2 is engaged
@@ -178,7 +178,7 @@ STATE = column(48)
     BRISTLE_STIFFNESS,  # of the bristles deflected, N m/rad
     SLIP_PEAK,  # highest |torque| of the bristles since they stuck, N m; -1 = they slide
     PACE,  # of the hand, cells a sample
-    PLAYED,  # clutch: the hand behind its backlash, cells
+    TARGET_POSITION,  # of the hand that holds the disk, or held it last, without backlash, cells
     WOUND,  # clutch: stretch of shaft 2 in the last sample, cells
     SLIP,  # clutch: what a rigid shaft would have been stretched by beyond that, cells
     WANTED,  # clutch: speed that the disk may have, cells a sample

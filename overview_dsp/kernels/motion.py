@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import log_strike
-from overview_dsp.kernels.clutch import OFF, SLOWING, clutched, wanted_speed, with_backlash
+from overview_dsp.kernels.clutch import OFF, clutched, slowed, wanted_speed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import pass_events
 from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction, on_table
@@ -65,21 +65,17 @@ def step(f64, i64, n, old_slot, modelled):
     moved = abs(y2 - was)
     pace = f64[layout.PACE]
     max_speed = f64[layout.C_MAX_SPEED]
-    slowing = friction * (SLOWING / f64[layout.C_INERTIA])
-    if f64[layout.C_PACE_LEAST] < moved < f64[layout.C_PACE_MOST]:
-        slowing = OFF
-        if i64[layout.HOLDER] >= 0 and (moved > pace or f64[layout.SLIP] == 0.0):
-            pace = pace + f64[layout.C_PACE] * (moved - pace)
+    moves = f64[layout.C_PACE_LEAST] < moved < f64[layout.C_PACE_MOST]
+    if moves and i64[layout.HOLDER] >= 0 and (moved > pace or f64[layout.SLIP] == 0.0):
+        pace = pace + f64[layout.C_PACE] * (moved - pace)
     f64[layout.PACE] = pace
-    backlash = f64[layout.C_BACKLASH] if i64[layout.HOLDER] >= 0 else 0.0
-    played = with_backlash(f64[layout.PLAYED], y2, backlash)
-    f64[layout.PLAYED] = played
-    rigid = played * hold - x
+    rigid = y2 * hold - x
     reach = f64[layout.C_REACH] if engaged else OFF
     windup = f64[layout.C_WINDUP] if engaged else OFF
     ratio = f64[layout.C_SPEED_RATIO]
     free = friction * reach
-    load = f64[layout.WANTED] * free
+    # any speed but 0 will do where the shaft is rigid
+    load = (f64[layout.WANTED] if reach < OFF else 1.0) * free
     held_back = free * pace
     if modelled and reach < OFF:
         # what bristles and detents hold the disk with does not depend on its speed
@@ -89,20 +85,14 @@ def step(f64, i64, n, old_slot, modelled):
         held_back = held_back + held
     stretch = clutched(rigid, f64[layout.WOUND], load, windup * min(pace, max_speed))
     slip = rigid - stretch
-    used = played if slip == 0.0 else x + stretch
+    used = y2 if slip == 0.0 else x + stretch
     f64[layout.WOUND] = stretch
     f64[layout.SLIP] = slip
-    f64[layout.WANTED] = wanted_speed(
-        rigid,
-        held_back,
-        pace,
-        ratio,
-        f64[layout.C_LAG_RATE],
-        f64[layout.C_TAP_RATE],
-        max_speed,
-        slowing,
-        v,
-    )
+    lag_rate, tap_rate = f64[layout.C_LAG_RATE], f64[layout.C_TAP_RATE]
+    wanted = wanted_speed(rigid, held_back, pace, ratio, lag_rate, tap_rate, max_speed)
+    if not moves:
+        wanted = slowed(wanted, rigid, v, friction, 1.0 / f64[layout.C_INERTIA])
+    f64[layout.WANTED] = wanted if reach < OFF else 0.0
     spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
     inertia = f64[layout.C_INERTIA]
     denominator = inertia * (2.0 + 0.5 * spring)
@@ -144,7 +134,7 @@ def step(f64, i64, n, old_slot, modelled):
 def stands(f64, i64, n, stuck):
     """Whether the disk is at rest in sample n of a chunk; `stuck` is the speed that is rest too."""
     rest = f64[layout.INPUT] if i64[layout.ENGAGED] == 1 else 0.0
-    near = abs(f64[layout.D_POSITION + n] - rest) < NEAR_REST + f64[layout.C_BACKLASH]
+    near = abs(f64[layout.D_POSITION + n] - rest) < NEAR_REST
     return near or abs(f64[layout.D_OMEGA + n]) < stuck
 
 

@@ -11,7 +11,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import OFF, SLOWING, clutched, wanted_speed, with_backlash
+from overview_dsp.kernels.clutch import OFF, clutched, slowed, wanted_speed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.friction import friction_on, is_steep, mean_friction, on_table
 from overview_dsp.kernels.release import next_above, next_below
@@ -37,10 +37,11 @@ def snapped(x, least):
 
 @outlined
 def travel(f64, i64, u64, start, frames, sounding):
-    """Move the disk from sample `start` of a chunk on, up to the first that passes or arrives.
+    """Move the disk from sample `start` of a chunk on.
 
-    It passes an event, or arrives after a release. Returns the sample after it, or the chunk's end, and whether one was. Writes the disk's columns.
-    Beside each sample goes the `sound` of the same one of the chunk before, of `sounding` samples.
+    Up to the first sample in which it passes an event, or arrives after a release. Returns the
+    sample after it, or the chunk's end, and whether one was. Writes the disk's columns. Beside each
+    sample goes the `sound` of the same one of the chunk before, of `sounding` samples.
     """
     sound_before = sound_state(f64, u64)
     coefficients = sound_coefficients(f64)
@@ -61,20 +62,20 @@ def travel(f64, i64, u64, start, frames, sounding):
     hold = 1.0 if engaged else 0.0
     pace = f64[layout.PACE]
     pacing = f64[layout.C_PACE] if i64[layout.HOLDER] >= 0 else 0.0
-    per_inertia = SLOWING / inertia
+    per_inertia = 1.0 / inertia
     least = f64[layout.C_PACE_LEAST]
     most = f64[layout.C_PACE_MOST]
-    played = f64[layout.PLAYED]
+    reach = f64[layout.C_REACH]
+    slips = engaged and reach < OFF  # else shaft 2 is rigid, or disengaged
     wound = f64[layout.WOUND]
-    slip = f64[layout.SLIP]
-    wanted = f64[layout.WANTED]
-    backlash = f64[layout.C_BACKLASH] if i64[layout.HOLDER] >= 0 else 0.0
-    reach = f64[layout.C_REACH] if engaged else OFF
-    windup = f64[layout.C_WINDUP] if engaged else OFF
+    slip = f64[layout.SLIP] if slips else 0.0
+    wanted = f64[layout.WANTED] if slips else 0.0
+    windup = f64[layout.C_WINDUP]
     ratio = f64[layout.C_SPEED_RATIO]
     lag_rate = f64[layout.C_LAG_RATE]
     tap_rate = f64[layout.C_TAP_RATE]
     max_speed = f64[layout.C_MAX_SPEED]
+    growth = windup * min(pace, max_speed)
     spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
     denominator = inertia * (2.0 + 0.5 * spring)
     table = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE + layout.SLOT_TABLE
@@ -90,21 +91,23 @@ def travel(f64, i64, u64, start, frames, sounding):
         ahead = on_table(x + half)
         friction = friction_on(f64, table, ahead)
         moved = abs(y2 - was)
-        slowing = friction * per_inertia
-        if least < moved < most:
-            slowing = OFF
-            if moved > pace or slip == 0.0:
-                pace = pace + pacing * (moved - pace)
-        played = with_backlash(played, y2, backlash)
-        rigid = played * hold - x
-        free = friction * reach
-        stretch = clutched(rigid, wound, wanted * free, windup * min(pace, max_speed))
-        slip = rigid - stretch
-        used = played if slip == 0.0 else x + stretch
+        moves = least < moved < most
+        if moves and (moved > pace or slip == 0.0):
+            pace = pace + pacing * (moved - pace)
+            growth = windup * min(pace, max_speed)
+        stretch = y2 * hold - x
+        used = y2
+        if slips:
+            rigid = stretch
+            free = friction * reach
+            stretch = clutched(rigid, wound, wanted * free, growth)
+            slip = rigid - stretch
+            if slip != 0.0:
+                used = x + stretch
+            wanted = wanted_speed(rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed)
+            if not moves:
+                wanted = slowed(wanted, rigid, 2.0 * half, friction, per_inertia)
         wound = stretch
-        wanted = wanted_speed(
-            rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed, slowing, 2.0 * half
-        )
         middle = midpoint_speed(2.0 * half, stretch, spring, inertia, denominator, friction)
         if is_steep(i64, table, ahead):
             friction, middle = mean_friction(
@@ -138,7 +141,6 @@ def travel(f64, i64, u64, start, frames, sounding):
     f64[layout.PHASE] = phase
     f64[layout.APPROACH] = approach
     f64[layout.PACE] = pace
-    f64[layout.PLAYED] = played
     f64[layout.WOUND] = wound
     f64[layout.SLIP] = slip
     f64[layout.WANTED] = wanted

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import clutched, wanted_speed, with_backlash
+from overview_dsp.kernels.clutch import clutched, slowed, wanted_speed
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import exp2, log2, power, sin_turns
 from overview_dsp.kernels.envelope import compress, follow
@@ -70,8 +70,8 @@ def everything(a, b, c, d, e, f, state):
         grain_level(a, b, c),
         advance(a, b),
         midpoint_speed(a, b, c, d, e, f),
-        with_backlash(a, b, c),
-        wanted_speed(a, b, c, d, e, f, 1.0, 2.0, a),
+        wanted_speed(a, b, c, d, e, f, 1.0),
+        slowed(a, b, c, d, e),
         clutched(a, b, c, d),
         snapped(a, STANDSTILL),
         compress(a, b, c, d),

@@ -25,7 +25,6 @@ from overview_dsp.kernels.simd import memory as own
 from overview_dsp.kernels.simd.memory import put_back, start_of, take_in
 from overview_dsp.kernels.simd.stages import (
     PACE,
-    PLAYED,
     SLIP,
     SMOOTH_1,
     SMOOTH_2,
@@ -46,7 +45,6 @@ OF_HAND = (
     (layout.SMOOTH_1, SMOOTH_1),
     (layout.SMOOTH_2, SMOOTH_2),
     (layout.PACE, PACE),
-    (layout.PLAYED, PLAYED),
     (layout.WOUND, WOUND),
     (layout.SLIP, SLIP),
     (layout.WANTED, WANTED),
@@ -79,7 +77,6 @@ def take_hand(batch_f64, f64, i64, lane):
     batch_f64[own.INPUT + lane] = f64[layout.INPUT]
     held = i64[layout.HOLDER] >= 0
     batch_f64[own.PACING + lane] = f64[layout.C_PACE] if held else 0.0
-    batch_f64[own.BACKLASH + lane] = f64[layout.C_BACKLASH] if held else 0.0
     batch_f64[own.REACH + lane] = f64[layout.C_REACH] if engaged else OFF
     batch_f64[own.WINDUP + lane] = f64[layout.C_WINDUP] if engaged else OFF
     batch_f64[own.HOLD + lane] = 1.0 if engaged else 0.0

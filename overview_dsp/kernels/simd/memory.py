@@ -20,7 +20,6 @@ MOVED = (
     layout.X,
     layout.V,
     layout.PACE,
-    layout.PLAYED,
     layout.WOUND,
     layout.SLIP,
     layout.WANTED,
@@ -54,7 +53,6 @@ DENOMINATOR = row(SIMD_WIDTH)
 PACING = row(SIMD_WIDTH)  # smoothing of the hand's pace, 0 where nobody holds the disk
 REACH = row(SIMD_WIDTH)  # the clutch's where shaft 2 is engaged, else without end
 WINDUP = row(SIMD_WIDTH)
-BACKLASH = row(SIMD_WIDTH)  # 0 where nobody holds the disk
 ARRIVAL_ABOVE = row(SIMD_WIDTH)
 ARRIVAL_BELOW = row(SIMD_WIDTH)
 GAIN_FROM = row(SIMD_WIDTH)

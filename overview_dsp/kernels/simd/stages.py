@@ -6,7 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import OFF, SLOWING, clutched, wanted_speed, with_backlash
+from overview_dsp.kernels.clutch import OFF, clutched, slowed, wanted_speed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
@@ -34,7 +34,6 @@ APPROACH = own.of_state(layout.APPROACH)
 X = own.of_state(layout.X)
 V = own.of_state(layout.V)
 PACE = own.of_state(layout.PACE)
-PLAYED = own.of_state(layout.PLAYED)
 WOUND = own.of_state(layout.WOUND)
 SLIP = own.of_state(layout.SLIP)
 WANTED = own.of_state(layout.WANTED)
@@ -64,7 +63,6 @@ C_SPEED_RATIO = own.of_coefficient(layout.C_SPEED_RATIO)
 C_TAP_RATE = own.of_coefficient(layout.C_TAP_RATE)
 C_LAG_RATE = own.of_coefficient(layout.C_LAG_RATE)
 C_MAX_SPEED = own.of_coefficient(layout.C_MAX_SPEED)
-C_BACKLASH = own.of_coefficient(layout.C_BACKLASH)
 C_PACE_LEAST = own.of_coefficient(layout.C_PACE_LEAST)
 C_PACE_MOST = own.of_coefficient(layout.C_PACE_MOST)
 C_INERTIA = own.of_coefficient(layout.C_INERTIA)
@@ -204,15 +202,15 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     phase = load(batch_f64, PHASE)
     approach = load(batch_f64, APPROACH)
     pace = load(batch_f64, PACE)
-    played = load(batch_f64, PLAYED)
     wound = load(batch_f64, WOUND)
     slip = load(batch_f64, SLIP)
-    wanted = load(batch_f64, WANTED)
+    # any speed but 0 will do where the shaft is rigid
+    wanted = choose(load(batch_f64, own.REACH) < OFF, load(batch_f64, WANTED), 1.0)
     impulse = load(batch_f64, IMPULSE)
     still = load_words(batch_i64, STILL)
     torque = load(batch_f64, LAST_TORQUE)
     friction = load(batch_f64, LAST_FRICTION)
-    per_inertia = SLOWING / load(batch_f64, C_INERTIA)
+    per_inertia = 1.0 / load(batch_f64, C_INERTIA)
     highest = x
     lowest = x
     n = 0
@@ -229,16 +227,14 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         moves = choose(moved < load(batch_f64, C_PACE_MOST), moved, 0.0)
         moves = moves > load(batch_f64, C_PACE_LEAST)
         counts = choose(moves, counts, pace)
-        slowing = choose(moves, OFF, friction * per_inertia)
         pace = pace + load(batch_f64, own.PACING) * (counts - pace)
-        played = with_backlash(played, y2, load(batch_f64, own.BACKLASH))
-        rigid = played * load(batch_f64, own.HOLD) - x
+        rigid = y2 * load(batch_f64, own.HOLD) - x
         free = friction * load(batch_f64, own.REACH)
         max_speed = load(batch_f64, C_MAX_SPEED)
         growth = load(batch_f64, own.WINDUP) * min(pace, max_speed)
         stretch = clutched(rigid, wound, wanted * free, growth)
         slip = rigid - stretch
-        used = choose(slip == 0.0, played, x + stretch)
+        used = choose(slip == 0.0, y2, x + stretch)
         wound = stretch
         wanted = wanted_speed(
             rigid,
@@ -248,9 +244,9 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
             load(batch_f64, C_LAG_RATE),
             load(batch_f64, C_TAP_RATE),
             max_speed,
-            slowing,
-            2.0 * half,
         )
+        resting = slowed(wanted, rigid, 2.0 * half, friction, per_inertia)
+        wanted = choose(moves, wanted, resting)
         middle = midpoint_speed(
             2.0 * half,
             stretch,
@@ -289,8 +285,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         highest = max(highest, x)
         lowest = min(lowest, x)
         at_rest = load(batch_f64, own.INPUT) * load(batch_f64, own.HOLD)
-        near = abs(x - at_rest) < NEAR_REST + load(batch_f64, C_BACKLASH)
-        still = choose(near, still + 1, 0)
+        still = choose(abs(x - at_rest) < NEAR_REST, still + 1, 0)
         store(batch_f64, own.TORQUE + at, torque)
         store(batch_f64, own.OMEGA + at, omega)
         store(batch_f64, own.PHASE + at, phase)
@@ -310,10 +305,9 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     store(batch_f64, PHASE, phase)
     store(batch_f64, APPROACH, approach)
     store(batch_f64, PACE, pace)
-    store(batch_f64, PLAYED, played)
     store(batch_f64, WOUND, wound)
     store(batch_f64, SLIP, slip)
-    store(batch_f64, WANTED, wanted)
+    store(batch_f64, WANTED, choose(load(batch_f64, own.REACH) < OFF, wanted, 0.0))
     store(batch_f64, IMPULSE, impulse)
     store(batch_f64, STILL, still)
     store(batch_f64, LAST_TORQUE, torque)
