@@ -85,7 +85,7 @@ def bare_surface(
     known = np.ones(cells + 1)
     if timeline.gaps:
         missing, ribbed = ribs(
-            angle_map.evened(timeline.gaps),
+            tuple((start, end) for start, end in angle_map.evened(timeline.gaps).tolist()),
             timeline.duration_s,
             cells,
             number("surface.gap_height"),

@@ -182,14 +182,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     given.instance(preset, Preset, "preset", "ov.load_preset gives one")
     by_kind, left_out = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
-    if angle_map is None:
-        angle_map = AngleMap.of(timeline, preset)
-    elif angle_map.duration_s == timeline.duration_s:
-        angle_map = angle_map.on(timeline)
-    else:
-        raise InputError(
-            f"angle_map is for {angle_map.duration_s:g} s; must be for {timeline.duration_s:g} s"
-        )
+    angle_map = AngleMap.of(timeline, preset) if angle_map is None else _kept(angle_map, timeline)
     under = bare_surface(timeline, preset, CELLS, angle_map)
     crests = len(under.texture_strikes.position)
     capacity = MAX_EVENTS - crests
@@ -231,6 +224,15 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
         detents=layers.detents.field() if layers.detents is not None else None,
         bristles=layers.bristles.field(stands_for) if layers.bristles is not None else None,
     )
+
+
+def _kept(angle_map: AngleMap, timeline: Timeline) -> AngleMap:
+    given.instance(angle_map, AngleMap, "angle_map", "another surface's angle_map is one")
+    if angle_map.duration_s != timeline.duration_s:
+        raise InputError(
+            f"angle_map is for {angle_map.duration_s:g} s; must be for {timeline.duration_s:g} s"
+        )
+    return angle_map.on(timeline)
 
 
 def _felt(

@@ -13,7 +13,7 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.units import clock_text
@@ -26,7 +26,7 @@ MIN_GAP_CELLS = 4.0
 
 
 def ribs(
-    gaps: ArrayLike,
+    gaps: tuple[tuple[float, float], ...],
     duration_s: float,
     cells: int,
     height: float,
@@ -45,12 +45,11 @@ def ribs(
     bool (cells + 1,) and float64 (as many as are in a gap,). Warns (OverviewWarning) of gaps too
     narrow for a rib.
     """
-    spans = np.array(gaps, dtype=np.float64)
-    start, end = spans.T * (cells / duration_s)
+    start, end = np.array(gaps, dtype=np.float64).T * (cells / duration_s)
     width = end - start
     period = period_percent / 100.0 * cells
     count = np.round(width / period)
-    _warn_of_narrow(spans[count < 1], duration_s)
+    _warn_of_narrow(gaps, count, duration_s)
     widened = np.maximum(width, MIN_GAP_CELLS)
     start = np.clip(start - (widened - width) / 2.0, 0.0, cells - widened)
     # the last gap that has begun at a point is the only one that can hold it
@@ -65,12 +64,15 @@ def ribs(
     return inside, GROOVE + (height - GROOVE) * rib * rib
 
 
-def _warn_of_narrow(narrow: NDArray[np.float64], duration_s: float) -> None:
-    if len(narrow):
+def _warn_of_narrow(
+    gaps: tuple[tuple[float, float], ...], ribs_of: NDArray[np.float64], duration_s: float
+) -> None:
+    narrow = [end - start for (start, end), count in zip(gaps, ribs_of, strict=True) if count < 1]
+    if narrow:
         some = "1 gap is" if len(narrow) == 1 else f"{len(narrow)} gaps are"
         warnings.warn(
             f"{some} too narrow to be felt as ribs in {clock_text(duration_s)} (the narrowest "
-            f"{np.diff(narrow).min():.3g} s); a shorter window shows more",
+            f"{min(narrow):.3g} s); a shorter window shows more",
             OverviewWarning,
             stacklevel=4,
         )

@@ -96,7 +96,7 @@ def test_a_clip_becomes_a_course_that_the_hand_plays(tmp_path, match, football):
     layered = with_layer(football, "goal", rising, "tactor")
     assert layered.kinds["goal"].modes == football.kinds["goal"].modes
     surface = ov.build_surface(match, layered)
-    goal = next(e.time_s for e in match.events if e.kind == "goal") / match.duration_s
+    goal = surface.position_of(match.event("goal", 1).time_s)
     width = football.kinds["goal"].width_percent / 100.0
     before, after = (surface.friction_at(np.pi * (goal + part * width)) for part in (-0.5, 0.5))
     assert after > 2.0 * before

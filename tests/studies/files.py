@@ -111,7 +111,6 @@ def lists_of(folder, text):
 def study_of(folder, text):
     """study.json without what only a page plays, and the lists by number."""
     from overview_dsp.studies.folder import CURVE_POINTS, study_json
-    from overview_dsp.studies.made import curve_of
 
     design = design_of(folder, text)
     items = items_of(design)
@@ -121,7 +120,7 @@ def study_of(folder, text):
             "level": item.names.get(vary) if vary else None,
             "answer": item.names["answer"],
             "places": item.places(None),
-            "curve": curve_of(item.timeline, CURVE_POINTS),
+            "curve": item.curve(CURVE_POINTS).tolist(),
             "timeline": item.names["timeline"],
             "preset": item.names["preset"],
             "gesture": item.names["gesture"],
