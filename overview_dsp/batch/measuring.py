@@ -15,7 +15,7 @@ from overview_dsp.rendering.many import RenderedJob
 from overview_dsp.rendering.trace import Trace
 from overview_dsp.units import gain_to_db
 
-MEASURED_COLUMNS = ("touching", "cursor")
+MEASURED_COLUMNS = ("engaged", "cursor")
 """Of the trace: what the measures need."""
 
 

@@ -53,7 +53,7 @@ def load_gesture(path: str | Path) -> Gesture:
     >>> import overview_dsp as ov
     >>> ov.save_gesture(ov.tap(0.8), "take.csv")
     >>> ov.load_gesture("take.csv").duration_s
-    3.0
+    0.05
     """
     path = given.path(path, "a take")
     try:

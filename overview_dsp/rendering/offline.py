@@ -264,7 +264,7 @@ def render(
     >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000, tail="none")
     >>> result.samples.shape
-    (16001, 2)
+    (4001, 2)
     >>> result.trace.torque.max() > 0.0
     np.True_
     >>> days = {"2024-01-01": 7.5, "2024-01-02": 9.0, "2024-01-03": 8.0, "2024-01-04": 8.2}
@@ -339,7 +339,7 @@ class Rendered:
     >>> import overview_dsp as ov
     >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> ov.render_to_file(match, football, ov.sweep(0.5), "a.wav", 8000, tail="none").duration_s
-    2.000125
+    0.500125
     """
 
     duration_s: float

@@ -191,11 +191,8 @@ class PlayApp(App[None]):
         self._player.touch(message.position)
 
     def on_timeline_view_released(self, message: TimelineView.Released) -> None:
-        """The mouse lets go; a click is a tap."""
-        if message.tapped:
-            self._player.tap(message.position)
-        else:
-            self._player.release()
+        """The mouse releases; a click is a tap, as the disk goes all the way."""
+        self._player.release()
 
     def action_move(self, steps: int) -> None:
         """Move the finger by hundredths of the timeline, touching down if it isn't."""

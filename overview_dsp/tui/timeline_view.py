@@ -36,8 +36,6 @@ MARK_EVERY = 2
 """Looks: the disk's column is marked less often than the disk moves. A part of a line is written
 from its start on, and this one has many colours: much for a terminal far away."""
 
-TAP_WITHIN_S = 0.25
-
 
 class TimelineView(Widget):
     """The part of the timeline under the hand; the mouse is a finger on it."""
@@ -52,12 +50,7 @@ class TimelineView(Widget):
             self.position = position
 
     class Released(Message):
-        """The finger has let go; `tapped` if it was a click that hadn't moved."""
-
-        def __init__(self, position: float, tapped: bool) -> None:
-            super().__init__()
-            self.position = position
-            self.tapped = tapped
+        """The finger has released."""
 
     def __init__(self, player: Player) -> None:
         super().__init__()
@@ -68,8 +61,7 @@ class TimelineView(Widget):
         self._now: int | None = None
         self._stretched: list[tuple[int, int]] = []
         self._drawn: tuple[object, int, int] | None = None
-        self._pressed: tuple[float, float] | None = None
-        self._moved = False
+        self._pressed: float | None = None
 
     # --- the mouse ------------------------------------------------------------------------------
 
@@ -81,24 +73,22 @@ class TimelineView(Widget):
         if event.button != 1:
             return
         self.capture_mouse()
-        self._pressed, self._moved = (self._position(event.x), event.time), False
-        self.post_message(self.Touched(self._position(event.x)))
+        self._pressed = self._position(event.x)
+        self.post_message(self.Touched(self._pressed))
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """The finger moves."""
-        if self._pressed is not None and self._position(event.x) != self._pressed[0]:
-            self._moved = True
-            self.post_message(self.Touched(self._position(event.x)))
+        if self._pressed is not None and self._position(event.x) != self._pressed:
+            self._pressed = self._position(event.x)
+            self.post_message(self.Touched(self._pressed))
 
     def on_mouse_up(self, event: events.MouseUp) -> None:
-        """The finger lets go; a short press that hasn't moved was a tap."""
+        """The finger releases."""
         if self._pressed is None:
             return
-        _, pressed_at = self._pressed
         self.release_mouse()
         self._pressed = None
-        short = event.time - pressed_at <= TAP_WITHIN_S
-        self.post_message(self.Released(self._position(event.x), short and not self._moved))
+        self.post_message(self.Released())
 
     # --- the picture ----------------------------------------------------------------------------
 

@@ -363,8 +363,9 @@ export class Kernel {
   /** Float64Array of what `METERS` names; peaks are those since the last look. */
   meters() {
     const { m } = this;
+    const holder = this.read(L.HOLDER);
     const told = Float64Array.of(
-      this.read(L.CLOCK), m[L.X] / L.CELLS, this.read(L.TOUCHING), this.read(L.HOLDER),
+      this.read(L.CLOCK), m[L.X] / L.CELLS, Number(holder >= 0), holder,
       m[L.M_TORQUE], m[L.M_FRICTION], m[L.M_ENVELOPE],
       m[L.L_PEAK], m[L.L_PEAK + 1], this.read(L.M_STRIKES), this.read(L.M_LATE),
       this.read(L.M_REJECTED), this.read(L.M_CLAMPED), this.dropped, this.read(L.M_RESETS),

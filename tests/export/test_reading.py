@@ -93,6 +93,7 @@ def test_a_clip_becomes_a_course_that_the_hand_plays(tmp_path, match, football):
     points = course(rising)
     assert points[-1] == 1.0
     assert list(points) == sorted(points)
+    football = football.with_values(surface__angle_map=0.0)
     layered = with_layer(football, "goal", rising, "tactor")
     assert layered.kinds["goal"].modes == football.kinds["goal"].modes
     surface = ov.build_surface(match, layered)

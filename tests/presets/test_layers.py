@@ -133,7 +133,7 @@ def test_tags_and_authors_are_kept(write):
         ('schema = 2\nextends = "base.toml"\n[tags]\nenergy = 9\n', ("own.toml:4", "tags.energy")),
         ('schema = 2\nextends = "base.toml"\n[tags]\nenrgy = 2\n', ("did you mean 'energy'",)),
         ('schema = 2\nextends = "base.toml"\nvariables = 3\n', ("variables",)),
-        ("schema = 9\n" + BASE.split("\n", 1)[1], ("schema = 9 is not known", "1 to 2")),
+        ("schema = 9\n" + BASE.split("\n", 1)[1], ("schema = 9 is not known", "1 to 3")),
     ],
 )
 def test_a_fault_is_one_line_that_names_the_file_it_stands_in(write, text, words):

@@ -224,7 +224,8 @@ def test_a_timelines_gaps_are_hatched_and_no_line_is_drawn_over_them():
 
 def test_the_surface_under_the_disk_is_hatched_where_data_is_missing(football):
     timeline = series_with_a_gap()
-    result = ov.render(timeline, football, ov.sweep(0.5), 8000)
+    linear = football.with_values(surface__angle_map=0.0)
+    result = ov.render(timeline, linear, ov.sweep(0.5), 8000)
     axes = plot_strokes([("a sweep", result)], timeline, "a title").axes[3]
     (band,) = [patch for patch in axes.patches if patch.get_hatch()]
     box = band.get_extents().transformed(axes.transData.inverted())

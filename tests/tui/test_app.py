@@ -18,7 +18,7 @@ from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
-from overview_dsp.tui import PlayApp, lines, timeline_view
+from overview_dsp.tui import PlayApp, lines
 from overview_dsp.tui import app as app_module
 from overview_dsp.tui.meters_view import MetersView
 from overview_dsp.tui.terminal import TerminalWriter
@@ -93,16 +93,15 @@ def test_a_drag_pulls_the_disk_and_letting_go_recoils_it(player):
     drive(player, script)
 
 
-def test_a_click_is_a_tap_that_lets_go_by_itself(player, monkeypatch):
-    # the test's mouse waits for the application between its down and its up
-    monkeypatch.setattr(timeline_view, "TAP_WITHIN_S", 5.0)
-
+def test_a_click_is_a_tap_that_goes_all_the_way(player):
     async def script(app, pilot):
         await pilot.click(TimelineView, offset=(50, 5))
         assert await until(pilot, lambda: applied(player)[-1:] == [(False, pytest.approx(50 / 99))])
-        *_, down, up = player.engine.take_applied(0)[0]
-        assert down["touching"]
-        assert up["sample"] - down["sample"] >= 48_000 * 0.9
+        down, up = player.engine.take_applied(0)[0]
+        assert (bool(down["touching"]), bool(up["touching"])) == (True, False)
+        # however short it was, the disk goes all the way
+        assert await until(pilot, lambda: abs(cursor(player) - 50 / 99) < 0.01)
+        assert not player.engine.meters.touching
         assert await until(pilot, lambda: cursor(player) < 0.2)
 
     drive(player, script)
