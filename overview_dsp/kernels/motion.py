@@ -85,7 +85,7 @@ def step(f64, i64, n, old_slot, modelled):
         held_back = held_back + held
     stretch = clutched(rigid, f64[layout.WOUND], load, windup * min(pace, max_speed))
     slip = rigid - stretch
-    used = y2 if slip == 0.0 else x + stretch
+    used = x + stretch if abs(slip) > 0.0 else y2
     f64[layout.WOUND] = stretch
     f64[layout.SLIP] = slip
     lag_rate, tap_rate = f64[layout.C_LAG_RATE], f64[layout.C_TAP_RATE]

@@ -102,7 +102,7 @@ def travel(f64, i64, u64, start, frames, sounding):
             free = friction * reach
             stretch = clutched(rigid, wound, wanted * free, growth)
             slip = rigid - stretch
-            if slip != 0.0:
+            if abs(slip) > 0.0:
                 used = x + stretch
             wanted = wanted_speed(rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed)
             if not moves:

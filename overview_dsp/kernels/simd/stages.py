@@ -234,7 +234,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         growth = load(batch_f64, own.WINDUP) * min(pace, max_speed)
         stretch = clutched(rigid, wound, wanted * free, growth)
         slip = rigid - stretch
-        used = choose(slip == 0.0, y2, x + stretch)
+        used = choose(abs(slip) > 0.0, x + stretch, y2)
         wound = stretch
         wanted = wanted_speed(
             rigid,
