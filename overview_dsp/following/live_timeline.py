@@ -23,7 +23,7 @@ from overview_dsp.following.feed_checks import (
     checked_map,
 )
 from overview_dsp.following.gathered import Gathered
-from overview_dsp.public.reprs import counted, short
+from overview_dsp.public import counted, short
 from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.gaps import Gaps

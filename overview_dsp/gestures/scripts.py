@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.gestures.model import Gesture
-from overview_dsp.timeline import given
 from overview_dsp.units import HALF_TURN
 
 CONTROL_RATE = 200.0
@@ -24,14 +24,14 @@ LONGEST_S = 24 * 3600.0
 
 
 def _position(value: float, what: str) -> float:
-    value = given.real(value, what)
+    value = validation.real(value, what)
     if not 0.0 <= value <= 1.0:
         raise InputError(f"{what} {value:g} is out of range; positions are 0 (start) to 1 (end)")
     return value
 
 
 def _seconds(value: float, what: str, zero: bool = False) -> float:
-    value = given.real(value, what)
+    value = validation.real(value, what)
     if not (0.0 < value <= LONGEST_S or (zero and value == 0.0)):
         raise InputError(
             f"{what} {value:g} s is out of range; it is more than 0 and up to {LONGEST_S:g} s"

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import Gesture
 from overview_dsp.measure.crowd_kind import CrowdKind, CrowdReport, CrowdStroke
@@ -32,7 +33,7 @@ from overview_dsp.measure.report import require_gestures
 from overview_dsp.measure.steps import GESTURES, MERGED_S, STEP_DB
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.offline import Result, render
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 
 KNOCK_AFTER_S = 0.020
 """A tactor is at its highest so long after the disk has left a narrow event, at most."""
@@ -105,8 +106,8 @@ def crowd_report(
     True
     """
     require_gestures(gestures)
-    timelines = given.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
-    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    timelines = validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     found: dict[str, list[_Events]] = {}
     for done, (name, gesture) in enumerate(gestures.items()):
         for k, timeline in enumerate(timelines):

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
 from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import given
 
 WINDOW_S = 0.010
 HOP_S = 0.001
@@ -99,9 +99,9 @@ def strokes(touching: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[
     >>> [stroke.name for stroke in ov.measure.strokes(result.trace.touching, result.trace.cursor)]
     ['out', 'recoil']
     """
-    touching = given.floats(touching, "touching")
-    cursor = given.floats(cursor, "cursor")
-    given.equally_long("touching and cursor", touching, cursor)
+    touching = validation.floats(touching, "touching")
+    cursor = validation.floats(cursor, "cursor")
+    validation.equally_long("touching and cursor", touching, cursor)
     if not len(touching):
         return []
     held = touching > 0.5
@@ -150,9 +150,9 @@ def window_db(
     >>> starts[:2], float(level[0])
     (array([ 0., 80.]), 0.0)
     """
-    samples = given.floats(signal, "signal")
-    sample_rate = given.above_zero(sample_rate, "sample_rate")
-    length, hop = WINDOW_S * sample_rate, given.above_zero(hop_s, "hop_s") * sample_rate
+    samples = validation.floats(signal, "signal")
+    sample_rate = validation.positive(sample_rate, "sample_rate")
+    length, hop = WINDOW_S * sample_rate, validation.positive(hop_s, "hop_s") * sample_rate
     starts = np.arange(0.0, max(0.0, len(samples) - length) + 0.5, hop)
     energy = np.zeros(len(samples) + 1)
     np.cumsum(np.square(samples), out=energy[1:])
@@ -260,11 +260,11 @@ def event_levels(
     >>> ov.measure.event_levels(surface, result.trace, tactor, 8000).shape == surface.event.shape
     True
     """
-    given.instance(surface, Surface, "surface", "ov.build_surface makes one")
+    validation.instance(surface, Surface, "surface", "ov.build_surface makes one")
     if not isinstance(columns, Mapping) or not {"touching", "cursor"} <= set(columns):
         raise InputError(f"columns is {shown(columns)}; give a render's trace")
-    given.equally_long(
-        "the trace's touching and tactor", columns["touching"], given.floats(tactor, "tactor")
+    validation.equally_long(
+        "the trace's touching and tactor", columns["touching"], validation.floats(tactor, "tactor")
     )
     found = np.full(len(surface.position), np.nan)
     for stroke in strokes(columns["touching"], columns["cursor"]):

@@ -27,13 +27,13 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.readers.everyday.columns import time_named
 from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.table import Column
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Event, Timeline
 
@@ -70,7 +70,7 @@ def sniff(source: Source) -> bool:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read an event list (takes `duration_s`, which outranks the file's own); InputError if bad."""
     text = source.text  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(text, source.stem, options.duration_s)
 
 
@@ -100,7 +100,7 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
         if key in events:
             raise InputError(
                 f"line {line} repeats line {events[key][1]} ({event.kind} at {event.time_s!r} s, "
-                f"label {checks.shown(event.label)}); remove one or change its label"
+                f"label {shown(event.label)}); remove one or change its label"
             )
         if len(events) == MAX_EVENTS:
             raise InputError(
@@ -119,7 +119,7 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
                 "all events are at 0 s, so the duration is unknown; give it (a line "
                 "'# duration_s: 5400' before the header, or the option duration_s)"
             )
-    duration_s = checks.positive(
+    duration_s = validation.positive(
         duration_s, "duration_s", "a duration is a finite number of seconds above 0"
     )
     for event, line in events.values():
@@ -241,7 +241,7 @@ class _Rows:
         else:
             hint = "a duration is a finite number of seconds above 0"
             duration = _number(value, f"line {self._line}, '# duration_s:'", hint)
-            self.duration_s = checks.positive(duration, f"line {self._line}, duration_s", hint)
+            self.duration_s = validation.positive(duration, f"line {self._line}, duration_s", hint)
 
 
 def _delimiter(header: str) -> str:
@@ -263,9 +263,7 @@ def _checked_header(names: list[str], line: int) -> list[str]:
     known = f"columns are {', '.join(COLUMNS)}"
     for number, name in enumerate(names, start=1):
         if name not in COLUMNS:
-            raise InputError(
-                f"line {line}, column {number}: unknown column {checks.shown(name)}; {known}"
-            )
+            raise InputError(f"line {line}, column {number}: unknown column {shown(name)}; {known}")
         if names.index(name) != number - 1:
             raise InputError(f"line {line}, column {number}: '{name}' is there twice; {known}")
     for name in COLUMNS[:2]:
@@ -286,10 +284,10 @@ def _event(row: dict[str, str], line: int) -> Event:
     weight = 1.0
     if row.get("weight", "").strip():
         place, hint = f"line {line}, column 'weight'", "weights are above 0, 1 = ordinary"
-        weight = checks.positive(_number(row["weight"].strip(), place, hint), place, hint)
-    with checks.located(f"line {line}, column 'kind': "):
-        checks.kind(kind)
-    with checks.located(f"line {line}: "):
+        weight = validation.positive(_number(row["weight"].strip(), place, hint), place, hint)
+    with validation.located(f"line {line}, column 'kind': "):
+        validation.kind(kind)
+    with validation.located(f"line {line}: "):
         return Event(time_s, kind, row.get("label", "").strip(), weight)
 
 
@@ -300,5 +298,5 @@ def _number(field_text: str, place: str, hint: str) -> float:
         raise InputError(f"{place}: {field_text} isn't a finite number; {hint}")
     if not _NUMBER.fullmatch(field_text):
         comma = " with a decimal point" if re.fullmatch(r"\d+,\d+", field_text) else ""
-        raise InputError(f"{place}: {checks.shown(field_text)} isn't a number{comma}; {hint}")
-    return checks.number(float(field_text), place, hint)
+        raise InputError(f"{place}: {shown(field_text)} isn't a number{comma}; {hint}")
+    return validation.number(float(field_text), place, hint)

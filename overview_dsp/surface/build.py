@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
@@ -43,7 +44,7 @@ from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.model import Surface
 from overview_dsp.surface.profiles import bumps, entries, profile, span
 from overview_dsp.surface.thinning import thin_events
-from overview_dsp.timeline import Event, Timeline, given
+from overview_dsp.timeline import Event, Timeline
 from overview_dsp.timeline.ticks import KINDS as TICKS
 
 MAX_FRICTION = 1e6
@@ -174,8 +175,8 @@ def build_surface(timeline: Timeline, preset: Preset) -> Surface:
     >>> len(surface.event) == len(match.events)
     True
     """
-    given.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
-    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    validation.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     by_kind, left_out = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     under = bare_surface(timeline, preset, CELLS)

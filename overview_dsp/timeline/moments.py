@@ -22,8 +22,8 @@ import warnings
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from overview_dsp.errors import InputError, OverviewWarning
-from overview_dsp.timeline import checks, written_times
+from overview_dsp.errors import InputError, OverviewWarning, shown
+from overview_dsp.timeline import written_times
 from overview_dsp.timeline.model import Timeline
 
 HINT = (
@@ -67,7 +67,7 @@ def moment_s(text: str, timeline: Timeline) -> float:
     moment = _parsed(text, timeline)
     stopped = _stopped(text, moment, timeline)
     if not 0.0 <= stopped <= timeline.duration_s:
-        raise InputError(f"{checks.shown(text)} lies outside the timeline; {_reach(timeline)}")
+        raise InputError(f"{shown(text)} lies outside the timeline; {_reach(timeline)}")
     return stopped
 
 
@@ -85,7 +85,7 @@ def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
     )
     if first >= last and any(moment.stops for moment in moments):
         raise InputError(
-            f"the window from {checks.shown(start)} to {checks.shown(end)} is empty or outside "
+            f"the window from {shown(start)} to {shown(end)} is empty or outside "
             f"the timeline; {_reach(timeline)}"
         )
     timeline.require_window(first, last)
@@ -108,7 +108,7 @@ def zoom_window(timeline: Timeline, text: str) -> tuple[float, float]:
     width = length_s(width_text) if width_text else timeline.duration_s / ZOOM_PART
     if found is None or width is None or not width > 0.0:
         raise InputError(
-            f"{checks.shown(text)} is nothing to zoom to; give kind:number (goal:1, event:3) and, "
+            f"{shown(text)} is nothing to zoom to; give kind:number (goal:1, event:3) and, "
             "if you like, how long a window (goal:1:90, goal:1:5min)"
         )
     at = _event_s(found, timeline)
@@ -147,7 +147,7 @@ def _parsed(text: str, timeline: Timeline) -> _Moment:
         date = way(written)
         if date is not None:
             return _Moment(_calendar_s(date, timeline, text), True)
-    raise InputError(f"{checks.shown(text)} is no moment; {HINT}")
+    raise InputError(f"{shown(text)} is no moment; {HINT}")
 
 
 def _after(found: re.Match[str], timeline: Timeline, text: str) -> _Moment:
@@ -161,7 +161,7 @@ def _after(found: re.Match[str], timeline: Timeline, text: str) -> _Moment:
     offset = length_s(found["offset"])
     if offset is None:
         raise InputError(
-            f"{checks.shown(text)}: {checks.shown(found['offset'])} is no length; give seconds, "
+            f"{shown(text)}: {shown(found['offset'])} is no length; give seconds, "
             "m:ss, h:mm:ss, 15min, 6h, 3d or 2w"
         )
     return _Moment(base + offset if found["sign"] == "+" else base - offset, True)
@@ -183,13 +183,12 @@ def _calendar_s(date: written_times.Moment, timeline: Timeline, text: str) -> fl
     start = timeline.start
     if start is None:
         raise InputError(
-            f"{checks.shown(text)} is a date, and the timeline has no calendar; give seconds, "
+            f"{shown(text)} is a date, and the timeline has no calendar; give seconds, "
             "m:ss or an event"
         )
     if start.tzinfo is None and date.offset_min is not None:
         raise InputError(
-            f"{checks.shown(text)} names a time zone, and the timeline's calendar has none; leave "
-            "it out"
+            f"{shown(text)} names a time zone, and the timeline's calendar has none; leave it out"
         )
     try:
         moment = _EPOCH + timedelta(microseconds=date.ns // 1000)
@@ -198,7 +197,7 @@ def _calendar_s(date: written_times.Moment, timeline: Timeline, text: str) -> fl
             # subtracted in UTC: within one zone Python ignores its clock changes
             moment, start = moment.replace(tzinfo=zone).astimezone(UTC), start.astimezone(UTC)
     except OverflowError as error:
-        raise InputError(f"{checks.shown(text)} lies outside the calendar") from error
+        raise InputError(f"{shown(text)} lies outside the calendar") from error
     return (moment - start) / timedelta(seconds=1)
 
 

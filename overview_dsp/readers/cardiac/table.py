@@ -14,7 +14,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.cardiac.build import (
     MAPS,
     About,
@@ -30,7 +31,6 @@ from overview_dsp.readers.cardiac.table_columns import read_columns
 from overview_dsp.readers.cardiac.table_layout import LINE_ENDS, Layout, is_moment, layout_of
 from overview_dsp.readers.cardiac.wfdb_signal import best_signal
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 MAX_RATE = 100_000.0
@@ -67,7 +67,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         Names line and column: a word for a number, times that run backwards; the columns to choose
         from; no rate; no heartbeat.
     """
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         check_map(options)
         layout = _layout_of(source)
         assert layout is not None  # sniffed
@@ -127,7 +127,7 @@ def _time_column(layout: Layout, options: LoadOptions) -> int | None:
         found = layout.column(options.time)
         if found is None or not (layout.numeric[found] or is_moment(layout.first[found])):
             raise InputError(
-                f"no column of times is called {checks.shown(options.time)}; there is "
+                f"no column of times is called {shown(options.time)}; there is "
                 f"{', '.join(layout.names[:20])}"
             )
         return found
@@ -140,7 +140,7 @@ def _value_column(layout: Layout, options: LoadOptions, time: int | None) -> int
         found = layout.column(options.value)
         if found is None or found not in numeric or found == time:
             raise InputError(
-                f"no column of samples is called {checks.shown(options.value)}; there is "
+                f"no column of samples is called {shown(options.value)}; there is "
                 f"{', '.join(layout.names[i] for i in numeric[:20] if i != time)}"
             )
         return found

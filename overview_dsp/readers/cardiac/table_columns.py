@@ -10,7 +10,7 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.cardiac.sample_times import MAX_ROWS, seconds_of
 from overview_dsp.readers.cardiac.table_layout import (
     MISSING,
@@ -21,7 +21,6 @@ from overview_dsp.readers.cardiac.table_layout import (
     moment_of,
 )
 from overview_dsp.readers.source import MAX_TEXT_BYTES, Source, text_encoding
-from overview_dsp.timeline import checks
 
 MAX_SAMPLE = 1e12
 """A larger sample is no electrode's, in whatever unit, and counts as missing."""
@@ -139,7 +138,7 @@ def _numbers(
                 raise InputError(f"{place}: no time; take the row out or give the rate instead")
             continue
         if not is_number(entry, layout.decimal_comma):
-            raise InputError(f"{place}: {checks.shown(entry)} isn't a number")
+            raise InputError(f"{place}: {shown(entry)} isn't a number")
         given = float(entry.replace(",", ".") if layout.decimal_comma else entry)
         found[i] = given if math.isfinite(given) else np.nan
     return found
@@ -163,7 +162,7 @@ class _Clock:
             seconds = seconds_of(moment, self.start)
             if seconds is None:
                 raise InputError(
-                    f"line {numbered[i][0]}, column '{name}': {checks.shown(entry)} is no time "
+                    f"line {numbered[i][0]}, column '{name}': {shown(entry)} is no time "
                     "like the others; write hh:mm:ss.sss or ISO dates, or give the rate instead"
                 )
             found[i] = seconds

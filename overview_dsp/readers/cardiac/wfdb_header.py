@@ -14,9 +14,9 @@ from datetime import date, datetime, time
 from fractions import Fraction
 from pathlib import Path
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import shown_path
-from overview_dsp.timeline import checks
 
 MAX_HEADER_BYTES = 1 << 20
 MAX_SIGNALS = 1024
@@ -150,7 +150,7 @@ def read_header(path: Path) -> Header:
         missing or too short, a format that can't be read.
     """
     where = shown_path(path)
-    with checks.located(f"{where}: "):
+    with validation.located(f"{where}: "):
         header = parse_header(_text(path), path)
         _check_files(header)
     return header
@@ -166,7 +166,7 @@ def parse_header(text: str, path: Path) -> Header:
     if not lines:
         raise InputError("no record line; a header begins with name, signals, rate, length")
     number, line = lines[0]
-    with checks.located(f"line {number}: "):
+    with validation.located(f"line {number}: "):
         found = _matched(_RECORD, line, "a record line", "100 2 360 650000")
         count = _whole(found["signals"], "the number of signals", MAX_SIGNALS)
         rate = _rate(found["rate"])
@@ -187,7 +187,7 @@ def parse_header(text: str, path: Path) -> Header:
         )
     signals: list[HeaderSignal] = []
     for number, line in lines[1 : 1 + count]:
-        with checks.located(f"line {number}: "):
+        with validation.located(f"line {number}: "):
             signals.append(_signal(line, len(signals), signals))
     if sum(signal.frame for signal in signals) > MAX_FRAME:
         raise InputError(f"more than {MAX_FRAME} samples a frame; this is no record of a heart")
@@ -199,7 +199,7 @@ def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
     name = found["file"]
     if name != NO_FILE and not _FILE_NAME.fullmatch(name):
         raise InputError(
-            f"the signal file {checks.shown(name)} is no plain name; a record's files lie beside "
+            f"the signal file {shown(name)} is no plain name; a record's files lie beside "
             "its header: put them there and name them without a folder"
         )
     kind = str(int(found["format"][:9]))
@@ -210,7 +210,7 @@ def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
     if frame == 0:
         raise InputError("0 samples a frame; leave the x0 out")
     if found["gain"] is not None and not _is_number(found["gain"]):
-        raise InputError(f"the gain {checks.shown(found['gain'])} isn't a number")
+        raise InputError(f"the gain {shown(found['gain'])} isn't a number")
     earlier = next((other for other in before if other.file == name != NO_FILE), None)
     if earlier is not None and earlier.format != kind:
         raise InputError(f"{name} has format {kind} here and {earlier.format} before")
@@ -228,7 +228,7 @@ def _segments(lines: list[tuple[int, str]], count: int) -> tuple[tuple[str, int]
         )
     segments = []
     for number, line in lines[:count]:
-        with checks.located(f"line {number}: "):
+        with validation.located(f"line {number}: "):
             found = _matched(_SEGMENT, line, "a segment line", "100_0001 3600")
             segments.append((found["name"], _whole(found["length"], "the length", 10**15)))
     return tuple(segments)
@@ -291,7 +291,7 @@ def _text(path: Path) -> str:
 def _matched(pattern: re.Pattern[str], line: str, what: str, example: str) -> re.Match[str]:
     found = pattern.fullmatch(line)
     if found is None:
-        raise InputError(f"{checks.shown(line)} isn't {what}; such as: {example}")
+        raise InputError(f"{shown(line)} isn't {what}; such as: {example}")
     return found
 
 
@@ -300,7 +300,7 @@ def _whole(digits: str | None, what: str, most: int) -> int:
         return 0
     # cut: Python refuses to make ints of thousands of digits
     if not re.fullmatch(r"\d+", digits, re.ASCII) or len(digits) > 18 or int(digits) > most:
-        raise InputError(f"{what} is {checks.shown(digits)}; it is a whole number up to {most}")
+        raise InputError(f"{what} is {shown(digits)}; it is a whole number up to {most}")
     return int(digits)
 
 
@@ -313,7 +313,7 @@ def _rate(words: str | None) -> float:
         return DEFAULT_RATE
     rate = float(words) if _is_number(words) else math.nan
     if not 1e-3 <= rate <= 1e6:
-        raise InputError(f"the rate is {checks.shown(words)}; it is 0.001 to 1000000 a second")
+        raise InputError(f"the rate is {shown(words)}; it is 0.001 to 1000000 a second")
     return rate
 
 
@@ -337,5 +337,5 @@ def _start(clock: str | None, day: str | None) -> datetime | None:
         )
     except (ValueError, OverflowError) as error:
         raise InputError(
-            f"the start {checks.shown(clock)} {checks.shown(day)} is no hh:mm:ss dd/mm/yyyy"
+            f"the start {shown(clock)} {shown(day)} is no hh:mm:ss dd/mm/yyyy"
         ) from error

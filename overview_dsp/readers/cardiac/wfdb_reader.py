@@ -12,6 +12,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.readers.cardiac.annotations import Annotations, read_annotations
 from overview_dsp.readers.cardiac.build import (
@@ -26,7 +27,6 @@ from overview_dsp.readers.cardiac.signal import Spans, recorded
 from overview_dsp.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.model import Timeline
 
@@ -56,7 +56,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         A broken header (which line), a signal file that is missing, too short or elsewhere, an
         unknown signal or map, no heartbeat; wfdb isn't installed.
     """
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         check_map(options)
     is_header = source.head_text is not None
     path = source.path if is_header else _header_beside(source.path)
@@ -76,7 +76,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         notes = said.notes
     if said is not None and not len(said.beats.time_s):
         notes = (*notes, f"{noted.name} names no beat: they were found in the signal")
-    with checks.located(f"{header.where}: "):
+    with validation.located(f"{header.where}: "):
         return _timeline(header, signal, said, noted.name, duration_s, notes, options)
 
 

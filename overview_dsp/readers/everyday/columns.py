@@ -8,12 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import LoadOptions
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, column_named, listed
 from overview_dsp.readers.tables.time_format import Format, detected_format, split_wish
-from overview_dsp.timeline import checks
 
 TIMES = (
     "time", "times", "date", "datetime", "timestamp", "minute", "start", "begin", "onset", "when",
@@ -172,12 +171,12 @@ def roles_of(
         time = found
     form = Format(written) if written else detected_format(columns[time], list(head[time]))
     if form is None and asked is not None and looks_numeric(head[time]):
-        header = checks.shown(columns[time].header)
+        header = shown(columns[time].header)
         form = Format("s", f"the numbers of column {header} are read as seconds")
     if form is None:
         first = next((cell for cell in head[time] if not is_missing(cell)), None)
         raise InputError(
-            f"column {checks.shown(columns[time].header)} holds {checks.shown(first)}, which isn't "
+            f"column {shown(columns[time].header)} holds {shown(first)}, which isn't "
             "a time in any known way; say how times are written with time (--time COLUMN:FORMAT)"
         )
     kind, label = words_named(columns)
@@ -209,9 +208,7 @@ def roles_of(
 def _column_asked(columns: Sequence[Column], name: str, what: str) -> int:
     index = column_named(columns, name)
     if index is None:
-        raise InputError(
-            f"no column {checks.shown(name)} for the {what}; columns are {listed(columns)}"
-        )
+        raise InputError(f"no column {shown(name)} for the {what}; columns are {listed(columns)}")
     return index
 
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 import html
 import re
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.listing import About, Listed, kind_of, timeline_of
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 from overview_dsp.timeline.written_times import clock_seconds
 
@@ -36,7 +36,7 @@ def sniff(source: Source) -> bool:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read cues (takes `duration_s`); InputError names the line."""
     text = source.text
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         name = "WebVTT" if text.lstrip("\ufeff").startswith("WEBVTT") else "SubRip"
         listed = _listed(text.splitlines())
         return timeline_of(
@@ -53,7 +53,7 @@ def _listed(lines: list[str]) -> list[Listed]:
         begin, end = (clock_seconds(match[k]) for k in (1, 2)) if match else (None, None)
         if begin is None or end is None:
             raise InputError(
-                f"line {i + 1}: {checks.shown(line)} isn't a cue's times; write "
+                f"line {i + 1}: {shown(line)} isn't a cue's times; write "
                 "00:01:02,500 --> 00:01:04,000"
             )
         words = []

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.listing import PLAIN_KIND, About, Listed, timeline_of
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 _PROPERTY = re.compile(r"([A-Za-z0-9-]+)((?:;[^:;=]+=(?:\"[^\"]*\"|[^:;]*))*):(.*)", re.DOTALL)
@@ -36,7 +36,7 @@ def sniff(source: Source) -> bool:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read a calendar (takes `duration_s`); InputError names the line."""
     text = source.text
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         entries = list(_entries(text))
         if not entries:
             raise InputError("a calendar without a VEVENT; it has no events")
@@ -131,7 +131,7 @@ def _moment(entry: Entry, name: str) -> datetime:
         moment = datetime(*(int(part) for part in match.groups("0")[:6]))  # type: ignore[arg-type]
     except ValueError as error:
         raise InputError(
-            f"line {line}, {name}: {checks.shown(value)} isn't a calendar's time; write "
+            f"line {line}, {name}: {shown(value)} isn't a calendar's time; write "
             "20240603, 20240603T093000 or 20240603T093000Z"
         ) from error
     if match[7]:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.listing import About, Listed, are_kinds, timeline_of
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 _LINE = re.compile(r"\s*(\d+(?:[.,]\d+)?)\t(\d+(?:[.,]\d+)?)(?:\t(.*))?", re.ASCII)
@@ -35,13 +35,13 @@ def sniff(source: Source) -> bool:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read a label track (takes `duration_s`); InputError names the line."""
     text = source.text
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         rows = []
         for number, line in _lines(text):
             match = _LINE.fullmatch(line)
             if match is None:
                 raise InputError(
-                    f"line {number}: {checks.shown(line)} isn't start, end and label with tabs "
+                    f"line {number}: {shown(line)} isn't start, end and label with tabs "
                     "between them"
                 )
             rows.append((number, _seconds(match[1]), _seconds(match[2]), (match[3] or "").strip()))

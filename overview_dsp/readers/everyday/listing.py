@@ -9,9 +9,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.excitement import FOOTBALL_KINDS, derive_intensity
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Event, Timeline
 
@@ -145,6 +144,6 @@ def repeated_ids(ids: Iterable[str]) -> list[str]:
     twice = [name for name, count in Counter(ids).items() if name and count > 1]
     if not twice:
         return []
-    shown = ", ".join(checks.shown(name) for name in twice[:_SHOWN])
+    repeated = ", ".join(shown(name) for name in twice[:_SHOWN])
     more = f" and {len(twice) - _SHOWN} more" if len(twice) > _SHOWN else ""
-    return [f"the same event id is there more than once: {shown}{more}; all of them are kept"]
+    return [f"the same event id is there more than once: {repeated}{more}; all of them are kept"]

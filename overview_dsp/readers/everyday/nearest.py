@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Sequence
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.columns import is_wordy, time_named, words_named
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
@@ -14,7 +14,6 @@ from overview_dsp.readers.tables.formats.json import is_single, shapes_in
 from overview_dsp.readers.tables.formats.logs import is_log
 from overview_dsp.readers.tables.table import Column, listed
 from overview_dsp.readers.tables.time_format import detected_format
-from overview_dsp.timeline import checks
 
 _PACKED = {
     b"PK\x03\x04": "a spreadsheet or an archive: save the sheet as CSV",
@@ -112,7 +111,7 @@ def _lacking(columns: Sequence[Column], head: Sequence[list[object]]) -> str:
 
 
 def _called(columns: Sequence[Column], i: int) -> str:
-    return f"column {checks.shown(columns[i].header)}"
+    return f"column {shown(columns[i].header)}"
 
 
 def _is_numeric(cells: Sequence[object]) -> bool:

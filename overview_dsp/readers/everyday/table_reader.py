@@ -21,7 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.columns import Roles, is_wordy, looks_listed, roles_of
 from overview_dsp.readers.everyday.listing import PLAIN_KIND, About, Listed, are_kinds, timeline_of
 from overview_dsp.readers.source import LoadOptions, Source
@@ -33,7 +34,6 @@ from overview_dsp.readers.tables.rows import settled
 from overview_dsp.readers.tables.table import Column, Table, first_rows
 from overview_dsp.readers.tables.time_column import TimeColumn
 from overview_dsp.readers.tables.time_format import CLOCKS, Format, detected_format
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Timeline
 
@@ -62,7 +62,7 @@ def sniff_lines(source: Source) -> bool:
 
 def read_lines(source: Source, options: LoadOptions) -> Timeline:
     """Read one JSON object a line, as `read`."""
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return _read(json_lines.JsonLinesTable(source), source.stem, options)
 
 
@@ -73,7 +73,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     """
     if not _has_table(source):
         return _read_chapters(source, options)
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return _read(_table(source), source.stem, options)
 
 
@@ -93,7 +93,7 @@ def _refuse_beats(table: Table, cells: Sequence[Any]) -> None:
     texts = [cell for cell in cells if isinstance(cell, str) and cell.strip()]
     if table.columns[0].header == "#" and texts and all(map(_BEATS.fullmatch, texts)):
         raise InputError(
-            f"markers by measures and beats ({checks.shown(texts[0])}), which are no times",
+            f"markers by measures and beats ({shown(texts[0])}), which are no times",
             "set REAPER's ruler to minutes and seconds, and export them again",
         )
 
@@ -178,7 +178,7 @@ class _Reader:
         about = About(
             title,
             f"events: a {self.table.kind} list, times from column "
-            f"{checks.shown(self.table.columns[self.roles.time].header)} ({form.words})",
+            f"{shown(self.table.columns[self.roles.time].header)} ({form.words})",
             tuple(dict.fromkeys(notes)),
             duration_s,
             start,
@@ -226,10 +226,10 @@ class _Reader:
             number = parse(words(roles.weight), Style())
             if number is None:
                 raise InputError(
-                    f"{place}: the weight {checks.shown(words(roles.weight))} isn't a number; "
+                    f"{place}: the weight {shown(words(roles.weight))} isn't a number; "
                     "weights are above 0, 1 = ordinary"
                 )
-            weight = checks.positive(number[0], f"{place}, weight", "weights are above 0")
+            weight = validation.positive(number[0], f"{place}, weight", "weights are above 0")
         kind = words(roles.kind) or words(roles.label)
         yield Listed(second, kind, words(roles.label), place, end, weight, words(roles.id))
 
@@ -255,7 +255,7 @@ class _Reader:
         return [None if np.isnan(end) else float(end) for end in found]
 
     def _place(self, chunk: Any, column: int) -> Any:
-        header = checks.shown(self.table.columns[column].header)
+        header = shown(self.table.columns[column].header)
         return lambda i: f"{self.table.row_word} {chunk.number(i)}, column {header}"
 
 
@@ -274,7 +274,7 @@ def _chapters(text: str) -> list[tuple[int, str, str]]:
 
 def _read_chapters(source: Source, options: LoadOptions) -> Timeline:
     found = _chapters(source.text)
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         times = TimeColumn(Format("clock"))
         seconds = times.seconds([clock for _, clock, _ in found], lambda i: f"line {found[i][0]}")
         words = [text for _, _, text in found]

@@ -6,8 +6,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.errors import InputError, shown
 
 _SHOWN = 4
 _NOT_WORD = re.compile(r"[\W_]+")
@@ -58,7 +57,7 @@ def choose(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> 
             return number - 1
         if number < 1000:  # no year either
             raise InputError(f"there is no match {number}; give a number, 1 to {len(lines)}")
-    asked = checks.shown(match)
+    asked = shown(match)
     if not words:
         raise InputError(f"match is {asked}; give a number, 1 to {len(lines)}, or words")
     found = _having(lines, words)

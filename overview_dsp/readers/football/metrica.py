@@ -23,13 +23,13 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS, STARTS
 from overview_dsp.readers.football.story import Happening, MatchEvents
 from overview_dsp.readers.football.table import header_of, rows
 from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 PROVENANCE = "events: a Metrica raw-events file"
@@ -72,7 +72,7 @@ def sniff(source: Source) -> bool:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read a match (takes no options); InputError names file, line and column."""
     text = source.text  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(text, source.stem)
 
 
@@ -118,8 +118,8 @@ def decode(text: str, default_title: str = "") -> Timeline:
     if len(teams) > 2:
         third = next(row for row in played if row.team == names[2])
         raise InputError(
-            f"{third.place}, column 'Team': {checks.shown(names[2])} is a third team after "
-            f"{checks.shown(names[0])} and {checks.shown(names[1])}; keep one match a file"
+            f"{third.place}, column 'Team': {shown(names[2])} is a third team after "
+            f"{shown(names[0])} and {shown(names[1])}; keep one match a file"
         )
     happenings = []
     others = []
@@ -148,7 +148,7 @@ def _row(fields: dict[str, str], place: str) -> _Row:
     period_text = fields["period"]
     if period_text not in ("1", "2", "3", "4", "5", "1.0", "2.0", "3.0", "4.0", "5.0"):
         raise InputError(
-            f"{place}, column 'Period': {checks.shown(period_text)}; periods are 1 to {SHOOT_OUT}"
+            f"{place}, column 'Period': {shown(period_text)}; periods are 1 to {SHOOT_OUT}"
         )
     start_s = _seconds(fields["start time [s]"], f"{place}, column 'Start Time [s]'")
     end_text = fields.get("end time [s]", "")
@@ -170,7 +170,7 @@ def _row(fields: dict[str, str], place: str) -> _Row:
 def _seconds(text: str, place: str) -> float:
     hint = f"times are seconds from 0 to {MAX_S:g}, such as 91.56"
     if not _NUMBER.fullmatch(text):
-        raise InputError(f"{place}: {checks.shown(text)} isn't a time; {hint}")
+        raise InputError(f"{place}: {shown(text)} isn't a time; {hint}")
     value = float(text)
     if not 0.0 <= value <= MAX_S:
         raise InputError(f"{place}: {value!r}; {hint}")

@@ -33,7 +33,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.football.choosing import choose, plain
 from overview_dsp.readers.football.minute_words import meaning, words_of
 from overview_dsp.readers.football.minutes import (
@@ -48,7 +49,6 @@ from overview_dsp.readers.football.names import short_name
 from overview_dsp.readers.football.story import GOALS, Happening, MatchEvents, team_index
 from overview_dsp.readers.football.table import MAX_COLUMNS, header_of, rows
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 COLUMNS: dict[str, tuple[str, ...]] = {
@@ -150,9 +150,7 @@ class _Row:
         value = self.fields.get(what, "").lower()
         if value in _YES or value in _NO:
             return value in _YES
-        raise InputError(
-            f"{self.place}: the flag {what} is {checks.shown(value)}; write TRUE or FALSE"
-        )
+        raise InputError(f"{self.place}: the flag {what} is {shown(value)}; write TRUE or FALSE")
 
     @property
     def match(self) -> tuple[str, str, str, str]:
@@ -179,14 +177,14 @@ def sniff(source: Source) -> bool:
 def matches(source: Source) -> list[str]:
     """Return a line on each match of the file."""
     text = source.text
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return _lines(_grouped(_rows(text)))
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); InputError names file and line."""
     text = source.text  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(text, options.match, source.stem)
 
 
@@ -277,7 +275,7 @@ class _Match:
             self.notes.append(f"the shoot-out is left out: {kicks} rows")
         if left_out:
             most = sorted(left_out.items(), key=lambda entry: -entry[1])
-            words = ", ".join(f"{count} {checks.shown(name)[1:-1]}" for name, count in most[:6])
+            words = ", ".join(f"{count} {shown(name)[1:-1]}" for name, count in most[:6])
             more = ", ..." if len(most) > 6 else ""
             self.notes.append(f"left out, no football kind: {words}{more}")
         if not self.goals_only and any(kind == "own_goal" for _, _, kind, _ in entries):
@@ -315,8 +313,8 @@ class _Match:
             detail = detail or row.get("label")
         elif not who:
             who = row.get("label")
-        shown = str(minute) if minute.seconds is None else ""
-        return Happening(clock.time_s(minute), kind, team, who, detail, shown, row.place)
+        clock_text = str(minute) if minute.seconds is None else ""
+        return Happening(clock.time_s(minute), kind, team, who, detail, clock_text, row.place)
 
     def _team_name(self, row: _Row) -> str:
         return _team_name(row, self.teams[:2])
@@ -414,7 +412,7 @@ def _minute(row: _Row) -> Minute:
             continue
         number = re.fullmatch(r"\+?([0-9]{1,3})(\.[0-9]{1,6})?", value)
         if number is None or (what == "added" and number[2] and float(number[2]) != 0.0):
-            raise InputError(f"{row.place}: {what} is {checks.shown(value)}, not a number of them")
+            raise InputError(f"{row.place}: {what} is {shown(value)}, not a number of them")
         if what == "added":
             if minute.added is None and (int(number[1]) or minute.base in ENDS.values()):
                 added = int(number[1])
@@ -440,8 +438,7 @@ def _period(text: str, place: str) -> int | None:
     if words in ("pre match", "prematch", "post game", "postgame", "full time", "14", "10", "16"):
         return None
     raise InputError(
-        f"{place}: the period is {checks.shown(text)}; write 1, 2, 3 or 4 (extra time), or 5 "
-        "(shoot-out)"
+        f"{place}: the period is {shown(text)}; write 1, 2, 3 or 4 (extra time), or 5 (shoot-out)"
     )
 
 

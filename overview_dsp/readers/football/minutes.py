@@ -11,8 +11,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.errors import InputError, shown
 
 STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
 """Minute of the clock at which a period begins."""
@@ -72,11 +71,11 @@ def parse_minute(text: str, place: str) -> Minute:
     hint = f"minutes are 0 to {MAX_MINUTE}, such as 38 or 90+3"
     written = text.strip()
     if len(written) > _LONGEST:
-        raise InputError(f"{place}: {checks.shown(text)} isn't a minute; {hint}")
+        raise InputError(f"{place}: {shown(text)} isn't a minute; {hint}")
     whole = _WHOLE.fullmatch(written)  # what a table of numbers makes of 38
     found = _MINUTE.fullmatch(whole[1] if whole else written)
     if found is None:
-        raise InputError(f"{place}: {checks.shown(text)} isn't a minute; {hint}")
+        raise InputError(f"{place}: {shown(text)} isn't a minute; {hint}")
     base = int(found["base"])
     added = int(found["added"]) if found["added"] is not None else None
     check_minute(base, added, place)
@@ -87,12 +86,11 @@ def check_minute(base: int, added: int | None, place: str) -> None:
     """Refuse minutes no match has."""
     if not 0 <= base <= MAX_MINUTE:
         raise InputError(
-            f"{place}: minute {checks.shown(base)}; minutes are 0 to {MAX_MINUTE}, such as 38 or "
-            "90+3"
+            f"{place}: minute {shown(base)}; minutes are 0 to {MAX_MINUTE}, such as 38 or 90+3"
         )
     if added is not None and not 0 <= added <= MAX_ADDED:
         raise InputError(
-            f"{place}: {checks.shown(added)} minutes of stoppage time; that is 0 to {MAX_ADDED}"
+            f"{place}: {shown(added)} minutes of stoppage time; that is 0 to {MAX_ADDED}"
         )
 
 

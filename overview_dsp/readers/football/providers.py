@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.readers.everyday.listing import repeated_ids
 from overview_dsp.readers.extra import needed
@@ -27,7 +28,6 @@ from overview_dsp.readers.football.story import Happening, MatchEvents
 from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.xml_text import root_name, xml_text
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 MAX_BYTES = 16 * 2**20
@@ -167,7 +167,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     feed = _feed_of(source)
     assert feed is not None  # sniffed
     files = [_bytes(source)]
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         module, function, *arguments = feed.load
         kloppy = needed(f"kloppy.{module}", feed.name, "football")
         if feed.beside is not None:

@@ -28,7 +28,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.listing import repeated_ids
 from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.readers.football.names import short_name
@@ -36,7 +37,6 @@ from overview_dsp.readers.football.statsbomb_record import SHOOT_OUT, Record
 from overview_dsp.readers.football.statsbomb_touches import touch_records
 from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Event, Timeline
 
 GOOD_CHANCE_XG = 0.10
@@ -73,7 +73,7 @@ def sniff(source: Source) -> bool:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read an event file (takes no options); InputError names the file and the record."""
     document = source.json  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(document, source.stem)
 
 
@@ -93,7 +93,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
         A record lacks something that is needed; the line names it: `event 123 (id ...): ...`.
     """
     if not isinstance(document, list):
-        raise InputError(f"the document is {checks.shown(document)}, not a list of events")
+        raise InputError(f"the document is {shown(document)}, not a list of events")
     records = [Record.parse(raw, i) for i, raw in enumerate(document, start=1)]
     played = sorted(
         (record for record in records if record.period != SHOOT_OUT),
@@ -124,7 +124,7 @@ class _Match:
             time_s = self._time_s(record) if happened else 0.0
             event_records |= {record.position} if happened else set()
             for kind, label in happened:
-                with checks.located(f"{record.place}: "):
+                with validation.located(f"{record.place}: "):
                     event = Event(time_s, kind, label)
                 key = (event.time_s, kind, label)
                 if key in seen:
@@ -199,7 +199,7 @@ class _Match:
             outcome = record.named("shot", "outcome")
             if outcome is None or outcome not in _OUTCOMES:
                 raise record.error(
-                    f"shot.outcome.name is {checks.shown(outcome)}; outcomes are "
+                    f"shot.outcome.name is {shown(outcome)}; outcomes are "
                     f"{', '.join(sorted(_OUTCOMES))}"
                 )
             if outcome == "Goal":
@@ -223,7 +223,7 @@ class _Match:
             if card is not None:
                 if card not in _CARDS:
                     raise record.error(
-                        f"{_CARD_PLACES[record.kind]}.card.name is {checks.shown(card)}; cards "
+                        f"{_CARD_PLACES[record.kind]}.card.name is {shown(card)}; cards "
                         f"are {', '.join(_CARDS)}"
                     )
                 second = ", second yellow" if card == "Second Yellow" else ""
@@ -232,8 +232,8 @@ class _Match:
     def _scored(self, record: Record, team: str) -> str:
         if team not in self.teams:
             raise record.error(
-                f"the goal's team is {checks.shown(team)}; the match's teams are "
-                f"{' and '.join(checks.shown(name) for name in self.teams) or 'not named'}"
+                f"the goal's team is {shown(team)}; the match's teams are "
+                f"{' and '.join(shown(name) for name in self.teams) or 'not named'}"
             )
         self.score[self.teams.index(team)] += 1
         return f"{self.score[0]}-{self.score[1]}"
@@ -298,8 +298,8 @@ def _near_miss(record: Record, outcome: str, on_line: frozenset[int]) -> str | N
     xg = record.section("shot").get("statsbomb_xg")
     if xg is None:  # no estimate, no good chance
         return None
-    with checks.located(f"{record.place}: "):
-        chance = checks.number(xg, "shot.statsbomb_xg", "it is a probability")
+    with validation.located(f"{record.place}: "):
+        chance = validation.number(xg, "shot.statsbomb_xg", "it is a probability")
     return "missed" if chance >= GOOD_CHANCE_XG else None
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 
 SHOOT_OUT = 5
 """The period of a shoot-out; 1 and 2 are halves, 3 and 4 those of extra time."""
@@ -45,15 +45,15 @@ class Record:
     def parse(cls, raw: object, position: int) -> Record:
         """Check what every record needs; InputError names the record."""
         if not isinstance(raw, dict):
-            raise InputError(f"event {position}: is {checks.shown(raw)}, not an object {{...}}")
+            raise InputError(f"event {position}: is {shown(raw)}, not an object {{...}}")
         id_ = raw.get("id")
         id_ = id_ if isinstance(id_, str) else ""
-        with checks.located(f"{_place(position, id_)}: "):
+        with validation.located(f"{_place(position, id_)}: "):
             period = raw.get("period")
             if isinstance(period, bool) or not isinstance(period, int):
-                raise InputError(f"period is {checks.shown(period)}; periods are 1 to {SHOOT_OUT}")
+                raise InputError(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
             if not 1 <= period <= SHOOT_OUT:
-                raise InputError(f"period is {checks.shown(period)}; periods are 1 to {SHOOT_OUT}")
+                raise InputError(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
             kind = _name(raw, "type")
             if kind is None:
                 raise InputError("type.name is missing; it says what the event is, such as 'Shot'")
@@ -84,7 +84,7 @@ class Record:
         if value is None:
             return {}
         if not isinstance(value, dict):
-            raise self.error(f"{key} is {checks.shown(value)}, not an object {{...}}")
+            raise self.error(f"{key} is {shown(value)}, not an object {{...}}")
         return value
 
     def named(self, section: str, key: str) -> str | None:
@@ -100,7 +100,7 @@ class Record:
             return None
         name = _name(part, key)
         if name is None:
-            raise self.error(f"{section}.{key} is {checks.shown(part[key])}; it needs a name")
+            raise self.error(f"{section}.{key} is {shown(part[key])}; it needs a name")
         return name
 
     @property
@@ -113,7 +113,7 @@ class Record:
 
 
 def _place(position: int, id_: str) -> str:
-    return f"event {position} (id {checks.shown(id_)[1:-1]})" if id_ else f"event {position}"
+    return f"event {position} (id {shown(id_)[1:-1]})" if id_ else f"event {position}"
 
 
 def _name(table: dict[str, object], key: str) -> str | None:
@@ -125,8 +125,6 @@ def _name(table: dict[str, object], key: str) -> str | None:
 def _clock_us(value: object) -> int:
     found = _CLOCK.fullmatch(value) if isinstance(value, str) else None
     if found is None:
-        raise InputError(
-            f"timestamp is {checks.shown(value)}; it is the time in the period, hh:mm:ss.sss"
-        )
+        raise InputError(f"timestamp is {shown(value)}; it is the time in the period, hh:mm:ss.sss")
     hours, minutes, seconds = (int(found[i]) for i in (1, 2, 3))
     return (hours * 3600 + minutes * 60 + seconds) * 1_000_000 + int((found[4] or "").ljust(6, "0"))

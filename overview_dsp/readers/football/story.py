@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.excitement import derive_intensity
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Event, Timeline
 
 GOALS = frozenset({"goal", "own_goal"})
@@ -115,7 +115,7 @@ class MatchEvents:
             seen[key] = seen.get(key, 0) + 1
             if seen[key] > 1:  # two rows of one minute without a name are two events
                 label = f"{label} ({seen[key]})".strip()
-            with checks.located(f"{happening.place}: " if happening.place else ""):
+            with validation.located(f"{happening.place}: " if happening.place else ""):
                 events.append(Event(happening.time_s, happening.kind, label))
         if uncounted:
             said.append(f"{uncounted} goals name no team of the match: the score isn't counted")
@@ -128,8 +128,8 @@ class MatchEvents:
         intensity, derived, derived_notes = derive_intensity(events, self.duration_s)
         title = default_title
         if known:
-            shown = final if final is not None else counted if not uncounted else None
-            result = f"{shown[0]}-{shown[1]}" if shown is not None else "-"
+            decided = final if final is not None else counted if not uncounted else None
+            result = f"{decided[0]}-{decided[1]}" if decided is not None else "-"
             title = ", ".join([f"{self.teams[0]} {result} {self.teams[1]}", *filter(None, about)])
         return Timeline(
             title=title,
@@ -165,7 +165,7 @@ def team_index(name: str, teams: Sequence[str], place: str) -> int | None:
         return None
     if name not in teams:
         raise InputError(
-            f"{place}: the team is {checks.shown(name)}; the match's teams are "
-            f"{' and '.join(checks.shown(team) for team in teams) or 'not named'}"
+            f"{place}: the team is {shown(name)}; the match's teams are "
+            f"{' and '.join(shown(team) for team in teams) or 'not named'}"
         )
     return list(teams).index(name)

@@ -26,7 +26,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.listing import repeated_ids
 from overview_dsp.readers.football.choosing import choose
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS
@@ -35,7 +36,6 @@ from overview_dsp.readers.football.story import GOALS, Happening, MatchEvents
 from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.football.wyscout_matches import Companion, companions
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 PROVENANCE = "events: a Wyscout v2 event file"
@@ -95,15 +95,15 @@ class _Event:
     @classmethod
     def parse(cls, raw: object, place: str) -> _Event:
         if not isinstance(raw, dict):
-            raise InputError(f"{place}: is {checks.shown(raw)}, not an object {{...}}")
-        with checks.located(f"{place}: "):
+            raise InputError(f"{place}: is {shown(raw)}, not an object {{...}}")
+        with validation.located(f"{place}: "):
             period = raw.get("matchPeriod")
             if not isinstance(period, str) or period not in _PERIODS:
                 raise InputError(
-                    f"matchPeriod is {checks.shown(period)}; periods are {', '.join(_PERIODS)}"
+                    f"matchPeriod is {shown(period)}; periods are {', '.join(_PERIODS)}"
                 )
             hint = f"it is the time in the period, 0 to {MAX_PERIOD_S:g} s"
-            sec = checks.number(raw.get("eventSec"), "eventSec", hint)
+            sec = validation.number(raw.get("eventSec"), "eventSec", hint)
             if not 0.0 <= sec <= MAX_PERIOD_S:
                 raise InputError(f"eventSec is {sec!r}; {hint}")
             return cls(
@@ -133,7 +133,7 @@ def sniff(source: Source) -> bool:
 def matches(source: Source) -> list[str]:
     """Return a line on each match of the file."""
     document = source.json
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         grouped = _grouped(document)
         known, _ = companions(source, frozenset(grouped))
         return _lines(list(grouped), known)
@@ -142,7 +142,7 @@ def matches(source: Source) -> list[str]:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); InputError names the file and the event."""
     document = source.json  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         grouped = _grouped(document)
         ids = list(grouped)
         # the companion may be large: it is opened once it is known what is asked of it

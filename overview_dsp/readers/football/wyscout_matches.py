@@ -9,9 +9,8 @@ import re
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 
 MAX_FILES = 20
 """Most companions that are looked into, by name."""
@@ -100,7 +99,7 @@ def _companion(raw: object) -> tuple[str, Companion] | None:
     if len(with_names) != 2:
         return None
     score = (goals[0], goals[1]) if goals[0] is not None and goals[1] is not None else None
-    return checks.shown(id_).strip("'"), Companion(with_names, score, day)
+    return shown(id_).strip("'"), Companion(with_names, score, day)
 
 
 def _goals(side: dict[str, object]) -> int | None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.memory import frames
 from overview_dsp.readers.memory.cells import Given, of_array, of_list
 from overview_dsp.readers.tables.table import (
@@ -23,7 +23,6 @@ from overview_dsp.readers.tables.table import (
     check_single,
 )
 from overview_dsp.readers.tables.time_format import detected_format
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event
 
 EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
@@ -54,10 +53,8 @@ class MemoryTable:
     def __init__(self, kind: str, given: Sequence[tuple[str, Given]]) -> None:
         lengths = {header: len(column.cells) for header, column in given}
         if len(set(lengths.values())) > 1:
-            shown = ", ".join(
-                f"{checks.shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6)
-            )
-            raise InputError(f"columns of different lengths ({shown}); give one value a row")
+            uneven = ", ".join(f"{shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
+            raise InputError(f"columns of different lengths ({uneven}); give one value a row")
         self.rows = max(lengths.values(), default=0)
         if not self.rows:
             raise InputError("no rows; a series has one row a time, an event list one an event")
@@ -160,9 +157,7 @@ def _of_sequence(data: list[Any]) -> list[tuple[str, Given]]:
         if sample and isinstance(sample[0], kind):
             for number, entry in enumerate(data, 1):
                 if not isinstance(entry, kind):
-                    raise InputError(
-                        f"row {number}: {checks.shown(entry)} isn't as those before it"
-                    )
+                    raise InputError(f"row {number}: {shown(entry)} isn't as those before it")
             return taken(data)
     return [("value", of_list(data))]
 
@@ -192,8 +187,7 @@ def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, Given]]:
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
             raise InputError(
-                f"row {number}: {checks.shown(row)} has {len(row)} values, not {len(names)} as the "
-                "others"
+                f"row {number}: {shown(row)} has {len(row)} values, not {len(names)} as the others"
             )
     return [(name, of_list([row[i] for row in rows])) for i, name in enumerate(names)]
 

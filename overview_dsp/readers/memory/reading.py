@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.readers.memory.columns import MemoryTable
 from overview_dsp.readers.source import UNNAMED, LoadOptions, Source
 from overview_dsp.readers.tables import pipeline
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 Claim = Callable[[Source], Callable[[Source, LoadOptions], Timeline] | None]
@@ -50,7 +50,7 @@ def read_table(table: MemoryTable, options: LoadOptions, claim: Claim) -> Timeli
             if table.rows > most:
                 source = _written(path, table.csv(table.rows), options, where)
             return read(source, options)
-    with checks.located(f"{where}: "):
+    with validation.located(f"{where}: "):
         return pipeline.series_of(table, options)
 
 

@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.table import Cells
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.curve_checks import MAX_VALUE
 from overview_dsp.units import clock_text
 
@@ -182,7 +181,7 @@ class NumberColumn:
             other = parse(cell.strip(), Style(self.style.thousands)) if isinstance(cell, str) else 0
             hint = f" with a decimal {_MARKS[self.style.decimal]}" if other else ""
             raise InputError(
-                f"{place(i)}: {checks.shown(cell)} isn't a number{hint}; correct it, or leave it "
+                f"{place(i)}: {shown(cell)} isn't a number{hint}; correct it, or leave it "
                 "empty if there is no value"
             )
         value, unit = found
@@ -190,8 +189,8 @@ class NumberColumn:
             self.unit = unit
         elif unit and unit != self.unit:
             raise InputError(
-                f"{place(i)}: {checks.shown(cell)} is in {checks.shown(unit)}, cells before it in "
-                f"{checks.shown(self.unit)}; give one unit for the column"
+                f"{place(i)}: {shown(cell)} is in {shown(unit)}, cells before it in "
+                f"{shown(self.unit)}; give one unit for the column"
             )
         return value
 

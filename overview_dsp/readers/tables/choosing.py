@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables import share_splits
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, Table, as_list, column_named, listed
 from overview_dsp.readers.tables.time_format import CLOCKS, Format, detected_format, split_wish
-from overview_dsp.timeline import checks, written_times
+from overview_dsp.timeline import written_times
 
 _DATE_NAMES = (
     "date", "datetime", "timestamp", "time", "ts", "t", "datum", "zeit", "zeitstempel", "fecha",
@@ -79,17 +79,17 @@ def choose_time(
         index = column_named(columns, named)
         if index is None:
             raise InputError(
-                f"no column {checks.shown(named)} for the times; columns are {listed(columns)}"
+                f"no column {shown(named)} for the times; columns are {listed(columns)}"
             )
         form = Format(written) if written else detected_format(columns[index], head[index])
         if form is None and looks_numeric(head[index]):  # asked for: numbers are seconds then
-            header = checks.shown(columns[index].header)
+            header = shown(columns[index].header)
             form = Format("s", f"the numbers of column {header} are read as seconds")
         if form is None:
             first = next((c for c in head[index] if not is_missing(c)), None)
             raise InputError(
-                f"column {checks.shown(columns[index].header)} holds "
-                f"{checks.shown(first) if first is not None else 'no values'}, which isn't a time "
+                f"column {shown(columns[index].header)} holds "
+                f"{shown(first) if first is not None else 'no values'}, which isn't a time "
                 "in any known way; name another column, or say how times are written "
                 "with time (--time COLUMN:FORMAT)"
             )
@@ -120,7 +120,7 @@ def choose_time(
             return parts
     notes = _form_notes(form)
     if columns[index].plain not in _DATE_NAMES:
-        notes = (*notes, f"times are taken from column {checks.shown(columns[index].header)}")
+        notes = (*notes, f"times are taken from column {shown(columns[index].header)}")
     return TimeChoice((index,), form, "", notes)
 
 
@@ -224,7 +224,7 @@ def _year_month_day(columns: Sequence[Column], head: Sequence[list[Any]]) -> Tim
     texts = ["-".join(_whole(cell) for cell in row) for row in rows]
     if not texts or any(written_times.iso(text) is None for text in texts):
         return None
-    joined = " and ".join(checks.shown(columns[i].header) for i in found)
+    joined = " and ".join(shown(columns[i].header) for i in found)
     return TimeChoice(tuple(found), Format("iso"), "-", (f"times are made of columns {joined}",))
 
 
@@ -262,7 +262,7 @@ def choose_value(
         index = column_named(columns, wish)
         if index is None:
             raise InputError(
-                f"no column {checks.shown(wish)} for the values; columns are {listed(columns)}"
+                f"no column {shown(wish)} for the values; columns are {listed(columns)}"
             )
         return ValueChoice(index)
     numeric = [
@@ -282,7 +282,7 @@ def choose_value(
         why = "the close adjusted for splits and dividends" if adjusted else "the last price"
         return ValueChoice(
             numeric[price],
-            f"the value is column {checks.shown(offered[price].header)}, {why} in a table of "
+            f"the value is column {shown(offered[price].header)}, {why} in a table of "
             f"prices; others can be named: {listed(offered)}",
         )
     series = [
@@ -297,7 +297,7 @@ def choose_value(
     offered = [columns[i] for i in series]
     raise InputError(
         f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "
-        f"with value (--value), such as {checks.shown(offered[0].header)}"
+        f"with value (--value), such as {shown(offered[0].header)}"
     )
 
 

@@ -17,7 +17,7 @@ from datetime import datetime, timedelta
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import LoadOptions
 from overview_dsp.readers.tables import mapping
 from overview_dsp.readers.tables.cells import Calendar, Style
@@ -27,7 +27,6 @@ from overview_dsp.readers.tables.part_rules import PartRules
 from overview_dsp.readers.tables.plan import HEAD_ROWS
 from overview_dsp.readers.tables.rows import RowReader, settled
 from overview_dsp.readers.tables.table import Table, first_rows
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.growable_array import Store
 from overview_dsp.timeline.model import Intensity, Timeline
 
@@ -105,8 +104,7 @@ def _span(wish: str) -> tuple[str, float] | None:
     seconds = mapping.span_s(words)
     if seconds is None:
         raise InputError(
-            f"map count:{checks.shown(words)}: give a window as a time (count:6h; s, min, h, d, w, "
-            "y)"
+            f"map count:{shown(words)}: give a window as a time (count:6h; s, min, h, d, w, y)"
         )
     return words, seconds
 
@@ -185,7 +183,7 @@ def _timeline(
     ]
     if reader.skipped:
         notes.append(f"{reader.skipped} rows without a time aren't counted")
-    names = " and ".join(checks.shown(table.columns[i].header) for i in reader.choice.columns)
+    names = " and ".join(shown(table.columns[i].header) for i in reader.choice.columns)
     return Timeline(
         title=title,
         duration_s=duration_s,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import is_missing
 from overview_dsp.readers.tables.table import (
     Cells,
@@ -17,7 +17,6 @@ from overview_dsp.readers.tables.table import (
     as_list,
     column_named,
 )
-from overview_dsp.timeline import checks
 
 MAX_GROUPS = 5_000
 """Most series a column may distinguish."""
@@ -33,8 +32,8 @@ class OneGroup:
         self._table, self._column, self._wanted = table, column, wanted
         self.kind, self.row_word = table.kind, table.row_word
         self.columns: tuple[Column, ...] = table.columns
-        header = checks.shown(table.columns[column].header)
-        self.notes = (*table.notes, f"the rows whose column {header} is {checks.shown(wanted)}")
+        header = shown(table.columns[column].header)
+        self.notes = (*table.notes, f"the rows whose column {header} is {shown(wanted)}")
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read these columns of the group's rows."""
@@ -87,13 +86,13 @@ def chosen_group(table: Table, wish: str) -> OneGroup:
         column, exact = next(iter(found.items()))
         return OneGroup(table, column, exact)
     if found:
-        names = ", ".join(checks.shown(table.columns[i].header) for i in found)
+        names = ", ".join(shown(table.columns[i].header) for i in found)
         raise InputError(
-            f"match {checks.shown(wish)}: columns {names} hold it; give match (--match) as "
+            f"match {shown(wish)}: columns {names} hold it; give match (--match) as "
             f"'COLUMN={wanted}'"
         )
     there = f"; it holds {', '.join(examples)}" if examples else ""
-    raise InputError(f"match {checks.shown(wish)}: no row holds that{there}")
+    raise InputError(f"match {shown(wish)}: no row holds that{there}")
 
 
 def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
@@ -132,10 +131,10 @@ def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
         return
     column = min(several, key=lambda i: len(names[i]))
     texts = list(names[column])
-    shown = ", ".join(checks.shown(text) for text in texts[:6])
+    names_shown = ", ".join(shown(text) for text in texts[:6])
     more = f" and {len(texts) - 6} more" if len(texts) > 6 else ""
     header = table.columns[column].header
     raise InputError(
-        f"column {checks.shown(header)} distinguishes {len(texts)} series ({shown}{more}); choose "
-        f"one with match (--match), such as {checks.shown(texts[0])}"
+        f"column {shown(header)} distinguishes {len(texts)} series ({names_shown}{more}); choose "
+        f"one with match (--match), such as {shown(texts[0])}"
     )

@@ -28,8 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.errors import InputError, shown
 
 MAPS = ("level", "change", "activity", "volatility")
 """What a series may be mapped by, besides its columns' names."""
@@ -81,7 +80,7 @@ class Map:
             found.check()
             return found
         raise InputError(
-            f"map {checks.shown(wish)}: neither {', '.join(MAPS)}, count nor a column of the table"
+            f"map {shown(wish)}: neither {', '.join(MAPS)}, count nor a column of the table"
         )
 
     def check(self) -> None:
@@ -89,7 +88,7 @@ class Map:
         if self.name in ("change", "activity"):
             if self.argument not in ("", "percent", "difference"):
                 raise InputError(
-                    f"map {self.name}:{checks.shown(self.argument)}: give {self.name}:percent or "
+                    f"map {self.name}:{shown(self.argument)}: give {self.name}:percent or "
                     f"{self.name}:difference"
                 )
         elif self.name == "volatility":
@@ -110,7 +109,7 @@ class Map:
             or not size
         ):
             raise InputError(
-                f"map volatility:{checks.shown(self.argument)}: give a window as samples (2 or "
+                f"map volatility:{shown(self.argument)}: give a window as samples (2 or "
                 "more: volatility:20) or as a time (volatility:30d; s, min, h, d, w, y)"
             )
         return (size, False) if found[2] is None else (size * _SPANS[found[2]], True)

@@ -17,7 +17,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables import counting, mapping, share_splits, streamed
 from overview_dsp.readers.tables.cells import Calendar, value_text
@@ -45,7 +46,6 @@ from overview_dsp.readers.tables.rows import RowReader, Rows, joined
 from overview_dsp.readers.tables.samples import Samples, in_order
 from overview_dsp.readers.tables.share_splits import Split, find_splits
 from overview_dsp.readers.tables.table import Table
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.intensity import LONG
 from overview_dsp.timeline.model import Intensity, Timeline
 
@@ -105,7 +105,7 @@ def read_log(source: Source, options: LoadOptions) -> Timeline:
 
 def read_track(source: Source, options: LoadOptions) -> Timeline:
     """Read a GPX or TCX track, its speed unless asked otherwise; InputError names the file."""
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         table = tracks.open_table(source)
         first = table.columns[1].header  # speed, or what there is
         if options.value is None and not counting.asked_of(table, options):
@@ -120,7 +120,7 @@ def _read(source: Source, options: LoadOptions, open_table: Callable[[Source], T
             f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit:g} MB that are "
             "read; keep fewer columns or rows, or raise the limit with max_mb (--max-mb)"
         )
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return series_of(open_table(source), options, source.stem)
 
 
@@ -184,7 +184,7 @@ def _timeline(plan: Plan, found: Found, title: str) -> Timeline:
     if found.missing:
         notes.append(f"{found.missing} of {found.count} values are missing: gaps")
     notes += [_gap_note(found), _scale_note(found), *event_notes]
-    names = " and ".join(checks.shown(plan.table.columns[i].header) for i in plan.time.columns)
+    names = " and ".join(shown(plan.table.columns[i].header) for i in plan.time.columns)
     times = f"over {names} ({plan.time.format.words})" if names else "evenly spaced"
     return Timeline(
         title=": ".join(filter(None, (title, column.name))),
@@ -193,8 +193,7 @@ def _timeline(plan: Plan, found: Found, title: str) -> Timeline:
         intensity=found.intensity,
         gaps=found.gaps,
         provenance=(
-            f"a {plan.table.kind} table, column {checks.shown(column.header)} {times}; "
-            "events by rule"
+            f"a {plan.table.kind} table, column {shown(column.header)} {times}; events by rule"
         ),
         notes=tuple(notes),
         start=found.series.calendar.start,
@@ -289,7 +288,7 @@ def look_at(plan: Plan, samples: Samples) -> Found:
         intensity=Intensity(
             time_s[kept], curve[kept], plan.map.unit(mapped_unit, relative), PERCENTILES
         ),
-        words=plan.map.words(checks.shown(plan.mapped_column.header)),
+        words=plan.map.words(shown(plan.mapped_column.header)),
         gaps=gaps,
         gap_rule=holes.rule,
         missing=int((~known).sum()),
@@ -328,20 +327,20 @@ def _split_notes(
         return []
     adjusted = share_splits.adjusted(plan.table.columns)
     if adjusted is not None:
-        header = checks.shown(plan.table.columns[adjusted].header)
+        header = shown(plan.table.columns[adjusted].header)
         advice = f"take {header} with value (--value), which is"
     else:
         advice = "the table has no adjusted column; get prices that are"
-    shown = []
+    examples = []
     known = np.flatnonzero(~np.isnan(value))
     for split in splits[:6]:
         before = value[known[np.searchsorted(known, split.index) - 1]]
-        shown.append(
+        examples.append(
             f"{split.ratio} on {calendar.text(float(time_s[split.index]))} "
             f"({value_text(float(before))} to {value_text(float(value[split.index]))})"
         )
     more = f" and {len(splits) - 6} more" if len(splits) > 6 else ""
     return [
-        f"column {checks.shown(plan.value_column.header)} isn't adjusted for share splits: "
-        f"{', '.join(shown)}{more}; these steps are no moves, but the level jumps: {advice}"
+        f"column {shown(plan.value_column.header)} isn't adjusted for share splits: "
+        f"{', '.join(examples)}{more}; these steps are no moves, but the level jumps: {advice}"
     ]

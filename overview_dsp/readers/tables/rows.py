@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import NumberColumn, Style
 from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
 from overview_dsp.readers.tables.table import Chunk, Column, Table
 from overview_dsp.readers.tables.time_column import TimeColumn
 from overview_dsp.readers.tables.time_format import Format, settle_order
-from overview_dsp.timeline import checks
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +121,7 @@ class RowReader:
 
 def _place(table: Table, chunk: Chunk, column: Column) -> Callable[[int], str]:
     def words(i: int) -> str:
-        return f"{table.row_word} {chunk.number(i)}, column {checks.shown(column.header)}"
+        return f"{table.row_word} {chunk.number(i)}, column {shown(column.header)}"
 
     return words
 
@@ -152,10 +151,10 @@ def settled(table: Table, choice: TimeChoice) -> TimeChoice:
                     yield chunk.number(i), cell.strip()
 
     name, row = settle_order(texts())
-    header = checks.shown(column.header)
+    header = shown(column.header)
     if not name:
         raise InputError(
-            f"column {header}: {checks.shown(example)} may be day/month or month/day, no row shows "
+            f"column {header}: {shown(example)} may be day/month or month/day, no row shows "
             f"which; say it with time (--time): '{column.header}:dmy' or '{column.header}:mdy'"
         )
     words = Format(name).words

@@ -12,11 +12,10 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import sentinel
 from overview_dsp.readers.tables.rows import RowReader, Rows
 from overview_dsp.readers.tables.time_format import CLOCKS
-from overview_dsp.timeline import checks
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,10 +92,10 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
             values[i] = np.where(found, np.nan, values[i])
             notes.append(
                 f"{int(found.sum())} values of {absent:g} in column "
-                f"{checks.shown(reader.table.columns[column].header)} count as missing"
+                f"{shown(reader.table.columns[column].header)} count as missing"
             )
     if not len(seconds) or np.isnan(values[0]).all():
-        header = checks.shown(reader.table.columns[reader.columns[0]].header)
+        header = shown(reader.table.columns[reader.columns[0]].header)
         raise InputError(f"column {header} has no value in any row; name another")
     if len(seconds) < 2:
         raise InputError(

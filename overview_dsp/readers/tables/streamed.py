@@ -13,7 +13,7 @@ from datetime import datetime, timedelta
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables import mapping
 from overview_dsp.readers.tables.cells import Calendar, sentinel
 from overview_dsp.readers.tables.event_rules import Thinner
@@ -23,7 +23,6 @@ from overview_dsp.readers.tables.mapping import PERCENTILES
 from overview_dsp.readers.tables.plan import Found, Plan, require_few_gaps
 from overview_dsp.readers.tables.rows import RowReader, Rows, joined
 from overview_dsp.readers.tables.samples import last_of_each_time
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.curve_builder import CurveBuilder
 from overview_dsp.timeline.growable_array import Store
 from overview_dsp.timeline.model import Intensity
@@ -109,7 +108,7 @@ class _Stream:
             self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
         for index, absent in zip(self.plan.columns, self._absent, strict=True):
             if absent is not None:
-                header = checks.shown(self.plan.table.columns[index].header)
+                header = shown(self.plan.table.columns[index].header)
                 self.notes.append(f"values of {absent:g} in column {header} count as missing")
 
     def _known(self, block: Rows, i: int) -> NDArray[np.float64]:
@@ -206,7 +205,7 @@ class _Stream:
         plan, units = self.plan, [number.unit or "" for number in self.reader.numbers]
         unit = plan.value_column.unit or units[0]
         mapped_unit = plan.mapped_column.unit or units[plan.columns.index(plan.mapped)]
-        header = checks.shown(plan.value_column.header)
+        header = shown(plan.value_column.header)
         time_s, value, step = self.thinner.finish()
         if not len(value):
             raise InputError(f"column {header} has no value in any row; name another")
@@ -223,7 +222,7 @@ class _Stream:
                 time_s, value, step, self.relative, unit, Calendar(self.start, False), every=False
             ),
             intensity=curve,
-            words=plan.map.words(checks.shown(plan.mapped_column.header)),
+            words=plan.map.words(shown(plan.mapped_column.header)),
             gaps=tuple(self.gaps),
             gap_rule=self.gap_rule,
             missing=self.missing,

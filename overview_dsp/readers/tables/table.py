@@ -10,8 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.errors import InputError, shown
 
 CHUNK_ROWS = 65_536
 """Rows read at a time: some 10 MB as text cells, whatever the file's size."""
@@ -159,14 +158,14 @@ def column_named(columns: Sequence[Column], wanted: str) -> int | None:
             return found[0]
         if found:
             raise InputError(
-                f"{len(found)} columns are called {checks.shown(wanted)}; rename one in the file"
+                f"{len(found)} columns are called {shown(wanted)}; rename one in the file"
             )
     return None
 
 
 def listed(columns: Sequence[Column], limit: int = 12) -> str:
     """Return the columns' headers for a line to a person."""
-    names = [checks.shown(column.header) for column in columns[:limit]]
+    names = [shown(column.header) for column in columns[:limit]]
     more = len(columns) - limit
     return ", ".join(names) + (f" and {more} more" if more > 0 else "")
 
@@ -199,8 +198,8 @@ def check_single(table: Table, chunk: Chunk, columns: Sequence[int]) -> None:
             continue
         for i, cell in enumerate(cells):
             if isinstance(cell, list | dict):
-                header = checks.shown(table.columns[index].header)
+                header = shown(table.columns[index].header)
                 raise InputError(
-                    f"{table.row_word} {chunk.number(i)}, column {header}: {checks.shown(cell)} "
+                    f"{table.row_word} {chunk.number(i)}, column {header}: {shown(cell)} "
                     "isn't a single value"
                 )

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import are_written_in, is_missing
 from overview_dsp.readers.tables.table import Cells, as_list
 from overview_dsp.readers.tables.time_format import (
@@ -24,7 +24,7 @@ from overview_dsp.readers.tables.time_format import (
     as_number,
     as_text,
 )
-from overview_dsp.timeline import checks, written_times
+from overview_dsp.timeline import written_times
 from overview_dsp.timeline.written_times import DAY_NS, NS, WAYS
 
 _EXCEL_ZERO = -25_569
@@ -173,13 +173,13 @@ class TimeColumn:
         elif self._zoned != zoned:
             has, others = ("a", "none") if zoned else ("no", "one")
             raise InputError(
-                f"{place}: {checks.shown(cell)} has {has} time zone, times before it have "
+                f"{place}: {shown(cell)} has {has} time zone, times before it have "
                 f"{others}; write all of them in one way"
             )
 
     def _wrong(self, cell: Any, place: str) -> str:
         return (
-            f"{place}: {checks.shown(cell)} isn't a time as the column's others "
+            f"{place}: {shown(cell)} isn't a time as the column's others "
             f"({self.format.words}); correct it, or say how times are written "
             f"with time (--time COLUMN:FORMAT; {', '.join(FORMATS)})"
         )

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import is_missing
 from overview_dsp.readers.tables.table import Column
-from overview_dsp.timeline import checks, written_times
+from overview_dsp.timeline import written_times
 from overview_dsp.timeline.written_times import NS, WAYS
 
 EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
@@ -112,7 +112,7 @@ def split_wish(wish: str, columns: tuple[Column, ...]) -> tuple[str | None, str 
     written = written.strip().lower()
     if written not in FORMATS:
         raise InputError(
-            f"time {checks.shown(wish)}: {checks.shown(written)} is no way of writing times; "
+            f"time {shown(wish)}: {shown(written)} is no way of writing times; "
             f"known are {', '.join(FORMATS)}"
         )
     return name.strip() or None, written
@@ -163,7 +163,7 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
         return None
     if not (of_day and running) or any(text.count(":") > 1 for text in texts):
         return Format(form)
-    example = checks.shown(texts[0])
+    example = shown(texts[0])
     as_read = "hours:minutes" if form == "hhmm" else "minutes:seconds"
     return Format(
         form,

@@ -16,11 +16,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables import share_splits
 from overview_dsp.readers.tables.cells import Style, parse
 from overview_dsp.readers.tables.table import Column
-from overview_dsp.timeline import checks
 
 KINDS = ("share", "price", "plain")
 """What a column of values may be."""
@@ -69,7 +68,7 @@ def split_wish(wish: str | None, columns: Sequence[Column]) -> tuple[str | None,
     if kind not in KINDS:
         if any(name.strip().lower() in (c.header.lower(), c.name.lower()) for c in columns):
             raise InputError(
-                f"value {checks.shown(wish)}: {checks.shown(kind)} is no kind of value; known are "
+                f"value {shown(wish)}: {shown(kind)} is no kind of value; known are "
                 f"{', '.join(KINDS)}"
             )
         return wish, None
@@ -114,12 +113,12 @@ def worth_of(
             return _said("share", column, "a close in a table of prices and volume")
         ticker = next((s for s in reversed(symbols) if _TICKER.fullmatch(s)), None)
         if ticker is not None:
-            return _said("share", column, f"a close of {checks.shown(ticker)}")
+            return _said("share", column, f"a close of {shown(ticker)}")
     return _said("price", column, why)
 
 
 def _said(kind: str, column: Column, why: str) -> Worth:
-    header = checks.shown(column.header)
+    header = shown(column.header)
     other = "price" if kind == "share" else "share"
     what = "the price of a share" if kind == "share" else "a price"
     splits = "are" if kind == "share" else "aren't"

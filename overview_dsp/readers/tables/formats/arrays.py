@@ -15,11 +15,11 @@ from typing import IO, Any
 
 import numpy as np
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.compression import MAX_MB
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Cells, Chunk, Column
-from overview_dsp.timeline import checks
 
 MAGIC = b"\x93NUMPY"
 _NUMBERS = "bhilqBHILQefdg?"
@@ -106,7 +106,7 @@ def open_npz(source: Source) -> ArrayTable:
             for member in archive.infolist():
                 with archive.open(member) as stream:
                     name = member.filename.removesuffix(".npy")
-                    with checks.located(f"{checks.shown(name)}: "):
+                    with validation.located(f"{shown(name)}: "):
                         shape, fortran, dtype = _header(stream)
                         size = dtype.itemsize * math.prod(shape)
                         limit -= size

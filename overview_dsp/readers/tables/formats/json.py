@@ -20,12 +20,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import looks_numeric
 from overview_dsp.readers.tables.formats import price_charts
 from overview_dsp.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Chunk, Column, check_single
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.written_times import WAYS
 
 
@@ -40,7 +39,7 @@ class JsonTable:
             raise InputError(f"{len(shape.names)} columns, more than {MAX_COLUMNS}; keep fewer")
         self._shape = shape
         self.columns = tuple(Column.of(name, shape.units.get(name, "")) for name in shape.names)
-        notes = [f"the table is at {checks.shown(shape.place)}"] if shape.place else []
+        notes = [f"the table is at {shown(shape.place)}"] if shape.place else []
         if others:
             notes.append(f"{others} other tables in the file were left out")
         self.notes: tuple[str, ...] = tuple(notes)
@@ -296,7 +295,7 @@ def _of_rows(rows: list[Any], names: tuple[str, ...]) -> Shape:
 
 
 def _unlike(number: int, entry: Any, words: str) -> str:
-    return f"record {number}: {checks.shown(entry)} isn't {words}, as those before it"
+    return f"record {number}: {shown(entry)} isn't {words}, as those before it"
 
 
 def _is_date(text: str) -> bool:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.formats import delimited
 from overview_dsp.readers.tables.formats.json import is_single
@@ -18,7 +18,6 @@ from overview_dsp.readers.tables.table import (
     Column,
     check_single,
 )
-from overview_dsp.timeline import checks
 
 _SAMPLE = 50
 
@@ -65,7 +64,7 @@ class JsonLinesTable:
                     f"line {number}: broken JSON ({error}); one object a line is read"
                 ) from error
             if not isinstance(record, dict):
-                raise InputError(f"line {number}: {checks.shown(record)} isn't an object {{...}}")
+                raise InputError(f"line {number}: {shown(record)} isn't an object {{...}}")
             yield number, record
 
 

@@ -1,23 +1,28 @@
-"""Checks of single values, each failing with one line that names what, the value and the range."""
+"""Argument checks: each returns the value, or fails with one line that names it and its range."""
 
 from __future__ import annotations
 
 import contextlib
 import math
+import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import datetime, timedelta
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.errors import shown as shown  # as `checks.shown` too
+from overview_dsp.errors import InputError, shown
 
 KIND_MAX_LENGTH = 64
 """Longest event kind, characters: a kind is a name a preset looks up, not a sentence."""
 
 TIME_HINT = "times are finite seconds from 0 to the timeline's duration"
 """How an error line about a time ends."""
+
+T = TypeVar("T")
 
 _KIND = re.compile(r"[a-z0-9_]+", re.ASCII)
 
@@ -120,3 +125,75 @@ def until(value: object, duration_s: float) -> float | None:
     if not 0.0 <= result <= duration_s:
         raise InputError(f"until_s is {result!r}; {hint}")
     return result if result < duration_s else None
+
+
+def instance(value: object, kind: type[T], what: str, hint: str) -> T:
+    """Return `value` if it is of a kind; InputError with the hint if not."""
+    if not isinstance(value, kind):
+        raise InputError(f"{what} is {shown(value)}, not a {kind.__name__}; {hint}")
+    return value
+
+
+def instances(values: object, kind: type[T], what: str, hint: str) -> list[T]:
+    """Return several of a kind as a list; InputError names the first that isn't one."""
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise InputError(f"{what} is {shown(values)}; give a list, and {hint}")
+    return [instance(value, kind, f"{what}[{i}]", hint) for i, value in enumerate(values)]
+
+
+def real(value: object, what: str) -> float:
+    """Return a number as a float: NaN and infinities too, which fail where a range is checked."""
+    if not isinstance(value, int | float | np.integer | np.floating):
+        raise InputError(f"{what} is {shown(value)}, not a number; give one")
+    try:
+        return float(value)
+    except OverflowError:  # an int of hundreds of digits
+        return float("inf")
+
+
+def whole(value: object, what: str, least: int | None = None, most: int | None = None) -> int:
+    """Return a whole number as an int; InputError for another kind, or one out of a range."""
+    if not isinstance(value, int | np.integer):
+        raise InputError(f"{what} is {shown(value)}; give a whole number")
+    if (least is not None and value < least) or (most is not None and value > most):
+        up = "up" if most is None else f"to {most}"
+        raise InputError(f"{what} is {shown(value)}; it is a whole number from {least} {up}")
+    return int(value)
+
+
+def path(value: object, what: str) -> Path:
+    """Return a path; InputError if it is none."""
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"{what} is {shown(value)}; give a path")
+    return Path(value)
+
+
+def numbers(value: object, what: str) -> NDArray[np.float64]:
+    """Return numbers as float64 of any shape; InputError for what holds others."""
+    try:
+        found = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        found = np.array(None)
+    if not (found.dtype.kind in "biuf" or found.size == 0):
+        raise InputError(f"{what} is {shown(value)}; give numbers")
+    return found.astype(np.float64)
+
+
+def floats(value: object, what: str) -> NDArray[np.float64]:
+    """Return a row of numbers as float64 (n,); InputError for another shape or no numbers."""
+    found = numbers(value, what)
+    if found.ndim != 1:
+        raise InputError(f"{what} has {found.ndim} dimensions; give a row of numbers, (n,)")
+    return found
+
+
+def equally_long(what: str, *rows: Sequence[Any] | NDArray[Any]) -> None:
+    """InputError unless these rows have as many values."""
+    if len({len(row) for row in rows}) > 1:
+        lengths = ", ".join(str(len(row)) for row in rows)
+        raise InputError(f"{what} must be equally long; they have {lengths} values")
+
+
+def random(seed: object) -> np.random.Generator:
+    """Return the random numbers of a seed, a whole number from 0 up; InputError for any other."""
+    return np.random.default_rng(whole(seed, "seed", 0))
