@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from overview_dsp.readers.excitement import FOOTBALL_KINDS
+from overview_dsp.analysis.crowd_excitement import FOOTBALL_KINDS
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.match_minutes import Half, halves_of
 

@@ -28,10 +28,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from overview_dsp import validation
+from overview_dsp.analysis.crowd_excitement import derive_intensity
 from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.readers.everyday.columns import time_named
-from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.table import Column
 from overview_dsp.timeline.event import MAX_EVENTS

@@ -34,10 +34,10 @@ from datetime import datetime
 import numpy as np
 
 from overview_dsp import validation
+from overview_dsp.analysis.window_rules import PartRules, rules_of
 from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables.part_rules import PartRules, rules_of
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.intensity import EXTREMES
 from overview_dsp.timeline.model import Event, Intensity, Timeline

@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.analysis.loudness import MIN_RATE, SILENCE_LUFS, StepMeter, Steps
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import CLICK
-from overview_dsp.readers.audio.k_weighting import MIN_RATE
-from overview_dsp.readers.audio.loudness import SILENCE_LUFS, StepMeter, Steps
 
 CEILING_DBFS = -1.0
 """No sample is turned up beyond this."""

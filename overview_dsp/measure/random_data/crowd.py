@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.readers.audio.loudness import STEPS_PER_S, Steps
+from overview_dsp.analysis.loudness import STEPS_PER_S, Steps
 from overview_dsp.readers.audio.reader import MAPS, timeline_of
 from overview_dsp.timeline import Timeline
 

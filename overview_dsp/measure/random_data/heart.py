@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.readers.cardiac.beat_kinds import NORMAL
+from overview_dsp.analysis.rhythm import NORMAL, Beats
 from overview_dsp.readers.cardiac.build import About, heart_timeline
-from overview_dsp.readers.cardiac.rhythm import Beats
 from overview_dsp.readers.source import LoadOptions
 from overview_dsp.timeline import Event, Timeline
 

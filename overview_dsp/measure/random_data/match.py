@@ -11,7 +11,7 @@ minutes after a goal, shots that rebound, and a foul at the very moment of its c
 from __future__ import annotations
 
 from overview_dsp import validation
-from overview_dsp.readers.excitement import crowd_curve
+from overview_dsp.analysis.crowd_excitement import crowd_curve
 from overview_dsp.timeline import Event, Timeline
 
 GOALS, FOULS, NEAR_MISSES, YELLOWS, REDS = 2.7, 20.0, 9.5, 3.8, 0.3

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.analysis.loudness import MIN_RATE
 from overview_dsp.errors import InputError
 from overview_dsp.readers.audio.channels import layout_of, weights_of, weights_of_mask
-from overview_dsp.readers.audio.k_weighting import MIN_RATE
 from overview_dsp.readers.audio.mpeg_frames import begins_with_frames, frames_of
 from overview_dsp.readers.source import Source
 

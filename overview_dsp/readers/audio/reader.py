@@ -19,16 +19,16 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.audio import cheers
-from overview_dsp.readers.audio.decoding import Recording, open_recording, sounds
-from overview_dsp.readers.audio.loudness import (
+from overview_dsp.analysis import cheers
+from overview_dsp.analysis.loudness import (
     MOMENTARY_STEPS,
     SHORT_TERM_STEPS,
     STEPS_PER_S,
     StepMeter,
     Steps,
 )
+from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.audio.decoding import Recording, open_recording, sounds
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.timeline.gaps import in_gap
 from overview_dsp.timeline.model import Intensity, Timeline

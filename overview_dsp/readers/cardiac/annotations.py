@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from overview_dsp.analysis.rhythm import BEATS, OTHERS, Beats
 from overview_dsp.errors import InputError
-from overview_dsp.readers.cardiac.beat_kinds import BEATS, OTHERS
-from overview_dsp.readers.cardiac.rhythm import Beats
 from overview_dsp.readers.extra import needed
 from overview_dsp.readers.source import shown_path
 from overview_dsp.timeline.event import Event

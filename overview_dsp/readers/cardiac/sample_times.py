@@ -9,8 +9,8 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.analysis.heartbeats import MIN_RATE
 from overview_dsp.errors import InputError
-from overview_dsp.readers.cardiac.detection import MIN_RATE
 from overview_dsp.readers.cardiac.table_layout import (
     Layout,
     fields_of,

@@ -15,6 +15,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from overview_dsp import validation
+from overview_dsp.analysis.heart_signal import Samples, recorded
+from overview_dsp.analysis.heartbeats import MIN_RATE, find_beats
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.cardiac.build import (
     MAPS,
@@ -24,9 +26,7 @@ from overview_dsp.readers.cardiac.build import (
     gaps_of,
     heart_timeline,
 )
-from overview_dsp.readers.cardiac.detection import MIN_RATE, find_beats
 from overview_dsp.readers.cardiac.sample_times import on_a_grid, rate_of_rows, unit_of
-from overview_dsp.readers.cardiac.signal import Samples, recorded
 from overview_dsp.readers.cardiac.table_columns import read_columns
 from overview_dsp.readers.cardiac.table_layout import LINE_ENDS, Layout, is_moment, layout_of
 from overview_dsp.readers.cardiac.wfdb_signal import best_signal

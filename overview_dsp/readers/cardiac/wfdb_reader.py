@@ -13,6 +13,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from overview_dsp import validation
+from overview_dsp.analysis.heart_signal import Spans, recorded
+from overview_dsp.analysis.heartbeats import find_beats, silent_parts
 from overview_dsp.errors import InputError
 from overview_dsp.readers.cardiac.annotations import Annotations, read_annotations
 from overview_dsp.readers.cardiac.build import (
@@ -22,8 +24,6 @@ from overview_dsp.readers.cardiac.build import (
     gaps_of,
     heart_timeline,
 )
-from overview_dsp.readers.cardiac.detection import find_beats, silent_parts
-from overview_dsp.readers.cardiac.signal import Spans, recorded
 from overview_dsp.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
 from overview_dsp.readers.source import LoadOptions, Source

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.analysis.heartbeats import MIN_RATE
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.cardiac.detection import MIN_RATE
 from overview_dsp.readers.cardiac.wfdb_header import (
     NO_FILE,
     Header,

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
+from overview_dsp.analysis.crowd_excitement import FOOTBALL_KINDS, derive_intensity
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.excitement import FOOTBALL_KINDS, derive_intensity
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Event, Timeline
 

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from overview_dsp import validation
+from overview_dsp.analysis.crowd_excitement import derive_intensity
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.timeline.model import Event, Timeline
 
 GOALS = frozenset({"goal", "own_goal"})

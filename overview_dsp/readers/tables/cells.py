@@ -1,4 +1,4 @@
-"""Cells of a table: numbers in any way of writing, words for a missing value, labels.
+"""Cells of a table: numbers in any way of writing, words for a missing value.
 
 Numbers have a decimal point or comma, thousands in groups of three, a currency sign, a per cent
 sign or a unit after the number, K, M and B for thousand, million and milliard (10^9), brackets for
@@ -12,7 +12,6 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,6 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.table import Cells
 from overview_dsp.timeline.curve_checks import MAX_VALUE
-from overview_dsp.units import clock_text
 
 _CURRENCIES = "$€£¥₹₽₩"
 _MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
@@ -265,42 +263,3 @@ def sentinel(value: NDArray[np.float64]) -> float | None:
         return None
     spread = float(rest.max()) - float(rest.min())
     return low if float(rest.min()) - low > max(spread, 0.5 * abs(low)) else None
-
-
-def value_text(value: float, unit: str = "") -> str:
-    """Return `702.1`, `35.6 °C`, `1251000`, `3.5 %`."""
-    figures = f"{value:.6g}"
-    if "e" in figures and abs(value) < 1e15:
-        figures = f"{value:.0f}"
-    return f"{figures} {unit}" if unit else figures
-
-
-@dataclass(frozen=True)
-class Calendar:
-    """Names the times of a series: a date where it has only those, else a date and a clock.
-
-    Parameters
-    ----------
-    start
-        The moment of time 0; None gives clock times from 0.
-    dates_only
-        All samples are at the same time of day.
-    """
-
-    start: datetime | None
-    dates_only: bool
-
-    def text(self, time_s: float) -> str:
-        """Return `2012-09-19`, `2012-09-19 16:00`, `12:30.5`."""
-        if self.start is None:
-            return clock_text(time_s)
-        try:
-            moment = self.start + timedelta(seconds=time_s)
-        except OverflowError:  # rounding took the calendar's last moment past it
-            moment = datetime.max
-        if self.dates_only:
-            return f"{moment.date().isoformat()}"
-        whole = moment.replace(tzinfo=None)
-        if whole.microsecond:
-            return whole.isoformat(" ", "milliseconds")
-        return whole.isoformat(" ", "seconds" if whole.second else "minutes")

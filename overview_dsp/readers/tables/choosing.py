@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.tables import share_splits
+from overview_dsp.readers.series import prices
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, Table, as_list, column_named, listed
 from overview_dsp.readers.tables.time_format import CLOCKS, Format, detected_format, split_wish
@@ -276,9 +276,9 @@ def choose_value(
             "values with value (--value)"
         )
     offered = [columns[i] for i in numeric]
-    price = share_splits.preferred(offered)
+    price = prices.preferred(offered)
     if price is not None and len(numeric) > 1:
-        adjusted = share_splits.is_adjusted(offered[price])
+        adjusted = prices.is_adjusted(offered[price])
         why = "the close adjusted for splits and dividends" if adjusted else "the last price"
         return ValueChoice(
             numeric[price],

@@ -17,13 +17,14 @@ from datetime import datetime, timedelta
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.analysis import curve_maps
+from overview_dsp.analysis.series_events import Series, find_events
+from overview_dsp.analysis.series_labels import Calendar
+from overview_dsp.analysis.window_rules import PartRules
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import LoadOptions
-from overview_dsp.readers.tables import mapping
-from overview_dsp.readers.tables.cells import Calendar, Style
+from overview_dsp.readers.tables.cells import Style
 from overview_dsp.readers.tables.choosing import choose_time
-from overview_dsp.readers.tables.events import Series, find_events
-from overview_dsp.readers.tables.part_rules import PartRules
 from overview_dsp.readers.tables.plan import HEAD_ROWS
 from overview_dsp.readers.tables.rows import RowReader, settled
 from overview_dsp.readers.tables.table import Table, first_rows
@@ -101,7 +102,7 @@ def _span(wish: str) -> tuple[str, float] | None:
     _, colon, words = (part.strip() for part in wish.partition(":"))
     if not colon:
         return None
-    seconds = mapping.span_s(words)
+    seconds = curve_maps.span_s(words)
     if seconds is None:
         raise InputError(
             f"map count:{shown(words)}: give a window as a time (count:6h; s, min, h, d, w, y)"

@@ -18,11 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.analysis import curve_maps
+from overview_dsp.analysis.curve_maps import PERCENTILES
+from overview_dsp.analysis.series_events import Series, find_events
+from overview_dsp.analysis.series_gaps import find_holes, gaps_of
+from overview_dsp.analysis.series_labels import Calendar, value_text
+from overview_dsp.analysis.share_splits import Split, find_splits
+from overview_dsp.analysis.window_rules import PartRules, only_dates
 from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.series import prices
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import counting, mapping, share_splits, streamed
-from overview_dsp.readers.tables.cells import Calendar, value_text
-from overview_dsp.readers.tables.events import Series, find_events
+from overview_dsp.readers.tables import counting, streamed
 from overview_dsp.readers.tables.formats import (
     arrays,
     csv,
@@ -32,10 +38,7 @@ from overview_dsp.readers.tables.formats import (
     parquet,
     tracks,
 )
-from overview_dsp.readers.tables.gaps import find_holes, gaps_of
 from overview_dsp.readers.tables.grouping import chosen_group, refuse_groups
-from overview_dsp.readers.tables.mapping import PERCENTILES
-from overview_dsp.readers.tables.part_rules import PartRules, only_dates
 from overview_dsp.readers.tables.plan import (
     Found,
     Plan,
@@ -44,7 +47,6 @@ from overview_dsp.readers.tables.plan import (
 )
 from overview_dsp.readers.tables.rows import RowReader, Rows, joined
 from overview_dsp.readers.tables.samples import Samples, in_order
-from overview_dsp.readers.tables.share_splits import Split, find_splits
 from overview_dsp.readers.tables.table import Table
 from overview_dsp.timeline.intensity import LONG
 from overview_dsp.timeline.model import Intensity, Timeline
@@ -260,10 +262,10 @@ def look_at(plan: Plan, samples: Samples) -> Found:
     calendar = Calendar(samples.start, only_dates(samples.start, samples.time_s))
     notes = [*samples.notes, *_split_notes(plan, value, time_s, splits, calendar)]
     if plan.worth.relative and not relative:
-        notes.append(mapping.NOT_ABOVE_0)
+        notes.append(curve_maps.NOT_ABOVE_0)
 
     factors = {split.index: split.factor for split in splits}
-    step = mapping.steps(value, holes.after, relative, factors)
+    step = curve_maps.steps(value, holes.after, relative, factors)
     known = ~np.isnan(value)
     index = np.cumsum(known) - 1
     series = Series(
@@ -277,8 +279,8 @@ def look_at(plan: Plan, samples: Samples) -> Found:
     )
     if plan.map.in_per_cent(relative) != relative:
         relative = not relative
-        step = mapping.steps(level, holes.after, relative, factors)
-    curve = mapping.curve(plan.map, level, step, time_s)
+        step = curve_maps.steps(level, holes.after, relative, factors)
+    curve = curve_maps.curve(plan.map, level, step, time_s)
     kept = ~np.isnan(curve)
     if not kept.any():
         raise InputError("the mapped column has no value in any row; name another")
@@ -300,19 +302,19 @@ def look_at(plan: Plan, samples: Samples) -> Found:
 
 def _splits(plan: Plan, by_column: dict[int, NDArray[np.float64]]) -> list[Split]:
     columns = plan.table.columns
-    if share_splits.is_adjusted(plan.value_column):
+    if prices.is_adjusted(plan.value_column):
         return []
 
     def beside(found: int | None) -> NDArray[np.float64] | None:
         return None if found is None or found == plan.value else by_column.get(found)
 
-    adjusted = beside(share_splits.adjusted(columns))
-    close = beside(share_splits.close(columns)) if adjusted is not None else None
+    adjusted = beside(prices.adjusted(columns))
+    close = beside(prices.close(columns)) if adjusted is not None else None
     return find_splits(
         by_column[plan.value] if close is None else close,
         adjusted,
-        beside(share_splits.opening(columns)),
-        beside(share_splits.volume(columns)),
+        beside(prices.opening(columns)),
+        beside(prices.volume(columns)),
     )
 
 
@@ -325,7 +327,7 @@ def _split_notes(
 ) -> list[str]:
     if not splits:
         return []
-    adjusted = share_splits.adjusted(plan.table.columns)
+    adjusted = prices.adjusted(plan.table.columns)
     if adjusted is not None:
         header = shown(plan.table.columns[adjusted].header)
         advice = f"take {header} with value (--value), which is"

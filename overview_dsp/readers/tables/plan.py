@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from overview_dsp.analysis.curve_maps import Map
+from overview_dsp.analysis.series_events import Series
 from overview_dsp.errors import InputError
+from overview_dsp.readers.series import prices
+from overview_dsp.readers.series.prices import Worth, split_wish, worth_of
 from overview_dsp.readers.source import LoadOptions
-from overview_dsp.readers.tables import share_splits
 from overview_dsp.readers.tables.cells import Style, detected_style
 from overview_dsp.readers.tables.choosing import TimeChoice, choose_time, choose_value
-from overview_dsp.readers.tables.events import Series
-from overview_dsp.readers.tables.mapping import Map
 from overview_dsp.readers.tables.rows import settled
 from overview_dsp.readers.tables.table import Column, Table, column_named, first_rows
-from overview_dsp.readers.tables.worth import Worth, split_wish, worth_of
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.model import Intensity
 
 HEAD_ROWS = 500
 
-_BESIDE = (share_splits.adjusted, share_splits.close, share_splits.opening, share_splits.volume)
+_BESIDE = (prices.adjusted, prices.close, prices.opening, prices.volume)
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,14 @@ from datetime import datetime, timedelta
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.analysis import curve_maps
+from overview_dsp.analysis.curve_maps import PERCENTILES
+from overview_dsp.analysis.extrema import Thinner
+from overview_dsp.analysis.series_events import Series
+from overview_dsp.analysis.series_gaps import find_holes, gaps_of
+from overview_dsp.analysis.series_labels import Calendar
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.tables import mapping
-from overview_dsp.readers.tables.cells import Calendar, sentinel
-from overview_dsp.readers.tables.event_rules import Thinner
-from overview_dsp.readers.tables.events import Series
-from overview_dsp.readers.tables.gaps import find_holes, gaps_of
-from overview_dsp.readers.tables.mapping import PERCENTILES
+from overview_dsp.readers.tables.cells import sentinel
 from overview_dsp.readers.tables.plan import Found, Plan, require_few_gaps
 from overview_dsp.readers.tables.rows import RowReader, Rows, joined
 from overview_dsp.readers.tables.samples import last_of_each_time
@@ -103,7 +104,7 @@ class _Stream:
         price = self.plan.worth.relative
         self.relative = price and not bool((value <= 0.0).any())
         if price and not self.relative:
-            self.notes.append(mapping.NOT_ABOVE_0)
+            self.notes.append(curve_maps.NOT_ABOVE_0)
         if self.start is None and self._first_s != 0.0:
             self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
         for index, absent in zip(self.plan.columns, self._absent, strict=True):
@@ -139,7 +140,7 @@ class _Stream:
         since = max(tail - 1, 0)  # steps from the last sample before the block on
         holes = self._holes(whole.time_s, since)
         self._add_gaps(whole, since, holes)
-        step = mapping.steps(whole.value[since:], holes - since, self.relative)
+        step = curve_maps.steps(whole.value[since:], holes - since, self.relative)
         fresh = slice(tail - since, None)
         known = ~np.isnan(value)
         self.thinner.add(time_s[known], value[known], step[fresh][known])
@@ -180,11 +181,11 @@ class _Stream:
     ) -> None:
         wish = self.plan.map
         if wish.in_per_cent(self.relative) != self.relative:
-            step = mapping.steps(whole.level[since:], holes - since, not self.relative)
+            step = curve_maps.steps(whole.level[since:], holes - since, not self.relative)
         fresh = step[tail - since :]
         change = np.concatenate((self._change, fresh))
         kept = len(change)
-        curve = mapping.curve(wish, whole.level[-kept:], change, whole.time_s[-kept:])
+        curve = curve_maps.curve(wish, whole.level[-kept:], change, whole.time_s[-kept:])
         self.builder.append(curve[len(self._change) :])
         if wish.name == "volatility":
             self._change = change[-self._needed(whole.time_s) :]

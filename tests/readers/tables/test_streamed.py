@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from overview_dsp.analysis.extrema import Thinner, lows_and_highs, peaks
 from overview_dsp.readers import load_timeline
 from overview_dsp.readers.tables import streamed
-from overview_dsp.readers.tables.event_rules import Thinner, lows_and_highs, peaks
 from overview_dsp.readers.tables.formats import csv as csv_format
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.even_times import EvenTimes

@@ -12,21 +12,15 @@ Without one, a step counts as a split only if all of these hold
   with no opening prices, the close within 1 %;
 - it lasts: the median of ten samples after it is nearer to the new price than to the old one;
 - it isn't a day of alarm: price times volume stays below 3 times the median of the 20 days before.
-
-A table of prices has a close, and an open, high or low; it may have volume and an adjusted close.
 """
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from overview_dsp.readers.tables.table import Column
 
 RATIOS = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 50.0)
 """New shares for an old one; a reverse split has the inverse."""
@@ -147,92 +141,3 @@ def _alarm(
     before = turnover[max(0, at - _BEFORE) : at]
     before = before[before > 0.0]
     return bool(before.size and turnover[at] > _ALARM * float(np.median(before)))
-
-
-CURRENCIES = frozenset("$€£¥₹₽₩")
-"""Signs that make a number a price."""
-
-_CLOSE = (
-    "close", "closelast", "closeprice", "last", "lastprice", "closing", "settle", "price",
-    "schlusskurs", "schluss", "zuletzt", "cierre", "dernier", "c",
-)  # fmt: skip
-_NO_CLOSE = ("price", "lastprice", "settle")
-_ALONE = (*_NO_CLOSE, "close", "closelast", "closeprice", "closing", "schlusskurs")
-_OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
-_HIGH_LOW = (
-    "high", "low", "highprice", "lowprice", "dayhigh", "daylow", "hoch", "tief", "h", "l",
-)  # fmt: skip
-_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
-
-
-def _key(column: Column) -> str:
-    # Alpha Vantage numbers its columns: "5. adjusted close"
-    return re.sub(r"^\d+", "", column.plain)
-
-
-def is_adjusted(column: Column) -> bool:
-    """Return whether a column is a price adjusted for splits (and mostly dividends)."""
-    name = _key(column)
-    return name in ("adj", "adjusted") or ("adj" in name and ("clos" in name or "pric" in name))
-
-
-def is_price(column: Column, columns: Sequence[Column]) -> bool:
-    """Return, by its name, whether a column is a price; a high or a low is one beside a close."""
-    name = _key(column)
-    if is_table(columns) and name in (*_CLOSE, *_OPEN, *_HIGH_LOW):
-        return True
-    return (
-        is_adjusted(column)
-        or name in _ALONE
-        or name.endswith(("price", "close", "quote"))
-        or name.startswith("price")
-    )
-
-
-def is_close(column: Column) -> bool:
-    """Return, by its name, whether a column is a closing price of an exchange."""
-    name = _key(column)
-    return is_adjusted(column) or (name in _CLOSE and name not in _NO_CLOSE)
-
-
-def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
-    return next((i for name in names for i, c in enumerate(columns) if _key(c) == name), None)
-
-
-def is_table(columns: Sequence[Column]) -> bool:
-    """Return whether these columns are a table of prices: a close, and an open, high or low."""
-    return _first(columns, _CLOSE) is not None and (
-        _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
-    )
-
-
-def adjusted(columns: Sequence[Column]) -> int | None:
-    """Return the adjusted column."""
-    return next((i for i, column in enumerate(columns) if is_adjusted(column)), None)
-
-
-def preferred(columns: Sequence[Column]) -> int | None:
-    """Return the column of a table of prices that is the value: adjusted close, else close."""
-    if is_table(columns):
-        found = adjusted(columns)
-        return found if found is not None else _first(columns, _CLOSE)
-    # a close and its volume alone
-    rest = [column for column in columns if _key(column) not in _VOLUME]
-    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
-        return columns.index(rest[0])
-    return None
-
-
-def close(columns: Sequence[Column]) -> int | None:
-    """Return the close as it was, which the adjusted one is compared with."""
-    return _first(columns, _CLOSE)
-
-
-def opening(columns: Sequence[Column]) -> int | None:
-    """Return the opening price."""
-    return _first(columns, _OPEN)
-
-
-def volume(columns: Sequence[Column]) -> int | None:
-    """Return the shares traded."""
-    return _first(columns, _VOLUME)

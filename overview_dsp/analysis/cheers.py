@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.readers.audio.loudness import SILENCE_LUFS, STEPS_PER_S
+from overview_dsp.analysis.loudness import SILENCE_LUFS, STEPS_PER_S
 from overview_dsp.timeline.event import Event
 from overview_dsp.units import clock_text
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from overview_dsp.readers.cardiac import detection
-from overview_dsp.readers.cardiac.detection import Detection, find_beats
-from overview_dsp.readers.cardiac.signal import Samples, SilenceFinder
+from overview_dsp.analysis import heartbeats
+from overview_dsp.analysis.heart_signal import Samples, SilenceFinder
+from overview_dsp.analysis.heartbeats import Detection, find_beats
 from tests.readers.make_cardiac import agreement, beat_times, ecg, pulse_wave
 from tests.readers.make_noise import electrode_noise, with_noise
 
@@ -64,7 +64,7 @@ def test_blocks_leave_no_seam(monkeypatch: pytest.MonkeyPatch) -> None:
     beats = beat_times(300.0)
     samples = ecg(beats, 300.0, 250.0)
     whole = found_in(samples, 250.0)
-    monkeypatch.setattr(detection, "BLOCK_S", 17.0)
+    monkeypatch.setattr(heartbeats, "BLOCK_S", 17.0)
     parts = found_in(samples, 250.0)
     assert np.array_equal(whole.beats, parts.beats)
 

@@ -31,9 +31,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.readers.tables.cells import Calendar, value_text
-from overview_dsp.readers.tables.event_rules import crossings, peaks
-from overview_dsp.readers.tables.share_splits import Split
+from overview_dsp.analysis.extrema import crossings, peaks
+from overview_dsp.analysis.series_labels import Calendar, value_text
+from overview_dsp.analysis.share_splits import Split
 from overview_dsp.timeline import ticks
 from overview_dsp.timeline.event import Event
 

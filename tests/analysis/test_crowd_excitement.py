@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.readers.excitement import (
+from overview_dsp.analysis.crowd_excitement import (
     AMBIENT,
     AMPLITUDES,
     FALL_S,

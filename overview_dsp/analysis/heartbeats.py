@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.readers.cardiac.qrs import REFRACTORY_S, find_qrs
-from overview_dsp.readers.cardiac.signal import Signal, SilenceFinder, Spans, runs
+from overview_dsp.analysis.heart_signal import Signal, SilenceFinder, Spans, runs
+from overview_dsp.analysis.qrs import REFRACTORY_S, find_qrs
 
 BLOCK_S = 300.0
 MARGIN_S = 15.0

@@ -9,10 +9,10 @@ from datetime import datetime, timedelta
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.readers.tables import mapping
-from overview_dsp.readers.tables.cells import Calendar
-from overview_dsp.readers.tables.event_rules import lows_and_highs
-from overview_dsp.readers.tables.events import Series, find_part_events
+from overview_dsp.analysis import curve_maps
+from overview_dsp.analysis.extrema import lows_and_highs
+from overview_dsp.analysis.series_events import Series, find_part_events
+from overview_dsp.analysis.series_labels import Calendar
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.gaps import Gaps, cut_gaps
 from overview_dsp.timeline.intensity import LONG
@@ -128,7 +128,7 @@ def _of(
     ends = np.concatenate(([end for _, end in gaps], splits))
     after = np.unique(np.searchsorted(time_s, ends))  # a gap may end between two samples
     over = after[(after > 0) & (after < len(time_s))] - 1
-    step = mapping.steps(value, over, like.relative)
+    step = curve_maps.steps(value, over, like.relative)
     return replace(like, time_s=time_s, value=value, step=step, every=True)
 
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.readers.cardiac import rhythm
-from overview_dsp.readers.cardiac.rhythm import (
+from overview_dsp.analysis import rhythm
+from overview_dsp.analysis.rhythm import (
     Beats,
     beat_events,
     heart_rate,

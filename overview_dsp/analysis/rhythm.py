@@ -1,4 +1,7 @@
-"""From beats to what is felt: the heart rate, premature and missed beats."""
+"""From beats to what is felt: the heart rate, premature and missed beats.
+
+Codes of beats: PhysioBank's, https://archive.physionet.org/physiobank/annotations.shtml.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,54 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.readers.cardiac import beat_kinds
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.model import Intensity
+
+NORMAL = "beat"
+PREMATURE = "premature"
+MISSED = "missed_beat"
+
+BEATS: dict[str, tuple[str, str]] = {
+    "N": (NORMAL, ""),
+    "L": ("bundle_branch_block", "left bundle branch block"),
+    "R": ("bundle_branch_block", "right bundle branch block"),
+    "B": ("bundle_branch_block", "bundle branch block"),
+    "A": ("premature_atrial", "atrial premature"),
+    "a": ("premature_atrial", "aberrated atrial premature"),
+    "J": ("premature_nodal", "nodal (junctional) premature"),
+    "S": ("premature_supraventricular", "supraventricular premature"),
+    "V": ("premature_ventricular", "premature ventricular contraction"),
+    "r": ("premature_ventricular", "R-on-T premature ventricular contraction"),
+    "F": ("fusion", "fusion of ventricular and normal"),
+    "e": ("escape_atrial", "atrial escape"),
+    "j": ("escape_nodal", "nodal (junctional) escape"),
+    "n": ("escape_supraventricular", "supraventricular escape"),
+    "E": ("escape_ventricular", "ventricular escape"),
+    "/": ("paced", "paced"),
+    "f": ("fusion", "fusion of paced and normal"),
+    "Q": ("unclassified", "unclassifiable"),
+    "?": ("unclassified", "not classified during learning"),
+}
+"""Code of a beat: its kind and its words."""
+
+OTHERS: dict[str, tuple[str, str]] = {
+    "x": ("blocked_atrial", "P wave that no beat follows"),
+    "!": ("flutter_wave", "ventricular flutter wave"),
+    "[": ("flutter", "ventricular flutter or fibrillation begins"),
+    "]": ("flutter", "ventricular flutter or fibrillation ends"),
+    "+": ("rhythm", "rhythm"),
+    "s": ("st_change", "ST segment changes"),
+    "T": ("st_change", "T wave changes"),
+    "~": ("signal_quality", "signal quality changes"),
+    "|": ("artefact", "looks like a beat and is none"),
+    '"': ("comment", ""),
+}
+"""Code of what is no beat: its kind and its words. Codes in neither table (waves, measurements) are
+left out and counted."""
+
+ORDINARY = frozenset({NORMAL, "bundle_branch_block", "paced"})
+"""Kinds that make up a steady rhythm: ever so many of them are the ground, not what stands out."""
 
 AVERAGED_BEATS = 8
 """The heart rate is that of 8 intervals around a beat: short enough to follow a sprint, and a
@@ -126,8 +173,8 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
         kind, label = beats.kind[i], beats.label[i]
         early = 1.0 - ratio if math.isfinite(ratio) else 0.0
         if not beats.annotated and early > 1.0 - PREMATURE_BELOW and _is_early(part_of_usual, i):
-            kind, label = beat_kinds.PREMATURE, "premature"
-        if kind in beat_kinds.ORDINARY:
+            kind, label = PREMATURE, "premature"
+        if kind in ORDINARY:
             ordinary.append(Event(at, kind, label))
         else:
             if early > 0.0:
@@ -139,7 +186,7 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
             others.append(
                 Event(
                     expected,
-                    beat_kinds.MISSED,
+                    MISSED,
                     f"{interval[i]:.2f} s without a beat, {ratio:.1f} times the usual",
                     math.log2(ratio),
                 )

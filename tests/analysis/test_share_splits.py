@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from overview_dsp.readers.tables.share_splits import find_splits
+from overview_dsp.analysis.share_splits import find_splits
 
 
 def walk(count: int = 400, seed: int = 0, level: float = 100.0) -> NDArray[np.float64]:

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from overview_dsp.readers.audio.channels import layout_of, weights_of, weights_of_mask
-from overview_dsp.readers.audio.k_weighting import k_weighting
-from overview_dsp.readers.audio.loudness import (
+from overview_dsp.analysis.loudness import (
     MOMENTARY_STEPS,
     SHORT_TERM_STEPS,
     StepMeter,
     Steps,
+    k_weighting,
 )
+from overview_dsp.readers.audio.channels import layout_of, weights_of, weights_of_mask
 from tests.readers.make_crowd import murmur, swelled
 
 STEREO = (1.0, 1.0)
@@ -116,7 +116,7 @@ def test_another_implementation_agrees(rate: int) -> None:
 
 
 def test_how_the_blocks_are_cut_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    from overview_dsp.readers.audio import loudness
+    from overview_dsp.analysis import loudness
 
     sound = murmur(7.3, 11_025)
     whole = measured(sound, 11_025)
@@ -135,7 +135,7 @@ def test_silence_is_the_absolute_gate_and_nothing_is_below() -> None:
 def test_missing_samples_are_found_across_blocks_and_harm_nothing_else(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from overview_dsp.readers.audio import loudness
+    from overview_dsp.analysis import loudness
 
     monkeypatch.setattr(loudness, "_BLOCK_SAMPLES", 1)  # blocks of one second
     sound = sine((-23.0, 10.0))
