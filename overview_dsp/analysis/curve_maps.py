@@ -22,13 +22,13 @@ volatility until half of its window is there.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, shown
+from overview_dsp.timeline.times import length_s
 
 MAPS = ("level", "change", "activity", "volatility")
 """What a series may be mapped by, besides its columns' names."""
@@ -42,16 +42,11 @@ WINDOW_SAMPLES = 20
 NOT_ABOVE_0 = "some values are 0 or below: steps are in the unit of the values, not per cent"
 """Says why a price's steps aren't per cent."""
 
-_SPANS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0, "w": 604_800.0, "y": 31_557_600.0}
-_WINDOW = re.compile(r"(\d+(?:\.\d+)?)\s*(s|min|h|d|w|y)?", re.ASCII)
-
 
 def span_s(words: str) -> float | None:
-    """Return a time such as `6h` or `30d` in s; None for what is none."""
-    found = _WINDOW.fullmatch(words.strip().lower())
-    if found is None or found[2] is None:
-        return None
-    return float(found[1]) * _SPANS[found[2]] or None
+    """Return a time above 0 with its unit (`6h`, `30d`) in s; None for what is none."""
+    has_unit = words.strip()[-1:].isalpha()
+    return (length_s(words) or None) if has_unit else None
 
 
 @dataclass(frozen=True)
@@ -101,18 +96,16 @@ class Map:
         """The window of volatility, and whether it is seconds (else samples)."""
         if not self.argument:
             return float(WINDOW_SAMPLES), False
-        found = _WINDOW.fullmatch(self.argument)
-        size = float(found[1]) if found else 0.0
-        if (
-            found is None
-            or (found[2] is None and (size < 2.0 or not size.is_integer()))
-            or not size
-        ):
+        samples = self.argument.removesuffix(".0")
+        if samples.isdecimal() and samples.isascii() and len(samples) < 16 and int(samples) >= 2:
+            return float(samples), False
+        seconds = span_s(self.argument)
+        if seconds is None:
             raise InputError(
                 f"map volatility:{shown(self.argument)}: give a window as samples (2 or "
                 "more: volatility:20) or as a time (volatility:30d; s, min, h, d, w, y)"
             )
-        return (size, False) if found[2] is None else (size * _SPANS[found[2]], True)
+        return seconds, True
 
     def in_per_cent(self, relative: bool) -> bool:
         """Return whether changes are per cent, `relative` unless asked otherwise."""

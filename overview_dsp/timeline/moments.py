@@ -23,8 +23,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 from overview_dsp.errors import InputError, OverviewWarning, shown
-from overview_dsp.timeline import written_times
+from overview_dsp.timeline import times
 from overview_dsp.timeline.model import Timeline
+from overview_dsp.timeline.times import length_s
 
 HINT = (
     "give seconds (90.5), m:ss, h:mm:ss, 15min, 6h, 3d or 2w after the start, a date "
@@ -40,8 +41,6 @@ times as many things are felt one by one as in all of it."""
 ZOOM_LEAD = 0.75
 """Where in its window an event lies that was zoomed on: what led to it counts more."""
 
-_UNITS_S = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0, "w": 604_800.0}
-_LENGTH = re.compile(r"(?P<number>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<unit>s|min|h|d|w)?", re.I | re.A)
 _EVENT = re.compile(r"(?P<kind>[a-z0-9_]*[a-z_][a-z0-9_]*):(?P<number>\d{1,9})", re.A)
 _FROM = re.compile(rf"(?P<from>{_EVENT.pattern}|start|end)(?:(?P<sign>[+-])(?P<offset>.+))?", re.A)
 _EPOCH = datetime(1970, 1, 1)
@@ -117,20 +116,6 @@ def zoom_window(timeline: Timeline, text: str) -> tuple[float, float]:
     return start, min(start + width, timeline.duration_s)
 
 
-def length_s(text: str) -> float | None:
-    """Seconds of a written length (`90`, `1:30`, `15min`, `2w`); None if it is none."""
-    clock = written_times.clock_seconds(text.strip())
-    if clock is not None:
-        return clock
-    found = _LENGTH.fullmatch(text.strip())
-    if found is None:
-        return None
-    try:
-        return float(found["number"]) * _UNITS_S[(found["unit"] or "").lower()]
-    except ValueError:  # 1.2.3
-        return None
-
-
 def _parsed(text: str, timeline: Timeline) -> _Moment:
     written = text.strip()
     length = length_s(written)
@@ -143,10 +128,9 @@ def _parsed(text: str, timeline: Timeline) -> _Moment:
     found = _FROM.fullmatch(written)
     if found is not None:
         return _after(found, timeline, text)
-    for way in (written_times.iso, written_times.month_named, written_times.period):
-        date = way(written)
-        if date is not None:
-            return _Moment(_calendar_s(date, timeline, text), True)
+    date = times.moment(written, "iso", "month names", "quarters, months or weeks")
+    if date is not None:
+        return _Moment(_calendar_s(date, timeline, text), True)
     raise InputError(f"{shown(text)} is no moment; {HINT}")
 
 
@@ -179,7 +163,7 @@ def _event_s(found: re.Match[str], timeline: Timeline) -> float:
     return timeline.events[number - 1].time_s
 
 
-def _calendar_s(date: written_times.Moment, timeline: Timeline, text: str) -> float:
+def _calendar_s(date: times.Moment, timeline: Timeline, text: str) -> float:
     start = timeline.start
     if start is None:
         raise InputError(

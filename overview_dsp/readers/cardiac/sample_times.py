@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from datetime import datetime
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from overview_dsp.readers.cardiac.table_layout import (
     is_row,
     moment_of,
 )
+from overview_dsp.timeline.times import NS, Moment
 
 MAX_ROWS = 1 << 26
 """Most samples that are read: 37 hours at 500 a second."""
@@ -104,7 +104,7 @@ def rate_of_rows(lines: list[str], layout: Layout, time: int) -> float | None:
         times = [float(e.replace(",", ".") if comma else e) for e in entries if is_number(e, comma)]
     else:
         moments = [moment_of(entry) for entry in entries]
-        start = next((moment for moment in moments if isinstance(moment, datetime)), None)
+        start = next((moment for moment in moments if isinstance(moment, Moment)), None)
         seconds = [seconds_of(moment, start) for moment in moments]
         times = [second for second in seconds if second is not None]
     known = np.array(times)
@@ -115,10 +115,10 @@ def rate_of_rows(lines: list[str], layout: Layout, time: int) -> float | None:
     return 1.0 / mean if mean > 0.0 else None
 
 
-def seconds_of(moment: float | datetime | None, start: datetime | None) -> float | None:
+def seconds_of(moment: float | Moment | None, start: Moment | None) -> float | None:
     """Return a moment as seconds from the start; None for what doesn't go with the others."""
-    if not isinstance(moment, datetime):
+    if not isinstance(moment, Moment):
         return moment if start is None else None
-    if start is None or (moment.tzinfo is None) != (start.tzinfo is None):
+    if start is None or (moment.offset_min is None) != (start.offset_min is None):
         return None
-    return (moment - start).total_seconds()
+    return (moment.ns - start.ns) / NS

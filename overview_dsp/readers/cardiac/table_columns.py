@@ -21,6 +21,7 @@ from overview_dsp.readers.cardiac.table_layout import (
     moment_of,
 )
 from overview_dsp.readers.source import MAX_TEXT_BYTES, Source, text_encoding
+from overview_dsp.timeline.times import Moment
 
 MAX_SAMPLE = 1e12
 """A larger sample is no electrode's, in whatever unit, and counts as missing."""
@@ -87,7 +88,7 @@ def read_columns(
     return (
         np.concatenate(values) if values else np.zeros(0, np.float32),
         np.concatenate(times) if times else None,
-        clock.start,
+        clock.start.to_datetime() if clock.start is not None else None,
     )
 
 
@@ -148,7 +149,7 @@ class _Clock:
     """Reads dates and clock times as seconds, dates from the first one."""
 
     def __init__(self) -> None:
-        self.start: datetime | None = None
+        self.start: Moment | None = None
 
     def read(
         self, rows: list[list[str]], numbered: list[tuple[int, str]], column: int, name: str
@@ -157,7 +158,7 @@ class _Clock:
         for i, row in enumerate(rows):
             entry = row[column] if column < len(row) else ""
             moment = moment_of(entry)
-            if self.start is None and isinstance(moment, datetime):
+            if self.start is None and isinstance(moment, Moment):
                 self.start = moment
             seconds = seconds_of(moment, self.start)
             if seconds is None:

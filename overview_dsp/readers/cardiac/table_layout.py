@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from datetime import datetime
 from itertools import islice
+
+from overview_dsp.timeline.times import Moment, clock_s, moment
 
 LINE_ENDS = re.compile(r"\r\n|\r|\n")
 """What a file opened as text ends lines at."""
@@ -18,9 +19,7 @@ MISSING = frozenset({"", "-", ".", "na", "n/a", "nan", "null", "none", "inf", "-
 _HEAD_ROWS = 60
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.ASCII | re.I)
 _COMMA_NUMBER = re.compile(r"[-+]?\d+,\d+(e[-+]?\d+)?", re.ASCII | re.I)
-_CLOCK = re.compile(
-    r"\[?(?:(\d{1,6}):)?(\d{1,6}):(\d{1,6}(?:\.\d{0,12})?)(?: [\d/]+)?\]?", re.ASCII
-)
+_BRACKETED = re.compile(r"\[?([\d:.]+)(?: [\d/]+)?\]?", re.ASCII)
 _HEART = re.compile(
     r"ecg|ekg|ppg|pleth|bvp|pulse|\bheart|^hart$|^hr$"
     r"|^(lead[ _]?)?(i{1,3}|av[rlf]|v[1-6]|ml(i{1,3}|\d))$",
@@ -113,18 +112,13 @@ def is_moment(entry: str) -> bool:
     return moment_of(entry) is not None
 
 
-def moment_of(entry: str) -> float | datetime | None:
+def moment_of(entry: str) -> float | Moment | None:
     """Return a clock time as seconds, an ISO date as such; None for what is neither."""
-    clock = _CLOCK.fullmatch(entry)
+    bracketed = _BRACKETED.fullmatch(entry)
+    clock = clock_s(bracketed[1] if bracketed else entry)
     if clock is not None:
-        hours, minutes, seconds = clock.groups()
-        return float(hours or 0) * 3600.0 + float(minutes) * 60.0 + float(seconds)
-    if len(entry) < 10 or entry[4] != "-":  # also "20200101" is a date to Python
-        return None
-    try:
-        return datetime.fromisoformat(entry)
-    except ValueError:
-        return None
+        return clock
+    return moment(entry, "iso") if entry[4:5] == "-" and len(entry) >= 10 else None
 
 
 def is_number(entry: str, decimal_comma: bool = False) -> bool:

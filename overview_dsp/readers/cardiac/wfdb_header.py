@@ -10,13 +10,14 @@ import math
 import re
 import stat
 from dataclasses import dataclass, field
-from datetime import date, datetime, time
+from datetime import datetime, timedelta
 from fractions import Fraction
 from pathlib import Path
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import shown_path
+from overview_dsp.timeline.times import clock_s, moment
 
 MAX_HEADER_BYTES = 1 << 20
 MAX_SIGNALS = 1024
@@ -64,8 +65,6 @@ _SIGNAL = re.compile(
 )
 _SEGMENT = re.compile(r"(?P<name>~|[-\w]+)\s+(?P<length>\d+)\s*", re.ASCII)
 _FILE_NAME = re.compile(r"[-\w]+(\.[-\w]+)*", re.ASCII)
-_CLOCK = re.compile(r"(?:(?:(\d+):)?(\d+):)?(\d+(?:\.\d*)?)", re.ASCII)
-_DAY = re.compile(r"(\d{1,2})/(\d{1,2})/(\d{1,4})", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -321,21 +320,8 @@ def _start(clock: str | None, day: str | None) -> datetime | None:
     """Return the start where both parts are there; a time of day alone is no moment."""
     if clock is None or day is None:
         return None
-    at, on = _CLOCK.fullmatch(clock), _DAY.fullmatch(day)
-    try:
-        if at is None or on is None:
-            raise ValueError("not hh:mm:ss dd/mm/yyyy")
-        seconds = float(at[3])
-        return datetime.combine(
-            date(int(on[3]), int(on[2]), int(on[1])),
-            time(
-                int(at[1] or 0),
-                int(at[2] or 0),
-                int(seconds),
-                min(999_999, round(seconds % 1.0 * 1e6)),
-            ),
-        )
-    except (ValueError, OverflowError) as error:
-        raise InputError(
-            f"the start {shown(clock)} {shown(day)} is no hh:mm:ss dd/mm/yyyy"
-        ) from error
+    # mm:ss and ss are allowed too
+    at, on = clock_s(clock if ":" in clock else f"0:{clock}"), moment(day, "dmy")
+    if at is None or at >= 86_400.0 or on is None or day.count("/") != 2:
+        raise InputError(f"the start {shown(clock)} {shown(day)} is no hh:mm:ss dd/mm/yyyy")
+    return on.to_datetime() + timedelta(seconds=at)

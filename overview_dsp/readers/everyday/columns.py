@@ -12,7 +12,7 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import LoadOptions
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, column_named, listed
-from overview_dsp.readers.tables.time_format import Format, detected_format, split_wish
+from overview_dsp.readers.tables.time_column import Format, detected_format, split_wish
 
 TIMES = (
     "time", "times", "date", "datetime", "timestamp", "minute", "start", "begin", "onset", "when",

@@ -14,7 +14,7 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.listing import About, Listed, kind_of, timeline_of
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.timeline.model import Timeline
-from overview_dsp.timeline.written_times import clock_seconds
+from overview_dsp.timeline.times import clock_s
 
 _TIMES = re.compile(
     r"\s*((?:\d+:)?\d{1,2}:\d{2}[.,]\d{1,3})\s*-->\s*((?:\d+:)?\d{1,2}:\d{2}[.,]\d{1,3})(?:\s.*)?",
@@ -50,7 +50,7 @@ def _listed(lines: list[str]) -> list[Listed]:
         if "-->" not in line:
             continue
         match = _TIMES.fullmatch(line)
-        begin, end = (clock_seconds(match[k]) for k in (1, 2)) if match else (None, None)
+        begin, end = (clock_s(match[k]) for k in (1, 2)) if match else (None, None)
         if begin is None or end is None:
             raise InputError(
                 f"line {i + 1}: {shown(line)} isn't a cue's times; write "

@@ -16,6 +16,7 @@ from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.listing import PLAIN_KIND, About, Listed, timeline_of
 from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.timeline import times
 from overview_dsp.timeline.model import Timeline
 
 _PROPERTY = re.compile(r"([A-Za-z0-9-]+)((?:;[^:;=]+=(?:\"[^\"]*\"|[^:;]*))*):(.*)", re.DOTALL)
@@ -124,18 +125,15 @@ def _unfolded(text: str) -> Iterator[tuple[int, str]]:
 
 def _moment(entry: Entry, name: str) -> datetime:
     value, parameters, line = entry[name]
-    match = _MOMENT.fullmatch(value)
-    try:
-        if match is None:
-            raise ValueError(value)
-        moment = datetime(*(int(part) for part in match.groups("0")[:6]))  # type: ignore[arg-type]
-    except ValueError as error:
+    found = times.moment(value, "iso") if value[:8].isdigit() else None
+    if found is None:
         raise InputError(
             f"line {line}, {name}: {shown(value)} isn't a calendar's time; write "
             "20240603, 20240603T093000 or 20240603T093000Z"
-        ) from error
-    if match[7]:
-        return moment.replace(tzinfo=UTC)
+        )
+    moment = found.to_datetime()
+    if moment.tzinfo is not None:
+        return moment
     zone = re.search(r';TZID="?([^";:]+)', parameters, re.IGNORECASE)
     if zone is None:
         return moment

@@ -13,7 +13,7 @@ from overview_dsp.readers.tables.formats import csv
 from overview_dsp.readers.tables.formats.json import is_single, shapes_in
 from overview_dsp.readers.tables.formats.logs import is_log
 from overview_dsp.readers.tables.table import Column, listed
-from overview_dsp.readers.tables.time_format import detected_format
+from overview_dsp.readers.tables.time_column import detected_format
 
 _PACKED = {
     b"PK\x03\x04": "a spreadsheet or an archive: save the sheet as CSV",

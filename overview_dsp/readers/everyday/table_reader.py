@@ -32,8 +32,7 @@ from overview_dsp.readers.tables.formats import csv, json_lines
 from overview_dsp.readers.tables.formats.json import JsonTable, is_single, shapes_in
 from overview_dsp.readers.tables.rows import settled
 from overview_dsp.readers.tables.table import Column, Table, first_rows
-from overview_dsp.readers.tables.time_column import TimeColumn
-from overview_dsp.readers.tables.time_format import CLOCKS, Format, detected_format
+from overview_dsp.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Timeline
 

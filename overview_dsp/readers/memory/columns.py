@@ -22,7 +22,7 @@ from overview_dsp.readers.tables.table import (
     as_list,
     check_single,
 )
-from overview_dsp.readers.tables.time_format import detected_format
+from overview_dsp.readers.tables.time_column import detected_format
 from overview_dsp.timeline.event import Event
 
 EVENT_COLUMNS = ("time_s", "kind", "label", "weight")

@@ -12,8 +12,8 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.series import prices
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.table import Column, Table, as_list, column_named, listed
-from overview_dsp.readers.tables.time_format import CLOCKS, Format, detected_format, split_wish
-from overview_dsp.timeline import written_times
+from overview_dsp.readers.tables.time_column import CLOCKS, Format, detected_format, split_wish
+from overview_dsp.timeline.times import moment
 
 _DATE_NAMES = (
     "date", "datetime", "timestamp", "time", "ts", "t", "datum", "zeit", "zeitstempel", "fecha",
@@ -189,7 +189,7 @@ def _clock_beside(
         texts = [cell for cell in cells if isinstance(cell, str) and not is_missing(cell)]
         if i == date or not texts or not any(name in column.plain for name in _CLOCK_NAMES):
             continue
-        if all(written_times.iso(f"2000-01-01 {text.strip()}") is not None for text in texts):
+        if all(moment(f"2000-01-01 {text.strip()}", "iso") is not None for text in texts):
             return i
     return None
 
@@ -222,7 +222,7 @@ def _year_month_day(columns: Sequence[Column], head: Sequence[list[Any]]) -> Tim
         return None
     rows = list(zip(*(head[i] for i in found), strict=True))
     texts = ["-".join(_whole(cell) for cell in row) for row in rows]
-    if not texts or any(written_times.iso(text) is None for text in texts):
+    if not texts or any(moment(text, "iso") is None for text in texts):
         return None
     joined = " and ".join(shown(columns[i].header) for i in found)
     return TimeChoice(tuple(found), Format("iso"), "-", (f"times are made of columns {joined}",))

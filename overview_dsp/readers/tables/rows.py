@@ -13,8 +13,7 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import NumberColumn, Style
 from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
 from overview_dsp.readers.tables.table import Chunk, Column, Table
-from overview_dsp.readers.tables.time_column import TimeColumn
-from overview_dsp.readers.tables.time_format import Format, settle_order
+from overview_dsp.readers.tables.time_column import Format, TimeColumn, settle_order
 
 
 @dataclass(frozen=True, eq=False)

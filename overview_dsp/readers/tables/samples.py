@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import sentinel
 from overview_dsp.readers.tables.rows import RowReader, Rows
-from overview_dsp.readers.tables.time_format import CLOCKS
+from overview_dsp.readers.tables.time_column import CLOCKS
 
 
 @dataclass(frozen=True, eq=False)

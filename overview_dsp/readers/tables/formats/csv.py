@@ -25,7 +25,7 @@ from overview_dsp.readers.tables.table import (
     Chunk,
     Column,
 )
-from overview_dsp.timeline.written_times import WAYS
+from overview_dsp.timeline.times import FORMS, moment
 
 
 class CsvTable:
@@ -300,7 +300,7 @@ def _fields(rows: list[list[str]], i: int, most: int = _COLUMN_ROWS) -> list[str
 
 
 def _is_date(cell: str) -> bool:
-    return any(way(cell) is not None for way in WAYS.values()) and not cell.isdigit()
+    return moment(cell, *FORMS) is not None and not cell.isdigit()
 
 
 def _is_header(top: list[str], below: list[list[str]]) -> bool:

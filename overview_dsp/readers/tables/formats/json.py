@@ -25,7 +25,7 @@ from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import looks_numeric
 from overview_dsp.readers.tables.formats import price_charts
 from overview_dsp.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Chunk, Column, check_single
-from overview_dsp.timeline.written_times import WAYS
+from overview_dsp.timeline.times import FORMS, moment
 
 
 class JsonTable:
@@ -299,7 +299,7 @@ def _unlike(number: int, entry: Any, words: str) -> str:
 
 
 def _is_date(text: str) -> bool:
-    return any(way(text.strip()) is not None for way in WAYS.values()) and not text.isdigit()
+    return moment(text.strip(), *FORMS) is not None and not text.isdigit()
 
 
 def _is_series(shape: Shape) -> bool:

@@ -18,93 +18,29 @@ with `Date:` are.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import islice
 
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.formats import delimited
 from overview_dsp.readers.tables.table import CHUNK_ROWS, Chunk, Column
+from overview_dsp.timeline.times import LINE_FORMS, in_line
 
 _REACH = 100
 _SNIFFED = 50
 _FIRST_YEAR = 2000
 _NO_YEAR = f"its lines name no year: {_FIRST_YEAR} stands for the first"
 
-_MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
-_MONTH = f"({'|'.join(_MONTHS)})"
-_CLOCK = r"(\d\d:\d\d:\d\d)"
-_ISO = re.compile(
-    r"(\d{4})([-/])(\d\d)\2(\d\d)[T ](\d\d:\d\d(?::\d\d)?)(?:[.,](\d{1,9})\d*)?"
-    r"(Z| ?[+-]\d\d:?\d\d)?",
-    re.ASCII,
-)
-_WEB = re.compile(rf"(\d\d)/{_MONTH}/(\d{{4}}):{_CLOCK} ([+-]\d\d):?(\d\d)", re.ASCII)
-_LONG = re.compile(
-    rf"\b{_MONTH} +(\d{{1,2}}) {_CLOCK}(?:\.\d+)?(?: [A-Z]{{3,4}})? (\d{{4}})"
-    r"(?: ([+-]\d\d):?(\d\d))?",
-    re.ASCII,
-)
-_CHAT = re.compile(
-    r"[^\w\[]?\[?(\d{1,2})([./-])(\d{1,2})\2(\d{4}|\d\d),? (\d{1,2}):(\d\d)(?::(\d\d))?"
-    r"(?:\s?([AaPp])\.?[Mm]\b\.?)?(?=\]| -)"
-)
-_SHORT = re.compile(rf"{_MONTH} +(\d{{1,2}}) {_CLOCK}\b", re.ASCII)
 _COMMIT = re.compile(r"commit [0-9a-f]{7,64}\b")
 
 
-def _iso(line: str) -> str | None:
-    found = _ISO.search(line[:_REACH])
-    if found is None:
-        return None
-    year, _, month, day, clock, fraction, zone = found.groups()
-    zone = (zone or "").strip()
-    if len(zone) == 5:
-        zone = f"{zone[:3]}:{zone[3:]}"
-    clock = clock if clock.count(":") == 2 else f"{clock}:00"
-    return f"{year}-{month}-{day}T{clock}{f'.{fraction}' if fraction else ''}{zone}"
-
-
-def _web(line: str) -> str | None:
-    found = _WEB.search(line[:_REACH])
-    if found is None:
-        return None
-    day, month, year, clock, hours, minutes = found.groups()
-    return f"{_date(year, month, day)}T{clock}{hours}:{minutes}"
-
-
-def _long(line: str) -> str | None:
-    found = _LONG.search(line[:_REACH])
-    if found is None:
-        return None
-    month, day, clock, year, hours, minutes = found.groups()
-    return f"{_date(year, month, day)}T{clock}{f'{hours}:{minutes}' if hours else ''}"
-
-
-def _git(line: str) -> str | None:
-    return (_long(line) or _iso(line)) if line.startswith("Date:") else None
-
-
-def _chat(line: str) -> str | None:
-    """Return day and month in the order of the file, which the whole column settles."""
-    found = _CHAT.match(line)
-    if found is None:
-        return None
-    one, mark, two, year, hour, minute, second, half = found.groups()
-    hours = int(hour) % 12 + 12 * (half in "Pp") if half else int(hour)
-    year = year if len(year) == 4 else f"20{year}"
-    return f"{one}{mark}{two}{mark}{year} {hours:02}:{minute}:{second or '00'}"
-
-
-def _short(line: str) -> str | None:
-    found = _SHORT.match(line)
-    return None if found is None else f"{_date('0000', found[1], found[2])}T{found[3]}"
-
-
-def _date(year: str, month: str, day: str) -> str:
-    return f"{year}-{_MONTHS.index(month) + 1:02}-{int(day):02}"
-
-
-_WAYS = (_iso, _web, _long, _chat, _short)
+def _time_in(form: str, line: str) -> str | None:
+    """Return the time in a line as an ISO text; of chats, in the file's order of day and month."""
+    if form == "git":
+        if not line.startswith("Date:"):
+            return None
+        return in_line(line[:_REACH], "long") or in_line(line[:_REACH], "iso")
+    return in_line(line[:_REACH], form)
 
 
 def sniff(source: Source) -> bool:
@@ -117,19 +53,19 @@ def sniff(source: Source) -> bool:
 
 def is_log(source: Source) -> bool:
     """Return whether the first line and most others have a time, or it is what git says."""
-    return _way_of(source) is not None
+    return _form_of(source) is not None
 
 
-def _way_of(source: Source) -> Callable[[str], str | None] | None:
+def _form_of(source: Source) -> str | None:
     if source.head_text is None or source.looks_like_json:
         return None
     lines = [line for line in source.head_text.splitlines() if line.strip()][:_SNIFFED]
     if lines and _COMMIT.match(lines[0]):
-        return _git if any(map(_git, lines)) else None
-    for way in _WAYS:
-        times = [way(line) for line in lines]
+        return "git" if any(_time_in("git", line) for line in lines) else None
+    for form in LINE_FORMS:
+        times = [_time_in(form, line) for line in lines]
         if times and times[0] is not None and 2 * times.count(None) <= len(times):
-            return way
+            return form
     return None
 
 
@@ -142,8 +78,8 @@ class LogTable:
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        self._time_of = _way_of(source) or _iso
-        self.notes = (_NO_YEAR,) if self._time_of is _short else ()
+        self._form = _form_of(source) or "iso"
+        self.notes = (_NO_YEAR,) if self._form == "short" else ()
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read the times; None for a line without one."""
@@ -153,8 +89,8 @@ class LogTable:
         first = 1
         years = _Years()
         while part := list(islice(rest, CHUNK_ROWS)):
-            times = list(map(self._time_of, part))
-            if self._time_of is _short:
+            times = [_time_in(self._form, line) for line in part]
+            if self._form == "short":
                 times = list(map(years.named, times))
             yield Chunk((times,), first, None, lines.part)
             first += len(part)

@@ -12,7 +12,6 @@ import math
 from array import array
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from datetime import UTC, datetime
 from typing import Any
 from xml.parsers import expat
 
@@ -23,6 +22,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.formats.arrays import ArrayTable
 from overview_dsp.readers.xml_text import root_name, xml_text
+from overview_dsp.timeline.times import NS, moment
 
 MAX_DEPTH = 64
 """Levels of XML: a track has ten."""
@@ -172,11 +172,8 @@ def _number(text: str | None) -> float:
 
 def _seconds(text: str | None) -> float:
     """Return an ISO moment as seconds since 1970 (UTC where no zone is said), NaN for none."""
-    try:
-        moment = datetime.fromisoformat((text or "").strip())
-        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-    except (ValueError, OverflowError):
-        return math.nan
+    found = moment((text or "").strip(), "iso")
+    return math.nan if found is None else found.ns / NS
 
 
 def _speed(time_s: Floats, lat: Floats, lon: Floats, distance: Floats) -> Floats:
