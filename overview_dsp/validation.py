@@ -34,7 +34,14 @@ def located(place: str) -> Iterator[None]:
         yield
     except InputError as error:
         what, _, fix = str(error).partition("\n")
-        raise InputError(f"{place}{what}", fix) from error
+        raise InputError(
+            f"{place}{what}",
+            fix,
+            line=error.line,
+            column=error.column,
+            value=error.value,
+            note=error.note,
+        ) from error
 
 
 def number(value: object, what: str, hint: str = "give a finite number") -> float:

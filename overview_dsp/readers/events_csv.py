@@ -20,12 +20,12 @@ A list with football kinds gets a crowd-excitement curve (`excitement.py`).
 
 from __future__ import annotations
 
-import csv
 import io
+import itertools
 import os
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from overview_dsp import validation
 from overview_dsp.analysis.crowd_excitement import derive_intensity
@@ -33,14 +33,16 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.readers.everyday.columns import time_named
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables.table import Column
+from overview_dsp.readers.tables.cells import is_missing
+from overview_dsp.readers.tables.delimited import DelimitedTable
+from overview_dsp.readers.tables.dialect import COMMENTS, headed
+from overview_dsp.readers.tables.table import Column, Location
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Event, Timeline
 
 COLUMNS = ("time_s", "kind", "label", "weight")
 """The columns an event list may have; the first two it must have."""
 
-_DELIMITERS = (",", ";", "\t")
 # Python's float() also takes "1_000" and other scripts' digits; a file means neither
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
@@ -58,13 +60,11 @@ def sniff(source: Source) -> bool:
         return False
     if options.time or options.kind or options.label:
         return False
-    for line in io.StringIO(source.head_text, newline=""):
-        if line.strip() and not line.startswith("#"):
-            names = _split_header(line, _delimiter(line))
-            if "kind" not in names or "time_s" in names:
-                return "kind" in names
-            return time_named([Column.of(name) for name in names]) is None
-    return False
+    dialect = headed(source.head_text, COLUMNS)
+    names = dialect.header if dialect is not None else ()
+    if "kind" not in names or "time_s" in names:
+        return "kind" in names
+    return time_named([Column.of(name) for name in names]) is None
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
@@ -92,9 +92,9 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
         Names line and column: an unknown or missing column, a word for a number, NaN, a negative
         time, no kind, a row given twice, an event after the end.
     """
-    rows = _Rows(text)
+    comments = _Comments()
     events: dict[tuple[float, str, str], tuple[Event, int]] = {}
-    for line, row in rows:
+    for line, row in _rows(text, comments):
         event = _event(row, line)
         key = (event.time_s, event.kind, event.label)
         if key in events:
@@ -111,7 +111,7 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
     if not events:
         raise InputError("no events below the header; add one row for each event")
     if duration_s is None:
-        duration_s = rows.duration_s
+        duration_s = comments.duration_s
     if duration_s is None:
         duration_s = max(event.time_s for event, _ in events.values())
         if duration_s == 0.0:
@@ -124,14 +124,15 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
     )
     for event, line in events.values():
         if event.time_s > duration_s:
-            raise InputError(
-                f"line {line}, column 'time_s': {event.time_s!r} s is after the end of the "
-                f"timeline (duration_s {duration_s!r}); correct one of them"
+            raise Location(line, "time_s").error(
+                event.time_s,
+                f"s is after the end of the timeline (duration_s {duration_s!r}); correct one of "
+                "them",
             )
     listed = tuple(event for event, _ in events.values())
     intensity, derived, notes = derive_intensity(listed, duration_s)
     return Timeline(
-        title=rows.title if rows.title is not None else default_title,
+        title=comments.title if comments.title is not None else default_title,
         duration_s=duration_s,
         events=listed,
         intensity=intensity,
@@ -172,94 +173,44 @@ def save_events(timeline: Timeline, path: str | os.PathLike[str]) -> None:
         temporary.write_bytes(data)
 
 
-@dataclass
-class _Rows:
-    """Iterates over (line number, {column: field}); the comments' values are there afterwards."""
+class _Comments:
+    """The two comment lines that are read; InputError for one that is there twice, or no length."""
 
-    text: str
     title: str | None = None
     duration_s: float | None = None
-    _line: int = field(default=0, init=False)
-    _between_rows: bool = field(default=True, init=False)
-    _comments: bool = field(default=True, init=False)
 
-    def __iter__(self) -> Iterator[tuple[int, dict[str, str]]]:
-        lines = self._lines()
-        header: list[str] | None = None
-        reader = None
-        while True:
-            self._between_rows = True
-            start = self._line
-            try:
-                if reader is None:
-                    first = next(lines)
-                    delimiter = _delimiter(first)
-                    header = _checked_header(_split_header(first, delimiter), self._line)
-                    self._comments = header[0] != "label"
-                    reader = csv.reader(lines, delimiter=delimiter, strict=True)
-                    continue
-                row = next(reader)
-            except StopIteration:
-                break
-            except csv.Error as error:
-                raise InputError(
-                    f"line {start + 1}: {error}; check the quotes from there on"
-                ) from error
-            assert header is not None  # set together with the reader
-            # a quoted field may span lines: the row is where it ends, less what it spans
-            line = self._line - sum(entry.count("\n") for entry in row)
-            if any(entry.strip() for entry in row):
-                if len(row) > len(header):
-                    raise InputError(
-                        f"line {line}: {len(row)} fields for {len(header)} columns; put quotes "
-                        "around a label that holds the separator"
-                    )
-                yield line, dict(zip(header, row, strict=False))
-        if header is None:
-            raise InputError(f"no header; the first row names the columns {', '.join(COLUMNS)}")
-
-    def _lines(self) -> Iterator[str]:
-        for number, line in enumerate(io.StringIO(self.text, newline=""), start=1):
-            self._line = number
-            if self._between_rows and not line.strip():
-                continue
-            if self._between_rows and self._comments and line.startswith("#"):
-                self._comment(line)
-                continue
-            self._between_rows = False
-            yield line
-
-    def _comment(self, line: str) -> None:
-        found = _COMMENT.match(line)
+    def add(self, line: int, text: str) -> None:
+        found = _COMMENT.match(text)
         if found is None:
             return
         key, value = found[1].lower(), found[2].strip()
         if getattr(self, key) is not None:
-            raise InputError(f"line {self._line}: '# {key}:' is given twice; remove one")
+            raise InputError(f"line {line}: '# {key}:' is given twice; remove one")
         if key == "title":
             self.title = value
         else:
             hint = "a duration is a finite number of seconds above 0"
-            duration = _number(value, f"line {self._line}, '# duration_s:'", hint)
-            self.duration_s = validation.positive(duration, f"line {self._line}, duration_s", hint)
+            duration = _number(value, Location(line), hint)
+            self.duration_s = validation.positive(duration, f"line {line}, duration_s", hint)
 
 
-def _delimiter(header: str) -> str:
-    """Return the separator that finds most known columns in the header line."""
-    return max(
-        _DELIMITERS, key=lambda mark: sum(name in COLUMNS for name in _split_header(header, mark))
-    )
+def _rows(text: str, comments: _Comments) -> Iterator[tuple[int, dict[str, str]]]:
+    """Give line and fields of each row; the comments' values are there afterwards."""
+    dialect = headed(text, COLUMNS)
+    if dialect is None:
+        raise InputError(f"no header; the first row names the columns {', '.join(COLUMNS)}")
+    line = dialect.first - 1
+    _check_header(dialect.header, line)
+    for number, above in enumerate(itertools.islice(io.StringIO(text, newline=""), line - 1), 1):
+        comments.add(number, above)
+    marks = () if dialect.header[0] == "label" else COMMENTS
+    table = DelimitedTable(text, replace(dialect, comments=marks))
+    yield from table.records()
+    for number, below in table.lines.found:
+        comments.add(number, below)
 
 
-def _split_header(line: str, delimiter: str) -> list[str]:
-    try:
-        row = next(csv.reader([line], delimiter=delimiter), [])
-    except csv.Error:  # a line of more than 131072 characters
-        return []
-    return [name.strip().lower() for name in row]
-
-
-def _checked_header(names: list[str], line: int) -> list[str]:
+def _check_header(names: Sequence[str], line: int) -> None:
     known = f"columns are {', '.join(COLUMNS)}"
     for number, name in enumerate(names, start=1):
         if name not in COLUMNS:
@@ -269,34 +220,32 @@ def _checked_header(names: list[str], line: int) -> list[str]:
     for name in COLUMNS[:2]:
         if name not in names:
             raise InputError(f"line {line}: no column '{name}' in the header; {known}")
-    return names
 
 
 def _event(row: dict[str, str], line: int) -> Event:
-    time_place = f"line {line}, column 'time_s'"
-    time_hint = "times are seconds from 0 up, such as 750.5"
-    time_s = _number(row.get("time_s", "").strip(), time_place, time_hint)
+    place, hint = Location(line, "time_s"), "times are seconds from 0 up, such as 750.5"
+    time_s = _number(row["time_s"], place, hint)
     if time_s < 0.0:
-        raise InputError(f"{time_place}: {time_s!r} is before the start; {time_hint}")
-    kind = row.get("kind", "").strip()
+        raise place.error(time_s, f"is before the start; {hint}")
+    place, kind = Location(line, "kind"), row["kind"]
     if not kind:
-        raise InputError(f"line {line}, column 'kind': is missing; name one, such as goal")
+        raise place.missing("name one, such as goal")
     weight = 1.0
-    if row.get("weight", "").strip():
-        place, hint = f"line {line}, column 'weight'", "weights are above 0, 1 = ordinary"
-        weight = validation.positive(_number(row["weight"].strip(), place, hint), place, hint)
-    with validation.located(f"line {line}, column 'kind': "):
+    if not is_missing(row.get("weight", "")):
+        place, hint = Location(line, "weight"), "weights are above 0, 1 = ordinary"
+        weight = validation.positive(_number(row["weight"], place, hint), str(place), hint)
+    with validation.located(f"{Location(line, 'kind')}: "):
         validation.kind(kind)
     with validation.located(f"line {line}: "):
-        return Event(time_s, kind, row.get("label", "").strip(), weight)
+        return Event(time_s, kind, row.get("label", ""), weight)
 
 
-def _number(field_text: str, place: str, hint: str) -> float:
-    if not field_text:
-        raise InputError(f"{place}: is missing; {hint}")
-    if _NOT_FINITE.fullmatch(field_text):
-        raise InputError(f"{place}: {field_text} isn't a finite number; {hint}")
-    if not _NUMBER.fullmatch(field_text):
-        comma = " with a decimal point" if re.fullmatch(r"\d+,\d+", field_text) else ""
-        raise InputError(f"{place}: {shown(field_text)} isn't a number{comma}; {hint}")
-    return validation.number(float(field_text), place, hint)
+def _number(text: str, place: Location, hint: str) -> float:
+    if not text:
+        raise place.missing(hint)
+    if _NOT_FINITE.fullmatch(text):
+        raise place.error(text, f"isn't a finite number; {hint}")
+    if not _NUMBER.fullmatch(text):
+        comma = " with a decimal point" if re.fullmatch(r"\d+,\d+", text) else ""
+        raise place.error(text, f"isn't a number{comma}; {hint}")
+    return validation.number(float(text), str(place), hint)

@@ -9,6 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
+from overview_dsp.readers.tables.table import Location
 from overview_dsp.readers.tables.time_column import Format, TimeColumn
 from overview_dsp.timeline.times import (
     clock_s,
@@ -104,7 +105,7 @@ TEXTS = st.lists(moments, min_size=1, max_size=5).flatmap(
 def test_a_column_of_iso_texts_is_read_as_each_of_its_cells(texts):
     def read(column, cells):
         try:
-            return column.seconds(cells, lambda i: "cell").tolist()
+            return column.seconds(cells, Location).tolist()
         except InputError:
             return None
 

@@ -9,7 +9,8 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.everyday.columns import is_wordy, time_named, words_named
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
-from overview_dsp.readers.tables.formats import csv
+from overview_dsp.readers.tables.delimited import DelimitedTable
+from overview_dsp.readers.tables.dialect import detect
 from overview_dsp.readers.tables.formats.json import is_single, shapes_in
 from overview_dsp.readers.tables.formats.logs import is_log
 from overview_dsp.readers.tables.table import Column, listed
@@ -60,11 +61,11 @@ def fix_of(source: Source) -> str:
 
 
 def _text_table(source: Source) -> tuple[list[Column], list[list[object]]] | None:
-    layout = csv.layout_of(source, lambda header, below: bool(below))
+    layout = detect(source, lambda header, below: bool(below))
     if layout is None or layout.separator is None:  # prose has blanks between its words
         return None
     columns = [Column.of(name) for name in layout.header]
-    table = csv.CsvTable(source, layout)
+    table = DelimitedTable(source, layout)
     with contextlib.suppress(InputError):  # broken quotes, say: it is no table then
         for chunk in table.chunks(range(len(columns))):
             return columns, [list(cells[:50]) for cells in chunk.cells]

@@ -28,10 +28,12 @@ from overview_dsp.readers.everyday.listing import PLAIN_KIND, About, Listed, are
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.cells import Style, is_missing, parse
 from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
-from overview_dsp.readers.tables.formats import csv, json_lines
+from overview_dsp.readers.tables.delimited import DelimitedTable
+from overview_dsp.readers.tables.dialect import Accepts, detect
+from overview_dsp.readers.tables.formats import json_lines
 from overview_dsp.readers.tables.formats.json import JsonTable, is_single, shapes_in
 from overview_dsp.readers.tables.rows import settled
-from overview_dsp.readers.tables.table import Column, Table, first_rows
+from overview_dsp.readers.tables.table import Column, Location, Table, first_rows, location
 from overview_dsp.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Timeline
@@ -100,10 +102,10 @@ def _refuse_beats(table: Table, cells: Sequence[Any]) -> None:
 def _has_table(source: Source) -> bool:
     if source.looks_like_json:
         return _shape(source) is not None
-    return csv.layout_of(source, _accepting(source)) is not None
+    return detect(source, _accepting(source)) is not None
 
 
-def _accepting(source: Source) -> csv.Accepts:
+def _accepting(source: Source) -> Accepts:
     """What tells lists of events from other tables."""
 
     def accepts(header: tuple[str, ...], below: list[list[str]]) -> bool:
@@ -135,17 +137,17 @@ def _shape(source: Source) -> Any:
 def _table(source: Source) -> Table:
     if source.looks_like_json:
         return JsonTable(_shape(source))
-    layout = csv.layout_of(source, _accepting(source))
+    layout = detect(source, _accepting(source))
     assert layout is not None  # sniffed
     if layout.header == ("column 1", "column 2"):
-        return _Named(csv.CsvTable(source, layout))
-    return csv.CsvTable(source, layout)
+        return _Named(DelimitedTable(source, layout))
+    return DelimitedTable(source, layout)
 
 
 class _Named:
     """A table without a header whose columns are times and words."""
 
-    def __init__(self, table: csv.CsvTable) -> None:
+    def __init__(self, table: DelimitedTable) -> None:
         self.kind, self.row_word, self.notes = table.kind, table.row_word, table.notes
         self.columns = (Column.of("time"), Column.of("event"))
         self.chunks = table.chunks
@@ -194,8 +196,7 @@ class _Reader:
             cells = chunk.cells[0]
             if count > 1:
                 cells = joined_cells(chunk.cells[:count], " ")
-            place = self._place(chunk, roles.time)
-            seconds = self.times.seconds(cells, place)
+            seconds = self.times.seconds(cells, location(self.table, chunk, roles.time))
             rows += len(chunk)
             if rows > MAX_EVENTS:
                 raise InputError(
@@ -205,11 +206,10 @@ class _Reader:
             ends = self._ends(chunk, others, count, seconds)
             for i, second in enumerate(seconds.tolist()):
                 got = {o: chunk.cells[count + others.index(o)][i] for o in others}
-                yield from self._one(got, second, ends[i], f"{self.table.row_word} "
-                                     f"{chunk.number(i)}")  # fmt: skip
+                yield from self._one(got, second, ends[i], chunk.number(i))
 
     def _one(
-        self, got: dict[int, Any], second: float, end: float | None, place: str
+        self, got: dict[int, Any], second: float, end: float | None, line: int
     ) -> Iterator[Listed]:
         roles = self.roles
 
@@ -222,14 +222,15 @@ class _Reader:
             return
         weight = 1.0
         if words(roles.weight):
+            at = Location(line, "weight", self.table.row_word)
             number = parse(words(roles.weight), Style())
             if number is None:
-                raise InputError(
-                    f"{place}: the weight {shown(words(roles.weight))} isn't a number; "
-                    "weights are above 0, 1 = ordinary"
+                raise at.error(
+                    words(roles.weight), "isn't a number; weights are above 0, 1 = ordinary"
                 )
-            weight = validation.positive(number[0], f"{place}, weight", "weights are above 0")
+            weight = validation.positive(number[0], str(at), "weights are above 0")
         kind = words(roles.kind) or words(roles.label)
+        place = str(Location(line, word=self.table.row_word))
         yield Listed(second, kind, words(roles.label), place, end, weight, words(roles.id))
 
     def _ends(
@@ -246,16 +247,12 @@ class _Reader:
             return nothing
         same = self.choice.format.name if form.name not in CLOCKS else form.name
         try:
-            found = TimeColumn(Format(same)).seconds(cells, str)
+            found = TimeColumn(Format(same)).seconds(cells, Location)
         except InputError:
             return nothing
         if self.roles.end is None:
             found = found + seconds
         return [None if np.isnan(end) else float(end) for end in found]
-
-    def _place(self, chunk: Any, column: int) -> Any:
-        header = shown(self.table.columns[column].header)
-        return lambda i: f"{self.table.row_word} {chunk.number(i)}, column {header}"
 
 
 def _chapters(text: str) -> list[tuple[int, str, str]]:
@@ -275,7 +272,7 @@ def _read_chapters(source: Source, options: LoadOptions) -> Timeline:
     found = _chapters(source.text)
     with validation.located(f"{source.where}: "):
         times = TimeColumn(Format("clock"))
-        seconds = times.seconds([clock for _, clock, _ in found], lambda i: f"line {found[i][0]}")
+        seconds = times.seconds([clock for _, clock, _ in found], lambda i: Location(found[i][0]))
         words = [text for _, _, text in found]
         few = are_kinds(words)
         listed = [

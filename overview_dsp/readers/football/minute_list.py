@@ -47,8 +47,10 @@ from overview_dsp.readers.football.minutes import (
 )
 from overview_dsp.readers.football.names import short_name
 from overview_dsp.readers.football.story import GOALS, Happening, MatchEvents, team_index
-from overview_dsp.readers.football.table import MAX_COLUMNS, header_of, rows
 from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.readers.tables.delimited import records
+from overview_dsp.readers.tables.dialect import headed
+from overview_dsp.readers.tables.table import MAX_COLUMNS
 from overview_dsp.timeline.model import Timeline
 
 COLUMNS: dict[str, tuple[str, ...]] = {
@@ -161,10 +163,10 @@ def sniff(source: Source) -> bool:
     """Return whether the file is a table with minutes and with kinds of events or scorers."""
     if source.head_text is None or source.looks_like_json:
         return False
-    found = header_of(source.head_text)
-    if found is None or "time_s" in found[0] or len(found[0]) > MAX_COLUMNS:
+    found = headed(source.head_text)
+    if found is None or "time_s" in found.header or len(found.header) > MAX_COLUMNS:
         return False
-    columns = _columns(found[0])
+    columns = _columns(found.header)
     timed = columns.get("minute") or columns.get("clock")
     if timed is None:
         return False
@@ -345,7 +347,7 @@ def _teams(rows_: Sequence[_Row]) -> list[str]:
 def _rows(text: str) -> list[_Row]:
     listed: list[_Row] = []
     columns: dict[str, list[str]] | None = None
-    for line, fields in rows(text):
+    for line, fields in records(text):
         if columns is None:
             columns = _columns(list(fields))
         values = {what: fields[names[0]] for what, names in columns.items()}
@@ -462,7 +464,7 @@ def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bo
     sides = "team" in columns or "player" in columns
     known = other = 0
     try:
-        for _, fields in itertools.islice(rows(whole), _SNIFFED):
+        for _, fields in itertools.islice(records(whole), _SNIFFED):
             kind = words_of(fields[columns["kind"][0]])
             details = " ".join(words_of(fields[name]) for name in columns.get("details", []))
             told = meaning(kind, details, own=False, penalty=False)[0] not in _ANYONES

@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.tables.table import Cells
+from overview_dsp.errors import shown
+from overview_dsp.readers.tables.table import Cells, Location
 from overview_dsp.timeline.curve_checks import MAX_VALUE
 
 _CURRENCIES = "$€£¥₹₽₩"
@@ -117,7 +117,7 @@ class NumberColumn:
     style: Style = field(default_factory=Style)
     unit: str | None = None
 
-    def values(self, cells: Cells, place: Any) -> NDArray[np.float64]:
+    def values(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
         """Return float64 of the cells' length, NaN where there is no value.
 
         Parameters
@@ -125,7 +125,7 @@ class NumberColumn:
         cells
             A chunk's column.
         place
-            Called with the index of a wrong cell, gives how the error line begins.
+            Called with the index of a wrong cell, gives its location.
 
         Raises
         ------
@@ -134,7 +134,7 @@ class NumberColumn:
         """
         if isinstance(cells, np.ndarray):
             if cells.dtype.kind not in "iuf":
-                raise InputError(f"{place(0)} holds dates; name a column of numbers")
+                raise place(0).error(cells[0], "is a date; name a column of numbers")
             values = cells.astype(np.float64)
         else:
             plain = self._plain(cells)
@@ -144,9 +144,9 @@ class NumberColumn:
         wild = np.flatnonzero(~np.isnan(values) & ~(np.abs(values) <= MAX_VALUE))
         if wild.size:
             i = int(wild[0])
-            raise InputError(
-                f"{place(i)} is {float(values[i])!r}, not a finite number up to {MAX_VALUE:g}; "
-                "leave a missing value empty"
+            raise place(i).error(
+                float(values[i]),
+                f"isn't a finite number up to {MAX_VALUE:g}; leave a missing value empty",
             )
         return values
 
@@ -164,11 +164,11 @@ class NumberColumn:
             self.unit = ""
         return values
 
-    def _one(self, cell: Any, i: int, place: Any) -> float:
+    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
         if is_missing(cell):
             return math.nan
         if isinstance(cell, bool):
-            raise InputError(f"{place(i)}: {cell} isn't a number; name a column of numbers")
+            raise place(i).error(cell, "isn't a number; name a column of numbers")
         if isinstance(cell, int | float):
             try:
                 return float(cell)
@@ -178,17 +178,18 @@ class NumberColumn:
         if found is None:
             other = parse(cell.strip(), Style(self.style.thousands)) if isinstance(cell, str) else 0
             hint = f" with a decimal {_MARKS[self.style.decimal]}" if other else ""
-            raise InputError(
-                f"{place(i)}: {shown(cell)} isn't a number{hint}; correct it, or leave it "
-                "empty if there is no value"
+            raise place(i).error(
+                cell,
+                f"isn't a number{hint}; correct it, or leave it empty if there is no value",
             )
         value, unit = found
         if self.unit is None or (unit and not self.unit):
             self.unit = unit
         elif unit and unit != self.unit:
-            raise InputError(
-                f"{place(i)}: {shown(cell)} is in {shown(unit)}, cells before it in "
-                f"{shown(self.unit)}; give one unit for the column"
+            raise place(i).error(
+                cell,
+                f"is in {shown(unit)}, cells before it in {shown(self.unit)}; give one unit for "
+                "the column",
             )
         return value
 

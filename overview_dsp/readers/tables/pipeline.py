@@ -28,10 +28,9 @@ from overview_dsp.analysis.window_rules import PartRules, only_dates
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.series import prices
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import counting, streamed
+from overview_dsp.readers.tables import counting, delimited, streamed
 from overview_dsp.readers.tables.formats import (
     arrays,
-    csv,
     json,
     json_lines,
     logs,
@@ -60,7 +59,7 @@ MAX_MB = 8192.0
 MANY_REPEATS = 0.02
 """Share of rows with the time of another from which a table may hold several series."""
 
-sniff_csv = csv.sniff
+sniff_csv = delimited.sniff
 sniff_json = json.sniff
 sniff_json_lines = json_lines.sniff
 sniff_parquet = parquet.sniff
@@ -72,7 +71,7 @@ sniff_log = logs.sniff
 
 def read_csv(source: Source, options: LoadOptions) -> Timeline:
     """Read text with separated fields; InputError names file, line and column."""
-    return _read(source, options, csv.open_table)
+    return _read(source, options, delimited.open_table)
 
 
 def read_json(source: Source, options: LoadOptions) -> Timeline:

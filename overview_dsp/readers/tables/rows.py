@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import NumberColumn, Style
 from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
-from overview_dsp.readers.tables.table import Chunk, Column, Table
+from overview_dsp.readers.tables.table import Table, location
 from overview_dsp.readers.tables.time_column import Format, TimeColumn, settle_order
 
 
@@ -83,7 +83,7 @@ class RowReader:
         for chunk in self.table.chunks((*self.choice.columns, *self.columns)):
             self.progress(chunk.part)
             values = [
-                number.values(cells, _place(self.table, chunk, self.table.columns[index]))
+                number.values(cells, location(self.table, chunk, index))
                 for number, cells, index in zip(
                     self.numbers, chunk.cells[count:], self.columns, strict=True
                 )
@@ -92,8 +92,7 @@ class RowReader:
                 cells = chunk.cells[0]
                 if count > 1:
                     cells = joined_cells(chunk.cells[:count], self.choice.joint)
-                header = self.table.columns[self.choice.columns[0]]
-                place = _place(self.table, chunk, header)
+                place = location(self.table, chunk, self.choice.columns[0])
                 seconds = self.time.seconds(cells, place)
             else:
                 assert self.rate is not None
@@ -108,21 +107,12 @@ class RowReader:
                 valued = timeless & ~np.all([np.isnan(value) for value in values], axis=0)
                 if valued.any():
                     i = int(np.flatnonzero(valued)[0])
-                    raise InputError(
-                        f"{place(i)}: the time is missing; give it, or leave the row out"
-                    )
+                    raise place(i).missing("give the time, or leave the row out")
                 self.skipped += int(timeless.sum())
                 seconds, rows = seconds[~timeless], rows[~timeless]
                 values = [value[~timeless] for value in values]
             self.rows += len(seconds)
             yield Rows(seconds, values, rows)
-
-
-def _place(table: Table, chunk: Chunk, column: Column) -> Callable[[int], str]:
-    def words(i: int) -> str:
-        return f"{table.row_word} {chunk.number(i)}, column {shown(column.header)}"
-
-    return words
 
 
 def settled(table: Table, choice: TimeChoice) -> TimeChoice:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import are_written_in, is_missing
-from overview_dsp.readers.tables.table import Cells, Column, as_list
+from overview_dsp.readers.tables.table import Cells, Column, Location, as_list
 from overview_dsp.timeline.times import DAY_NS, FORMS, NS, Moment, clock_s, day_clock_s, moment
 
 EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
@@ -312,7 +312,7 @@ class TimeColumn:
     offset_min: int | None = None
     _zoned: bool | None = field(default=None, init=False)
 
-    def seconds(self, cells: Cells, place: Callable[[int], str]) -> NDArray[np.float64]:
+    def seconds(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
         """Return float64 of the cells' length, NaN where there is no time.
 
         Parameters
@@ -320,7 +320,7 @@ class TimeColumn:
         cells
             A chunk's column.
         place
-            Called with the index of a wrong cell, gives how the error line begins.
+            Called with the index of a wrong cell, gives its location.
 
         Raises
         ------
@@ -333,13 +333,15 @@ class TimeColumn:
             since = seconds + self.anchor_ns / NS
             outside = np.flatnonzero((since < _FIRST_S) | (since > _LAST_S))
             if outside.size:
-                raise InputError(
-                    f"{place(int(outside[0]))}: the time lies outside the years 1 to 9999; say how "
-                    "times are written with time (--time COLUMN:FORMAT)"
+                i = int(outside[0])
+                raise place(i).error(
+                    as_list(cells)[i],
+                    "is a time outside the years 1 to 9999; say how times are written with time "
+                    "(--time COLUMN:FORMAT)",
                 )
         return seconds
 
-    def _seconds(self, cells: Cells, place: Callable[[int], str]) -> NDArray[np.float64]:
+    def _seconds(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
         if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
             return self._of_datetimes(cells, place)
         listed = as_list(cells)
@@ -376,7 +378,7 @@ class TimeColumn:
             self.anchor_ns = ns
         return (ns - self.anchor_ns) / NS
 
-    def _one(self, cell: Any, i: int, place: Callable[[int], str]) -> float:
+    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
         if is_missing(cell):
             return math.nan
         name = self.format.name
@@ -385,22 +387,22 @@ class TimeColumn:
         if name in FORMS:
             read = moment(as_text(cell), name)
             if read is None:
-                raise InputError(self._wrong(cell, place(i)))
+                raise self._wrong(cell, place(i))
             self._check_zone(read.offset_min, cell, place(i))
             return self._since(read.ns)
         if name in CLOCKS:
             clock = day_clock_s if name == "hhmm" else clock_s
             seconds = clock(cell.strip()) if isinstance(cell, str) else None
             if seconds is None:
-                raise InputError(self._wrong(cell, place(i)))
+                raise self._wrong(cell, place(i))
             return seconds
         return self._oneas_number(cell, i, place)
 
-    def _oneas_number(self, cell: Any, i: int, place: Callable[[int], str]) -> float:
+    def _oneas_number(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
         name = self.format.name
         number = as_number(cell)
         if number is None or not math.isfinite(number) or abs(number) > 1e25:
-            raise InputError(self._wrong(cell, place(i)))
+            raise self._wrong(cell, place(i))
         if name in PLAIN:
             return float(number) * PLAIN[name]
         if name in EPOCHS:
@@ -410,32 +412,32 @@ class TimeColumn:
             return self._since(round((number + _EXCEL_ZERO) * DAY_NS))
         year = math.floor(number)
         if not 1 <= year <= 9998:
-            raise InputError(self._wrong(cell, place(i)))
+            raise self._wrong(cell, place(i))
         begin, end = (moment(f"{y:04d}", "iso") for y in (year, year + 1))
         assert begin is not None
         assert end is not None
         return self._since(begin.ns + round((number - year) * (end.ns - begin.ns)))
 
-    def _check_zone(self, offset_min: int | None, cell: Any, place: str) -> None:
+    def _check_zone(self, offset_min: int | None, cell: Any, place: Location) -> None:
         zoned = offset_min is not None
         if self._zoned is None:
             self._zoned, self.offset_min = zoned, offset_min
         elif self._zoned != zoned:
             has, others = ("a", "none") if zoned else ("no", "one")
-            raise InputError(
-                f"{place}: {shown(cell)} has {has} time zone, times before it have "
-                f"{others}; write all of them in one way"
+            raise place.error(
+                cell,
+                f"has {has} time zone, times before it have {others}; write all of them in one way",
             )
 
-    def _wrong(self, cell: Any, place: str) -> str:
-        return (
-            f"{place}: {shown(cell)} isn't a time as the column's others "
-            f"({self.format.words}); correct it, or say how times are written "
-            f"with time (--time COLUMN:FORMAT; {', '.join(FORMATS)})"
+    def _wrong(self, cell: Any, place: Location) -> InputError:
+        return place.error(
+            cell,
+            f"isn't a time as the column's others ({self.format.words}); correct it, or say how "
+            f"times are written with time (--time COLUMN:FORMAT; {', '.join(FORMATS)})",
         )
 
     def _of_datetimes(
-        self, cells: NDArray[Any], place: Callable[[int], str]
+        self, cells: NDArray[Any], place: Callable[[int], Location]
     ) -> NDArray[np.float64]:
         """Seconds of datetime64 cells, exact whatever their unit."""
         missing = np.isnat(cells)
@@ -448,7 +450,7 @@ class TimeColumn:
             cells, unit, count = cells.astype("datetime64[D]"), "D", 1
             known = cells[~missing]
         if unit not in _UNIT_NS:
-            raise InputError(f"{place(0)}: times finer than a nanosecond; round them")
+            raise place(0).error(cells[0], "is finer than a nanosecond; round the times")
         step_ns = _UNIT_NS[unit] * count
         if self.anchor_ns is None:
             self.anchor_ns = int(known.astype(np.int64)[0]) * step_ns
@@ -457,7 +459,7 @@ class TimeColumn:
         # the difference is what has to fit an int64, and a float after it
         wide = abs(int(span.max()) - whole) >= 2**62 or abs(int(span.min()) - whole) >= 2**62
         if wide:
-            raise InputError(f"{place(0)}: times lie outside the years 1 to 9999")
+            raise place(0).error(cells[0], "or a later time lies outside the years 1 to 9999")
         # a division is exact to the last place, a factor of 1e-9 isn't
         since = (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * step_ns / NS
         seconds[~missing] = since - rest / NS
@@ -507,7 +509,7 @@ class TimeColumn:
             return None
         if abs(int(whole.max())) >= 2**62 or abs(int(whole.min())) >= 2**62:
             return None
-        self._check_zone(0, cells[0], "")
+        self._check_zone(0, cells[0], Location(0))
         if self.anchor_ns is None:
             self.anchor_ns = int(whole[0]) * unit_ns
         begin, rest = divmod(self.anchor_ns, unit_ns)

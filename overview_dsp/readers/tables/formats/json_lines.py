@@ -9,7 +9,8 @@ from typing import Any
 
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import Source
-from overview_dsp.readers.tables.formats import delimited
+from overview_dsp.readers.tables.delimited import Lines
+from overview_dsp.readers.tables.dialect import encoding_of
 from overview_dsp.readers.tables.formats.json import is_single
 from overview_dsp.readers.tables.table import (
     CHUNK_ROWS,
@@ -31,8 +32,8 @@ class JsonLinesTable:
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        encoding = delimited.encoding_of(source) or "utf-8"
-        self._lines = delimited.Lines(source, encoding, comments=False)
+        encoding = encoding_of(source) or "utf-8"
+        self._lines = Lines(source, encoding)
         sample = itertools.islice(self._records(), _SAMPLE)
         keys = (key for _, record in sample for key, v in record.items() if is_single(v))
         self._names = list(dict.fromkeys(keys))

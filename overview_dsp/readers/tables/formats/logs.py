@@ -22,7 +22,8 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 
 from overview_dsp.readers.source import Source
-from overview_dsp.readers.tables.formats import delimited
+from overview_dsp.readers.tables.delimited import Lines
+from overview_dsp.readers.tables.dialect import encoding_of
 from overview_dsp.readers.tables.table import CHUNK_ROWS, Chunk, Column
 from overview_dsp.timeline.times import LINE_FORMS, in_line
 
@@ -83,8 +84,8 @@ class LogTable:
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read the times; None for a line without one."""
-        encoding = delimited.encoding_of(self._source) or "utf-8"
-        lines = delimited.Lines(self._source, encoding, comments=False)
+        encoding = encoding_of(self._source) or "utf-8"
+        lines = Lines(self._source, encoding)
         rest = iter(lines)
         first = 1
         years = _Years()

@@ -1,148 +1,31 @@
-"""CSV, TSV and their relatives as a table, streamed: the file's size doesn't matter.
+"""How a text holds a table, by its head: separator, header, units, comment lines, the first row.
 
-The layout is detected from the file's head. Fields are separated by commas, semicolons, tabs, bars
-or blanks. There may be lines before the table, a header, a row of units below it, and comment lines
-that begin with `#` (the last of which may be the header).
+Fields are separated by commas, semicolons, tabs, bars or blanks. There may be lines before the
+table, a header, a row of units below it, and comment lines that begin with `#` (the last of which
+may be the header). Where the names of the columns are known (`headed`), the header decides alone.
 """
 
 from __future__ import annotations
 
+import codecs
+import contextlib
+import csv
+import io
 import re
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from operator import itemgetter
-from typing import Any
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers.source import Source
+from overview_dsp.readers.source import CONTROL, Source
 from overview_dsp.readers.tables.cells import is_missing, is_number, looks_numeric
-from overview_dsp.readers.tables.formats import delimited, plain_lines
-from overview_dsp.readers.tables.table import (
-    CHUNK_CELLS,
-    CHUNK_ROWS,
-    MAX_COLUMNS,
-    Chunk,
-    Column,
-)
+from overview_dsp.readers.tables.table import MAX_COLUMNS
 from overview_dsp.timeline.times import FORMS, moment
 
+SEPARATORS = (";", "\t", "|", ",")
+"""What may separate fields, besides blanks (`None`), those asked first that numbers don't hold."""
 
-class CsvTable:
-    """A text file with a table, streamed."""
-
-    kind = "CSV"
-    row_word = "line"
-
-    def __init__(self, source: Source, layout: Layout) -> None:
-        self._source, self._layout = source, layout
-        self.columns = tuple(
-            Column.of(name, unit) for name, unit in zip(layout.header, layout.units, strict=True)
-        )
-        self.notes = layout.notes
-        self.separator = layout.separator
-
-    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns; InputError names a row that is too long, or a broken quote."""
-        rest = yield from self._plain(columns)
-        if rest is not None:
-            yield from self._rows(columns, rest)
-
-    def _plain(self, columns: Sequence[int]) -> Generator[Chunk, None, int | None]:
-        """Read plain blocks of lines; return the line where the first begins that isn't."""
-        layout, width = self._layout, len(self._layout.header)
-        separator = layout.separator
-        if separator is None:
-            return layout.first
-        lines = delimited.Lines(self._source, layout.encoding, layout.comments)
-        first = layout.first
-        above = first - 1
-        for block in lines.blocks():
-            while above and block:
-                block = block.partition("\n")[2]
-                above -= 1
-            if not block:
-                continue
-            whole = block if block.endswith("\n") else block + "\n"
-            marks = plain_lines.marks_of(whole, separator, width, layout.comments)
-            if marks is None:
-                return first
-            cells = plain_lines.cells_of(whole, marks, separator, width, columns)
-            for begin in range(0, len(cells[0]), CHUNK_ROWS):
-                some = tuple(column[begin : begin + CHUNK_ROWS] for column in cells)
-                yield Chunk(some, first, None, lines.part)
-                first += len(some[0])
-        return None
-
-    def _rows(self, columns: Sequence[int], begin: int) -> Iterator[Chunk]:
-        """Read whatever lines there are from line `begin` on."""
-        layout = self._layout
-        lines = delimited.Lines(self._source, layout.encoding, layout.comments)
-        width = len(layout.header)
-        block = min(CHUNK_ROWS, max(CHUNK_CELLS // width, 1))
-        for first, numbers, rows in delimited.Rows(lines, layout.separator, block):
-            if first < begin:
-                skip = self._skipped(begin, first, numbers, rows)
-                rows = rows[skip:]
-                first, numbers = first + skip, numbers[skip:] if numbers else None
-            lengths = set(map(len, rows))
-            if lengths and lengths != {width}:
-                first, numbers, rows = self._tidied(first, numbers, rows)
-            if not rows:
-                continue
-            cells: tuple[Any, ...] = tuple(list(map(itemgetter(i), rows)) for i in columns)
-            yield Chunk(cells, first, numbers, lines.part)
-
-    def _skipped(
-        self, begin: int, first: int, numbers: list[int] | None, rows: list[list[str]]
-    ) -> int:
-        """How many rows lie before line `begin`."""
-        if numbers is None:
-            return min(len(rows), begin - first)
-        return sum(number < begin for number in numbers)
-
-    def _tidied(
-        self, first: int, numbers: list[int] | None, rows: list[list[str]]
-    ) -> tuple[int, list[int], list[list[str]]]:
-        """Drop blank rows, fill short ones, refuse those with more fields than columns."""
-        width = len(self._layout.header)
-        kept, lines = [], []
-        for i, row in enumerate(rows):
-            line = numbers[i] if numbers is not None else first + i
-            if not any(cell.strip() for cell in row):
-                continue
-            if len(row) > width:
-                if any(cell.strip() for cell in row[width:]):
-                    raise InputError(
-                        f"line {line}: {len(row)} fields for {width} columns; put quotes around a "
-                        "field that holds the separator"
-                    )
-                row = row[:width]
-            kept.append(row + [""] * (width - len(row)))
-            lines.append(line)
-        return first, lines, kept
-
-
-def sniff(source: Source) -> bool:
-    """Return whether the file is text with a table that has a column of numbers."""
-    return layout_of(source) is not None
-
-
-def open_table(source: Source) -> CsvTable:
-    """Return the file's table.
-
-    Raises
-    ------
-    InputError
-        No rows below the header.
-    """
-    layout = layout_of(source)
-    assert layout is not None  # the reader asked `sniff`
-    table = CsvTable(source, layout)
-    if not any(len(chunk) for chunk in table.chunks([0])):
-        raise InputError(f"no rows below the header (line {layout.first - 1}); add one row a time")
-    return table
-
+COMMENTS = ("#",)
+"""What a comment line begins with."""
 
 SAMPLE_LINES = 400
 """Lines of the head from which the layout is detected."""
@@ -160,13 +43,13 @@ Rows = list[tuple[int, list[str]]]
 
 
 @dataclass(frozen=True)
-class Layout:
-    """How a text file holds a table.
+class Dialect:
+    """How a text holds a table.
 
     Parameters
     ----------
     encoding, separator
-        As `delimited` takes them.
+        The text's encoding, and what lies between fields: one of `SEPARATORS`, None for blanks.
     header
         The header's fields; made up (`column 1`) where the file has none.
     units
@@ -174,7 +57,7 @@ class Layout:
     first
         The line of the first row.
     comments
-        Lines that begin with `#` are comments.
+        What lines that are no rows begin with.
     notes
         What a person should know.
     """
@@ -184,7 +67,7 @@ class Layout:
     header: tuple[str, ...]
     units: tuple[str, ...]
     first: int
-    comments: bool
+    comments: tuple[str, ...]
     notes: tuple[str, ...] = ()
 
 
@@ -192,14 +75,68 @@ Accepts = Callable[[tuple[str, ...], list[list[str]]], bool]
 """Whether a table with this header and these first rows is the one that is looked for."""
 
 
-def layout_of(source: Source, accepts: Accepts | None = None) -> Layout | None:
+def encoding_of(source: Source) -> str | None:
+    """Return the encoding of a text file by its head, None for what is no text."""
+    text = source.head_text
+    return None if text is None or CONTROL & set(text) else source.encoding
+
+
+def head_lines(source: Source, encoding: str) -> list[str]:
+    """Return the whole lines of the head, without their ends."""
+    decoder = io.IncrementalNewlineDecoder(codecs.getincrementaldecoder(encoding)(), True)
+    whole = source.size <= len(source.head)
+    lines: list[str] = decoder.decode(source.head, final=whole).split("\n")
+    return lines if whole else lines[:-1]
+
+
+def split(lines: list[tuple[int, str]], separator: str | None) -> list[tuple[int, list[str]]]:
+    """Return the fields of numbered lines; a row that spans lines has the number of its first.
+
+    What comes after a field too long to be one is left out.
+    """
+    if separator is None:
+        return [(number, line.split()) for number, line in lines]
+    reader = csv.reader(
+        (f"{line}\n" for _, line in lines),
+        delimiter=separator,
+        skipinitialspace=separator != "\t",
+    )
+    rows: list[tuple[int, list[str]]] = []
+    begin = 0
+    with contextlib.suppress(csv.Error):
+        for row in reader:
+            rows.append((lines[begin][0], row))
+            begin = reader.line_num
+    return rows
+
+
+def headed(text: str, known: Collection[str] = ()) -> Dialect | None:
+    """Return the dialect of a text by its first line that is neither blank nor a comment.
+
+    The separator is the one by which the header has most names of `known`, then most fields. Names
+    are in small letters and trimmed. None if there is no such line.
+    """
+    for number, line in enumerate(io.StringIO(text, newline=""), start=1):
+        if line.strip() and not line.startswith(COMMENTS):
+            found = [(mark, _names(line, mark)) for mark in (",", ";", "\t", "|")]
+            mark, names = max(found, key=lambda f: (sum(n in known for n in f[1]), len(f[1])))
+            return Dialect("utf-8", mark, names, ("",) * len(names), number + 1, COMMENTS)
+    return None
+
+
+def _names(line: str, separator: str) -> tuple[str, ...]:
+    rows = split([(1, line)], separator)
+    return tuple(name.strip().lower() for name in rows[0][1]) if rows else ()
+
+
+def detect(source: Source, accepts: Accepts | None = None) -> Dialect | None:
     """Detect how a file holds a table; None if it is no table of numbers (or that `accepts`)."""
     if source.looks_like_json:
         return None
-    encoding = delimited.encoding_of(source)
+    encoding = encoding_of(source)
     if encoding is None:
         return None
-    head = delimited.head_lines(source, encoding)[:SAMPLE_LINES]
+    head = head_lines(source, encoding)[:SAMPLE_LINES]
     lines = [(i, line) for i, line in enumerate(head, 1) if line.strip()]
     if lines and _SEPARATOR_LINE.fullmatch(lines[0][1]):
         del lines[0]
@@ -211,12 +148,12 @@ def layout_of(source: Source, accepts: Accepts | None = None) -> Layout | None:
     if separation is None:
         return None
     separator, width = separation
-    rows = delimited.split(kept, separator)
+    rows = split(kept, separator)
     begin = _begin(rows, width)
     if begin is None or width > MAX_COLUMNS:
         return None
     before = [line for i, line in lines if comments and i < rows[begin][0] and line[0] == "#"]
-    named = delimited.split([(0, line.lstrip("#").strip()) for line in before[-1:]], separator)
+    named = split([(0, line.lstrip("#").strip()) for line in before[-1:]], separator)
     commented = named[0][1] if named else []
     notes = [f"{begin} lines before the table (line {rows[begin][0]}) were left out"] * bool(begin)
     header, units, first, note = _header(rows[begin:], commented)
@@ -226,16 +163,22 @@ def layout_of(source: Source, accepts: Accepts | None = None) -> Layout | None:
     claims = accepts or (_has_times if source.options.counts else _is_series)
     if not claims(header, below):
         return None
-    return Layout(
-        encoding, separator, header, units, first, comments, tuple(filter(None, (*notes, note)))
+    return Dialect(
+        encoding,
+        separator,
+        header,
+        units,
+        first,
+        COMMENTS if comments else (),
+        tuple(filter(None, (*notes, note))),
     )
 
 
 def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
     """Detect the separator and how many fields most lines have; None if there are no lines."""
     best: tuple[float, int, str | None, int] | None = None
-    for rank, separator in enumerate((*delimited.SEPARATORS, None)):
-        widths = Counter(len(row) for _, row in delimited.split(lines, separator))
+    for rank, separator in enumerate((*SEPARATORS, None)):
+        widths = Counter(len(row) for _, row in split(lines, separator))
         widths.pop(0, None)
         if not widths:
             continue
