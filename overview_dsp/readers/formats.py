@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from overview_dsp.readers import events_csv, native
+from overview_dsp.readers import native
 from overview_dsp.readers.audio import reader as audio
 from overview_dsp.readers.cardiac import table as heart_table
 from overview_dsp.readers.cardiac import wfdb_reader
-from overview_dsp.readers.everyday import cues, icalendar, labels
-from overview_dsp.readers.everyday import table_reader as everyday
+from overview_dsp.readers.events import cue_lists, event_table, icalendar
 from overview_dsp.readers.football import (
     metrica,
     minute_list,
@@ -61,8 +60,8 @@ FORMATS: tuple[Format, ...] = (
     # before the formats of whole JSON documents, which lines of them are not
     Format(
         "table of events (one JSON object a line)",
-        everyday.sniff_lines,
-        everyday.read_lines,
+        event_table.sniff_lines,
+        event_table.read_lines,
         _LISTED,
     ),
     Format(
@@ -122,8 +121,8 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "event list (CSV with the columns time_s and kind)",
-        events_csv.sniff,
-        events_csv.read,
+        event_table.sniff_list,
+        event_table.read_list,
         frozenset({"duration_s"}),
     ),
     Format(
@@ -134,21 +133,21 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "subtitles (SubRip .srt, WebVTT .vtt)",
-        cues.sniff,
-        cues.read,
+        cue_lists.sniff,
+        cue_lists.read,
         frozenset({"duration_s"}),
     ),
     Format(
         "labels (Audacity: start, end and label with tabs between)",
-        labels.sniff,
-        labels.read,
+        cue_lists.sniff_labels,
+        cue_lists.read_labels,
         frozenset({"duration_s"}),
     ),
     Format(
         "table of events (CSV, TSV, JSON: time, date, minute or start with event, what, type, name "
         "or label; lines of clock and words)",
-        everyday.sniff,
-        everyday.read,
+        event_table.sniff,
+        event_table.read,
         _LISTED,
     ),
     Format(

@@ -12,9 +12,8 @@ from typing import cast
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers import native
+from overview_dsp.readers import native, suggestions
 from overview_dsp.readers.compression import opened
-from overview_dsp.readers.everyday import nearest
 from overview_dsp.readers.formats import LIMITS, SERIES_OPTIONS, Format, formats, is_series
 from overview_dsp.readers.json_limits import MOST_DEPTH
 from overview_dsp.readers.memory.columns import is_table, table_of
@@ -200,7 +199,7 @@ def _format_of(source: Source) -> Format:
             return candidate
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read",
-        f"{nearest.fix_of(source)}; overview timeline formats lists all that can be read",
+        f"{suggestions.fix_of(source)}; overview timeline formats lists all that can be read",
     )
 
 

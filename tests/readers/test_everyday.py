@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers import load_timeline
-from overview_dsp.readers.everyday.columns import EXTRAS, KINDS, LABELS, TIMES
-from overview_dsp.readers.everyday.listing import are_kinds, kind_of
+from overview_dsp.readers.events.listing import are_kinds, kind_of
+from overview_dsp.readers.tables.column_roles import EXTRAS, KINDS, LABELS, TIMES
 from overview_dsp.timeline import Timeline
 from tests.readers.shapes import all_shapes
 from tests.readers.tables.test_robustness import changed, check, relaxed

@@ -462,6 +462,7 @@ def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bo
     """
     whole = head[: head.rfind("\n") + 1] or head
     sides = "team" in columns or "player" in columns
+    bare = sides or "minute" in columns  # numbers under `time` alone are seconds
     known = other = 0
     try:
         for _, fields in itertools.islice(records(whole), _SNIFFED):
@@ -470,14 +471,16 @@ def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bo
             told = meaning(kind, details, own=False, penalty=False)[0] not in _ANYONES
             if told and sides and _is_minute(fields[timed]):
                 return True
-            known += (told or bool(_FOOTBALL.search(kind))) and _is_minute(fields[timed])
+            known += (told or bool(_FOOTBALL.search(kind))) and _is_minute(fields[timed], bare)
             other += not told
     except InputError:  # the reader that claims the file says where it is broken
         return False
     return known > 0 and 2 * known >= known + other
 
 
-def _is_minute(text: str) -> bool:
+def _is_minute(text: str, bare: bool = True) -> bool:
+    if not bare and text.strip().replace(".", "", 1).isdigit():
+        return False
     try:
         parse_minute(text, "")
     except InputError:

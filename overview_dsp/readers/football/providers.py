@@ -20,7 +20,7 @@ from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.readers.everyday.listing import repeated_ids
+from overview_dsp.readers.events.listing import repeated_ids
 from overview_dsp.readers.extra import needed
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.readers.football.names import short_name

@@ -31,7 +31,7 @@ from collections.abc import Iterator
 from overview_dsp import validation
 from overview_dsp.analysis.crowd_excitement import derive_intensity
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.everyday.listing import repeated_ids
+from overview_dsp.readers.events.listing import repeated_ids
 from overview_dsp.readers.football.names import short_name
 from overview_dsp.readers.football.statsbomb_record import SHOOT_OUT, Record
 from overview_dsp.readers.football.statsbomb_touches import touch_records

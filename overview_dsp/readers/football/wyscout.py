@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.everyday.listing import repeated_ids
+from overview_dsp.readers.events.listing import repeated_ids
 from overview_dsp.readers.football.choosing import choose
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.readers.football.names import short_name

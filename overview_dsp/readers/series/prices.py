@@ -7,8 +7,6 @@ called a price is plain, and what was decided is said, with the option that deci
 A share's is a close beside an adjusted close, or a close in a table with volume or a ticker symbol
 (a column `symbol`, or the file's name). A symbol or name of a commodity, a currency, an index or a
 future (`CL=F`, `EURUSD=X`, `^GSPC`, `BTC-USD`, `coffee`) makes it a price with nothing to split.
-
-A table of prices has a close, and an open, high or low; it may have volume and an adjusted close.
 """
 
 from __future__ import annotations
@@ -20,6 +18,13 @@ from typing import Any
 
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import Style, parse
+from overview_dsp.readers.tables.column_roles import (
+    adjusted_close,
+    is_close,
+    is_price,
+    is_price_table,
+    share_volume,
+)
 from overview_dsp.readers.tables.table import Column
 
 KINDS = ("share", "price", "plain")
@@ -110,10 +115,10 @@ def worth_of(
     symbols = [name, *_symbols(columns, head)]
     if not named or any(_NO_SHARE.search(symbol.replace("_", " ")) for symbol in symbols):
         return _said("price", column, why)
-    if adjusted(columns) is not None:
+    if adjusted_close(columns) is not None:
         return _said("share", column, "there is a close adjusted for splits")
     if is_close(column):
-        if is_table(columns) and volume(columns) is not None:
+        if is_price_table(columns) and share_volume(columns) is not None:
             return _said("share", column, "a close in a table of prices and volume")
         ticker = next((s for s in reversed(symbols) if _TICKER.fullmatch(s)), None)
         if ticker is not None:
@@ -148,89 +153,3 @@ def _symbols(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> Iterab
     for column, cells in zip(columns, head, strict=True):
         if column.plain in _SYMBOLS and cells and isinstance(cells[0], str):
             yield cells[0].strip()
-
-
-_CLOSE = (
-    "close", "closelast", "closeprice", "last", "lastprice", "closing", "settle", "price",
-    "schlusskurs", "schluss", "zuletzt", "cierre", "dernier", "c",
-)  # fmt: skip
-_NO_CLOSE = ("price", "lastprice", "settle")
-_ALONE = (*_NO_CLOSE, "close", "closelast", "closeprice", "closing", "schlusskurs")
-_OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
-_HIGH_LOW = (
-    "high", "low", "highprice", "lowprice", "dayhigh", "daylow", "hoch", "tief", "h", "l",
-)  # fmt: skip
-_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
-
-
-def _key(column: Column) -> str:
-    # Alpha Vantage numbers its columns: "5. adjusted close"
-    return re.sub(r"^\d+", "", column.plain)
-
-
-def is_adjusted(column: Column) -> bool:
-    """Return whether a column is a price adjusted for splits (and mostly dividends)."""
-    name = _key(column)
-    return name in ("adj", "adjusted") or ("adj" in name and ("clos" in name or "pric" in name))
-
-
-def is_price(column: Column, columns: Sequence[Column]) -> bool:
-    """Return, by its name, whether a column is a price; a high or a low is one beside a close."""
-    name = _key(column)
-    if is_table(columns) and name in (*_CLOSE, *_OPEN, *_HIGH_LOW):
-        return True
-    return (
-        is_adjusted(column)
-        or name in _ALONE
-        or name.endswith(("price", "close", "quote"))
-        or name.startswith("price")
-    )
-
-
-def is_close(column: Column) -> bool:
-    """Return, by its name, whether a column is a closing price of an exchange."""
-    name = _key(column)
-    return is_adjusted(column) or (name in _CLOSE and name not in _NO_CLOSE)
-
-
-def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
-    return next((i for name in names for i, c in enumerate(columns) if _key(c) == name), None)
-
-
-def is_table(columns: Sequence[Column]) -> bool:
-    """Return whether these columns are a table of prices: a close, and an open, high or low."""
-    return _first(columns, _CLOSE) is not None and (
-        _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
-    )
-
-
-def adjusted(columns: Sequence[Column]) -> int | None:
-    """Return the adjusted column."""
-    return next((i for i, column in enumerate(columns) if is_adjusted(column)), None)
-
-
-def preferred(columns: Sequence[Column]) -> int | None:
-    """Return the column of a table of prices that is the value: adjusted close, else close."""
-    if is_table(columns):
-        found = adjusted(columns)
-        return found if found is not None else _first(columns, _CLOSE)
-    # a close and its volume alone
-    rest = [column for column in columns if _key(column) not in _VOLUME]
-    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
-        return columns.index(rest[0])
-    return None
-
-
-def close(columns: Sequence[Column]) -> int | None:
-    """Return the close as it was, which the adjusted one is compared with."""
-    return _first(columns, _CLOSE)
-
-
-def opening(columns: Sequence[Column]) -> int | None:
-    """Return the opening price."""
-    return _first(columns, _OPEN)
-
-
-def volume(columns: Sequence[Column]) -> int | None:
-    """Return the shares traded."""
-    return _first(columns, _VOLUME)

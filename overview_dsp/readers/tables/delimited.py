@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import Source
-from overview_dsp.readers.tables.dialect import Dialect, detect, headed
+from overview_dsp.readers.tables.dialect import COMMENTS, Dialect, detect, headed
 from overview_dsp.readers.tables.table import CHUNK_CELLS, CHUNK_ROWS, MAX_COLUMNS, Chunk, Column
 
 BLOCK_BYTES = 1 << 20
@@ -103,7 +103,8 @@ class DelimitedTable:
         )
         self.notes = dialect.notes
         self.separator = dialect.separator
-        self.lines = Lines(source)
+        self.comments: dict[int, str] = {}
+        """The comment lines that were met, by their number."""
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read these columns; InputError names a row that is too long, or a broken quote."""
@@ -132,7 +133,9 @@ class DelimitedTable:
         above = first - 1
         for block in lines.blocks():
             while above and block:
-                block = block.partition("\n")[2]
+                line, _, block = block.partition("\n")
+                if line.startswith(COMMENTS):
+                    self.comments[dialect.first - above] = line
                 above -= 1
             if not block:
                 continue
@@ -151,7 +154,8 @@ class DelimitedTable:
         """Read whatever lines there are from line `begin` on."""
         dialect = self._dialect
         above = dialect.first - 1
-        self.lines = lines = Lines(self._source, dialect.encoding, dialect.comments, above)
+        found = self.comments
+        lines = Lines(self._source, dialect.encoding, dialect.comments, above, found=found)
         width = len(dialect.header)
         block = block or min(CHUNK_ROWS, max(CHUNK_CELLS // width, 1))
         for first, numbers, rows in Rows(lines, dialect.separator, block):
@@ -211,11 +215,10 @@ class Lines:
     comments: tuple[str, ...] = ()
     above: int = 0
     part: float = 0.0
-    found: list[tuple[int, str]] = field(default_factory=list, init=False)
-    """Numbers and texts of the comment lines below these."""
+    found: dict[int, str] = field(default_factory=dict)
+    """Numbers and texts of the comment lines."""
 
     def __iter__(self) -> Iterator[str]:
-        self.found.clear()
         number, quotes = 0, 0
         for block in self.blocks():
             if number >= self.above and not _has_comment(block, self.comments):
@@ -225,11 +228,11 @@ class Lines:
                 continue
             for line in io.StringIO(block, newline=""):
                 number += 1
-                if number <= self.above:
-                    yield "\n"
-                    continue
-                if self.comments and not quotes % 2 and line.startswith(self.comments):
-                    self.found.append((number, line))
+                marks = COMMENTS if number <= self.above else self.comments
+                comment = line.startswith(marks) and not quotes % 2
+                if comment:
+                    self.found[number] = line
+                if comment or number <= self.above:
                     yield "\n"
                     continue
                 quotes += line.count('"')

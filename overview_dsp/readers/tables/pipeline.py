@@ -26,9 +26,8 @@ from overview_dsp.analysis.series_labels import Calendar, value_text
 from overview_dsp.analysis.share_splits import Split, find_splits
 from overview_dsp.analysis.window_rules import PartRules, only_dates
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.series import prices
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import counting, delimited, streamed
+from overview_dsp.readers.tables import column_roles, counting, delimited, streamed
 from overview_dsp.readers.tables.formats import (
     arrays,
     json,
@@ -301,19 +300,19 @@ def look_at(plan: Plan, samples: Samples) -> Found:
 
 def _splits(plan: Plan, by_column: dict[int, NDArray[np.float64]]) -> list[Split]:
     columns = plan.table.columns
-    if prices.is_adjusted(plan.value_column):
+    if column_roles.is_adjusted(plan.value_column):
         return []
 
     def beside(found: int | None) -> NDArray[np.float64] | None:
         return None if found is None or found == plan.value else by_column.get(found)
 
-    adjusted = beside(prices.adjusted(columns))
-    close = beside(prices.close(columns)) if adjusted is not None else None
+    adjusted = beside(column_roles.adjusted_close(columns))
+    close = beside(column_roles.close_price(columns)) if adjusted is not None else None
     return find_splits(
         by_column[plan.value] if close is None else close,
         adjusted,
-        beside(prices.opening(columns)),
-        beside(prices.volume(columns)),
+        beside(column_roles.opening_price(columns)),
+        beside(column_roles.share_volume(columns)),
     )
 
 
@@ -326,7 +325,7 @@ def _split_notes(
 ) -> list[str]:
     if not splits:
         return []
-    adjusted = prices.adjusted(plan.table.columns)
+    adjusted = column_roles.adjusted_close(plan.table.columns)
     if adjusted is not None:
         header = shown(plan.table.columns[adjusted].header)
         advice = f"take {header} with value (--value), which is"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.tables.cells import NumberColumn, Style
-from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
+from overview_dsp.readers.tables.column_roles import TimeChoice, joined_cells
 from overview_dsp.readers.tables.table import Table, location
 from overview_dsp.readers.tables.time_column import Format, TimeColumn, settle_order
 

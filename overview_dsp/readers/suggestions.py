@@ -6,9 +6,9 @@ import contextlib
 from collections.abc import Sequence
 
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.everyday.columns import is_wordy, time_named, words_named
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import is_missing, looks_numeric
+from overview_dsp.readers.tables.column_roles import is_wordy, time_named, words_named
 from overview_dsp.readers.tables.delimited import DelimitedTable
 from overview_dsp.readers.tables.dialect import detect
 from overview_dsp.readers.tables.formats.json import is_single, shapes_in

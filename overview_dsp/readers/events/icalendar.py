@@ -14,7 +14,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.everyday.listing import PLAIN_KIND, About, Listed, timeline_of
+from overview_dsp.readers.events.listing import PLAIN_KIND, About, Listed, timeline_of
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.timeline import times
 from overview_dsp.timeline.model import Timeline

@@ -55,7 +55,7 @@ class About:
     """Of the whole list: its title, where it is from, notes, and a length or calendar if known.
 
     `from_first` makes the first happening time 0, as for dates and times of day; else 0 is where
-    the clock of the list begins.
+    the clock of the list begins. `as_written` takes the words as kinds that are valid already.
     """
 
     title: str
@@ -64,6 +64,7 @@ class About:
     duration_s: float | None = None
     start: datetime | None = None
     from_first: bool = False
+    as_written: bool = False
 
 
 def kind_of(words: str) -> str:
@@ -106,8 +107,8 @@ def timeline_of(listed: Sequence[Listed], about: About) -> Timeline:
     notes = [*about.notes, *repeated_ids(one.id for one in listed)]
     events: dict[tuple[float, str, str], Event] = {}
     for one in listed:
-        kind = kind_of(one.words) or PLAIN_KIND
-        label = one.label or ("" if kind == kind_of(one.words) == one.words else one.words)
+        kind = one.words if about.as_written else kind_of(one.words) or PLAIN_KIND
+        label = one.label or ("" if kind == one.words else one.words)
         event = Event(one.time_s - zero, kind, label, one.weight)
         events.setdefault((event.time_s, event.kind, event.label), event)
     if len(events) < len(listed):

@@ -6,30 +6,62 @@
     08:30,breakfast               2024-06-03;launch;first try   1:15 Chorus
     12:00,walk
 
+    # title: Home 1-0 Away
+    # duration_s: 5640
+    time_s,kind,label,weight
+    786.2,goal,1-0 Parris (pen),1
+    2571,foul,,
+
 CSV, TSV and their relatives, JSON and JSON lines; a header may name the columns by many words
 (`columns`), a table without one is two columns of times and words. Times are read as in a series'
 table (`tables.time_column`): clocks, dates (with a clock in a column of its own), numbers with a
 unit in the header. What happened becomes the kind (`Own goal` is `own_goal`), a longer text the
-label. A list of dates begins with its first event, one of clocks or numbers at 0.
+label. A list of dates begins with its first event, one of clocks or numbers at 0. Numbers under
+`time` are seconds (minutes only beside a team, player or scorer: `football.minute_list`). Two
+comment lines are read: `# title:` (else the file's name) and `# duration_s:` (else the last event's
+time: the timeline ends with it).
+
+A header with `time_s` and `kind` is a strict list, which `encode` writes: `label` (empty) and
+`weight` (1) are optional, other columns an error, as are rows that repeat another. Numbers have a
+decimal point. In a file whose first column is `label`, lines after the header that begin with `#`
+are rows.
+
+A list of which half are football kinds gets a crowd-excitement curve (`crowd_excitement`).
 """
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.everyday.columns import Roles, is_wordy, looks_listed, roles_of
-from overview_dsp.readers.everyday.listing import PLAIN_KIND, About, Listed, are_kinds, timeline_of
+from overview_dsp.files.atomic import whole_file
+from overview_dsp.readers.events.listing import (
+    PLAIN_KIND,
+    About,
+    Listed,
+    are_kinds,
+    timeline_of,
+)
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.cells import Style, is_missing, parse
-from overview_dsp.readers.tables.choosing import TimeChoice, joined_cells
+from overview_dsp.readers.tables.column_roles import (
+    Roles,
+    TimeChoice,
+    is_wordy,
+    joined_cells,
+    looks_listed,
+    roles_of,
+    time_named,
+)
 from overview_dsp.readers.tables.delimited import DelimitedTable
-from overview_dsp.readers.tables.dialect import Accepts, detect
+from overview_dsp.readers.tables.dialect import COMMENTS, Accepts, detect, headed
 from overview_dsp.readers.tables.formats import json_lines
 from overview_dsp.readers.tables.formats.json import JsonTable, is_single, shapes_in
 from overview_dsp.readers.tables.rows import settled
@@ -37,6 +69,15 @@ from overview_dsp.readers.tables.table import Column, Location, Table, first_row
 from overview_dsp.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.model import Timeline
+
+COLUMNS = ("time_s", "kind", "label", "weight")
+"""The columns an event list may have; the first two it must have."""
+
+# Python's float() also takes "1_000" and other scripts' digits; a file means neither
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_SPECIAL = re.compile(r'[",\r\n]')
+_COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTALL)
 
 _HEAD = 200
 _BEATS = re.compile(r"\s*\d+\.\d+\.\d\d\s*")
@@ -185,7 +226,7 @@ class _Reader:
             start,
             from_first=dated,
         )
-        return timeline_of(listed, about)
+        return timeline_of(listed, _about(about, self.table))
 
     def _listed(self) -> Iterator[Listed]:
         roles, count = self.roles, len(self.choice.columns)
@@ -253,6 +294,178 @@ class _Reader:
         if self.roles.end is None:
             found = found + seconds
         return [None if np.isnan(end) else float(end) for end in found]
+
+
+# --- strict lists
+
+
+def sniff_list(source: Source) -> bool:
+    """Return whether the first row has a column `kind`, and none of times but `time_s`.
+
+    Other names of times, and columns that a caller names, are for the other tables of events.
+    """
+    options = source.options
+    if source.head_text is None or source.looks_like_json:
+        return False
+    if options.time or options.kind or options.label:
+        return False
+    dialect = headed(source.head_text, COLUMNS)
+    names = dialect.header if dialect is not None else ()
+    if "kind" not in names or "time_s" in names:
+        return "kind" in names
+    return time_named([Column.of(name) for name in names]) is None
+
+
+def read_list(source: Source, options: LoadOptions) -> Timeline:
+    """Read an event list (takes `duration_s`, which outranks the file's own); InputError if bad."""
+    text = source.text  # its errors name the file themselves
+    with validation.located(f"{source.where}: "):
+        return decode(text, source.stem, options.duration_s)
+
+
+def decode(text: str, default_title: str = "", duration_s: float | None = None) -> Timeline:
+    """Make a Timeline of the text of an event list.
+
+    Parameters
+    ----------
+    text
+        The file's text.
+    default_title
+        The title if no `# title:` line gives one.
+    duration_s
+        Length in s; None = the file's `# duration_s:`, else the last event's time.
+
+    Raises
+    ------
+    InputError
+        Names line and column: an unknown or missing column, a word for a number, NaN, a negative
+        time, no kind, a row given twice, an event after the end.
+    """
+    dialect = headed(text, COLUMNS)
+    if dialect is None:
+        raise InputError(f"no header; the first row names the columns {', '.join(COLUMNS)}")
+    _check_header(dialect.header, dialect.first - 1)
+    marks = () if dialect.header[0] == "label" else COMMENTS
+    table = DelimitedTable(text, replace(dialect, comments=marks))
+    listed: list[Listed] = []
+    lines: dict[tuple[float, str, str], int] = {}
+    for line, row in table.records():
+        one = _listed_row(row, line)
+        key = (one.time_s, one.words, one.label)
+        if key in lines:
+            raise InputError(
+                f"line {line} repeats line {lines[key]} ({one.words} at {one.time_s!r} s, label "
+                f"{shown(one.label)}); remove one or change its label"
+            )
+        lines[key] = line
+        listed.append(one)
+    return timeline_of(
+        listed,
+        _about(
+            About(default_title, "events: a CSV event list", (), duration_s, as_written=True), table
+        ),
+    )
+
+
+def encode(timeline: Timeline) -> bytes:
+    """Return the events as an event list, UTF-8; the curve, the gaps and the notes stay behind.
+
+    Reading it gives the same events (blanks around a label trimmed), title and duration.
+
+    Raises
+    ------
+    InputError
+        The timeline has no events.
+    """
+    if not timeline.events:
+        raise InputError(
+            "the timeline has no events, which is all an event list holds; write the native "
+            "format (.json)"
+        )
+    title = " ".join(timeline.title.split())
+    lines = [f"# title: {title}", f"# duration_s: {timeline.duration_s!r}", ",".join(COLUMNS)]
+    for event in timeline.events:
+        label = event.label
+        if _SPECIAL.search(label):  # the csv module leaves a lone carriage return unquoted
+            label = '"' + label.replace('"', '""') + '"'
+        lines.append(f"{event.time_s!r},{event.kind},{label},{event.weight!r}")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def save_events(timeline: Timeline, path: str | os.PathLike[str]) -> None:
+    """Write the events as an event list, whole or not at all; errors as `encode` and a write's."""
+    data = encode(timeline)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def _about(about: About, table: Table) -> About:
+    """Add the title and the length that comment lines of a text give."""
+    comments = table.comments if isinstance(table, DelimitedTable) else {}
+    found: dict[str, tuple[int, str]] = {}
+    for line, text in sorted(comments.items()):
+        comment = _COMMENT.match(text)
+        if comment is not None:
+            key = comment[1].lower()
+            if key in found:
+                raise InputError(f"line {line}: '# {key}:' is given twice; remove one")
+            found[key] = line, comment[2].strip()
+    if "title" in found:
+        about = replace(about, title=found["title"][1])
+    if "duration_s" in found:
+        line, text = found["duration_s"]
+        hint = "a duration is a finite number of seconds above 0"
+        length = validation.positive(
+            _number(text, Location(line), hint), f"line {line}, duration_s", hint
+        )
+        if about.duration_s is None:
+            about = replace(about, duration_s=length)
+    return about
+
+
+def _check_header(names: Sequence[str], line: int) -> None:
+    known = f"columns are {', '.join(COLUMNS)}"
+    for number, name in enumerate(names, start=1):
+        if name not in COLUMNS:
+            raise InputError(f"line {line}, column {number}: unknown column {shown(name)}; {known}")
+        if names.index(name) != number - 1:
+            raise InputError(f"line {line}, column {number}: '{name}' is there twice; {known}")
+    for name in COLUMNS[:2]:
+        if name not in names:
+            raise InputError(f"line {line}: no column '{name}' in the header; {known}")
+
+
+def _listed_row(row: dict[str, str], line: int) -> Listed:
+    place, hint = Location(line, "time_s"), "times are seconds from 0 up, such as 750.5"
+    time_s = _number(row["time_s"], place, hint)
+    if time_s < 0.0:
+        raise place.error(time_s, f"is before the start; {hint}")
+    place, kind = Location(line, "kind"), row["kind"]
+    if not kind:
+        raise place.missing("name one, such as goal")
+    weight = 1.0
+    if not is_missing(row.get("weight", "")):
+        place, hint = Location(line, "weight"), "weights are above 0, 1 = ordinary"
+        weight = validation.positive(_number(row["weight"], place, hint), str(place), hint)
+    with validation.located(f"{Location(line, 'kind')}: "):
+        validation.kind(kind)
+    with validation.located(f"line {line}: "):
+        label = validation.text(row.get("label", ""), "label")
+    return Listed(time_s, kind, label, f"line {line}, column 'time_s'", None, weight)
+
+
+def _number(text: str, place: Location, hint: str) -> float:
+    if not text:
+        raise place.missing(hint)
+    if _NOT_FINITE.fullmatch(text):
+        raise place.error(text, f"isn't a finite number; {hint}")
+    if not _NUMBER.fullmatch(text):
+        comma = " with a decimal point" if re.fullmatch(r"\d+,\d+", text) else ""
+        raise place.error(text, f"isn't a number{comma}; {hint}")
+    return validation.number(float(text), str(place), hint)
+
+
+# --- lines of clock and words
 
 
 def _chapters(text: str) -> list[tuple[int, str, str]]:
