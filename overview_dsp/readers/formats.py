@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from overview_dsp.readers import native
 from overview_dsp.readers.audio import reader as audio
-from overview_dsp.readers.cardiac import table as heart_table
+from overview_dsp.readers.cardiac import samples_table as heart_table
 from overview_dsp.readers.cardiac import wfdb_reader
 from overview_dsp.readers.events import cue_lists, event_table, icalendar
 from overview_dsp.readers.football import (

@@ -119,7 +119,7 @@ class DelimitedTable:
         """
         names = self._dialect.header
         for chunk in self._rows(range(len(names)), self._dialect.first, 1):
-            fields = (cells[0].strip() for cells in chunk.cells)
+            fields = ((cells[0] or "").strip() for cells in chunk.cells)
             yield chunk.number(0), {n: f for n, f in zip(names, fields, strict=True) if n}
 
     def _plain(self, columns: Sequence[int]) -> Generator[Chunk, None, int | None]:
@@ -172,7 +172,7 @@ class DelimitedTable:
             yield Chunk(cells, first, numbers, lines.part)
 
     def _skipped(
-        self, begin: int, first: int, numbers: list[int] | None, rows: list[list[str]]
+        self, begin: int, first: int, numbers: list[int] | None, rows: list[list[Any]]
     ) -> int:
         """How many rows lie before line `begin`."""
         if numbers is None:
@@ -180,8 +180,8 @@ class DelimitedTable:
         return sum(number < begin for number in numbers)
 
     def _tidied(
-        self, first: int, numbers: list[int] | None, rows: list[list[str]]
-    ) -> tuple[int, list[int], list[list[str]]]:
+        self, first: int, numbers: list[int] | None, rows: list[list[Any]]
+    ) -> tuple[int, list[int], list[list[Any]]]:
         """Drop blank rows, fill short ones, refuse those with more fields than columns."""
         width = len(self._dialect.header)
         kept, lines = [], []
@@ -196,7 +196,7 @@ class DelimitedTable:
                         "field that holds the separator"
                     )
                 row = row[:width]
-            kept.append(row + [""] * (width - len(row)))
+            kept.append([*row, *[None] * (width - len(row))])
             lines.append(line)
         return first, lines, kept
 
@@ -285,7 +285,7 @@ class Rows:
     separator: str | None
     block: int
 
-    def __iter__(self) -> Iterator[tuple[int, list[int] | None, list[list[str]]]]:
+    def __iter__(self) -> Iterator[tuple[int, list[int] | None, list[list[Any]]]]:
         first = 1
         if self.separator is None:
             lines = iter(self.lines)

@@ -129,7 +129,9 @@ def _names(line: str, separator: str) -> tuple[str, ...]:
     return tuple(name.strip().lower() for name in rows[0][1]) if rows else ()
 
 
-def detect(source: Source, accepts: Accepts | None = None) -> Dialect | None:
+def detect(
+    source: Source, accepts: Accepts | None = None, signs: tuple[str, ...] = COMMENTS
+) -> Dialect | None:
     """Detect how a file holds a table; None if it is no table of numbers (or that `accepts`)."""
     if source.looks_like_json:
         return None
@@ -142,8 +144,8 @@ def detect(source: Source, accepts: Accepts | None = None) -> Dialect | None:
         del lines[0]
     # where most lines begin with # (rank, hash tags), they are rows, and so is a header "#,name"
     ranked = bool(lines) and re.match(r'"?#"?[,;\t|]', lines[0][1]) is not None
-    comments = not ranked and 2 * sum(line.startswith("#") for _, line in lines) <= len(lines)
-    kept = [entry for entry in lines if not (comments and entry[1].startswith("#"))]
+    comments = not ranked and 2 * sum(line.startswith(signs) for _, line in lines) <= len(lines)
+    kept = [entry for entry in lines if not (comments and entry[1].startswith(signs))]
     separation = _separation(kept)
     if separation is None:
         return None
@@ -152,8 +154,10 @@ def detect(source: Source, accepts: Accepts | None = None) -> Dialect | None:
     begin = _begin(rows, width)
     if begin is None or width > MAX_COLUMNS:
         return None
-    before = [line for i, line in lines if comments and i < rows[begin][0] and line[0] == "#"]
-    named = split([(0, line.lstrip("#").strip()) for line in before[-1:]], separator)
+    before = [
+        line for i, line in lines if comments and i < rows[begin][0] and line.startswith(signs)
+    ]
+    named = split([(0, line.lstrip("#%/").strip()) for line in before[-1:]], separator)
     commented = named[0][1] if named else []
     notes = [f"{begin} lines before the table (line {rows[begin][0]}) were left out"] * bool(begin)
     header, units, first, note = _header(rows[begin:], commented)
@@ -169,7 +173,7 @@ def detect(source: Source, accepts: Accepts | None = None) -> Dialect | None:
         header,
         units,
         first,
-        COMMENTS if comments else (),
+        signs if comments else (),
         tuple(filter(None, (*notes, note))),
     )
 
