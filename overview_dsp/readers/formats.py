@@ -24,8 +24,9 @@ from overview_dsp.readers.football import (
     wyscout,
 )
 from overview_dsp.readers.plugins import package_readers
+from overview_dsp.readers.series import series as series
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import pipeline as series
+from overview_dsp.readers.tables import arrays, delimited, json, logs, tracks
 from overview_dsp.timeline.model import Timeline
 
 
@@ -66,8 +67,8 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "series (one JSON object a line)",
-        series.sniff_json_lines,
-        series.read_json_lines,
+        json.sniff_lines,
+        series.reading(json.open_lines),
         series.OPTIONS,
     ),
     Format(
@@ -168,31 +169,35 @@ FORMATS: tuple[Format, ...] = (
         audio.read,
         frozenset({"map", "max_mb"}),
     ),
-    Format("track (GPX, TCX)", series.sniff_track, series.read_track, series.OPTIONS),
+    Format("track (GPX, TCX)", tracks.sniff, series.reading(tracks.open_table), series.OPTIONS),
     Format(
         "log (lines with a date each, for map count)",
-        series.sniff_log,
-        series.read_log,
+        logs.sniff,
+        series.reading(logs.LogTable),
         series.OPTIONS,
     ),
     Format(
         "series (CSV, TSV: a table with a column of times and one of values)",
-        series.sniff_csv,
-        series.read_csv,
+        delimited.sniff,
+        series.reading(delimited.open_table),
         series.OPTIONS,
     ),
     Format(
         "series (JSON: records, columns or pairs of times and values)",
-        series.sniff_json,
-        series.read_json,
+        json.sniff,
+        series.reading(json.open_table),
         series.OPTIONS,
     ),
-    Format("series (NumPy .npy)", series.sniff_npy, series.read_npy, series.OPTIONS),
-    Format("series (NumPy .npz)", series.sniff_npz, series.read_npz, series.OPTIONS),
+    Format(
+        "series (NumPy .npy)", arrays.sniff_npy, series.reading(arrays.open_npy), series.OPTIONS
+    ),
+    Format(
+        "series (NumPy .npz)", arrays.sniff_npz, series.reading(arrays.open_npz), series.OPTIONS
+    ),
     Format(
         "series (Parquet, with the extra `parquet`)",
-        series.sniff_parquet,
-        series.read_parquet,
+        arrays.sniff_parquet,
+        series.reading(arrays.open_parquet),
         series.OPTIONS,
     ),
 )

@@ -16,10 +16,14 @@ from overview_dsp.readers import native, suggestions
 from overview_dsp.readers.compression import opened
 from overview_dsp.readers.formats import LIMITS, SERIES_OPTIONS, Format, formats, is_series
 from overview_dsp.readers.json_limits import MOST_DEPTH
-from overview_dsp.readers.memory.columns import is_table, table_of
-from overview_dsp.readers.memory.kinds import MemoryTable, TimelineData
-from overview_dsp.readers.memory.reading import document_bytes, is_document, read_table
-from overview_dsp.readers.memory.streams import is_content, is_url, spooled
+from overview_dsp.readers.memory_data import (
+    TableData,
+    TimelineData,
+    document_bytes,
+    is_document,
+    read_table,
+)
+from overview_dsp.readers.open_streams import is_content, is_url, spooled
 from overview_dsp.readers.source import (
     READ_AS_WINDOWS,
     WINDOWS,
@@ -28,6 +32,7 @@ from overview_dsp.readers.source import (
     decode_text,
     parse_json,
 )
+from overview_dsp.readers.tables.memory import is_table, table_of
 from overview_dsp.timeline.model import Timeline
 
 BUNDLED: dict[str, str] = {
@@ -44,7 +49,7 @@ def load_timeline(
     duration_s: float | None = None,
     *,
     value: str | None = None,
-    time: str | MemoryTable | None = None,
+    time: str | TableData | None = None,
     kind: str | None = None,
     label: str | None = None,
     map: str | None = None,

@@ -11,8 +11,8 @@ from overview_dsp.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.readers.tables.column_roles import is_wordy, time_named, words_named
 from overview_dsp.readers.tables.delimited import DelimitedTable
 from overview_dsp.readers.tables.dialect import detect
-from overview_dsp.readers.tables.formats.json import is_single, shapes_in
-from overview_dsp.readers.tables.formats.logs import is_log
+from overview_dsp.readers.tables.json import is_single, shapes_in
+from overview_dsp.readers.tables.logs import is_log
 from overview_dsp.readers.tables.table import Column, listed
 from overview_dsp.readers.tables.time_column import detected_format
 

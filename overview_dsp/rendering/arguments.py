@@ -10,7 +10,7 @@ from overview_dsp.gestures.spec import DEFAULT, parse_gesture
 from overview_dsp.gestures.take import load_gesture
 from overview_dsp.presets.library import fitting_preset, load_preset
 from overview_dsp.presets.model import Preset
-from overview_dsp.readers.memory.kinds import TimelineData
+from overview_dsp.readers.memory_data import TimelineData
 from overview_dsp.readers.registry import load_timeline
 from overview_dsp.timeline.model import Timeline
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.readers.series.series import series_of
 from overview_dsp.readers.source import LoadOptions
-from overview_dsp.readers.tables.pipeline import series_of
 from overview_dsp.readers.tables.table import Chunk, Column
 from overview_dsp.timeline import Timeline
 

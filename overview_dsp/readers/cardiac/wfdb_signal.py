@@ -19,7 +19,7 @@ from overview_dsp.readers.cardiac.wfdb_header import (
     frames_in_files,
     read_header,
 )
-from overview_dsp.readers.extra import needed
+from overview_dsp.readers.plugins import needed
 
 MAX_SAMPLES = 1 << 31
 """Longest signal, samples: eight months at 100 a second."""

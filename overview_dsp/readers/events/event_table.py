@@ -49,7 +49,9 @@ from overview_dsp.readers.events.listing import (
     are_kinds,
     timeline_of,
 )
+from overview_dsp.readers.series.rows import settled
 from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.readers.tables import json
 from overview_dsp.readers.tables.cells import Style, is_missing, parse
 from overview_dsp.readers.tables.column_roles import (
     Roles,
@@ -62,9 +64,7 @@ from overview_dsp.readers.tables.column_roles import (
 )
 from overview_dsp.readers.tables.delimited import DelimitedTable
 from overview_dsp.readers.tables.dialect import COMMENTS, Accepts, detect, headed
-from overview_dsp.readers.tables.formats import json_lines
-from overview_dsp.readers.tables.formats.json import JsonTable, is_single, shapes_in
-from overview_dsp.readers.tables.rows import settled
+from overview_dsp.readers.tables.json import JsonTable, is_single, shapes_in
 from overview_dsp.readers.tables.table import Column, Location, Table, first_rows, location
 from overview_dsp.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
 from overview_dsp.timeline.event import MAX_EVENTS
@@ -96,16 +96,16 @@ def sniff(source: Source) -> bool:
 
 def sniff_lines(source: Source) -> bool:
     """Return whether the file is one JSON object a line, each an event."""
-    if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json_lines.sniff(source):
+    if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json.sniff_lines(source):
         return False
-    table = json_lines.JsonLinesTable(source)
+    table = json.JsonLinesTable(source)
     return looks_listed(table.columns, first_rows(table, 50), source.options)
 
 
 def read_lines(source: Source, options: LoadOptions) -> Timeline:
     """Read one JSON object a line, as `read`."""
     with validation.located(f"{source.where}: "):
-        return _read(json_lines.JsonLinesTable(source), source.stem, options)
+        return _read(json.JsonLinesTable(source), source.stem, options)
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:

@@ -25,9 +25,8 @@ from dataclasses import dataclass
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.football.match import Happening, MatchEvents, touches
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS, STARTS
-from overview_dsp.readers.football.story import Happening, MatchEvents
-from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.delimited import records
 from overview_dsp.readers.tables.dialect import headed

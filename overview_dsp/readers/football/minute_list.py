@@ -35,7 +35,15 @@ from dataclasses import dataclass, replace
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.football.choosing import choose, plain
+from overview_dsp.readers.football.match import (
+    GOALS,
+    Happening,
+    MatchEvents,
+    choose,
+    plain,
+    short_name,
+    team_index,
+)
 from overview_dsp.readers.football.minute_words import meaning, words_of
 from overview_dsp.readers.football.minutes import (
     ENDS,
@@ -45,8 +53,6 @@ from overview_dsp.readers.football.minutes import (
     check_minute,
     parse_minute,
 )
-from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import GOALS, Happening, MatchEvents, team_index
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.delimited import records
 from overview_dsp.readers.tables.dialect import headed

@@ -23,10 +23,8 @@ from dataclasses import dataclass
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.football.choosing import choose
+from overview_dsp.readers.football.match import Happening, MatchEvents, choose, short_name
 from overview_dsp.readers.football.minutes import Clock, Minute, check_minute, parse_minute
-from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import Happening, MatchEvents
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.timeline.model import Timeline
 

@@ -21,11 +21,9 @@ from typing import Any
 from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.readers.events.listing import repeated_ids
-from overview_dsp.readers.extra import needed
+from overview_dsp.readers.football.match import Happening, MatchEvents, short_name, touches
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS
-from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import Happening, MatchEvents
-from overview_dsp.readers.football.touches import touches
+from overview_dsp.readers.plugins import needed
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.xml_text import root_name, xml_text
 from overview_dsp.timeline.model import Timeline

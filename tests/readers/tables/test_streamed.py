@@ -15,7 +15,8 @@ from scipy import signal
 
 from overview_dsp.analysis.extrema import Thinner, lows_and_highs, peaks
 from overview_dsp.readers import load_timeline
-from overview_dsp.readers.tables import delimited, streamed
+from overview_dsp.readers.series import samples as streamed
+from overview_dsp.readers.tables import delimited
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.even_times import EvenTimes
 from tests.readers.tables.made import load, noted, refusal

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import Source
-from overview_dsp.readers.tables.formats.arrays import ArrayTable
+from overview_dsp.readers.tables.arrays import ArrayTable
 from overview_dsp.readers.xml_text import root_name, xml_text
 from overview_dsp.timeline.times import NS, moment
 

@@ -22,11 +22,11 @@ from overview_dsp.analysis.series_events import Series, find_events
 from overview_dsp.analysis.series_labels import Calendar
 from overview_dsp.analysis.window_rules import PartRules
 from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.series.plan import HEAD_ROWS
+from overview_dsp.readers.series.rows import RowReader, settled
 from overview_dsp.readers.source import LoadOptions
 from overview_dsp.readers.tables.cells import Style
 from overview_dsp.readers.tables.column_roles import choose_time
-from overview_dsp.readers.tables.plan import HEAD_ROWS
-from overview_dsp.readers.tables.rows import RowReader, settled
 from overview_dsp.readers.tables.table import Table, first_rows
 from overview_dsp.timeline.growable_array import Store
 from overview_dsp.timeline.model import Intensity, Timeline

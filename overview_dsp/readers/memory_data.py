@@ -3,17 +3,47 @@
 from __future__ import annotations
 
 import json
+import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, Protocol
+
+from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.readers.memory.columns import MemoryTable
+from overview_dsp.readers.series import series
 from overview_dsp.readers.source import UNNAMED, LoadOptions, Source
-from overview_dsp.readers.tables import pipeline
+from overview_dsp.readers.tables.memory import MemoryTable
 from overview_dsp.timeline.model import Timeline
+
+
+class SupportsNumpy(Protocol):
+    """A Series or a DataFrame of pandas, polars and their relatives; a column of Arrow."""
+
+    def to_numpy(self, *args: Any, **kwargs: Any) -> Any:
+        """Give the values as an array."""
+        ...
+
+
+class SupportsArrow(Protocol):
+    """A table of Arrow, and whatever gives its columns as one does."""
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
+        """Give the columns."""
+        ...
+
+
+TableData = SupportsNumpy | SupportsArrow | NDArray[Any] | Sequence[Any] | Mapping[Any, Any]
+"""Columns, rows or samples in memory."""
+
+MemoryFile = bytes | bytearray | memoryview | IO[bytes] | IO[str]
+"""A file's content, or where it can be read."""
+
+TimelineData = str | os.PathLike[str] | MemoryFile | TableData
+"""Whatever `load_timeline` takes besides a Timeline."""
+
 
 Claim = Callable[[Source], Callable[[Source, LoadOptions], Timeline] | None]
 """Takes a source; returns what reads it as something else than a series of numbers, or None."""
@@ -51,7 +81,7 @@ def read_table(table: MemoryTable, options: LoadOptions, claim: Claim) -> Timeli
                 source = _written(path, table.csv(table.rows), options, where)
             return read(source, options)
     with validation.located(f"{where}: "):
-        return pipeline.series_of(table, options)
+        return series.series_of(table, options)
 
 
 def is_document(data: Any) -> bool:

@@ -16,6 +16,8 @@ wherever in the document such a table lies. Units from a neighbour `NAME_units` 
 
 from __future__ import annotations
 
+import itertools
+import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,7 +25,8 @@ from typing import Any
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import Source
 from overview_dsp.readers.tables.cells import looks_numeric
-from overview_dsp.readers.tables.formats import price_charts
+from overview_dsp.readers.tables.delimited import Lines
+from overview_dsp.readers.tables.dialect import encoding_of
 from overview_dsp.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Chunk, Column, check_single
 from overview_dsp.timeline.times import FORMS, moment
 
@@ -132,7 +135,7 @@ def _shapes(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterat
     elif isinstance(value, dict):
         found = next(filter(None, (shape(value) for shape in _OBJECT_SHAPES)), None)
     if found is not None:
-        names = price_charts.spelled_out(found.names)
+        names = spelled_out(found.names)
         yield Shape(names, found.rows, found.cut, place, found.units or units)
     if depth >= MAX_DEPTH:
         return
@@ -178,7 +181,7 @@ def _row_list(entries: list[Any]) -> Shape | None:
     named = all(isinstance(cell, str) for cell in head)
     if named and len(entries) > 1 and not all(isinstance(cell, str) for cell in entries[1]):
         return _of_rows(entries[1:], tuple(head))
-    candles = price_charts.candle_names(sample)
+    candles = candle_names(sample)
     return _of_rows(entries, candles or ("time", *(f"column {i}" for i in range(2, len(head) + 1))))
 
 
@@ -201,7 +204,7 @@ def _named_rows(value: dict[str, Any]) -> Shape | None:
 
 def _price_chart(value: dict[str, Any]) -> Shape | None:
     """Times, and quotes further down (Yahoo)."""
-    found = price_charts.yahoo(value)
+    found = yahoo(value)
     if found is None:
         return None
     columns, units = found
@@ -315,3 +318,129 @@ def _is_series(shape: Shape) -> bool:
         if texts and len(texts) == len(column) and all(_is_date(text) for text in texts):
             return True
     return False
+
+
+_LINES_SAMPLE = 50
+
+
+class JsonLinesTable:
+    """One JSON object a line."""
+
+    kind = "JSON lines"
+    row_word = "line"
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        encoding = encoding_of(source) or "utf-8"
+        self._lines = Lines(source, encoding)
+        sample = itertools.islice(self._records(), _LINES_SAMPLE)
+        keys = (key for _, record in sample for key, v in record.items() if is_single(v))
+        self._names = list(dict.fromkeys(keys))
+        if not self._names:
+            raise InputError("line 1: an object without values; give times and values")
+        if len(self._names) > MAX_COLUMNS:
+            raise InputError(f"{len(self._names)} columns, more than {MAX_COLUMNS}; keep fewer")
+        self.columns = tuple(map(Column.of, self._names))
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read these columns; InputError names a broken line."""
+        names = [self._names[i] for i in columns]
+        records = self._records()
+        while part := list(itertools.islice(records, CHUNK_ROWS)):
+            numbers = [number for number, _ in part]
+            cells = tuple([record.get(name) for _, record in part] for name in names)
+            chunk = Chunk(cells, numbers[0], numbers, self._lines.part)
+            check_single(self, chunk, columns)
+            yield chunk
+
+    def _records(self) -> Iterator[tuple[int, dict[str, Any]]]:
+        for number, line in enumerate(self._lines, 1):
+            if not line.strip():
+                continue
+            try:
+                record = json.loads(line)
+            except (ValueError, RecursionError) as error:
+                raise InputError(
+                    f"line {number}: broken JSON ({error}); one object a line is read"
+                ) from error
+            if not isinstance(record, dict):
+                raise InputError(f"line {number}: {shown(record)} isn't an object {{...}}")
+            yield number, record
+
+
+def sniff_lines(source: Source) -> bool:
+    """Return whether the file is one JSON object a line."""
+    text = source.head_text
+    if text is None or not text.lstrip().startswith("{"):
+        return False
+    lines = [line for line in text.split("\n")[:3] if line.strip()]
+    if len(lines) < 2 or not all(line.lstrip().startswith("{") for line in lines):
+        return False
+    try:
+        return isinstance(json.loads(lines[0]), dict)
+    except (ValueError, RecursionError):
+        return False
+
+
+def open_lines(source: Source) -> JsonLinesTable:
+    """Return the file's table; InputError names a broken line."""
+    return JsonLinesTable(source)
+
+
+_LETTERS = {
+    "t": "time", "o": "open", "h": "high", "l": "low", "c": "close", "v": "volume",
+}  # fmt: skip
+_CANDLE = ("time", "open", "high", "low", "close", "volume")
+_QUOTES = ("open", "high", "low", "close", "volume")
+
+
+def yahoo(value: dict[str, Any]) -> tuple[dict[str, list[Any]], dict[str, str]] | None:
+    """Return the columns and units of Yahoo's chart; None for anything else."""
+    times, indicators = value.get("timestamp"), value.get("indicators")
+    if not isinstance(times, list) or not times or not isinstance(indicators, dict):
+        return None
+    quote, adjusted = (_first(indicators.get(key)) for key in ("quote", "adjclose"))
+    columns = {"time": times}
+    columns |= {name: quote[name] for name in _QUOTES if _fits(quote.get(name), times)}
+    if _fits(adjusted.get("adjclose"), times):
+        columns["adj close"] = adjusted["adjclose"]
+    about = value.get("meta")
+    currency = about.get("currency") if isinstance(about, dict) else None
+    units = dict.fromkeys(columns, currency) if isinstance(currency, str) else {}
+    return columns, {name: unit for name, unit in units.items() if name not in ("time", "volume")}
+
+
+def _first(value: Any) -> dict[str, Any]:
+    return value[0] if isinstance(value, list) and value and isinstance(value[0], dict) else {}
+
+
+def _fits(column: Any, times: list[Any]) -> bool:
+    return isinstance(column, list) and len(column) == len(times)
+
+
+def spelled_out(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of columns, single letters of a price chart written out."""
+    if not {"t", "o", "h", "l", "c"} <= set(names):
+        return tuple(names)
+    return tuple(_LETTERS.get(name, name) for name in names)
+
+
+def candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
+    """Return names of the columns of candles; None where the rows are none.
+
+    In a candle the third number is the highest and the fourth the lowest of four.
+    """
+    if not rows or not len(rows[0]) >= 5:
+        return None
+    moved = False
+    for row in rows:
+        try:
+            begin, high, low, end = (float(cell) for cell in row[1:5])
+        except (TypeError, ValueError):
+            return None
+        if not (low <= min(begin, end) and max(begin, end) <= high):
+            return None
+        moved = moved or high > low
+    width = len(rows[0])
+    return (*_CANDLE[:width], *(f"column {i}" for i in range(7, width + 1))) if moved else None

@@ -20,10 +20,9 @@ from overview_dsp.analysis.series_events import Series
 from overview_dsp.analysis.series_gaps import find_holes, gaps_of
 from overview_dsp.analysis.series_labels import Calendar
 from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.series.plan import Found, Plan, require_few_gaps
+from overview_dsp.readers.series.rows import RowReader, Rows, joined, last_of_each_time
 from overview_dsp.readers.tables.cells import sentinel
-from overview_dsp.readers.tables.plan import Found, Plan, require_few_gaps
-from overview_dsp.readers.tables.rows import RowReader, Rows, joined
-from overview_dsp.readers.tables.samples import last_of_each_time
 from overview_dsp.timeline.curve_builder import CurveBuilder
 from overview_dsp.timeline.growable_array import Store
 from overview_dsp.timeline.model import Intensity

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.memory import frames
-from overview_dsp.readers.memory.cells import Given, of_array, of_list
+from overview_dsp.readers.tables import frames
+from overview_dsp.readers.tables.frames import Given, of_array, of_list
 from overview_dsp.readers.tables.table import (
     CHUNK_ROWS,
     MAX_COLUMNS,

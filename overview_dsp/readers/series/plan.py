@@ -9,11 +9,11 @@ from overview_dsp.analysis.curve_maps import Map
 from overview_dsp.analysis.series_events import Series
 from overview_dsp.errors import InputError
 from overview_dsp.readers.series.prices import Worth, split_wish, worth_of
+from overview_dsp.readers.series.rows import settled
 from overview_dsp.readers.source import LoadOptions
 from overview_dsp.readers.tables import column_roles
 from overview_dsp.readers.tables.cells import Style, detected_style
 from overview_dsp.readers.tables.column_roles import TimeChoice, choose_time, choose_value
-from overview_dsp.readers.tables.rows import settled
 from overview_dsp.readers.tables.table import Column, Table, column_named, first_rows
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.model import Intensity

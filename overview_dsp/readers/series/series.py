@@ -26,25 +26,18 @@ from overview_dsp.analysis.series_labels import Calendar, value_text
 from overview_dsp.analysis.share_splits import Split, find_splits
 from overview_dsp.analysis.window_rules import PartRules, only_dates
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import column_roles, counting, delimited, streamed
-from overview_dsp.readers.tables.formats import (
-    arrays,
-    json,
-    json_lines,
-    logs,
-    parquet,
-    tracks,
-)
-from overview_dsp.readers.tables.grouping import chosen_group, refuse_groups
-from overview_dsp.readers.tables.plan import (
+from overview_dsp.readers.series import counting
+from overview_dsp.readers.series import samples as streams
+from overview_dsp.readers.series.plan import (
     Found,
     Plan,
     plan_of,
     require_few_gaps,
 )
-from overview_dsp.readers.tables.rows import RowReader, Rows, joined
-from overview_dsp.readers.tables.samples import Samples, in_order
+from overview_dsp.readers.series.rows import RowReader, Rows, Samples, in_order, joined
+from overview_dsp.readers.source import LoadOptions, Source
+from overview_dsp.readers.tables import column_roles
+from overview_dsp.readers.tables.groups import chosen_group, refuse_groups
 from overview_dsp.readers.tables.table import Table
 from overview_dsp.timeline.intensity import LONG
 from overview_dsp.timeline.model import Intensity, Timeline
@@ -55,73 +48,26 @@ OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
 MAX_MB = 8192.0
 """Largest table that is read, MB (2**20 bytes), unless `max_mb` says otherwise."""
 
+_TRACKS = ("GPX", "TCX")
+
 MANY_REPEATS = 0.02
 """Share of rows with the time of another from which a table may hold several series."""
 
-sniff_csv = delimited.sniff
-sniff_json = json.sniff
-sniff_json_lines = json_lines.sniff
-sniff_parquet = parquet.sniff
-sniff_npy = arrays.sniff_npy
-sniff_npz = arrays.sniff_npz
-sniff_track = tracks.sniff
-sniff_log = logs.sniff
 
+def reading(open_table: Callable[[Source], Table]) -> Callable[[Source, LoadOptions], Timeline]:
+    """Return what reads a series from the table of a file; InputError names file, row, column."""
 
-def read_csv(source: Source, options: LoadOptions) -> Timeline:
-    """Read text with separated fields; InputError names file, line and column."""
-    return _read(source, options, delimited.open_table)
+    def read(source: Source, options: LoadOptions) -> Timeline:
+        limit = options.max_mb if options.max_mb is not None else MAX_MB
+        if source.size > limit * 2**20:
+            raise InputError(
+                f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit:g} MB that "
+                "are read; keep fewer columns or rows, or raise the limit with max_mb (--max-mb)"
+            )
+        with validation.located(f"{source.where}: "):
+            return series_of(open_table(source), options, source.stem)
 
-
-def read_json(source: Source, options: LoadOptions) -> Timeline:
-    """Read a JSON document; InputError names file, record and column."""
-    return _read(source, options, json.open_table)
-
-
-def read_json_lines(source: Source, options: LoadOptions) -> Timeline:
-    """Read one JSON object a line; InputError names file, line and column."""
-    return _read(source, options, json_lines.open_table)
-
-
-def read_parquet(source: Source, options: LoadOptions) -> Timeline:
-    """Read Parquet; InputError names file, row and column, or says how to install pyarrow."""
-    return _read(source, options, parquet.open_table)
-
-
-def read_npy(source: Source, options: LoadOptions) -> Timeline:
-    """Read a NumPy array; InputError names file, row and column."""
-    return _read(source, options, arrays.open_npy)
-
-
-def read_npz(source: Source, options: LoadOptions) -> Timeline:
-    """Read NumPy arrays; InputError names file, array, row and column."""
-    return _read(source, options, arrays.open_npz)
-
-
-def read_log(source: Source, options: LoadOptions) -> Timeline:
-    """Count the lines of a log; InputError names file and line."""
-    return _read(source, options, logs.LogTable)
-
-
-def read_track(source: Source, options: LoadOptions) -> Timeline:
-    """Read a GPX or TCX track, its speed unless asked otherwise; InputError names the file."""
-    with validation.located(f"{source.where}: "):
-        table = tracks.open_table(source)
-        first = table.columns[1].header  # speed, or what there is
-        if options.value is None and not counting.asked_of(table, options):
-            options = replace(options, value=first)
-        return series_of(table, options, source.stem)
-
-
-def _read(source: Source, options: LoadOptions, open_table: Callable[[Source], Table]) -> Timeline:
-    limit = options.max_mb if options.max_mb is not None else MAX_MB
-    if source.size > limit * 2**20:
-        raise InputError(
-            f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit:g} MB that are "
-            "read; keep fewer columns or rows, or raise the limit with max_mb (--max-mb)"
-        )
-    with validation.located(f"{source.where}: "):
-        return series_of(open_table(source), options, source.stem)
+    return read
 
 
 def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
@@ -145,12 +91,14 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
         table = chosen_group(table, options.match)
     if counting.asked_of(table, options):
         return counting.counted(table, options, title)
+    if options.value is None and table.kind in _TRACKS:
+        options = replace(options, value=table.columns[1].header)  # speed, or what there is
     plan = plan_of(table, options, title)
     reader = RowReader(
         table, plan.time, plan.columns, plan.style, options.rate, options.report_progress
     )
     rows = iter(reader)
-    head = _up_to(rows, streamed.LONG_ROWS)
+    head = _up_to(rows, streams.LONG_ROWS)
     if not head:
         raise InputError("no rows with a time; a series has one row a time")
     following = next(rows, None)
@@ -158,7 +106,7 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
         samples = in_order(reader, joined(head))
         found = look_at(plan, samples)
     else:
-        found = streamed.look_at(plan, reader, itertools.chain(head, (following,), rows))
+        found = streams.look_at(plan, reader, itertools.chain(head, (following,), rows))
     repeats = reader.rows - found.count
     if options.match is None and repeats > MANY_REPEATS * reader.rows:
         refuse_groups(table, plan.time.columns, plan.value)
