@@ -16,6 +16,7 @@ import io
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any
 
 from overview_dsp import validation
@@ -287,7 +288,7 @@ def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
     periods.append((end_s, "full time" if len(begins) > 1 else "end"))
     about = dataset.metadata
     names = [team.name or f"team {team.team_id}" for team in about.teams]
-    date = about.date.date().isoformat() if about.date is not None else ""
+    date = about.date.date().isoformat() if isinstance(about.date, datetime) else ""
     return MatchEvents(names, happenings, periods, end_s).timeline(
         f"events: {feed.name}, read with kloppy",
         notes,

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from datetime import datetime
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, shown
-from overview_dsp.readers.tables.cells import NumberColumn, Style, sentinel
+from overview_dsp.readers.tables.cells import NumberColumn, Style
 from overview_dsp.readers.tables.column_roles import TimeChoice, joined_cells
 from overview_dsp.readers.tables.table import Table, location
 from overview_dsp.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
@@ -155,38 +154,13 @@ def settled(table: Table, choice: TimeChoice) -> TimeChoice:
     return TimeChoice(choice.columns, Format(name, note), choice.joint, (*choice.notes, note))
 
 
-@dataclass(frozen=True, eq=False)
-class Samples:
-    """A series in order.
-
-    Parameters
-    ----------
-    time_s
-        Seconds from the first time, shape (n,), strictly increasing from 0.
-    values
-        Shape (n,) for each column asked for, NaN = missing.
-    start
-        The calendar moment of time 0, or None.
-    units
-        What the cells of each column carry (a currency, %).
-    notes
-        What was sorted, merged, left out.
-    """
-
-    time_s: NDArray[np.float64]
-    values: tuple[NDArray[np.float64], ...]
-    start: datetime | None
-    units: tuple[str, ...]
-    notes: tuple[str, ...]
-
-
-def in_order(reader: RowReader, read: Rows) -> Samples:
-    """Sort rows, merge equal times, count from the first, and say so.
+def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
+    """Sort rows and keep the last of each time; return notes on it too.
 
     Raises
     ------
     InputError
-        Fewer than two times, no value at all, a clock that goes back.
+        A clock that goes back.
     """
     seconds, values, rows = read.seconds, read.values, read.number
     word = reader.table.row_word
@@ -216,40 +190,12 @@ def in_order(reader: RowReader, read: Rows) -> Samples:
     if order is not None:
         ordered = Rows(seconds[order], [value[order] for value in values], rows[order])
     single = last_of_each_time(ordered)
-    seconds, values, rows = single.seconds, list(single.values), single.number
     if len(single) < len(ordered):
         notes.append(
             f"{len(ordered) - len(single)} rows repeat a time; of rows of one time the last with a "
             "value counts"
         )
-    for i, column in enumerate(reader.columns):
-        absent = sentinel(values[i])
-        if absent is not None:
-            found = values[i] == absent
-            values[i] = np.where(found, np.nan, values[i])
-            notes.append(
-                f"{int(found.sum())} values of {absent:g} in column "
-                f"{shown(reader.table.columns[column].header)} count as missing"
-            )
-    if not len(seconds) or np.isnan(values[0]).all():
-        header = shown(reader.table.columns[reader.columns[0]].header)
-        raise InputError(f"column {header} has no value in any row; name another")
-    if len(seconds) < 2:
-        raise InputError(
-            f"only one time ({word} {int(rows[0])}); a series has two or more, name another time "
-            "column if this isn't it"
-        )
-    if not np.isfinite(seconds).all() or seconds[-1] - seconds[0] > 1e15:
-        raise InputError("the times span more than 30 million years; check their unit")
-    first = float(seconds[0])
-    start = reader.time.start(first)
-    if start is None and first != 0.0:
-        notes.append(f"times begin at {first:g} s; the timeline counts from there")
-    time_s = seconds - first
-    if (np.diff(time_s) <= 0.0).any():
-        raise InputError("times lie too close together to be distinguished; count them from 0")
-    units = tuple(number.unit or "" for number in reader.numbers)
-    return Samples(time_s, tuple(values), start, units, tuple(notes))
+    return single, notes
 
 
 def last_of_each_time(rows: Rows) -> Rows:

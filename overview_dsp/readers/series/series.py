@@ -10,37 +10,30 @@ its own unit; its percentiles say what becomes 0 and 1. Events are found by rule
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.analysis import curve_maps
 from overview_dsp.analysis.curve_maps import PERCENTILES
-from overview_dsp.analysis.series_events import Series, find_events
-from overview_dsp.analysis.series_gaps import find_holes, gaps_of
-from overview_dsp.analysis.series_labels import Calendar, value_text
-from overview_dsp.analysis.share_splits import Split, find_splits
-from overview_dsp.analysis.window_rules import PartRules, only_dates
+from overview_dsp.analysis.series_events import find_events
+from overview_dsp.analysis.series_labels import value_text
+from overview_dsp.analysis.window_rules import PartRules
 from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.series import counting
-from overview_dsp.readers.series import samples as streams
 from overview_dsp.readers.series.plan import (
     Found,
     Plan,
     plan_of,
-    require_few_gaps,
 )
-from overview_dsp.readers.series.rows import RowReader, Rows, Samples, in_order, joined
+from overview_dsp.readers.series.rows import RowReader
+from overview_dsp.readers.series.samples import look_at
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import column_roles
 from overview_dsp.readers.tables.groups import chosen_group, refuse_groups
 from overview_dsp.readers.tables.table import Table
 from overview_dsp.timeline.intensity import LONG
-from overview_dsp.timeline.model import Intensity, Timeline
+from overview_dsp.timeline.model import Timeline
 
 OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
 """The load options a series takes."""
@@ -97,32 +90,11 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
     reader = RowReader(
         table, plan.time, plan.columns, plan.style, options.rate, options.report_progress
     )
-    rows = iter(reader)
-    head = _up_to(rows, streams.LONG_ROWS)
-    if not head:
-        raise InputError("no rows with a time; a series has one row a time")
-    following = next(rows, None)
-    if following is None:
-        samples = in_order(reader, joined(head))
-        found = look_at(plan, samples)
-    else:
-        found = streams.look_at(plan, reader, itertools.chain(head, (following,), rows))
+    found = look_at(plan, reader)
     repeats = reader.rows - found.count
     if options.match is None and repeats > MANY_REPEATS * reader.rows:
         refuse_groups(table, plan.time.columns, plan.value)
     return _timeline(plan, found, title)
-
-
-def _up_to(rows: Iterator[Rows], most: int) -> list[Rows]:
-    """Take rows until there are `most`."""
-    taken: list[Rows] = []
-    count = 0
-    for part in rows:
-        taken.append(part)
-        count += len(part)
-        if count >= most:
-            break
-    return taken
 
 
 def _timeline(plan: Plan, found: Found, title: str) -> Timeline:
@@ -177,118 +149,3 @@ def _gap_note(found: Found) -> str:
     days = f"{longest / 86_400:.4g} days" if longest >= 2 * 86_400 else f"{longest:.6g} s"
     share = f"{len(found.gaps)} gap{'s' if len(found.gaps) > 1 else ''}, the longest {days}"
     return f"{share}, {total:.6g} s in all, from the last value to the next ({found.gap_rule})"
-
-
-"""Rows from which the columns' contents are detected."""
-
-
-"""Most gaps: beyond, rows without a value are the rule."""
-
-
-def look_at(plan: Plan, samples: Samples) -> Found:
-    """Find gaps, steps, share splits and the mapped curve of samples in order.
-
-    Raises
-    ------
-    InputError
-        The mapped column has no value, or there are too many gaps.
-    """
-    by_column = dict(zip(plan.columns, samples.values, strict=True))
-    units = dict(zip(plan.columns, samples.units, strict=True))
-    value, level = by_column[plan.value], by_column[plan.mapped]
-    unit = plan.value_column.unit or units[plan.value]
-    time_s = samples.time_s
-
-    holes = find_holes(time_s, samples.start)
-    gaps = gaps_of(time_s, np.where(np.isnan(level), np.nan, value), holes.after)
-    require_few_gaps(len(gaps))
-
-    relative = plan.worth.relative and not bool((value <= 0.0).any())
-    splits = _splits(plan, by_column) if relative and plan.worth.kind == "share" else []
-    calendar = Calendar(samples.start, only_dates(samples.start, samples.time_s))
-    notes = [*samples.notes, *_split_notes(plan, value, time_s, splits, calendar)]
-    if plan.worth.relative and not relative:
-        notes.append(curve_maps.NOT_ABOVE_0)
-
-    factors = {split.index: split.factor for split in splits}
-    step = curve_maps.steps(value, holes.after, relative, factors)
-    known = ~np.isnan(value)
-    index = np.cumsum(known) - 1
-    series = Series(
-        time_s[known],
-        value[known],
-        step[known],
-        relative,
-        unit,
-        calendar,
-        tuple(Split(int(index[s.index]), s.ratio, s.factor) for s in splits),
-    )
-    if plan.map.in_per_cent(relative) != relative:
-        relative = not relative
-        step = curve_maps.steps(level, holes.after, relative, factors)
-    curve = curve_maps.curve(plan.map, level, step, time_s)
-    kept = ~np.isnan(curve)
-    if not kept.any():
-        raise InputError("the mapped column has no value in any row; name another")
-    mapped_unit = plan.mapped_column.unit or units[plan.mapped]
-    return Found(
-        series=series,
-        intensity=Intensity(
-            time_s[kept], curve[kept], plan.map.unit(mapped_unit, relative), PERCENTILES
-        ),
-        words=plan.map.words(shown(plan.mapped_column.header)),
-        gaps=gaps,
-        gap_rule=holes.rule,
-        missing=int((~known).sum()),
-        count=len(value),
-        duration_s=float(time_s[-1]),
-        notes=tuple(notes),
-    )
-
-
-def _splits(plan: Plan, by_column: dict[int, NDArray[np.float64]]) -> list[Split]:
-    columns = plan.table.columns
-    if column_roles.is_adjusted(plan.value_column):
-        return []
-
-    def beside(found: int | None) -> NDArray[np.float64] | None:
-        return None if found is None or found == plan.value else by_column.get(found)
-
-    adjusted = beside(column_roles.adjusted_close(columns))
-    close = beside(column_roles.close_price(columns)) if adjusted is not None else None
-    return find_splits(
-        by_column[plan.value] if close is None else close,
-        adjusted,
-        beside(column_roles.opening_price(columns)),
-        beside(column_roles.share_volume(columns)),
-    )
-
-
-def _split_notes(
-    plan: Plan,
-    value: NDArray[np.float64],
-    time_s: NDArray[np.float64],
-    splits: list[Split],
-    calendar: Calendar,
-) -> list[str]:
-    if not splits:
-        return []
-    adjusted = column_roles.adjusted_close(plan.table.columns)
-    if adjusted is not None:
-        header = shown(plan.table.columns[adjusted].header)
-        advice = f"take {header} with value (--value), which is"
-    else:
-        advice = "the table has no adjusted column; get prices that are"
-    examples = []
-    known = np.flatnonzero(~np.isnan(value))
-    for split in splits[:6]:
-        before = value[known[np.searchsorted(known, split.index) - 1]]
-        examples.append(
-            f"{split.ratio} on {calendar.text(float(time_s[split.index]))} "
-            f"({value_text(float(before))} to {value_text(float(value[split.index]))})"
-        )
-    more = f" and {len(splits) - 6} more" if len(splits) > 6 else ""
-    return [
-        f"column {shown(plan.value_column.header)} isn't adjusted for share splits: "
-        f"{', '.join(examples)}{more}; these steps are no moves, but the level jumps: {advice}"
-    ]
