@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -223,6 +223,8 @@ def _layout_of(source: Source) -> _Layout | None:
     if dialect.separator not in (",", None) and any(cell and "," in cell for cell in cells):
         style = detected_style(cells) or Style(",")
     numeric = tuple(_is_numeric(column, style) for column in head)
+    if not all(known or _are_times(column) for known, column in zip(numeric, head, strict=True)):
+        return None  # words beside the numbers: a series of something else
     return _Layout(dialect, head, style, numeric)
 
 
@@ -230,9 +232,15 @@ def _head_table(source: Source, dialect: Dialect) -> DelimitedTable:
     return DelimitedTable("\n".join(head_lines(source, dialect.encoding)), dialect)
 
 
-def _is_numeric(cells: list[str | None], style: Style) -> bool:
+def _is_numeric(cells: Sequence[str | None], style: Style) -> bool:
     known = [cell for cell in map(_bare, cells) if cell.lower() not in _MISSING]
     return bool(known) and all(_number(cell, style) is not None for cell in known)
+
+
+def _are_times(cells: Sequence[str | None]) -> bool:
+    """Return whether cells are clock times and dates, missing ones aside."""
+    known = [cell for cell in map(_bare, cells) if cell.lower() not in _MISSING]
+    return all(_moment_of(cell) is not None for cell in known)
 
 
 def _bare(cell: str | None) -> str:

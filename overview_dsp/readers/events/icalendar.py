@@ -20,7 +20,6 @@ from overview_dsp.timeline import times
 from overview_dsp.timeline.model import Timeline
 
 _PROPERTY = re.compile(r"([A-Za-z0-9-]+)((?:;[^:;=]+=(?:\"[^\"]*\"|[^:;]*))*):(.*)", re.DOTALL)
-_MOMENT = re.compile(r"(\d{4})(\d{2})(\d{2})(?:T(\d{2})(\d{2})(\d{2})(Z?))?", re.ASCII)
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
 _EPOCH = datetime(1970, 1, 1)
 

@@ -56,7 +56,7 @@ from overview_dsp.readers.football.minutes import (
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.tables.delimited import records
 from overview_dsp.readers.tables.dialect import headed
-from overview_dsp.readers.tables.table import MAX_COLUMNS
+from overview_dsp.readers.tables.table import MAX_COLUMNS, Location
 from overview_dsp.timeline.model import Timeline
 
 COLUMNS: dict[str, tuple[str, ...]] = {
@@ -146,9 +146,18 @@ _AWAY = frozenset({"a", "away", "2"})
 class _Row:
     """One row: its line, its fields by what they are (keys of `COLUMNS`)."""
 
-    place: str
+    line: int
     fields: dict[str, str]
     details: str
+    headers: dict[str, str]
+
+    @property
+    def place(self) -> str:
+        return str(Location(self.line))
+
+    def at(self, what: str) -> Location:
+        """Return the location of the field that is `what`."""
+        return Location(self.line, self.headers.get(what, what))
 
     def get(self, what: str) -> str:
         value = self.fields.get(what, "")
@@ -158,7 +167,7 @@ class _Row:
         value = self.fields.get(what, "").lower()
         if value in _YES or value in _NO:
             return value in _YES
-        raise InputError(f"{self.place}: the flag {what} is {shown(value)}; write TRUE or FALSE")
+        raise self.at(what).error(value, "is no flag; write TRUE or FALSE")
 
     @property
     def match(self) -> tuple[str, str, str, str]:
@@ -238,8 +247,9 @@ class _Match:
             kind, detail = self._meaning(row)
             if not row.get("minute") and not row.get("clock"):
                 if kind:
-                    raise InputError(
-                        f"{row.place}: no minute; write one, such as 38 or 90+3, or remove it"
+                    timed = "minute" if "minute" in row.headers else "clock"
+                    raise row.at(timed).missing(
+                        "write a minute, such as 38 or 90+3, or remove the row"
                     )
                 continue
             if detail == "shoot-out":
@@ -353,16 +363,18 @@ def _teams(rows_: Sequence[_Row]) -> list[str]:
 def _rows(text: str) -> list[_Row]:
     listed: list[_Row] = []
     columns: dict[str, list[str]] | None = None
+    headers: dict[str, str] = {}
     for line, fields in records(text):
         if columns is None:
             columns = _columns(list(fields))
+            headers = {what: names[0] for what, names in columns.items()}
         values = {what: fields[names[0]] for what, names in columns.items()}
         details = " ".join(
             words_of(fields[name])
             for name in columns.get("details", [])
             if fields[name] and fields[name].lower() not in _NONE
         )
-        listed.append(_Row(f"line {line}", values, details))
+        listed.append(_Row(line, values, details, headers))
     if not listed:
         raise InputError("no rows below the header; add one for each event")
     return listed
@@ -412,7 +424,7 @@ def _result(of_it: Sequence[_Row]) -> str:
 
 
 def _minute(row: _Row) -> Minute:
-    place = f"{row.place}, the minute"
+    place = row.at("minute" if row.get("minute") else "clock")
     minute = parse_minute(row.get("minute") or row.get("clock"), place)
     for what in ("added", "second"):
         value = row.get(what)
@@ -420,7 +432,7 @@ def _minute(row: _Row) -> Minute:
             continue
         number = re.fullmatch(r"\+?([0-9]{1,3})(\.[0-9]{1,6})?", value)
         if number is None or (what == "added" and number[2] and float(number[2]) != 0.0):
-            raise InputError(f"{row.place}: {what} is {shown(value)}, not a number of them")
+            raise row.at(what).error(value, "isn't a number of minutes or seconds")
         if what == "added":
             if minute.added is None and (int(number[1]) or minute.base in ENDS.values()):
                 added = int(number[1])
@@ -428,14 +440,14 @@ def _minute(row: _Row) -> Minute:
         else:
             seconds = float(number[1] + (number[2] or ""))
             if seconds >= 60.0:
-                raise InputError(f"{row.place}: second is {seconds:g}; seconds are 0 to 60")
+                raise row.at(what).error(seconds, "is out of range; seconds are 0 to 60")
             minute = replace(minute, seconds=seconds)
     check_minute(minute.base, minute.added, place)
     period = row.get("period")
-    return replace(minute, period=_period(period, row.place)) if period else minute
+    return replace(minute, period=_period(period, row.at("period"))) if period else minute
 
 
-def _period(text: str, place: str) -> int | None:
+def _period(text: str, place: Location) -> int | None:
     words = words_of(text)
     words = re.sub(r" 0$", "", words)  # 1.0, as a table of numbers writes it
     for number, known in _PERIODS.items():
@@ -445,9 +457,7 @@ def _period(text: str, place: str) -> int | None:
         return _PERIODS_LONG[words]
     if words in ("pre match", "prematch", "post game", "postgame", "full time", "14", "10", "16"):
         return None
-    raise InputError(
-        f"{place}: the period is {shown(text)}; write 1, 2, 3 or 4 (extra time), or 5 (shoot-out)"
-    )
+    raise place.error(text, "is no period; write 1, 2, 3 or 4 (extra time), or 5 (shoot-out)")
 
 
 def _ended(minute: Minute, kind: str) -> int:

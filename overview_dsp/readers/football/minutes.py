@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.tables.table import Location
 from overview_dsp.timeline.times import match_minute
 
 STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
@@ -26,6 +27,7 @@ START_LABELS = {1: "kick-off", 2: "half-time", 3: "extra time", 4: "extra-time h
 MAX_MINUTE = 150
 _MIDDLE_S = 30.0
 MAX_ADDED = 60
+_RANGE = f"0 to {MAX_MINUTE}, such as 38 or 90+3"
 
 
 @dataclass(frozen=True)
@@ -58,27 +60,28 @@ class Minute:
         return self.base + (self.added or 0)
 
 
-def parse_minute(text: str, place: str) -> Minute:
+def parse_minute(text: str, place: str | Location) -> Minute:
     """Return the minute written as `38`, `38'`, `90+3`, `45+2'` or `12:34`; InputError if not."""
     found = match_minute(text)
     if found is None:
-        hint = f"minutes are 0 to {MAX_MINUTE}, such as 38 or 90+3"
-        raise InputError(f"{place}: {shown(text)} isn't a minute; {hint}")
+        raise _wrong(place, text, f"isn't a minute; minutes are {_RANGE}")
     base, added, seconds = found
     check_minute(base, added, place)
     return Minute(base, added, seconds)
 
 
-def check_minute(base: int, added: int | None, place: str) -> None:
+def check_minute(base: int, added: int | None, place: str | Location) -> None:
     """Refuse minutes no match has."""
     if not 0 <= base <= MAX_MINUTE:
-        raise InputError(
-            f"{place}: minute {shown(base)}; minutes are 0 to {MAX_MINUTE}, such as 38 or 90+3"
-        )
+        raise _wrong(place, base, f"is no minute; minutes are {_RANGE}")
     if added is not None and not 0 <= added <= MAX_ADDED:
-        raise InputError(
-            f"{place}: {shown(added)} minutes of stoppage time; that is 0 to {MAX_ADDED}"
-        )
+        raise _wrong(place, added, f"minutes of stoppage time; that is 0 to {MAX_ADDED}")
+
+
+def _wrong(place: str | Location, value: object, note: str) -> InputError:
+    if isinstance(place, Location):
+        return place.error(value, note)
+    return InputError(f"{place}: {shown(value)} {note}")
 
 
 @dataclass(frozen=True)
