@@ -81,7 +81,7 @@ print(all(hasattr(ov.live, name) for name in ov.live.__all__))
     assert fresh(code) == "True\n"
 
 
-@pytest.mark.parametrize("module", [ov, *FACES.values()], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("module", [ov, ov.timeline, *FACES.values()], ids=lambda m: m.__name__)
 def test_a_name_that_never_was_is_an_attribute_error(module):
     with pytest.raises(AttributeError, match="rendr"):
         module.rendr  # noqa: B018

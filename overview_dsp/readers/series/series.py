@@ -3,9 +3,9 @@
 Series: a table with a column of times and one of values becomes a Timeline.
 
 The times of samples stay exact: time 0 is the first row's, the duration reaches to the last row's,
-and no step is added for what the last sample covers. The curve is the mapped column (`mapping`) in
-its own unit; its percentiles say what becomes 0 and 1. Events are found by rule in the value column
-(`events`), gaps are missing values and holes (`holes`).
+and no step is added for what the last sample covers. The curve is the mapped column (`curve_maps`)
+in its own unit; its percentiles say what becomes 0 and 1. Events are found by rule in the value
+column (`series_events`), gaps are missing values and holes (`series_gaps`).
 """
 
 from __future__ import annotations

@@ -72,6 +72,7 @@ _FIRST_S, _LAST_S = -62_135_596_800.0, 253_402_300_799.999999
 
 _ISO_SHAPE = re.compile(r"dddd-dd-dd([T ]dd:dd(:dd(\.d{1,9})?)?)?Z?")
 _ISO_MARKS = "-:.TZ "
+_ISO_LETTERS = b"0123456789" + _ISO_MARKS.encode()
 _AS_SHAPE = str.maketrans("0123456789", "dddddddddd")
 
 
@@ -471,24 +472,27 @@ class TimeColumn:
         if not _ISO_SHAPE.fullmatch(shape):
             return None
         try:
-            text, plain = "".join(cells), are_written_in(cells, "0123456789" + _ISO_MARKS)
-        except TypeError:  # a cell that's no text
+            text = "".join(cells).encode("ascii")
+        except (TypeError, ValueError):  # a cell that's no text, a letter of another script
             return None
-        if not plain or set(map(len, cells)) != {len(shape)}:
+        if text.translate(None, _ISO_LETTERS) or set(map(len, cells)) != {len(shape)}:
             return None
-        if any(text.count(mark) != shape.count(mark) * len(cells) for mark in _ISO_MARKS):
+        if any(text.count(ord(mark)) != shape.count(mark) * len(cells) for mark in _ISO_MARKS):
             return None
         zoned = shape.endswith("Z")
-        if zoned:
-            cells = [cell[:-1] for cell in cells]
+        width = len(shape) - zoned
+        fine = "ns" if width > 26 else "us"
+        letters = np.frombuffer(text, np.uint8).reshape(len(cells), len(shape))[:, :width]
+        fields = np.ascontiguousarray(letters).view(f"S{width}").ravel()
         try:
-            days = np.array([cell[:10] for cell in cells], "datetime64[D]")
-            fine = "ns" if len(shape) - zoned > 26 else "us"
-            if fine == "ns" and np.abs(days.astype(np.int64)).max() >= 2**63 // DAY_NS - 1:
-                return None  # numpy would wrap around
-            moments: NDArray[Any] = np.array(cells, f"datetime64[{fine}]")
+            moments: NDArray[Any] = fields.astype(f"datetime64[{fine}]")
+            days = fields.astype("S10").astype("datetime64[D]") if fine == "ns" else None
         except ValueError:  # the 30th of February
             return None
+        if days is not None:  # numpy wraps around, and differences have to fit too
+            furthest = int(np.abs(days.astype(np.int64)).max()) * DAY_NS
+            if max(furthest, abs(self.anchor_ns or 0)) >= 2**61 - DAY_NS:
+                return None
         if self._zoned is None:
             self._zoned, self.offset_min = zoned, 0 if zoned else None
         elif self._zoned != zoned:
