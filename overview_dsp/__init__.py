@@ -29,8 +29,7 @@ from overview_dsp.errors import (
     OverviewError,
     OverviewWarning,
 )
-from overview_dsp.public.lazy import lazy_names
-from overview_dsp.public.moved import find_moved_modules
+from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp import actuators, export, live, measure, presets
@@ -169,4 +168,3 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             ),
         },
     )
-find_moved_modules()

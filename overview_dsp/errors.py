@@ -66,6 +66,9 @@ class InputError(OverviewError, ValueError):
         What is wrong, where, what is allowed, what to try.
     fix : str
         A second line, where what to try needs one.
+    line, column, value, note : int or None, str, object, str
+        Of a cell in a table: its line (or row), the column's header, what it holds, and what is
+        wrong with that. None and empty for any other error.
 
     Examples
     --------
@@ -76,6 +79,19 @@ class InputError(OverviewError, ValueError):
     """
 
     exit_code = 2
+
+    def __init__(
+        self,
+        message: str,
+        fix: str = "",
+        *,
+        line: int | None = None,
+        column: str = "",
+        value: object = None,
+        note: str = "",
+    ) -> None:
+        super().__init__(message, fix)
+        self.line, self.column, self.value, self.note = line, column, value, note
 
 
 class OutputError(OverviewError):

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 import pkgutil
 import re
 import subprocess
 import sys
-import warnings
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.public.moved import MODULES, NAMES
 from tests.public_names import listed
 
 FACES = {face.__name__: face for face in (ov.actuators, ov.export, ov.live, ov.measure, ov.presets)}
@@ -82,78 +79,6 @@ import overview_dsp as ov
 print(all(hasattr(ov.live, name) for name in ov.live.__all__))
 """
     assert fresh(code) == "True\n"
-
-
-@pytest.mark.parametrize("old", MODULES)
-def test_a_moved_module_is_imported_for_one_release_more_and_warns(old):
-    sys.modules.pop(f"overview_dsp.{old}", None)
-    with pytest.warns(DeprecationWarning, match=MODULES[old].replace(".", r"\.")) as said:
-        module = importlib.import_module(f"overview_dsp.{old}")
-    assert said[0].filename.endswith("importlib/__init__.py")  # of the importing line
-    new = importlib.import_module(f"overview_dsp.{MODULES[old]}")
-    public = [name for name in vars(new) if not name.startswith("_")]
-    assert all(getattr(module, name) is getattr(new, name) for name in public)
-
-
-@pytest.mark.parametrize("old", NAMES)
-def test_a_moved_name_is_there_for_one_release_more_and_warns(old):
-    module, _, name = f"overview_dsp.{old}".rpartition(".")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        place = importlib.import_module(module)
-    with pytest.warns(DeprecationWarning, match="now") as said:
-        found = getattr(place, name)
-    assert said[0].filename == __file__
-    expected = ov
-    for part in NAMES[old].split("."):
-        expected = getattr(expected, part)
-    assert found is expected
-
-
-def test_the_documented_deep_paths_still_import_and_tuning_has_its_modules():
-    code = """
-import warnings
-warnings.simplefilter("ignore", DeprecationWarning)
-from overview_dsp.measure.feel_report import feel_report
-from overview_dsp.tuning import separated, tuned
-from overview_dsp.tuning.ordering import tuned as deeper
-from overview_dsp.presets.blending import morph, randomized
-from overview_dsp.presets.writing import save_preset
-from overview_dsp.export import export
-from overview_dsp.actuators.stage import ActuatorStage
-from overview_dsp.live.portaudio import OutputStream
-from overview_dsp.web.encoding import encode_engine
-import overview_dsp as ov
-assert feel_report is ov.measure.report.feel_report
-assert (tuned, separated) == (ov.measure.tuned, ov.measure.separated) and deeper is tuned
-assert encode_engine is ov.export.encode_engine
-assert export is ov.export.export
-print(ov.measure.feel_report.__name__)
-"""
-    # the old module stands in the function's place then, and can be called as it
-    assert fresh(code) == "overview_dsp.measure.feel_report\n"
-
-
-def test_a_function_is_callable_after_the_old_module_of_its_name_was_imported():
-    code = """
-import warnings
-warnings.simplefilter("ignore", DeprecationWarning)
-import overview_dsp.measure.feel_report
-import overview_dsp as ov
-preset, match = ov.load_preset("football"), ov.load_timeline("world-cup-final-2018")
-print(ov.measure.feel_report(preset, match, {}).strokes)
-"""
-    assert fresh(code) == "()\n"
-
-
-@pytest.mark.parametrize(
-    "name", ["overview_dsp.many.no", "overview_dsp.tuning.no", "overview_dsp.no"]
-)
-def test_a_module_that_never_was_is_a_module_not_found(name):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with pytest.raises(ModuleNotFoundError, match="no"):
-            importlib.import_module(name)
 
 
 @pytest.mark.parametrize("module", [ov, ov.timeline, *FACES.values()], ids=lambda m: m.__name__)

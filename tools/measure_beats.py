@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from overview_dsp.readers.cardiac.detection import find_beats
-from overview_dsp.readers.cardiac.signal import Samples
+from overview_dsp.analysis.heart_signal import Samples
+from overview_dsp.analysis.heartbeats import find_beats
 from tests.readers.make_cardiac import agreement
 from tests.readers.make_noise import with_noise
 

@@ -15,10 +15,10 @@ from datetime import datetime
 import numpy as np
 
 import overview_dsp as ov
-from overview_dsp.readers.tables.cells import Calendar
-from overview_dsp.readers.tables.event_rules import Thinner
-from overview_dsp.readers.tables.events import Series
-from overview_dsp.readers.tables.part_rules import PartRules
+from overview_dsp.analysis.extrema import Thinner
+from overview_dsp.analysis.series_events import Series
+from overview_dsp.analysis.series_labels import Calendar
+from overview_dsp.analysis.window_rules import PartRules
 from overview_dsp.timeline.curve_builder import CurveBuilder
 from overview_dsp.timeline.minmax_pyramid import CHUNK
 

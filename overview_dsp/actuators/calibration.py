@@ -13,11 +13,11 @@ from typing import Any
 
 import platformdirs
 
+from overview_dsp import validation
 from overview_dsp.actuators.library import load_actuator, reference
 from overview_dsp.actuators.model import MAX_CALIBRATION_DB, Actuator
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import make_folder, whole_file
-from overview_dsp.timeline import given
 
 REFERENCE_DB = -40.0
 """The threshold that needs no gain (our own choice: 40 dB from just felt to the nominal drive)."""
@@ -33,7 +33,7 @@ def calibration_file() -> Path:
 
 def gain_for(threshold_db: float) -> float:
     """The gain, dB, for a threshold; InputError for one that is out of reach."""
-    threshold_db = given.real(threshold_db, "threshold_db")
+    threshold_db = validation.real(threshold_db, "threshold_db")
     # written so that NaN fails
     if not LOWEST_DB <= threshold_db <= HIGHEST_DB:
         raise InputError(

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from overview_dsp import validation
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.validation import parse_actuator
 from overview_dsp.files.library import Library
 from overview_dsp.files.toml import read_text
-from overview_dsp.timeline import given
 
 LIBRARY = Library("actuators", "an actuator", "OVERVIEW_ACTUATORS")
 
@@ -33,7 +33,7 @@ def actuator_names() -> tuple[str, ...]:
 
 def reference(actuator: Actuator) -> str:
     """What `load_actuator` finds it by again, from any folder: its name, else its whole path."""
-    given.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
+    validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
     source = os.path.abspath(actuator.source)
     known = actuator.name in actuator_names()
     return (

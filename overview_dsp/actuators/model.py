@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.presets.parameter import Parameter, Value, read_parameters
-from overview_dsp.public.reprs import short
+from overview_dsp.public import short
 
 MAX_CALIBRATION_DB = 30.0
 LN_9 = 2.1972245773362196  # from 10 to 90 % of an exponential rise, in time constants

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.actuators.coefficients import write_actuator
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
-from overview_dsp.public.reprs import counted
-from overview_dsp.timeline import given
+from overview_dsp.public import counted
 from overview_dsp.units import gain_to_db
 
 FAINT_DB = -12.0
@@ -26,7 +26,7 @@ FAINT_DB = -12.0
 
 def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
     """Warn where a vibration of that frequency, made by the actuator, is hardly felt."""
-    given.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
+    validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
     resonance_hz = actuator.resonance_hz
     felt = (
         actuator.response_db(frequency_hz) + pacinian_db(frequency_hz) - pacinian_db(resonance_hz)
@@ -111,8 +111,8 @@ class ActuatorStage:
     """
 
     def __init__(self, actuator: Actuator, sample_rate: float) -> None:
-        given.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
-        sample_rate = given.real(sample_rate, "sample_rate")
+        validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
+        sample_rate = validation.real(sample_rate, "sample_rate")
         self._name = actuator.name
         self._memory = np.zeros(layout.ACT_SIZE)
         write_actuator(self._memory, 0, actuator, sample_rate)

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.decibels import gain_of_db
-from overview_dsp.timeline import given
 
 EDGE_S = 0.01
 """How long a test signal takes to begin and to end."""
@@ -52,9 +52,9 @@ def log_sweep(
     >>> ov.actuators.log_sweep(100.0, 400.0, 1.0, level_db=-20.0, sample_rate=8000).shape
     (8000,)
     """
-    low_hz, high_hz = given.real(low_hz, "low_hz"), given.real(high_hz, "high_hz")
-    seconds, level_db = given.real(seconds, "seconds"), given.real(level_db, "level_db")
-    sample_rate = given.above_zero(sample_rate, "sample_rate")
+    low_hz, high_hz = validation.real(low_hz, "low_hz"), validation.real(high_hz, "high_hz")
+    seconds, level_db = validation.real(seconds, "seconds"), validation.real(level_db, "level_db")
+    sample_rate = validation.positive(sample_rate, "sample_rate")
     # each written so that NaN fails
     if not LOWEST_HZ <= low_hz < high_hz <= HIGHEST_PART * sample_rate:
         raise InputError(

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.analysis.loudness import MIN_RATE, StepMeter
 from overview_dsp.measure.felt import event_levels
-from overview_dsp.readers.audio.k_weighting import MIN_RATE
-from overview_dsp.readers.audio.loudness import StepMeter
 from overview_dsp.rendering.many import RenderedJob
 from overview_dsp.rendering.trace import Trace
 from overview_dsp.units import gain_to_db

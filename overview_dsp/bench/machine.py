@@ -7,7 +7,7 @@ import re
 from importlib.metadata import version
 from pathlib import Path
 
-from overview_dsp.public.reprs import counted
+from overview_dsp.public import counted
 from overview_dsp.rendering.many import usable_cores
 
 

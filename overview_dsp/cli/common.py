@@ -160,8 +160,8 @@ def part_of(
         Both are given, or one that names no part; the line begins with the option.
     """
     from overview_dsp.errors import InputError
-    from overview_dsp.timeline.checks import located
     from overview_dsp.timeline.moments import window_of, zoom_window
+    from overview_dsp.validation import located
 
     if window and zoom_to is not None:
         raise InputError("--window and --zoom-to both name a part; give one of them")

@@ -70,7 +70,7 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable
     from overview_dsp.readers import save_timeline
-    from overview_dsp.readers.events_csv import save_events
+    from overview_dsp.readers.events.event_table import save_events
     from overview_dsp.units import span_text
 
     suffix = Path(out).suffix.lower()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.engine.coefficients import ask, changes, check_carrier
 from overview_dsp.engine.prepared import PreparedEngine
 from overview_dsp.engine.queues import stamp_of
@@ -20,7 +21,6 @@ from overview_dsp.presets.parameter import Value
 from overview_dsp.presets.parameters import PARAMETERS
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import given
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
@@ -253,7 +253,7 @@ class ControlledEngine(PreparedEngine):
         >>> engine.set_surface(ov.build_surface(match.window(0.0, 600.0), football))
         """
         self._require_prepared()
-        given.instance(surface, Surface, "surface", "ov.build_surface makes one")
+        validation.instance(surface, Surface, "surface", "ov.build_surface makes one")
         self._change(self._preset, surface, sample_time, None)
 
     def _change(

@@ -12,7 +12,7 @@ from overview_dsp.engine.state import decode_state, encode_state
 from overview_dsp.errors import InputError, NotPreparedError
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.noise import seed_state
-from overview_dsp.public.reprs import short
+from overview_dsp.public import short
 from overview_dsp.surface.build import build_surface
 
 _NO_TRACE = np.zeros(0)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.presets.parameter import Parameter, Value
-from overview_dsp.public.reprs import counted
+from overview_dsp.public import counted
 from overview_dsp.timeline.dataframe import dataframe
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.engine.coefficients import check_carrier, write_parameters
 from overview_dsp.engine.compile_notice import announce_compile
 from overview_dsp.engine.queues import ControlQueues
@@ -20,7 +21,6 @@ from overview_dsp.kernels.noise import seed_state
 from overview_dsp.presets.model import Preset
 from overview_dsp.surface.build import build_surface
 from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import given
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
@@ -42,10 +42,12 @@ class PreparedEngine:
     ) -> None:
         if surface is None:
             surface = build_surface(timeline, preset)
-        self._preset = given.instance(preset, Preset, "preset", "ov.load_preset gives one")
+        self._preset = validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
         self._timeline = timeline
-        self._seed = given.whole(seed, "seed")
-        self._surface = given.instance(surface, Surface, "surface", "ov.build_surface makes one")
+        self._seed = validation.whole(seed, "seed")
+        self._surface = validation.instance(
+            surface, Surface, "surface", "ov.build_surface makes one"
+        )
         self._slot_surfaces: list[Surface | None] = [None] * layout.SLOTS
         self._sample_rate = 0.0
         self._max_block_size = 0
@@ -87,14 +89,14 @@ class PreparedEngine:
         >>> engine.sample_rate
         8000.0
         """
-        rate = given.real(sample_rate, "sample_rate")
+        rate = validation.real(sample_rate, "sample_rate")
         if not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
             raise InputError(
                 f"sample rate {rate:g} Hz is out of range; "
                 f"it is {MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
             )
         check_carrier(self._preset, rate)
-        if given.whole(max_block_size, "max_block_size") < 1:
+        if validation.whole(max_block_size, "max_block_size") < 1:
             raise InputError(f"max_block_size = {max_block_size}; it is at least 1 frame")
         if memory is not None and (
             memory.dtype != np.float64

@@ -15,12 +15,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning, shown
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.control import push_control
 from overview_dsp.kernels.ordering import acquired, publish
-from overview_dsp.timeline import given
 
 _RING_OF = {source: ring for ring, source in enumerate(SOURCES)}
 _AS_SOON_AS_POSSIBLE = -1
@@ -58,7 +58,7 @@ class ControlQueues:
         if ring is None:
             raise InputError(f"no source is called {shown(source)}; known: {', '.join(SOURCES)}")
         # of exact types: for any other, the compiler would make it anew
-        event = ring, stamp, given.real(theta2, "theta2"), bool(touching)
+        event = ring, stamp, validation.real(theta2, "theta2"), bool(touching)
         with self._writing[ring]:
             if push_control(self._f64, self._i64, *event):
                 return
@@ -82,8 +82,8 @@ class ControlQueues:
         """Push control events, in order: all, or none with OverviewError if a ring is full."""
         rows = {"theta2": theta2, "touching": touching, "sample_times": stamps, "sources": sources}
         for what, row in rows.items():
-            given.floats(row, what)
-        given.equally_long(", ".join(rows), *rows.values())
+            validation.floats(row, what)
+        validation.equally_long(", ".join(rows), *rows.values())
         if len(sources) and not 0 <= sources.min() <= sources.max() < len(SOURCES):
             raise InputError(
                 f"a source is an index of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
@@ -173,7 +173,7 @@ def stamp_of(sample_time: int | None) -> int:
     """The stamp of a sample time; None is as soon as possible. InputError if it is no sample."""
     if sample_time is None:
         return _AS_SOON_AS_POSSIBLE
-    if not 0.0 <= given.real(sample_time, "sample_time") < 2.0**63:
+    if not 0.0 <= validation.real(sample_time, "sample_time") < 2.0**63:
         raise InputError(
             f"sample_time = {shown(sample_time)}; it counts samples since reset, from 0"
         )

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.engine.meters import Meters, Strikes
 from overview_dsp.engine.struck import StruckSurfaces
 from overview_dsp.errors import InputError, OverviewError, shown
 from overview_dsp.gestures import SOURCES
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.ordering import acquired
-from overview_dsp.timeline import given
 
 if TYPE_CHECKING:
     from overview_dsp.timeline import Timeline
@@ -108,7 +108,7 @@ def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.vo
     OverviewError
         More came since than the log keeps.
     """
-    since = given.whole(since, "since", least=0)
+    since = validation.whole(since, "since", least=0)
     i64 = memory.view(np.int64)
     now = acquired(i64, layout.APPLIED)
     if since > now:

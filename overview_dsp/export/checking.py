@@ -6,10 +6,10 @@ import os
 from pathlib import Path
 from xml.etree import ElementTree
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.export.checks import ahap, android, haptic, hjif
 from overview_dsp.export.reading import load_document
-from overview_dsp.timeline import given
 
 _CHECKS = {
     "Pattern": ahap.faults_of,
@@ -50,7 +50,7 @@ def check_clip(path: str | os.PathLike[str]) -> list[str]:
     >>> ov.export.check_clip("match.hjif")
     []
     """
-    given.path(path, "a clip")
+    validation.path(path, "a clip")
     if Path(path).suffix.lower() == ".xml":
         return _xml(Path(path))[:_MOST]
     try:

@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.export.clip import LEVELS_PER_S, MAX_CLIP_S, Transient
 from overview_dsp.export.players.core_haptics import TRANSIENTS_MS, with_transients
 from overview_dsp.export.players.meta import with_emphasis
-from overview_dsp.public.reprs import counted
-from overview_dsp.timeline import given
-from overview_dsp.timeline.checks import number
+from overview_dsp.public import counted
+from overview_dsp.validation import number
 
 MAX_BYTES = 8_000_000
 MAX_ENTRIES = 100_000
@@ -97,7 +97,7 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
     >>> len(clip.level) > 500
     True
     """
-    found = [_read(one) for one in paired(given.path(path, "a clip"))]
+    found = [_read(one) for one in paired(validation.path(path, "a clip"))]
     level = np.zeros(max(len(clip.level) for clip in found))
     for clip in found:
         part = level[: len(clip.level)]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
 from overview_dsp.export import ahap, android, haptic, hjif
 from overview_dsp.export.clip import Clip
@@ -22,10 +23,9 @@ from overview_dsp.export.players import core_haptics, meta, mpeg
 from overview_dsp.export.rendered import clip_of
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.sound import save_sound
-from overview_dsp.public.reprs import counted, short
+from overview_dsp.public import counted, short
 from overview_dsp.rendering.offline import Result
 from overview_dsp.rendering.trace import Trace
-from overview_dsp.timeline import given
 
 POINTS_PER_S = 50.0
 """Amplitude points a second by default (Meta's studio has 40; a sweep of a second needs more)."""
@@ -206,10 +206,10 @@ def export(
     if not isinstance(to, str) or to not in NAMES:
         raise InputError(f"no export format is called {shown(to)}; it is one of {', '.join(NAMES)}")
     # written so that NaN fails
-    points_per_s = given.real(points_per_s, "points_per_s")
+    points_per_s = validation.real(points_per_s, "points_per_s")
     if not 1.0 <= points_per_s <= 1000.0:
         raise InputError(f"{points_per_s:g} points a second; it is 1 to 1000")
-    target = given.path(path, "path")
+    target = validation.path(path, "path")
     if to == "wav4":
         # for pads whose voice coils are channels 3 and 4 (DualSense): clicks on both sides, tactor
         save_sound(target, result.samples[:, [0, 0, 1, 1]], result.sample_rate, "PCM_16")

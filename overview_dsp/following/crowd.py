@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.analysis.loudness import MIN_RATE, StepMeter
 from overview_dsp.errors import InputError
 from overview_dsp.readers.audio.channels import layout_of, weights_of
-from overview_dsp.readers.audio.k_weighting import MIN_RATE
-from overview_dsp.readers.audio.loudness import StepMeter
 from overview_dsp.readers.audio.reader import timeline_of
 from overview_dsp.timeline.model import Timeline
 

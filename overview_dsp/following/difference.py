@@ -23,10 +23,10 @@ from typing import Any
 
 import numpy as np
 
+from overview_dsp.analysis.crowd_excitement import derive_intensity
 from overview_dsp.errors import InputError
 from overview_dsp.following.feed_lines import event_object, event_of
 from overview_dsp.readers import native
-from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.intensity import Intensity
 from overview_dsp.timeline.model import Timeline

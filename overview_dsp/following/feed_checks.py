@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.timeline.curve_checks import MAX_VALUE
 from overview_dsp.timeline.event import Event
 
@@ -22,7 +22,7 @@ LONGEST_S = 100 * 366 * 86_400.0
 def checked_event(value: object, where: str) -> Event:
     """An event at a time that is allowed; `where` is what holds it."""
     if not isinstance(value, Event):
-        raise InputError(f"{where} holds {checks.shown(value)}; give Event")
+        raise InputError(f"{where} holds {shown(value)}; give Event")
     checked_time(value.time_s, "time_s")
     return value
 
@@ -30,7 +30,7 @@ def checked_event(value: object, where: str) -> Event:
 def checked_time(value: object, what: str) -> float:
     """Seconds from the start."""
     hint = f"times are seconds from the start, 0 to {LONGEST_S:g}"
-    time_s = checks.number(value, what, hint)
+    time_s = validation.number(value, what, hint)
     if not 0.0 <= time_s <= LONGEST_S:
         raise InputError(f"{what} is {time_s!r}; {hint}")
     return time_s
@@ -41,9 +41,9 @@ def checked_sample(value: object) -> tuple[float, float]:
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if not isinstance(value, tuple | list) or len(value) != 2:
-        raise InputError(f"a sample is {checks.shown(value)}; give a time in s and a value")
+        raise InputError(f"a sample is {shown(value)}; give a time in s and a value")
     hint = f"it is finite, up to {MAX_VALUE:g}"
-    level = checks.number(value[1], "a sample's value", hint)
+    level = validation.number(value[1], "a sample's value", hint)
     if abs(level) > MAX_VALUE:
         raise InputError(f"a sample's value is {level!r}; {hint}")
     return checked_time(value[0], "a sample's time"), level
@@ -52,7 +52,7 @@ def checked_sample(value: object) -> tuple[float, float]:
 def checked_length(value: object, name: str, rule: str) -> float:
     """Seconds that a feed may last; `name` is the parameter's, `rule` what it has to be."""
     hint = f"{rule} above 0, up to {LONGEST_S:g}"
-    length_s = checks.positive(value, name, hint)
+    length_s = validation.positive(value, name, hint)
     if length_s > LONGEST_S:
         raise InputError(f"{name} is {length_s!r}; {hint}")
     return length_s
@@ -68,5 +68,5 @@ def checked_expectation(value: object) -> float | None:
 def checked_map(value: Map) -> Map:
     """How a timeline that grows is laid under the hand."""
     if value not in MAPS:
-        raise InputError(f"map is {checks.shown(value)}; it is one of {', '.join(MAPS)}")
+        raise InputError(f"map is {shown(value)}; it is one of {', '.join(MAPS)}")
     return value

@@ -22,9 +22,9 @@ from collections.abc import Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.following.live_timeline import LiveTimeline
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event
 
 VERSION = 1
@@ -135,28 +135,26 @@ def take_line(live: LiveTimeline, line: bytes | str) -> str:
     key = found[0]
     more = document.keys() - {key} - _BESIDE.get(key, frozenset())
     if more:
-        raise InputError(f"{_start(line)}: {key} has no {checks.shown(min(more))} beside it")
+        raise InputError(f"{_start(line)}: {key} has no {shown(min(more))} beside it")
     _TAKE[key](live, document[key], document)
     return key
 
 
 def _start(line: bytes | str) -> str:
     text = line.decode("utf-8", "replace") if isinstance(line, bytes) else line
-    return checks.shown(text.strip()[:60])
+    return shown(text.strip()[:60])
 
 
 def _header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> None:
     if isinstance(version, bool) or version != VERSION:
-        raise InputError(
-            f"{HEADER} is {checks.shown(version)}; this program follows version {VERSION}"
-        )
+        raise InputError(f"{HEADER} is {shown(version)}; this program follows version {VERSION}")
     start = line.get("start")
     moment = None
     if start is not None:
         try:
-            moment = datetime.fromisoformat(checks.text(start, "start"))
+            moment = datetime.fromisoformat(validation.text(start, "start"))
         except ValueError:
-            raise InputError(f"start is {checks.shown(start)}; write it as ISO 8601") from None
+            raise InputError(f"start is {shown(start)}; write it as ISO 8601") from None
     percentiles = line.get("percentiles")
     if percentiles is not None:
         percentiles = tuple(_pair(percentiles, "percentiles"))
@@ -173,22 +171,22 @@ def _header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> Non
 def _words(line: Mapping[str, Any]) -> dict[str, Any]:
     notes = line.get("notes")
     if notes is not None and not isinstance(notes, list):
-        raise InputError(f"notes is {checks.shown(notes)}, not a list")
+        raise InputError(f"notes is {shown(notes)}, not a list")
     return {"title": _text(line, "title"), "provenance": _text(line, "provenance"), "notes": notes}
 
 
 def _text(line: Mapping[str, Any], key: str) -> str | None:
     value = line.get(key)
-    return None if value is None else checks.text(value, key)
+    return None if value is None else validation.text(value, key)
 
 
 def event_of(value: object) -> Event:
     """Return the event that an object of a feed means; InputError names what is wrong."""
     if not isinstance(value, dict):
-        raise InputError(f"an event is {checks.shown(value)}, not an object")
+        raise InputError(f"an event is {shown(value)}, not an object")
     more = value.keys() - _EVENT_KEYS
     if more:
-        raise InputError(f"an event has no {checks.shown(min(more))}; it has time_s, kind, label, "
+        raise InputError(f"an event has no {shown(min(more))}; it has time_s, kind, label, "
                          "weight")  # fmt: skip
     for key in ("time_s", "kind"):
         if key not in value:
@@ -198,7 +196,7 @@ def event_of(value: object) -> Event:
 
 def _event(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
     given = line.get("id")
-    name = None if given is None else checks.text(_as_text(given), "id")
+    name = None if given is None else validation.text(_as_text(given), "id")
     live.append(events=(event_of(value),), ids=(name,))
 
 
@@ -222,7 +220,7 @@ def _as_text(name: object) -> object:
 
 
 def _clock(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
-    live.append(clock_s=checks.number(value, "clock"))
+    live.append(clock_s=validation.number(value, "clock"))
 
 
 def _gap(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
@@ -232,14 +230,14 @@ def _gap(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
 
 def _end(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
     words = _words(line)
-    live.end(None if value is None else checks.number(value, "end"))
+    live.end(None if value is None else validation.number(value, "end"))
     live.describe(**words)
 
 
 def _pair(value: object, what: str) -> list[float]:
     if not isinstance(value, list) or len(value) != 2:
-        raise InputError(f"{what} is {checks.shown(value)}; it is a list of two numbers")
-    return [checks.number(one, what) for one in value]
+        raise InputError(f"{what} is {shown(value)}; it is a list of two numbers")
+    return [validation.number(one, what) for one in value]
 
 
 _TAKE = {

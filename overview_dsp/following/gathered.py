@@ -10,7 +10,8 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import ArrayLike
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.following.coverage import Coverage
 from overview_dsp.following.feed_checks import (
     LONGEST_S,
@@ -20,7 +21,6 @@ from overview_dsp.following.feed_checks import (
 )
 from overview_dsp.following.kept_events import Change, KeptEvents, What, event_key
 from overview_dsp.following.kept_samples import KeptSamples
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.intensity import Intensity
 from overview_dsp.timeline.model import Timeline
@@ -47,16 +47,16 @@ class Gathered:
         silence_s: float,
     ) -> None:
         self._lock = threading.RLock()
-        self._title = checks.text(title, "title")
-        self._unit = checks.text(unit, "unit")
-        checks.moment(start, LONGEST_S)
+        self._title = validation.text(title, "title")
+        self._unit = validation.text(unit, "unit")
+        validation.moment(start, LONGEST_S)
         self._start = start
         self._percentiles = percentiles
         self._provenance = "a feed"
         self._notes: tuple[str, ...] = ()
         self._kept = KeptEvents()
         self._samples = KeptSamples()
-        self._heard = Coverage(checks.positive(silence_s, "silence_s"))
+        self._heard = Coverage(validation.positive(silence_s, "silence_s"))
         self._given_gaps: dict[tuple[float, float], str] = {}
         self._clock_s = 0.0
         self._document: Timeline | None = None
@@ -167,7 +167,7 @@ class Gathered:
         {'foul': 1}
         """
         if not isinstance(event, Event | str):
-            raise InputError(f"{checks.shown(event)} is neither an Event nor an id")
+            raise InputError(f"{shown(event)} is neither an Event nor an id")
         with self._lock:
             effect = self._kept.retract(event)
             if effect is None:
@@ -202,7 +202,7 @@ class Gathered:
         start, end = checked_time(start_s, "start_s"), checked_time(end_s, "end_s")
         if start >= end:
             raise InputError(f"a gap from {start!r} to {end!r} s; it begins before it ends")
-        checks.text(reason, "reason")
+        validation.text(reason, "reason")
         with self._lock:
             if self._given_gaps.get((start, end)) != reason and len(self._given_gaps) < MAX_CHANGES:
                 self._given_gaps[start, end] = reason
@@ -253,17 +253,19 @@ class Gathered:
         'Home - Away'
         """
         told = {
-            "_title": None if title is None else checks.text(title, "title"),
-            "_unit": None if unit is None else checks.text(unit, "unit"),
-            "_provenance": None if provenance is None else checks.text(provenance, "provenance"),
-            "_notes": None if notes is None else tuple(checks.text(n, "notes") for n in notes),
+            "_title": None if title is None else validation.text(title, "title"),
+            "_unit": None if unit is None else validation.text(unit, "unit"),
+            "_provenance": None
+            if provenance is None
+            else validation.text(provenance, "provenance"),
+            "_notes": None if notes is None else tuple(validation.text(n, "notes") for n in notes),
             "_start": start,
             "_percentiles": percentiles,
         }
-        checks.moment(start, LONGEST_S)
+        validation.moment(start, LONGEST_S)
         if percentiles is not None:
             Intensity(np.zeros(1), np.zeros(1), percentiles=percentiles)  # checked there
-        reach = None if silence_s is None else checks.positive(silence_s, "silence_s")
+        reach = None if silence_s is None else validation.positive(silence_s, "silence_s")
         with self._lock:
             if reach is not None and not self._heard:
                 self._heard.reach_s = reach

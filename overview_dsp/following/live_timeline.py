@@ -14,6 +14,7 @@ from datetime import datetime
 
 import numpy as np
 
+from overview_dsp.analysis.crowd_excitement import derive_intensity
 from overview_dsp.following.coverage import merged_gaps
 from overview_dsp.following.feed_checks import (
     MAPS,
@@ -23,8 +24,7 @@ from overview_dsp.following.feed_checks import (
     checked_map,
 )
 from overview_dsp.following.gathered import Gathered
-from overview_dsp.public.reprs import counted, short
-from overview_dsp.readers.excitement import derive_intensity
+from overview_dsp.public import counted, short
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.intensity import EXTREMES, Intensity

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from overview_dsp.analysis.crowd_excitement import derive_intensity
 from overview_dsp.following.feed_lines import HEADER, VERSION, event_object
-from overview_dsp.readers.excitement import derive_intensity
 from overview_dsp.timeline.intensity import EXTREMES
 from overview_dsp.timeline.model import Timeline
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.public.reprs import counted
-from overview_dsp.timeline import given
+from overview_dsp.public import counted
 
 LONGEST_S = 7 * 24 * 3600.0
 """No gesture is longer: a time beyond it is a slip of the pen, and would render for ever."""
@@ -83,10 +83,10 @@ class Gesture:
     changes: tuple[Change, ...] = ()
 
     def __post_init__(self) -> None:
-        time_s = given.floats(self.time_s, "time_s")
-        theta2 = given.floats(self.theta2, "theta2")
-        touching = given.floats(self.touching, "touching") != 0.0
-        duration_s = given.real(self.duration_s, "duration_s")
+        time_s = validation.floats(self.time_s, "time_s")
+        theta2 = validation.floats(self.theta2, "theta2")
+        touching = validation.floats(self.touching, "touching") != 0.0
+        duration_s = validation.real(self.duration_s, "duration_s")
         sources: Any = self.source
         source = np.array(np.zeros(len(time_s)) if sources is None else sources, dtype=np.int8)
         if not len(time_s) == len(theta2) == len(touching) == len(source):

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.gestures.model import Gesture
-from overview_dsp.timeline import given
 from overview_dsp.units import HALF_TURN
 
 CONTROL_RATE = 200.0
@@ -33,14 +33,14 @@ FASTEST_SCRUB_HZ = 20.0
 
 
 def _position(value: float, what: str) -> float:
-    value = given.real(value, what)
+    value = validation.real(value, what)
     if not 0.0 <= value <= 1.0:
         raise InputError(f"{what} {value:g} is out of range; positions are 0 (start) to 1 (end)")
     return value
 
 
 def _seconds(value: float, what: str, zero: bool = False) -> float:
-    value = given.real(value, what)
+    value = validation.real(value, what)
     if not (0.0 < value <= LONGEST_S or (zero and value == 0.0)):
         raise InputError(
             f"{what} {value:g} s is out of range; it is more than 0 and up to {LONGEST_S:g} s"
@@ -259,12 +259,12 @@ def scrub(position: float, width: float, hz: float, seconds: float = SCRUB_S) ->
     (4.2, np.float64(0.52))
     """
     position = _position(position, "the position of scrubbing")
-    width = given.real(width, "the width of scrubbing")
+    width = validation.real(width, "the width of scrubbing")
     if not 0.0 < width <= 1.0:
         raise InputError(
             f"the width of scrubbing {width:g} is out of range; it is more than 0 and up to 1"
         )
-    hz = given.real(hz, "the frequency of scrubbing")
+    hz = validation.real(hz, "the frequency of scrubbing")
     if not 0.0 < hz <= FASTEST_SCRUB_HZ:
         raise InputError(
             f"the frequency of scrubbing {hz:g} Hz is out of range; it is more than 0 and up to "

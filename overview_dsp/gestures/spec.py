@@ -7,11 +7,11 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.gestures.model import Gesture, joined
 from overview_dsp.gestures.scripts import arm, flick, pause, scrub, sweep, tap
 from overview_dsp.gestures.take import load_gesture
-from overview_dsp.timeline import given
 
 FORMS = (
     "sweep:SECONDS[:FROM:TO], tap:POSITION[:HOLD_SECONDS], arm:SECONDS[:REST_SECONDS], "
@@ -57,7 +57,7 @@ def parse_gesture(spec: str) -> Gesture:
     >>> ov.parse_gesture("sweep:2:0:0.6+rest:3+tap:0.8:1.5").duration_s
     6.5
     """
-    given.instance(spec, str, "a gesture", f"it is {FORMS}")
+    validation.instance(spec, str, "a gesture", f"it is {FORMS}")
     # a take's path may hold any character, a plus too
     if Path(spec).suffix.lower() == ".csv" and os.path.exists(spec):
         return load_gesture(spec)

@@ -15,11 +15,11 @@ from typing import TextIO
 
 import numpy as np
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.gestures.model import LONGEST_S, SOURCES, Gesture
 from overview_dsp.gestures.recorded_take import Beside, load_beside
-from overview_dsp.timeline import given
 
 COLUMNS = ("time_s", "theta2_rad", "touching")
 ROUNDED_RAD = 1e-5
@@ -55,7 +55,7 @@ def load_gesture(path: str | Path) -> Gesture:
     >>> ov.load_gesture("take.csv").duration_s
     0.05
     """
-    path = given.path(path, "a take")
+    path = validation.path(path, "a take")
     try:
         # a pipe or a device would be waited for
         if not stat.S_ISREG(os.stat(path).st_mode):
@@ -206,8 +206,8 @@ def save_gesture(gesture: Gesture, path: str | Path) -> None:
     >>> import overview_dsp as ov
     >>> ov.save_gesture(ov.sweep(1.0) + ov.pause(0.5), "sweep.csv")
     """
-    path = given.path(path, "a take")
-    given.instance(gesture, Gesture, "gesture", "ov.sweep makes one")
+    path = validation.path(path, "a take")
+    validation.instance(gesture, Gesture, "gesture", "ov.sweep makes one")
     events = list(zip(gesture.time_s, gesture.theta2, gesture.touching, strict=True))
     _, theta2, touching = events[-1] if events else (0.0, 0.0, False)
     if not events or events[-1][0] < gesture.duration_s:

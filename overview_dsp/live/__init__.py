@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from overview_dsp.public.lazy import lazy_names
+from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.live.output_devices import OutputDevice, devices, find_device

@@ -20,7 +20,7 @@ from overview_dsp.following.sources import (
     Stream,
     pcm_blocks,
 )
-from overview_dsp.timeline.moments import length_s
+from overview_dsp.timeline.times import length_s
 
 FORMS = (
     "a file, - (a feed on standard input), http(s)://..., ws(s)://..., audio:DEVICE, "

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
@@ -22,8 +23,7 @@ from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.portaudio_library import import_sounddevice
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, play_again, read_meters
-from overview_dsp.public.reprs import short
-from overview_dsp.timeline import given
+from overview_dsp.public import short
 
 CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5
@@ -96,7 +96,7 @@ class OutputStream:
         self._memory = engine.memory
         self._w = self._memory.view(np.int64)
         self.callback: CallbackKind = callback
-        self.block_size = given.whole(block_size, "block_size", least=0)
+        self.block_size = validation.whole(block_size, "block_size", least=0)
         self._started = False
         if device == PAD:
             device = find_device(device).index

@@ -7,12 +7,12 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.output_stage import finish_block
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.stream_meters import clear_meters, record_callback
-from overview_dsp.timeline import given
 
 
 def connect(engine: Engine, settings: OutputSettings | None) -> int:
@@ -20,7 +20,7 @@ def connect(engine: Engine, settings: OutputSettings | None) -> int:
 
     Without settings the engine's channel map stays, and the signals go out as they are.
     """
-    given.instance(engine, Engine, "engine", "ov.Engine makes one")
+    validation.instance(engine, Engine, "engine", "ov.Engine makes one")
     memory = engine.memory
     if settings is not None:
         click, tactor = (

@@ -8,12 +8,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from overview_dsp import validation
 from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, play_again, read_meters
-from overview_dsp.timeline import given
 
 MAX_BLOCK = 1 << 20
 """Frames of the longest block: no output asks for more than some thousands."""
@@ -58,7 +58,7 @@ class SilentStream:
         self, engine: Engine, block_size: int = 256, settings: OutputSettings | None = None
     ) -> None:
         self._engine = engine
-        self.block_size = given.whole(block_size, "block_size", 1, MAX_BLOCK)
+        self.block_size = validation.whole(block_size, "block_size", 1, MAX_BLOCK)
         channels = connect(engine, settings)
         self._out = np.zeros((self.block_size, channels), dtype=np.float32)
         self._thread: threading.Thread | None = None

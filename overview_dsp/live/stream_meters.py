@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
-from overview_dsp.public.reprs import counted
+from overview_dsp.public import counted
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from overview_dsp.public.lazy import lazy_names
+from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.measure.apart import events_felt_apart

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.gestures import Gesture, arm, flick, scrub, sweep, tap
 from overview_dsp.gestures.scripts import APPROACH_REST_S, APPROACH_S
@@ -23,10 +24,10 @@ from overview_dsp.measure.observer.passages import AFTER_MS, BEFORE_MS
 from overview_dsp.measure.observer.scoring import GROUPS, MINOR
 from overview_dsp.measure.report_base import Report, cell
 from overview_dsp.presets.model import Preset
-from overview_dsp.public.reprs import counted, short
+from overview_dsp.public import counted, short
 from overview_dsp.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.rendering.trace import Trace
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 
 RATE = 16_000.0
 """Hz. The disk and its vibration are the same at any rate."""
@@ -229,8 +230,8 @@ def arm_report(
     >>> report.strokes[0].missed
     0
     """
-    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    timelines = given.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    timelines = validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
     if not timelines:
         raise InputError("no timelines; give one or more")
     main, weakest = main_kinds(preset, timelines)

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from overview_dsp import validation
 from overview_dsp.measure.kind_feel import FeelReport, KindFeel, StrokeReport
 from overview_dsp.measure.steps import STEP_DB, STEP_DURATION, STEP_SHARPNESS, ratio_steps
-from overview_dsp.timeline import given
 
 
 def character_steps(first: FeelReport, second: FeelReport) -> float:
@@ -39,8 +39,8 @@ def character_steps(first: FeelReport, second: FeelReport) -> float:
     0.0
     """
     for report in (first, second):
-        given.instance(report, FeelReport, "a report", "ov.measure.feel_report makes one")
-    given.equally_long("the reports' strokes", first.strokes, second.strokes)
+        validation.instance(report, FeelReport, "a report", "ov.measure.feel_report makes one")
+    validation.equally_long("the reports' strokes", first.strokes, second.strokes)
     differences = np.array(
         [
             _character_differences(one, other)
@@ -85,7 +85,7 @@ def steps_apart(first: KindFeel, second: KindFeel) -> float:
     0.0
     """
     for kind in (first, second):
-        given.instance(kind, KindFeel, "a kind", "the strokes of a feel report have them")
+        validation.instance(kind, KindFeel, "a kind", "the strokes of a feel report have them")
     steps = [
         abs(first.level_db - second.level_db) / STEP_DB,
         ratio_steps(first.sharpness, second.sharpness, STEP_SHARPNESS),

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.derive import ARRIVAL_S
@@ -34,7 +35,7 @@ from overview_dsp.measure.steps import GESTURES, MERGED_S, STEP_DB
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.many import RenderJob, render_many
 from overview_dsp.rendering.schedule import Tail
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 
 LOW, HIGH = 10.0, 90.0
 """The spread of a kind's levels, percentiles."""
@@ -104,9 +105,9 @@ def crowd_report(
     True
     """
     require_gestures(gestures)
-    timelines = given.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
-    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    sample_rate = given.above_zero(sample_rate, "sample_rate")
+    timelines = validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    sample_rate = validation.positive(sample_rate, "sample_rate")
     weight = pacinian_db(preset.number("tactor.frequency_hz"))
     found: dict[str, list[_Events]] = {}
     for done, (name, gesture) in enumerate(gestures.items()):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from overview_dsp.measure.report_base import Report, called, cell
-from overview_dsp.public.reprs import counted, short
+from overview_dsp.public import counted, short
 
 
 @dataclass(frozen=True)

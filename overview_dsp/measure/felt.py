@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
 from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import given
 
 WINDOW_S = 0.010
 HOP_S = 0.001
@@ -105,9 +105,9 @@ def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[S
     >>> [stroke.name for stroke in ov.measure.strokes(result.trace.engaged, result.trace.cursor)]
     ['out', 'recoil']
     """
-    engaged = given.floats(engaged, "engaged")
-    cursor = given.floats(cursor, "cursor")
-    given.equally_long("engaged and cursor", engaged, cursor)
+    engaged = validation.floats(engaged, "engaged")
+    cursor = validation.floats(cursor, "cursor")
+    validation.equally_long("engaged and cursor", engaged, cursor)
     if not len(engaged):
         return []
     held = engaged > 0.5
@@ -162,9 +162,9 @@ def window_db(
     >>> starts[:2], float(level[0])
     (array([ 0., 80.]), 0.0)
     """
-    samples = given.floats(signal, "signal")
-    sample_rate = given.above_zero(sample_rate, "sample_rate")
-    length, hop = WINDOW_S * sample_rate, given.above_zero(hop_s, "hop_s") * sample_rate
+    samples = validation.floats(signal, "signal")
+    sample_rate = validation.positive(sample_rate, "sample_rate")
+    length, hop = WINDOW_S * sample_rate, validation.positive(hop_s, "hop_s") * sample_rate
     starts = np.arange(0.0, max(0.0, len(samples) - length) + 0.5, hop)
     energy = np.zeros(len(samples) + 1)
     np.cumsum(np.square(samples), out=energy[1:])
@@ -272,11 +272,11 @@ def event_levels(
     >>> ov.measure.event_levels(surface, result.trace, tactor, 8000).shape == surface.event.shape
     True
     """
-    given.instance(surface, Surface, "surface", "ov.build_surface makes one")
+    validation.instance(surface, Surface, "surface", "ov.build_surface makes one")
     if not isinstance(columns, Mapping) or not {"engaged", "cursor"} <= set(columns):
         raise InputError(f"columns is {shown(columns)}; give a render's trace")
-    given.equally_long(
-        "the trace's engaged and tactor", columns["engaged"], given.floats(tactor, "tactor")
+    validation.equally_long(
+        "the trace's engaged and tactor", columns["engaged"], validation.floats(tactor, "tactor")
     )
     found = np.full(len(surface.position), np.nan)
     for stroke in strokes(columns["engaged"], columns["cursor"]):

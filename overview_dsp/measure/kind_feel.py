@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from overview_dsp.measure.report_base import Report, called, cell
 from overview_dsp.measure.steps import MERGED_S
-from overview_dsp.public.reprs import counted, short
+from overview_dsp.public import counted, short
 
 
 @dataclass(frozen=True)

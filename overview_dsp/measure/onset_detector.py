@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import given
 
 HIGH_PASS_HZ = 250.0
 WINDOW_S, HOP_S = 2e-3, 0.25e-3
@@ -60,8 +60,8 @@ def level_curve(
     """Times (s, window centres) and levels (dB) that the detector looks at."""
     from scipy.signal import butter, fftconvolve, sosfilt
 
-    data = given.floats(signal, "signal")
-    if not given.above_zero(sample_rate, "sample_rate") > 2.0 * HIGH_PASS_HZ:
+    data = validation.floats(signal, "signal")
+    if not validation.positive(sample_rate, "sample_rate") > 2.0 * HIGH_PASS_HZ:
         raise InputError(
             f"sample_rate is {sample_rate:g} Hz; onsets are found from {2 * HIGH_PASS_HZ:g} Hz up"
         )
@@ -105,7 +105,7 @@ def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FL
     """
     from scipy.ndimage import maximum_filter1d
 
-    floor_db = given.real(floor_db, "floor_db")
+    floor_db = validation.real(floor_db, "floor_db")
     times, level = level_curve(signal, sample_rate)
     step = times[1] - times[0] if len(times) > 1 else HOP_S
     before, gap = round(BEFORE_S / step), round(GAP_S / step)

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.gestures import Gesture
 from overview_dsp.gestures.scripts import CONTROL_RATE
-from overview_dsp.timeline import given
 from overview_dsp.units import HALF_TURN
 
 SWEEP_S = (1.5, 6.0)
@@ -51,7 +51,7 @@ def random_hand(seed: int) -> Gesture:
     >>> hand.theta2[0], bool(hand.theta2[-1] == np.pi)
     (np.float64(0.0), True)
     """
-    rng = given.random(seed)
+    rng = validation.random(seed)
     usual = 1.0 / math.exp(rng.uniform(*np.log(SWEEP_S)))
     smoothing = np.hanning(round(SMOOTHED_S * CONTROL_RATE) + 2)[1:-1]
     paces: list[NDArray[np.float64]] = []

@@ -25,6 +25,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.actuators.sensitivity import pacinian_db
 from overview_dsp.errors import InputError, shown
 from overview_dsp.gestures import Gesture
@@ -37,7 +38,7 @@ from overview_dsp.measure.steps import FALL_DB, GESTURES, MERGED_S, STEP_DB
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.offline import Result, render
 from overview_dsp.rendering.schedule import Tail
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 
 __all__ = ["GESTURES", "STEP_DB", "FeelReport", "KindFeel", "StrokeReport", "feel_report"]
 
@@ -93,10 +94,10 @@ def feel_report(
         gestures = {name: _held(gesture) for name, gesture in gestures.items()}
     tail: Tail = "rest" if recoils else ARRIVAL_S
     one = [timeline] if isinstance(timeline, Timeline) else timeline
-    timelines = given.instances(one, Timeline, "timelines", "ov.load_timeline gives one")
+    timelines = validation.instances(one, Timeline, "timelines", "ov.load_timeline gives one")
     if not timelines:
         raise InputError("no timelines; give one or more")
-    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     reports = [
         _combined(parts)
         for name, gesture in gestures.items()
@@ -117,7 +118,7 @@ def require_gestures(gestures: object) -> None:
         raise InputError(
             f"gestures is {shown(gestures)}; give them by name: {{'fast': ov.sweep(1.0)}}"
         )
-    given.instances(gestures.values(), Gesture, "gestures", "ov.sweep makes one")
+    validation.instances(gestures.values(), Gesture, "gestures", "ov.sweep makes one")
 
 
 def _stroke_reports(

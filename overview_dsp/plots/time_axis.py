@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from overview_dsp.analysis.crowd_excitement import FOOTBALL_KINDS
 from overview_dsp.plots.style import BLACK
-from overview_dsp.readers.excitement import FOOTBALL_KINDS
 from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.match_minutes import Half, halves_of

@@ -21,7 +21,7 @@ from overview_dsp.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.presets.parameter import Parameter
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 from overview_dsp.presets.writing import save_preset as save
-from overview_dsp.public.lazy import lazy_names
+from overview_dsp.public import lazy_names
 
 __all__ = [
     "KIND_PARAMETERS",

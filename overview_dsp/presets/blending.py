@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
 from overview_dsp.kernels.layout import MAX_KINDS
 from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.presets.parameter import Parameter, Value
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
-from overview_dsp.timeline import given
 
 MAX_STEPS = 1000
 
@@ -50,9 +50,9 @@ def morph(first: Preset, second: Preset, steps: int) -> list[Preset]:
     >>> between.title
     'Football to Heart, 50 %'
     """
-    given.instance(first, Preset, "first", "ov.load_preset gives one")
-    given.instance(second, Preset, "second", "ov.load_preset gives one")
-    if not 2 <= given.whole(steps, "steps") <= MAX_STEPS:
+    validation.instance(first, Preset, "first", "ov.load_preset gives one")
+    validation.instance(second, Preset, "second", "ov.load_preset gives one")
+    if not 2 <= validation.whole(steps, "steps") <= MAX_STEPS:
         raise InputError(f"{shown(steps)} steps; a morph has 2 to {MAX_STEPS}")
     names = tuple(dict.fromkeys((*first.kinds, *second.kinds)))
     if len(names) > MAX_KINDS:
@@ -158,12 +158,12 @@ def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
     >>> ov.presets.randomized(ov.load_preset("football"), seed=7).name
     'football-7'
     """
-    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    amount = given.real(amount, "amount")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    amount = validation.real(amount, "amount")
     # written so that NaN fails
     if not 0.0 <= amount <= 1.0:
         raise InputError(f"amount {amount:g} is out of range; it is 0 to 1")
-    random = given.random(seed)
+    random = validation.random(seed)
     values: dict[str, Value] = dict(preset.values)
     for id, known in PARAMETERS.items():
         if not known.choices and not _kept(id):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from overview_dsp import validation
 from overview_dsp.presets.model import EventKind, Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS, PARAMETERS
-from overview_dsp.timeline import given
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,8 @@ def differences(first: Preset, second: Preset) -> list[Difference]:
     >>> "surface.friction" in [found.id for found in ov.presets.differences(football, stadium)]
     True
     """
-    given.instance(first, Preset, "first", "ov.load_preset gives one")
-    given.instance(second, Preset, "second", "ov.load_preset gives one")
+    validation.instance(first, Preset, "first", "ov.load_preset gives one")
+    validation.instance(second, Preset, "second", "ov.load_preset gives one")
     found = [
         Difference(id, first.values[id], second.values[id], known.unit)
         for id, known in PARAMETERS.items()

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
 from overview_dsp.presets.page import preset_page
@@ -19,9 +20,7 @@ from overview_dsp.presets.parameters import (
     PARAMETERS,
     parameter,
 )
-from overview_dsp.public.drawn import drawn
-from overview_dsp.public.reprs import changed_fields, counted, short
-from overview_dsp.timeline import given
+from overview_dsp.public import changed_fields, counted, drawn, short
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -412,7 +411,7 @@ class Preset:
         >>> football.with_value("kinds.goal.height", 90.0).kinds["goal"].height
         90.0
         """
-        given.instance(id, str, "a parameter's id", "tactor.gain_db is one")
+        validation.instance(id, str, "a parameter's id", "tactor.gain_db is one")
         if not id.startswith("kinds."):
             return self.with_changes({id: parameter(id).check(value)})
         parts = id.split(".")

@@ -7,11 +7,11 @@ import re
 from pathlib import Path
 from typing import Any
 
+from overview_dsp import validation
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.presets.migrations import SCHEMA
 from overview_dsp.presets.model import TAG_SCALES, EventKind, Preset
 from overview_dsp.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
-from overview_dsp.timeline import given
 
 
 def preset_toml(preset: Preset) -> str:
@@ -88,8 +88,8 @@ def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
     >>> ov.presets.load(path).values == loud.values
     True
     """
-    target = given.path(path, "a preset's file")
-    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    target = validation.path(path, "a preset's file")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     with whole_file(target) as temporary:
         temporary.write_text(preset_toml(preset), encoding="utf-8", newline="\n")
     return target

@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from overview_dsp.readers import events_csv, native
+from overview_dsp.readers import native
 from overview_dsp.readers.audio import reader as audio
-from overview_dsp.readers.cardiac import table as heart_table
+from overview_dsp.readers.cardiac import samples_table as heart_table
 from overview_dsp.readers.cardiac import wfdb_reader
-from overview_dsp.readers.everyday import cues, icalendar, labels
-from overview_dsp.readers.everyday import table_reader as everyday
+from overview_dsp.readers.events import cue_lists, event_table, icalendar
 from overview_dsp.readers.football import (
     metrica,
     minute_list,
@@ -25,8 +24,9 @@ from overview_dsp.readers.football import (
     wyscout,
 )
 from overview_dsp.readers.plugins import package_readers
+from overview_dsp.readers.series import series as series
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables import pipeline as series
+from overview_dsp.readers.tables import arrays, delimited, json, logs, tracks
 from overview_dsp.timeline.model import Timeline
 
 
@@ -61,14 +61,14 @@ FORMATS: tuple[Format, ...] = (
     # before the formats of whole JSON documents, which lines of them are not
     Format(
         "table of events (one JSON object a line)",
-        everyday.sniff_lines,
-        everyday.read_lines,
+        event_table.sniff_lines,
+        event_table.read_lines,
         _LISTED,
     ),
     Format(
         "series (one JSON object a line)",
-        series.sniff_json_lines,
-        series.read_json_lines,
+        json.sniff_lines,
+        series.reading(json.open_lines),
         series.OPTIONS,
     ),
     Format(
@@ -122,8 +122,8 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "event list (CSV with the columns time_s and kind)",
-        events_csv.sniff,
-        events_csv.read,
+        event_table.sniff_list,
+        event_table.read_list,
         frozenset({"duration_s"}),
     ),
     Format(
@@ -134,21 +134,21 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "subtitles (SubRip .srt, WebVTT .vtt)",
-        cues.sniff,
-        cues.read,
+        cue_lists.sniff,
+        cue_lists.read,
         frozenset({"duration_s"}),
     ),
     Format(
         "labels (Audacity: start, end and label with tabs between)",
-        labels.sniff,
-        labels.read,
+        cue_lists.sniff_labels,
+        cue_lists.read_labels,
         frozenset({"duration_s"}),
     ),
     Format(
         "table of events (CSV, TSV, JSON: time, date, minute or start with event, what, type, name "
         "or label; lines of clock and words)",
-        everyday.sniff,
-        everyday.read,
+        event_table.sniff,
+        event_table.read,
         _LISTED,
     ),
     Format(
@@ -169,31 +169,35 @@ FORMATS: tuple[Format, ...] = (
         audio.read,
         frozenset({"map", "max_mb"}),
     ),
-    Format("track (GPX, TCX)", series.sniff_track, series.read_track, series.OPTIONS),
+    Format("track (GPX, TCX)", tracks.sniff, series.reading(tracks.open_table), series.OPTIONS),
     Format(
         "log (lines with a date each, for map count)",
-        series.sniff_log,
-        series.read_log,
+        logs.sniff,
+        series.reading(logs.LogTable),
         series.OPTIONS,
     ),
     Format(
         "series (CSV, TSV: a table with a column of times and one of values)",
-        series.sniff_csv,
-        series.read_csv,
+        delimited.sniff,
+        series.reading(delimited.open_table),
         series.OPTIONS,
     ),
     Format(
         "series (JSON: records, columns or pairs of times and values)",
-        series.sniff_json,
-        series.read_json,
+        json.sniff,
+        series.reading(json.open_table),
         series.OPTIONS,
     ),
-    Format("series (NumPy .npy)", series.sniff_npy, series.read_npy, series.OPTIONS),
-    Format("series (NumPy .npz)", series.sniff_npz, series.read_npz, series.OPTIONS),
+    Format(
+        "series (NumPy .npy)", arrays.sniff_npy, series.reading(arrays.open_npy), series.OPTIONS
+    ),
+    Format(
+        "series (NumPy .npz)", arrays.sniff_npz, series.reading(arrays.open_npz), series.OPTIONS
+    ),
     Format(
         "series (Parquet, with the extra `parquet`)",
-        series.sniff_parquet,
-        series.read_parquet,
+        arrays.sniff_parquet,
+        series.reading(arrays.open_parquet),
         series.OPTIONS,
     ),
 )

@@ -33,11 +33,11 @@ from datetime import datetime
 
 import numpy as np
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.analysis.window_rules import PartRules, rules_of
+from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.readers.tables.part_rules import PartRules, rules_of
-from overview_dsp.timeline import checks, given
 from overview_dsp.timeline.event import MAX_EVENTS
 from overview_dsp.timeline.intensity import EXTREMES
 from overview_dsp.timeline.model import Event, Intensity, Timeline
@@ -79,7 +79,7 @@ def sniff(source: Source) -> bool:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read a native file (takes no options); InputError names the file and the place."""
     document = source.json  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(document, source.stem)
 
 
@@ -103,33 +103,33 @@ def decode(document: object, default_title: str = "") -> Timeline:
     version = top[_KEY]
     if isinstance(version, bool) or version != VERSION:
         raise InputError(
-            f"{_KEY} is {checks.shown(version)}; this program reads version {VERSION}: "
+            f"{_KEY} is {shown(version)}; this program reads version {VERSION}: "
             "update it, or write the file in that version"
         )
-    duration_s = checks.positive(
+    duration_s = validation.positive(
         top["duration_s"], "duration_s", "a duration is a finite number of seconds above 0"
     )
     timeline = Timeline(
-        title=checks.text(top.get("title", default_title), "title"),
+        title=validation.text(top.get("title", default_title), "title"),
         duration_s=duration_s,
         events=_events(top.get("events", []), duration_s),
         details=_events(top.get("details", []), duration_s, "details"),
         intensity=_intensity(top["intensity"]) if "intensity" in top else None,
         gaps=tuple(
-            (checks.number(start, f"gaps[{i}][0]"), checks.number(end, f"gaps[{i}][1]"))
+            (validation.number(start, f"gaps[{i}][0]"), validation.number(end, f"gaps[{i}][1]"))
             for i, (start, end) in enumerate(_pairs(top.get("gaps", [])))
         ),
         gap_reasons=tuple(
-            checks.text(reason, f"gap_reasons[{i}]")
+            validation.text(reason, f"gap_reasons[{i}]")
             for i, reason in enumerate(_list(top.get("gap_reasons", []), "gap_reasons"))
         ),
-        provenance=checks.text(top.get("provenance", ""), "provenance"),
+        provenance=validation.text(top.get("provenance", ""), "provenance"),
         notes=tuple(
-            checks.text(note, f"notes[{i}]")
+            validation.text(note, f"notes[{i}]")
             for i, note in enumerate(_list(top.get("notes", []), "notes"))
         ),
         start=_moment(top["start"]) if "start" in top else None,
-        until_s=checks.until(top.get("until_s"), duration_s),
+        until_s=validation.until(top.get("until_s"), duration_s),
     )
     return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
 
@@ -209,8 +209,8 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     >>> ov.load_timeline("match.json") == match
     True
     """
-    path = given.path(path, "a timeline's file")
-    given.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
+    path = validation.path(path, "a timeline's file")
+    validation.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
     data = encode(timeline)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
@@ -240,8 +240,8 @@ def _rules(given: object, timeline: Timeline) -> PartRules:
     table = _table(given, "series", _SERIES_KEYS, required=("per_cent",))
     per_cent = table.pop("per_cent")
     if not isinstance(per_cent, bool):
-        raise InputError(f"series.per_cent is {checks.shown(per_cent)}; give true or false")
-    with checks.located("series: "):
+        raise InputError(f"series.per_cent is {shown(per_cent)}; give true or false")
+    with validation.located("series: "):
         curve = _intensity(table) if table else timeline.intensity
         if curve is None:
             raise InputError("there is no intensity that it could be; give time_s and value")
@@ -262,11 +262,11 @@ def _table(
     value: object, place: str, known: tuple[str, ...], required: tuple[str, ...]
 ) -> dict[str, object]:
     if not isinstance(value, dict):
-        raise InputError(f"{place} is {checks.shown(value)}, not an object {{...}}")
+        raise InputError(f"{place} is {shown(value)}, not an object {{...}}")
     for key in value:
         if key not in known:
             raise InputError(
-                f"{place} has an unknown key {checks.shown(key)}; known are {', '.join(known)}"
+                f"{place} has an unknown key {shown(key)}; known are {', '.join(known)}"
             )
     for key in required:
         if key not in value:
@@ -276,7 +276,7 @@ def _table(
 
 def _list(value: object, place: str) -> list[object]:
     if not isinstance(value, list):
-        raise InputError(f"{place} is {checks.shown(value)}, not a list [...]")
+        raise InputError(f"{place} is {shown(value)}, not a list [...]")
     return value
 
 
@@ -291,12 +291,12 @@ def _pairs(value: object) -> list[tuple[object, object]]:
 
 
 def _moment(value: object) -> datetime:
-    text = checks.text(value, "start")
+    text = validation.text(value, "start")
     try:
         return datetime.fromisoformat(text)
     except ValueError as error:
         raise InputError(
-            f"start is {checks.shown(value)}, not a date and time; write it as ISO 8601, such as "
+            f"start is {shown(value)}, not a date and time; write it as ISO 8601, such as "
             "2012-09-19T09:30:00"
         ) from error
 
@@ -313,15 +313,15 @@ def _events(value: object, duration_s: float, key: str = "events") -> tuple[Even
     for i, entry in enumerate(listed):
         place = f"{key}[{i}]"
         row = _table(entry, place, _EVENT_KEYS, required=("time_s", "kind"))
-        time_s = checks.number(row["time_s"], f"{place}.time_s", hint)
+        time_s = validation.number(row["time_s"], f"{place}.time_s", hint)
         if not 0.0 <= time_s <= duration_s:
             raise InputError(f"{place}.time_s is {time_s!r}, outside the timeline; {hint}")
         events.append(
             Event(
                 time_s,
-                checks.kind(row["kind"], f"{place}.kind"),
-                checks.text(row.get("label", ""), f"{place}.label"),
-                checks.positive(row.get("weight", 1.0), f"{place}.weight"),
+                validation.kind(row["kind"], f"{place}.kind"),
+                validation.text(row.get("label", ""), f"{place}.label"),
+                validation.positive(row.get("weight", 1.0), f"{place}.weight"),
             )
         )
     return tuple(events)
@@ -332,7 +332,7 @@ def _intensity(value: object) -> Intensity:
     columns = [
         np.array(
             [
-                checks.number(entry, f"intensity.{name}[{i}]")
+                validation.number(entry, f"intensity.{name}[{i}]")
                 for i, entry in enumerate(_list(table[name], f"intensity.{name}"))
             ],
             dtype=np.float64,
@@ -343,6 +343,6 @@ def _intensity(value: object) -> Intensity:
     return Intensity(
         columns[0],
         columns[1],
-        checks.text(table.get("unit", ""), "intensity.unit"),
+        validation.text(table.get("unit", ""), "intensity.unit"),
         tuple(percentiles),  # type: ignore[arg-type]  # checked there
     )

@@ -15,6 +15,7 @@ and left out; an error of one that isn't an InputError becomes a line that names
 from __future__ import annotations
 
 import functools
+import importlib
 import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -132,3 +133,14 @@ def _warn(package: str, what: str) -> None:
 
 def _said(error: Exception) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())[:200]
+
+
+def needed(module: str, purpose: str, extra: str) -> Any:
+    """Import a module of one of the extras; InputError says how to install it."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise InputError(
+            f"{purpose} needs the package {module.partition('.')[0]} ({error}); install it: pip "
+            f"install 'overview-dsp[{extra}]'"
+        ) from error

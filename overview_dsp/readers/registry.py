@@ -10,16 +10,20 @@ from dataclasses import replace
 from importlib import resources
 from typing import cast
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers import native
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
+from overview_dsp.readers import native, suggestions
 from overview_dsp.readers.compression import opened
-from overview_dsp.readers.everyday import nearest
 from overview_dsp.readers.formats import LIMITS, SERIES_OPTIONS, Format, formats, is_series
 from overview_dsp.readers.json_limits import MOST_DEPTH
-from overview_dsp.readers.memory.columns import is_table, table_of
-from overview_dsp.readers.memory.kinds import MemoryTable, TimelineData
-from overview_dsp.readers.memory.reading import document_bytes, is_document, read_table
-from overview_dsp.readers.memory.streams import is_content, is_url, spooled
+from overview_dsp.readers.memory_data import (
+    TableData,
+    TimelineData,
+    document_bytes,
+    is_document,
+    read_table,
+)
+from overview_dsp.readers.open_streams import is_content, is_url, spooled
 from overview_dsp.readers.source import (
     READ_AS_WINDOWS,
     WINDOWS,
@@ -28,7 +32,7 @@ from overview_dsp.readers.source import (
     decode_text,
     parse_json,
 )
-from overview_dsp.timeline import checks
+from overview_dsp.readers.tables.memory import is_table, table_of
 from overview_dsp.timeline.model import Timeline
 
 BUNDLED: dict[str, str] = {
@@ -45,7 +49,7 @@ def load_timeline(
     duration_s: float | None = None,
     *,
     value: str | None = None,
-    time: str | MemoryTable | None = None,
+    time: str | TableData | None = None,
     kind: str | None = None,
     label: str | None = None,
     map: str | None = None,
@@ -172,7 +176,7 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
 def _require_table(data: object, what: str) -> None:
     if not is_table(data):
         hint = "; give list(...) of it" if hasattr(data, "__next__") else ""
-        raise InputError(f"{checks.shown(data)} is {what}{hint}")
+        raise InputError(f"{shown(data)} is {what}{hint}")
 
 
 @contextlib.contextmanager
@@ -200,7 +204,7 @@ def _format_of(source: Source) -> Format:
             return candidate
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read",
-        f"{nearest.fix_of(source)}; overview timeline formats lists all that can be read",
+        f"{suggestions.fix_of(source)}; overview timeline formats lists all that can be read",
     )
 
 
@@ -227,7 +231,7 @@ def bundled_timeline(name: str = "world-cup-final-2018") -> Timeline:
     """Load a timeline that comes with the package; InputError names the known ones."""
     if name not in BUNDLED:
         raise InputError(
-            f"no bundled timeline is called {checks.shown(name)}; there is {_bundled_names()}"
+            f"no bundled timeline is called {shown(name)}; there is {_bundled_names()}"
         )
     data = (resources.files("overview_dsp.readers") / "bundled" / BUNDLED[name]).read_bytes()
     return native.decode(parse_json(decode_text(data, name), name), name)
@@ -257,21 +261,19 @@ def _checked(options: LoadOptions) -> LoadOptions:
 def _positive(given: float | None, name: str, meaning: str) -> float | None:
     if given is None:
         return None
-    return checks.positive(given, name, f"{meaning}, a finite number above 0")
+    return validation.positive(given, name, f"{meaning}, a finite number above 0")
 
 
 def _depth(given: int | None) -> int | None:
     if given is None:
         return None
     if isinstance(given, bool) or not isinstance(given, int) or not 1 <= given <= MOST_DEPTH:
-        raise InputError(
-            f"max_depth is {checks.shown(given)}; give a whole number, 1 to {MOST_DEPTH}"
-        )
+        raise InputError(f"max_depth is {shown(given)}; give a whole number, 1 to {MOST_DEPTH}")
     return given
 
 
 def _words(given: str | None, name: str) -> str | None:
-    return None if given is None else checks.text(given, name)
+    return None if given is None else validation.text(given, name)
 
 
 def _refuse_options(options: LoadOptions, what: str, taken: frozenset[str]) -> None:
@@ -288,9 +290,9 @@ def _described(source: Source) -> str:
         return "a text file of blanks only"
     if not source.looks_like_json:
         first = source.head_text.strip().splitlines()[0]
-        return f"text that begins {checks.shown(first)}"
+        return f"text that begins {shown(first)}"
     document = source.json
     if isinstance(document, dict):
-        keys = ", ".join(checks.shown(key) for key in list(document)[:6])
+        keys = ", ".join(shown(key) for key in list(document)[:6])
         return f"a JSON object with the keys {keys or '(none)'}"
     return f"a JSON list of {len(document) if isinstance(document, list) else 0} entries"

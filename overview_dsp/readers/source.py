@@ -12,9 +12,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.json_limits import check_extent
-from overview_dsp.timeline import checks
 
 MAX_TEXT_BYTES = 256 * 1024 * 1024
 """Largest text file that is read as a stream without `max_mb`."""
@@ -150,7 +149,7 @@ def parse_json(text: str, where: str) -> object:
         if len(table) != len(pairs):
             keys = [key for key, _ in pairs]
             twice = next(key for key in keys if keys.count(key) > 1)
-            raise InputError(f"{where}: the key {checks.shown(twice)} is given twice; remove one")
+            raise InputError(f"{where}: the key {shown(twice)} is given twice; remove one")
         return table
 
     try:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 
+from overview_dsp import validation
 from overview_dsp.gestures.model import Gesture
 from overview_dsp.gestures.spec import DEFAULT, parse_gesture
 from overview_dsp.gestures.take import load_gesture
 from overview_dsp.presets.library import fitting_preset, load_preset
 from overview_dsp.presets.model import Preset
-from overview_dsp.readers.memory.kinds import TimelineData
+from overview_dsp.readers.memory_data import TimelineData
 from overview_dsp.readers.registry import load_timeline
-from overview_dsp.timeline import given
 from overview_dsp.timeline.model import Timeline
 
 AnyTimeline = Timeline | TimelineData
@@ -33,7 +33,9 @@ def given_preset(preset: AnyPreset, timeline: Timeline) -> Preset:
     """Return how it is felt, as asked or as fits the data; errors as `load_preset`."""
     if isinstance(preset, Preset):
         return preset
-    return load_preset(fitting_preset(timeline) if preset is None else given.path(preset, "preset"))
+    return load_preset(
+        fitting_preset(timeline) if preset is None else validation.path(preset, "preset")
+    )
 
 
 def given_gesture(gesture: AnyGesture) -> Gesture:
@@ -42,4 +44,4 @@ def given_gesture(gesture: AnyGesture) -> Gesture:
         return gesture
     if gesture is None or isinstance(gesture, str):
         return parse_gesture(DEFAULT if gesture is None else gesture)
-    return load_gesture(given.path(gesture, "gesture"))
+    return load_gesture(validation.path(gesture, "gesture"))

@@ -10,12 +10,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
+from overview_dsp.analysis.loudness import MIN_RATE, SILENCE_LUFS, StepMeter, Steps
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import CLICK
-from overview_dsp.readers.audio.k_weighting import MIN_RATE
-from overview_dsp.readers.audio.loudness import SILENCE_LUFS, StepMeter, Steps
-from overview_dsp.timeline import given
 
 CEILING_DBFS = -1.0
 """No sample is turned up beyond this."""
@@ -27,7 +26,7 @@ QUIETEST_LUFS, LOUDEST_LUFS = -60.0, 0.0
 
 def require_loudness(lufs: float) -> float:
     """A loudness that may be asked for; InputError otherwise, NaN too."""
-    lufs = given.real(lufs, "normalize")
+    lufs = validation.real(lufs, "normalize")
     if not QUIETEST_LUFS <= lufs <= LOUDEST_LUFS:
         raise InputError(
             f"{lufs:g} LUFS is out of range; it is {QUIETEST_LUFS:g} to {LOUDEST_LUFS:g}, "

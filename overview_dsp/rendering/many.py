@@ -19,6 +19,7 @@ from typing import Generic, Literal, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.engine.engine import Engine
 from overview_dsp.engine.meters import Strikes
 from overview_dsp.engine.simd_batch import EngineBatch
@@ -28,14 +29,14 @@ from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.presets.model import Preset
-from overview_dsp.public.reprs import counted, short
+from overview_dsp.public import counted, short
 from overview_dsp.rendering.growable_array import GrowableArray
 from overview_dsp.rendering.offline import join_strikes
 from overview_dsp.rendering.schedule import GesturePlayer, Tail, checked_tail
 from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.surface.cache import SurfaceCache
 from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 
 BLOCK = 65536
 """Frames of each job rendered at a time: of eight, with their traces, 42 MB."""
@@ -169,12 +170,12 @@ def render_jobs(
     if not isinstance(seeds, Iterable):
         raise InputError(f"seeds is {shown(seeds)}; give a list of whole numbers, range(8) say")
     parts = (
-        given.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one"),
-        given.instances(presets, Preset, "presets", "ov.load_preset gives one"),
-        given.instances(gestures, Gesture, "gestures", "ov.sweep makes one"),
+        validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one"),
+        validation.instances(presets, Preset, "presets", "ov.load_preset gives one"),
+        validation.instances(gestures, Gesture, "gestures", "ov.sweep makes one"),
     )
     for timeline, preset, gesture, seed in itertools.product(*parts, seeds):
-        yield RenderJob(timeline, preset, gesture, given.whole(seed, "a seed"))
+        yield RenderJob(timeline, preset, gesture, validation.whole(seed, "a seed"))
 
 
 @dataclass(eq=False)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Generic, Literal, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.actuators.model import Actuator
 from overview_dsp.actuators.stage import ActuatorStage, Protected, warn_of_carrier
 from overview_dsp.engine.engine import Engine
@@ -18,8 +19,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.sound import Sounding
 from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
-from overview_dsp.public.drawn import drawn
-from overview_dsp.public.reprs import counted, short
+from overview_dsp.public import counted, drawn, short
 from overview_dsp.rendering.arguments import (
     AnyGesture,
     AnyPreset,
@@ -32,7 +32,6 @@ from overview_dsp.rendering.notebook import Row, result_page
 from overview_dsp.rendering.schedule import GesturePlayer, Tail, unreached
 from overview_dsp.rendering.trace import Trace, Traced
 from overview_dsp.rendering.transcript import transcript
-from overview_dsp.timeline import given
 from overview_dsp.units import gain_to_db
 
 if TYPE_CHECKING:
@@ -447,7 +446,7 @@ def render_to_file(
         engine.prepare(sample_rate, BLOCK)
         return engine, _stage(actuator, engine)
 
-    target = given.path(path, "path")
+    target = validation.path(path, "path")
     gain = 1.0
     if normalize is not None:
         require_loudness(normalize)
@@ -463,7 +462,9 @@ def render_to_file(
     full_torque = 1e-3 * chosen.number("tactor.full_torque_mnm")
     with (
         SoundWriter(target, engine.sample_rate, subtype) as sound,
-        TraceWriter(None if trace_path is None else given.path(trace_path, "trace_path")) as traced,
+        TraceWriter(
+            None if trace_path is None else validation.path(trace_path, "trace_path")
+        ) as traced,
         StemWriter(target, engine.sample_rate, subtype, full_torque, stems) as stemmed,
     ):
         for block in blocks(engine, hand, tail, trace_path is not None or stems, progress, stage):

@@ -20,8 +20,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from overview_dsp import validation
 from overview_dsp.presets.model import Preset
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.ticks import KINDS as TICKS
 
 FILL = frozenset((*TICKS, "touch", "shot"))
@@ -97,12 +98,12 @@ class AngleMap:
 
     def position_of(self, time_s: ArrayLike) -> Array:
         """Return positions (0 to 1) of times (s), which are limited to the timeline."""
-        times = np.clip(given.numbers(time_s, "time_s"), 0.0, self.duration_s)
+        times = np.clip(validation.numbers(time_s, "time_s"), 0.0, self.duration_s)
         return times / self.duration_s if self.is_linear else self._between(times, forward=True)
 
     def time_at(self, position: ArrayLike) -> Array:
         """Return times (s) at positions, which are limited to 0 to 1."""
-        positions = np.clip(given.numbers(position, "position"), 0.0, 1.0)
+        positions = np.clip(validation.numbers(position, "position"), 0.0, 1.0)
         return positions * self.duration_s if self.is_linear else self._between(positions)
 
     def stretched(self) -> list[tuple[float, float]]:
@@ -113,7 +114,7 @@ class AngleMap:
 
     def evened(self, time_s: ArrayLike) -> Array:
         """Return times (s) that the linear map places where this one places `time_s`."""
-        times = given.numbers(time_s, "time_s")
+        times = validation.numbers(time_s, "time_s")
         return times if self.is_linear else self.position_of(times) * self.duration_s
 
     def at_even_positions(self, even: Array) -> Array:

@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
@@ -44,7 +45,7 @@ from overview_dsp.surface.materials import louder, modes_of
 from overview_dsp.surface.model import Surface
 from overview_dsp.surface.profiles import bumps, entries, profile, span
 from overview_dsp.surface.thinning import thin_events
-from overview_dsp.timeline import Event, Timeline, given
+from overview_dsp.timeline import Event, Timeline
 from overview_dsp.timeline.ticks import KINDS as TICKS
 
 MAX_FRICTION = 1e6
@@ -178,8 +179,8 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     >>> len(surface.event) == len(match.events)
     True
     """
-    given.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
-    given.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    validation.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     by_kind, left_out = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     angle_map = AngleMap.of(timeline, preset) if angle_map is None else _kept(angle_map, timeline)
@@ -227,7 +228,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
 
 
 def _kept(angle_map: AngleMap, timeline: Timeline) -> AngleMap:
-    given.instance(angle_map, AngleMap, "angle_map", "another surface's angle_map is one")
+    validation.instance(angle_map, AngleMap, "angle_map", "another surface's angle_map is one")
     if angle_map.duration_s != timeline.duration_s:
         raise InputError(
             f"angle_map is for {angle_map.duration_s:g} s; must be for {timeline.duration_s:g} s"

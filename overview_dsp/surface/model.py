@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.presets.model import ClickMode
-from overview_dsp.public.reprs import counted
+from overview_dsp.public import counted
 from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.surface.bristles import BristleField
 from overview_dsp.surface.detents import DetentField

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from datetime import datetime
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks, given
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.timeline.event import Event, sorted_events
 from overview_dsp.timeline.fine_events import Rules
 from overview_dsp.timeline.gaps import sorted_gaps, sorted_reasons
@@ -32,30 +32,30 @@ class Contents:
     until_s: float | None = None
 
     def __post_init__(self) -> None:
-        checks.text(self.title, "title")
-        checks.text(self.provenance, "provenance")
-        duration_s = checks.positive(
+        validation.text(self.title, "title")
+        validation.text(self.provenance, "provenance")
+        duration_s = validation.positive(
             self.duration_s, "duration_s", "a duration is a finite number of seconds above 0"
         )
         object.__setattr__(self, "duration_s", duration_s)
-        notes = tuple(checks.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
+        notes = tuple(validation.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
         object.__setattr__(self, "notes", notes)
-        checks.moment(self.start, duration_s)
-        object.__setattr__(self, "until_s", checks.until(self.until_s, duration_s))
+        validation.moment(self.start, duration_s)
+        object.__setattr__(self, "until_s", validation.until(self.until_s, duration_s))
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
-        with checks.located("details: "):
+        with validation.located("details: "):
             object.__setattr__(self, "details", sorted_events(self.details, duration_s))
         gaps = sorted_gaps(self.gaps, duration_s)
         object.__setattr__(self, "gap_reasons", sorted_reasons(self.gap_reasons, self.gaps))
         object.__setattr__(self, "gaps", gaps)
         if self.intensity is not None:
             hint = "give times and values: ov.Intensity(time_s, value, unit)"
-            given.instance(self.intensity, Intensity, "intensity", hint)
+            validation.instance(self.intensity, Intensity, "intensity", hint)
         if self.intensity is not None and self.intensity.last_s > duration_s:
             last = self.intensity.count - 1
             raise InputError(
                 f"intensity.time_s[{last}] is {self.intensity.last_s!r}, after the "
-                f"end of the timeline (duration_s {duration_s!r}); {checks.TIME_HINT}"
+                f"end of the timeline (duration_s {duration_s!r}); {validation.TIME_HINT}"
             )
         if not self.events and self.intensity is None:
             raise InputError(
@@ -109,17 +109,15 @@ class Contents:
         >>> match.event("goal", 2).time_s > match.event("goal", 1).time_s
         True
         """
-        given.instance(kind, str, "kind", "'goal' is one")
+        validation.instance(kind, str, "kind", "'goal' is one")
         found = [event for event in self.events if event.kind == kind]
         if not found:
             there = ", ".join(self.kinds()) or "no events at all"
-            raise InputError(
-                f"the timeline has no event of kind {checks.shown(kind)}; it has {there}"
-            )
-        number = given.whole(number, "number")
+            raise InputError(f"the timeline has no event of kind {shown(kind)}; it has {there}")
+        number = validation.whole(number, "number")
         if not 1 <= number <= len(found):
             raise InputError(
-                f"there is no {kind} number {checks.shown(number)}; the timeline has {len(found)}: "
+                f"there is no {kind} number {shown(number)}; the timeline has {len(found)}: "
                 f"give 1 to {len(found)}"
             )
         return found[number - 1]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.public.reprs import counted
-from overview_dsp.timeline import checks
+from overview_dsp.public import counted
 from overview_dsp.timeline.curve_checks import MAX_VALUE, require_increasing, require_values
 from overview_dsp.timeline.even_times import EvenTimes
 from overview_dsp.timeline.gaps import Gaps
@@ -137,7 +137,7 @@ class CurveBuilder:
             i = int(bad[0])
             raise InputError(
                 f"intensity.time_s[{self.count + i}] is {float(times[i])!r}, not a finite number; "
-                f"{checks.TIME_HINT}"
+                f"{validation.TIME_HINT}"
             )
         require_increasing(times, self.count, self._last_s)
         if count:

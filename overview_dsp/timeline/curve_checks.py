@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.timeline.minmax_pyramid import Values
 
 MAX_VALUE = 1e300
@@ -20,7 +20,7 @@ def require_increasing(
     if before is None and len(time_s) and time_s[0] < 0.0:
         raise InputError(
             f"intensity.time_s[{first}] is {float(time_s[0])!r}, before the start; "
-            f"{checks.TIME_HINT}"
+            f"{validation.TIME_HINT}"
         )
     earlier = time_s[:-1] if before is None else np.concatenate(([before], time_s[:-1]))
     later = time_s[1:] if before is None else time_s
@@ -54,8 +54,8 @@ def checked_percentiles(given: object) -> tuple[float, float]:
     """Return two percentiles, or refuse what is none."""
     hint = "give two percentiles, 0 <= low < high <= 100"
     if not isinstance(given, tuple | list) or len(given) != 2:
-        raise InputError(f"intensity.percentiles is {checks.shown(given)}; {hint}")
-    low, high = (checks.number(edge, "intensity.percentiles", hint) for edge in given)
+        raise InputError(f"intensity.percentiles is {shown(given)}; {hint}")
+    low, high = (validation.number(edge, "intensity.percentiles", hint) for edge in given)
     if not 0.0 <= low < high <= 100.0:
         raise InputError(f"intensity.percentiles is ({low!r}, {high!r}); {hint}")
     return low, high

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from overview_dsp.timeline import given
+from overview_dsp import validation
 from overview_dsp.timeline.contents import Contents
 from overview_dsp.timeline.gaps import in_gap
 from overview_dsp.timeline.intensity import EXTREMES, LONG
@@ -53,7 +53,7 @@ class CurveLookup(Contents):
         >>> match.intensity_at([-1.0, 1e9])
         array([0., 0.])
         """
-        at = given.numbers(times, "times")
+        at = validation.numbers(times, "times")
         flat = at.reshape(-1)  # a scalar too: boolean indexing needs an axis
         return np.where(self._has_data(flat), self._curve_at(flat), 0.0).reshape(at.shape)
 

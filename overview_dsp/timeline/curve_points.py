@@ -8,8 +8,8 @@ from typing import Self
 
 import numpy as np
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.curve_checks import (
     as_given,
     checked_percentiles,
@@ -41,7 +41,7 @@ class CurvePoints:
         else:
             time_s = float_points(self.time_s, "intensity.time_s")
             value = float_points(self.value, "intensity.value")
-        checks.text(self.unit, "intensity.unit")
+        validation.text(self.unit, "intensity.unit")
         if len(time_s) != len(value):
             raise InputError(
                 f"intensity.time_s has {len(time_s)} points and intensity.value {len(value)}; "
@@ -92,7 +92,7 @@ class CurvePoints:
         curve.__dict__.update(
             time_s=points.time_s,
             value=points.value,
-            unit=checks.text(unit, "intensity.unit"),
+            unit=validation.text(unit, "intensity.unit"),
             percentiles=checked_percentiles(percentiles),
             points=points,
         )

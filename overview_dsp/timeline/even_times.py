@@ -8,8 +8,8 @@ from typing import overload
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks, given
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,13 @@ class EvenTimes:
     first_s: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 1 <= given.whole(self.count, "count") < 2**53:
+        if not 1 <= validation.whole(self.count, "count") < 2**53:
             raise InputError("intensity has no points, or too many to count; give one or more")
-        checks.positive(self.step_s, "step_s", "give the seconds from one value to the next")
-        if checks.number(self.first_s, "first_s", checks.TIME_HINT) < 0.0:
-            raise InputError(f"first_s is {self.first_s!r}, before the start; {checks.TIME_HINT}")
+        validation.positive(self.step_s, "step_s", "give the seconds from one value to the next")
+        if validation.number(self.first_s, "first_s", validation.TIME_HINT) < 0.0:
+            raise InputError(
+                f"first_s is {self.first_s!r}, before the start; {validation.TIME_HINT}"
+            )
         if not np.isfinite(self[-1]) or (self.count > 1 and self[-2] >= self[-1]):
             raise InputError(
                 f"{self.count} values {self.step_s!r} s apart lie too close together to be "

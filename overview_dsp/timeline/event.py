@@ -5,8 +5,9 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks, rhythms
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
+from overview_dsp.timeline import rhythms
 
 MAX_EVENTS = 500_000
 """Most events of a file: some hundred times what a hand can distinguish, and 400 MB."""
@@ -45,13 +46,13 @@ class Event:
     weight: float = 1.0
 
     def __post_init__(self) -> None:
-        time_s = checks.number(self.time_s, "time_s", checks.TIME_HINT)
+        time_s = validation.number(self.time_s, "time_s", validation.TIME_HINT)
         if time_s < 0.0:
-            raise InputError(f"time_s is {time_s!r}, before the start; {checks.TIME_HINT}")
+            raise InputError(f"time_s is {time_s!r}, before the start; {validation.TIME_HINT}")
         object.__setattr__(self, "time_s", time_s)
-        checks.kind(self.kind)
-        checks.text(self.label, "label")
-        weight = checks.positive(
+        validation.kind(self.kind)
+        validation.text(self.label, "label")
+        weight = validation.positive(
             self.weight, "weight", "a weight is a finite number above 0, 1 = ordinary"
         )
         object.__setattr__(self, "weight", weight)
@@ -94,20 +95,20 @@ def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
         One is after the end, or has the time, kind and label of another.
     """
     if not isinstance(events, tuple | list) or not all(isinstance(e, Event) for e in events):
-        raise InputError(f"events is {checks.shown(events)}; give a tuple of Event")
+        raise InputError(f"events is {shown(events)}; give a tuple of Event")
     ordered: tuple[Event, ...] = tuple(sorted(events, key=lambda event: event.time_s))
     if ordered and ordered[-1].time_s > duration_s:
         late = ordered[-1]
         raise InputError(
             f"the {late.kind} at {late.time_s!r} s is after the end of the timeline "
-            f"(duration_s {duration_s!r}); {checks.TIME_HINT}"
+            f"(duration_s {duration_s!r}); {validation.TIME_HINT}"
         )
     seen: set[tuple[float, str, str]] = set()
     for event in ordered:
         key = (event.time_s, event.kind, event.label)
         if key in seen:
             raise InputError(
-                f"the {event.kind} at {event.time_s!r} s with label {checks.shown(event.label)} is "
+                f"the {event.kind} at {event.time_s!r} s with label {shown(event.label)} is "
                 "there twice; remove one, or give them different labels"
             )
         seen.add(key)

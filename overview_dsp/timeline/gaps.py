@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 
 Gaps = tuple[tuple[float, float], ...]
 """Spans (start_s, end_s), sorted, not overlapping."""
@@ -24,12 +24,14 @@ def sorted_gaps(gaps: object, duration_s: float) -> Gaps:
     """
     hint = "a gap is (start_s, end_s) with 0 <= start < end <= duration"
     if not isinstance(gaps, tuple | list):
-        raise InputError(f"gaps is {checks.shown(gaps)}, not a list; {hint}")
+        raise InputError(f"gaps is {shown(gaps)}, not a list; {hint}")
     pairs: list[tuple[float, float]] = []
     for i, gap in enumerate(gaps):
         if not isinstance(gap, tuple | list) or len(gap) != 2:
-            raise InputError(f"gaps[{i}] is {checks.shown(gap)}, not a pair; {hint}")
-        start, end = (checks.number(edge, f"gaps[{i}][{j}]", hint) for j, edge in enumerate(gap))
+            raise InputError(f"gaps[{i}] is {shown(gap)}, not a pair; {hint}")
+        start, end = (
+            validation.number(edge, f"gaps[{i}][{j}]", hint) for j, edge in enumerate(gap)
+        )
         if not 0.0 <= start < end <= duration_s:
             raise InputError(
                 f"gaps[{i}] reaches from {start!r} to {end!r} s in a timeline of {duration_s!r} s; "
@@ -63,8 +65,8 @@ def sorted_reasons(reasons: object, gaps: object) -> tuple[str, ...]:
     """
     hint = 'give one text a gap, "" where it isn\'t known'
     if not isinstance(reasons, tuple | list):
-        raise InputError(f"gap_reasons is {checks.shown(reasons)}, not a list; {hint}")
-    texts = [checks.text(reason, f"gap_reasons[{i}]") for i, reason in enumerate(reasons)]
+        raise InputError(f"gap_reasons is {shown(reasons)}, not a list; {hint}")
+    texts = [validation.text(reason, f"gap_reasons[{i}]") for i, reason in enumerate(reasons)]
     if not any(texts):
         return ()
     starts = [gap[0] for gap in gaps] if isinstance(gaps, tuple | list) else []

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.public.reprs import counted
+from overview_dsp.public import counted
 from overview_dsp.timeline.curve_points import EXTREMES
 from overview_dsp.timeline.curve_scale import CurveScale
 from overview_dsp.timeline.gaps import Gaps, in_gap

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.public.drawn import drawn
-from overview_dsp.public.reprs import counted, short
-from overview_dsp.timeline import checks
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
+from overview_dsp.public import counted, drawn, short
 from overview_dsp.timeline.curve_lookup import CurveLookup
 from overview_dsp.timeline.dataframe import dataframe, moments
 from overview_dsp.timeline.event import Event, cut_events
@@ -225,8 +224,8 @@ class Timeline(CurveLookup):
         (0.0, 600.0)
         """
         hint = f"give 0 <= start < end <= {self.duration_s!r} seconds"
-        start = checks.number(start_s, "window start", hint)
-        end = checks.number(end_s, "window end", hint)
+        start = validation.number(start_s, "window start", hint)
+        end = validation.number(end_s, "window end", hint)
         if not 0.0 <= start < end <= self.duration_s:
             raise InputError(
                 f"the window from {start!r} to {end!r} s is empty or outside the timeline; {hint}"
@@ -262,7 +261,7 @@ class Timeline(CurveLookup):
         True
         """
         if part not in ("events", "curve"):
-            raise InputError(f"part is {checks.shown(part)}; give 'events' or 'curve'")
+            raise InputError(f"part is {shown(part)}; give 'events' or 'curve'")
         columns: dict[str, Any]
         if part == "events":
             names = ("time_s", "kind", "label", "weight")
@@ -295,7 +294,8 @@ class Timeline(CurveLookup):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: a few words, and the curve."""
-        return timeline_page(self)
+        begin = "" if self.start is None else self.moment_text(0.0)
+        return timeline_page(self, begin)
 
     # --- what a part carries, in place of these, from the whole it was cut from
 

@@ -22,9 +22,10 @@ import warnings
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from overview_dsp.errors import InputError, OverviewWarning
-from overview_dsp.timeline import checks, written_times
+from overview_dsp.errors import InputError, OverviewWarning, shown
+from overview_dsp.timeline import times
 from overview_dsp.timeline.model import Timeline
+from overview_dsp.timeline.times import length_s
 
 HINT = (
     "give seconds (90.5), m:ss, h:mm:ss, 15min, 6h, 3d or 2w after the start, a date "
@@ -40,8 +41,6 @@ times as many things are felt one by one as in all of it."""
 ZOOM_LEAD = 0.75
 """Where in its window an event lies that was zoomed on: what led to it counts more."""
 
-_UNITS_S = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0, "w": 604_800.0}
-_LENGTH = re.compile(r"(?P<number>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<unit>s|min|h|d|w)?", re.I | re.A)
 _EVENT = re.compile(r"(?P<kind>[a-z0-9_]*[a-z_][a-z0-9_]*):(?P<number>\d{1,9})", re.A)
 _FROM = re.compile(rf"(?P<from>{_EVENT.pattern}|start|end)(?:(?P<sign>[+-])(?P<offset>.+))?", re.A)
 _EPOCH = datetime(1970, 1, 1)
@@ -67,7 +66,7 @@ def moment_s(text: str, timeline: Timeline) -> float:
     moment = _parsed(text, timeline)
     stopped = _stopped(text, moment, timeline)
     if not 0.0 <= stopped <= timeline.duration_s:
-        raise InputError(f"{checks.shown(text)} lies outside the timeline; {_reach(timeline)}")
+        raise InputError(f"{shown(text)} lies outside the timeline; {_reach(timeline)}")
     return stopped
 
 
@@ -85,7 +84,7 @@ def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
     )
     if first >= last and any(moment.stops for moment in moments):
         raise InputError(
-            f"the window from {checks.shown(start)} to {checks.shown(end)} is empty or outside "
+            f"the window from {shown(start)} to {shown(end)} is empty or outside "
             f"the timeline; {_reach(timeline)}"
         )
     timeline.require_window(first, last)
@@ -108,27 +107,13 @@ def zoom_window(timeline: Timeline, text: str) -> tuple[float, float]:
     width = length_s(width_text) if width_text else timeline.duration_s / ZOOM_PART
     if found is None or width is None or not width > 0.0:
         raise InputError(
-            f"{checks.shown(text)} is nothing to zoom to; give kind:number (goal:1, event:3) and, "
+            f"{shown(text)} is nothing to zoom to; give kind:number (goal:1, event:3) and, "
             "if you like, how long a window (goal:1:90, goal:1:5min)"
         )
     at = _event_s(found, timeline)
     width = min(width, timeline.duration_s)
     start = min(max(at - ZOOM_LEAD * width, 0.0), timeline.duration_s - width)
     return start, min(start + width, timeline.duration_s)
-
-
-def length_s(text: str) -> float | None:
-    """Seconds of a written length (`90`, `1:30`, `15min`, `2w`); None if it is none."""
-    clock = written_times.clock_seconds(text.strip())
-    if clock is not None:
-        return clock
-    found = _LENGTH.fullmatch(text.strip())
-    if found is None:
-        return None
-    try:
-        return float(found["number"]) * _UNITS_S[(found["unit"] or "").lower()]
-    except ValueError:  # 1.2.3
-        return None
 
 
 def _parsed(text: str, timeline: Timeline) -> _Moment:
@@ -143,11 +128,10 @@ def _parsed(text: str, timeline: Timeline) -> _Moment:
     found = _FROM.fullmatch(written)
     if found is not None:
         return _after(found, timeline, text)
-    for way in (written_times.iso, written_times.month_named, written_times.period):
-        date = way(written)
-        if date is not None:
-            return _Moment(_calendar_s(date, timeline, text), True)
-    raise InputError(f"{checks.shown(text)} is no moment; {HINT}")
+    date = times.moment(written, "iso", "month names", "quarters, months or weeks")
+    if date is not None:
+        return _Moment(_calendar_s(date, timeline, text), True)
+    raise InputError(f"{shown(text)} is no moment; {HINT}")
 
 
 def _after(found: re.Match[str], timeline: Timeline, text: str) -> _Moment:
@@ -161,7 +145,7 @@ def _after(found: re.Match[str], timeline: Timeline, text: str) -> _Moment:
     offset = length_s(found["offset"])
     if offset is None:
         raise InputError(
-            f"{checks.shown(text)}: {checks.shown(found['offset'])} is no length; give seconds, "
+            f"{shown(text)}: {shown(found['offset'])} is no length; give seconds, "
             "m:ss, h:mm:ss, 15min, 6h, 3d or 2w"
         )
     return _Moment(base + offset if found["sign"] == "+" else base - offset, True)
@@ -179,17 +163,16 @@ def _event_s(found: re.Match[str], timeline: Timeline) -> float:
     return timeline.events[number - 1].time_s
 
 
-def _calendar_s(date: written_times.Moment, timeline: Timeline, text: str) -> float:
+def _calendar_s(date: times.Moment, timeline: Timeline, text: str) -> float:
     start = timeline.start
     if start is None:
         raise InputError(
-            f"{checks.shown(text)} is a date, and the timeline has no calendar; give seconds, "
+            f"{shown(text)} is a date, and the timeline has no calendar; give seconds, "
             "m:ss or an event"
         )
     if start.tzinfo is None and date.offset_min is not None:
         raise InputError(
-            f"{checks.shown(text)} names a time zone, and the timeline's calendar has none; leave "
-            "it out"
+            f"{shown(text)} names a time zone, and the timeline's calendar has none; leave it out"
         )
     try:
         moment = _EPOCH + timedelta(microseconds=date.ns // 1000)
@@ -198,7 +181,7 @@ def _calendar_s(date: written_times.Moment, timeline: Timeline, text: str) -> fl
             # subtracted in UTC: within one zone Python ignores its clock changes
             moment, start = moment.replace(tzinfo=zone).astimezone(UTC), start.astimezone(UTC)
     except OverflowError as error:
-        raise InputError(f"{checks.shown(text)} lies outside the calendar") from error
+        raise InputError(f"{shown(text)} lies outside the calendar") from error
     return (moment - start) / timedelta(seconds=1)
 
 

@@ -135,7 +135,7 @@ export const L = Object.freeze({
   BRISTLE_STIFFNESS: 285,
   SLIP_PEAK: 286,
   PACE: 287,
-  PLAYED: 288,
+  TARGET_POSITION: 288,
   WOUND: 289,
   SLIP: 290,
   WANTED: 291,
@@ -397,4 +397,4 @@ export const PARAMETERS = Object.freeze({
 });
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([-647448056, -1373696792]);
+export const DIGEST = Object.freeze([1414140413, 1280150719]);

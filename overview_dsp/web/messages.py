@@ -23,8 +23,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
 
 MAX_MESSAGE_BYTES = 8192
 MAX_EVENTS = 64
@@ -137,7 +137,7 @@ def _row(given: Any, where: str, length: int) -> list[Any]:
 
 
 def _number(given: Any, where: str, low: float, high: float) -> float:
-    value = checks.number(given, where)
+    value = validation.number(given, where)
     if not low <= value <= high:
         raise InputError(f"{where} is out of range; it is finite, {low:g} to {high:g}")
     return value

@@ -36,11 +36,11 @@ from typing import Any
 
 import numpy as np
 
+from overview_dsp.analysis.series_events import KINDS as SERIES_KINDS
 from overview_dsp.export.browser_memory import event_numbers
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.plots.style import KIND_STYLE
 from overview_dsp.presets.model import Preset
-from overview_dsp.readers.tables.events import KINDS as SERIES_KINDS
 from overview_dsp.surface.angle_map import AngleMap
 from overview_dsp.surface.model import Surface
 from overview_dsp.timeline import Timeline

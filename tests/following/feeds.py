@@ -8,7 +8,7 @@ from typing import Any
 import overview_dsp as ov
 from overview_dsp.following.feed_lines import encode_line, take_line
 from overview_dsp.following.recorded_feed import feed_of
-from overview_dsp.readers import events_csv
+from overview_dsp.readers.events import event_table
 
 MATCHES = (
     "football/metrica/Sample_Game_1_RawEventsData.csv",
@@ -41,4 +41,4 @@ def read_prefix(events: list[ov.Event], now_s: float) -> ov.Timeline:
     for event in sorted(events, key=lambda one: one.kind != "period"):
         label = event.label.replace('"', '""')
         rows.append(f'{event.time_s!r},{event.kind},"{label}"')
-    return events_csv.decode("\n".join(rows), duration_s=now_s)
+    return event_table.decode("\n".join(rows), duration_s=now_s)

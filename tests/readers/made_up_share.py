@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from overview_dsp.analysis.window_rules import rules_of
 from overview_dsp.readers.native import save_timeline
-from overview_dsp.readers.tables.part_rules import rules_of
 from overview_dsp.timeline.model import Event, Intensity, Timeline
 
 BUNDLED_FILE = (

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from overview_dsp.analysis.crowd_excitement import FOOTBALL_KINDS
 from overview_dsp.errors import InputError
 from overview_dsp.readers import bundled_timeline, load_timeline
-from overview_dsp.readers.excitement import FOOTBALL_KINDS
 from overview_dsp.timeline import Timeline
 from tests.readers.world_cup_final import final
 

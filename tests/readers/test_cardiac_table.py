@@ -157,6 +157,13 @@ def test_a_series_of_heart_rates_is_no_signal(tmp_path: Path) -> None:
     assert timeline is None or "beat" not in timeline.kinds()
 
 
+def test_a_table_with_words_in_it_is_no_hearts_whatever_the_rate(tmp_path: Path) -> None:
+    rows = [f"AAPL,{v:.4f}" for v in LEAD]
+    timeline = load_timeline(write(tmp_path, ["ticker,level", *rows]), rate=RATE)
+    assert "beat" not in timeline.kinds()
+    assert timeline.provenance.startswith("a CSV table, column 'level'")
+
+
 def test_a_noisy_stretch_is_a_gap_that_says_why(tmp_path: Path) -> None:
     noisy = ecg(beat_times(90.0), 90.0, RATE)
     second = round(RATE)

@@ -341,12 +341,12 @@ def test_a_record_of_noise_or_nothing_has_no_heartbeat(tmp_path: Path) -> None:
 
 
 def test_a_missing_package_is_one_line(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from overview_dsp.readers import extra
+    from overview_dsp.readers import plugins
 
     def fail(name: str) -> None:
         raise ImportError(f"No module named '{name}'")
 
-    monkeypatch.setattr(extra.importlib, "import_module", fail)
+    monkeypatch.setattr(plugins.importlib, "import_module", fail)
     refused(record, r"reading a WFDB record needs the package wfdb .*\[ecg\]")
 
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers import load_timeline
-from overview_dsp.readers.everyday.columns import EXTRAS, KINDS, LABELS, TIMES
-from overview_dsp.readers.everyday.listing import are_kinds, kind_of
+from overview_dsp.readers.events.listing import are_kinds, kind_of
+from overview_dsp.readers.tables.column_roles import EXTRAS, KINDS, LABELS, TIMES
 from overview_dsp.timeline import Timeline
 from tests.readers.shapes import all_shapes
 from tests.readers.tables.test_robustness import changed, check, relaxed
@@ -151,7 +151,7 @@ def test_rows_without_a_time_and_repeated_rows_are_said(tmp_path: Path) -> None:
 def test_a_wrong_cell_is_named_with_line_and_column(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"line 4, column 'start': 'soon' isn't a time"):
         load(tmp_path, "start,what\n0:10,a\n0:20,b\nsoon,c\n0:50,d\n0:55,e\n")
-    with pytest.raises(InputError, match=r"line 3: the weight 'big' isn't a number"):
+    with pytest.raises(InputError, match=r"line 3, column 'weight': 'big' isn't a number"):
         load(tmp_path, "start,what,weight\n0:10,a,2\n0:20,b,big\n")
 
 

@@ -109,7 +109,11 @@ def test_other_separators_and_cases_are_the_same(mark: str) -> None:
         (",1,91.56,", ",1,soon,", "line 4, column 'Start Time .s.': 'soon' isn't a time"),
         (",1,91.56,", ",1,nan,", "line 4, column 'Start Time .s.': 'nan' isn't a time"),
         (",1,91.56,", ",1,999999,", "line 4, .*times are seconds from 0"),
-        ("GOAL,1,1,91", "GOAL,7,1,91", "line 4, column 'Period': '7'; periods are 1 to 5"),
+        (
+            "GOAL,1,1,91",
+            "GOAL,7,1,91",
+            "column 'Period': '7' is no period; periods are 1 to 5",
+        ),
         ("Home,FAULT", "Third,FAULT", "line 9, column 'Team': 'Third' is a third team"),
         ("Player4", '"Player4', "line 4: .*check the quotes"),
         ("Player4,", "Player4,a,b,c,d,e,f,g", "line 4: .* fields for 14 columns"),

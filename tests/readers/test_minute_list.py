@@ -323,15 +323,27 @@ def test_goals_of_many_matches_need_a_choice(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (rows("soon,goal,A,N"), "line 2, the minute: 'soon' isn't a minute"),
-        (rows(",goal,A,N"), "line 2: no minute"),
+        (rows("soon,goal,A,N"), "line 2, column 'minute': 'soon' isn't a minute"),
+        (rows(",goal,A,N"), r"line 2, .*: is missing; write a minute"),
         (rows("10,goal,A,N", "20,goal,B,S", "30,goal,C,T"), "line 4: the team is 'T'; .*'N' and"),
         (rows("10,pass,A,N"), "no goal, card, foul or near miss in it"),
         (rows(), "no rows below the header"),
-        (rows("9,1,goal", header="period,minute,type"), "line 2: the period is '9'; write 1"),
-        (rows("1,goal,maybe", header="minute,type,own goal"), "line 2: the flag own is 'maybe'"),
-        (rows("1,70,goal", header="minute,second,type"), "line 2: second is 70"),
-        (rows("1,x,goal", header="minute,added,type"), "line 2: added is 'x'"),
+        (
+            rows("9,1,goal", header="period,minute,type"),
+            "column 'period': '9' is no period; write 1",
+        ),
+        (
+            rows("1,goal,maybe", header="minute,type,own goal"),
+            "column 'own goal': 'maybe' is no flag",
+        ),
+        (
+            rows("1,70,goal", header="minute,second,type"),
+            "column 'second': 70.0 is out of range",
+        ),
+        (
+            rows("1,x,goal", header="minute,added,type"),
+            "line 2, column 'added': 'x' isn't a number",
+        ),
     ],
 )
 def test_a_wrong_row_is_named(text: str, words: str) -> None:

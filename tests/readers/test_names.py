@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from overview_dsp.readers.football.names import short_name
+from overview_dsp.readers.football.match import short_name
 
 
 @pytest.mark.parametrize(

@@ -148,8 +148,8 @@ def test_a_match_not_played_yet_is_refused() -> None:
     ("goal", "words"),
     [
         ({"name": "A"}, r"matches\[0\]: goals1\[0\].minute is None"),
-        ({"minute": 300}, r"goals1\[0\]: minute 300; minutes are 0 to 150"),
-        ({"minute": -1}, r"goals1\[0\]: minute -1"),
+        ({"minute": 300}, r"goals1\[0\]: 300 is no minute; minutes are 0 to 150"),
+        ({"minute": -1}, r"goals1\[0\]: -1 is no minute"),
         ({"minute": "soon"}, r"goals1\[0\].minute: 'soon' isn't a minute"),
         ({"minute": 90, "offset": 99}, "99 minutes of stoppage time"),
         ({"minute": 90, "offset": []}, r"goals1\[0\].offset is \[\]"),

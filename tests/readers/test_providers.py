@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
-from overview_dsp.readers import extra, load_timeline
+from overview_dsp.readers import load_timeline, plugins
 from overview_dsp.readers.football import wyscout
 from overview_dsp.timeline import Timeline
 from tests.readers.football_files import wyscout_match
@@ -169,7 +169,7 @@ def test_a_missing_kloppy_is_one_line(tmp_path: Path, monkeypatch: pytest.Monkey
         raise ImportError(f"No module named '{name}'")
 
     path = copied(tmp_path, "wyscout v3")
-    monkeypatch.setattr(extra.importlib, "import_module", fail)
+    monkeypatch.setattr(plugins.importlib, "import_module", fail)
     with pytest.raises(InputError, match=r"Wyscout v3 .*kloppy .*'overview-dsp\[football\]'"):
         load_timeline(path)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.readers import load_timeline, save_timeline
-from overview_dsp.readers.events_csv import encode
+from overview_dsp.readers.events.event_table import encode
 from overview_dsp.timeline import Timeline
 
 MATCHES = ("22936", "69321", "15986")

@@ -197,7 +197,7 @@ def test_any_change_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
 
 @given(st.data())
 def test_any_change_of_the_companion_gives_a_timeline(data: st.DataObject) -> None:
-    from overview_dsp.readers.football.wyscout_matches import _companion
+    from overview_dsp.readers.football.wyscout import _companion
 
     told = _companion(mutated(data, companion()))
     if told is not None:

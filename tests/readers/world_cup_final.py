@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from overview_dsp.readers.excitement import crowd_curve
+from overview_dsp.analysis.crowd_excitement import crowd_curve
 from overview_dsp.readers.native import save_timeline
 from overview_dsp.timeline.model import Event, Intensity, Timeline
 

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.timeline import Event, Timeline
-from overview_dsp.timeline.moments import length_s, moment_s, window_of, zoom_window
+from overview_dsp.timeline.moments import moment_s, window_of, zoom_window
+from overview_dsp.timeline.times import length_s
 
 DAY = 86_400.0
 EVENTS = (

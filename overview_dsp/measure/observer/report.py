@@ -12,7 +12,7 @@ import numpy as np
 from overview_dsp.measure.observer.noticed import Modality
 from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
 from overview_dsp.measure.report_base import Report
-from overview_dsp.public.reprs import counted, short
+from overview_dsp.public import counted, short
 
 LEAST_SHARE = 1.0 / 12.5
 """Confusions as rare as 1 in 12 are told in words."""

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from overview_dsp.readers.audio.loudness import STEPS_PER_S, Steps
+from overview_dsp import validation
+from overview_dsp.analysis.loudness import STEPS_PER_S, Steps
 from overview_dsp.readers.audio.reader import MAPS, timeline_of
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 
 LENGTH_S = (180.0, 720.0)
 CHEERS_A_MINUTE, BURSTS_A_MINUTE = 1.1, 1.4
@@ -38,7 +39,7 @@ def random_crowd(seed: int) -> Timeline:
     >>> sorted(crowd.kinds())
     ['burst', 'cheer']
     """
-    rng = given.random(seed)
+    rng = validation.random(seed)
     length = rng.uniform(*LENGTH_S)
     count = int(length * STEPS_PER_S)
     at_s = np.arange(count) / STEPS_PER_S

@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.readers.cardiac.beat_kinds import NORMAL
+from overview_dsp import validation
+from overview_dsp.analysis.rhythm import NORMAL, Beats
 from overview_dsp.readers.cardiac.build import About, heart_timeline
-from overview_dsp.readers.cardiac.rhythm import Beats
 from overview_dsp.readers.source import LoadOptions
-from overview_dsp.timeline import Event, Timeline, given
+from overview_dsp.timeline import Event, Timeline
 
 LONG_S, SHORT_S = (300.0, 1800.0), (40.0, 68.0)
 STEADY = ((NORMAL, 0.8), ("bundle_branch_block", 0.1), ("paced", 0.1))
@@ -54,7 +54,7 @@ def random_heart(seed: int) -> Timeline:
     >>> heart.intensity.unit
     'bpm'
     """
-    rng = given.random(seed)
+    rng = validation.random(seed)
     length = rng.uniform(*(SHORT_S if seed % 3 == 2 else LONG_S))
     usual = _intervals(rng, length)
     usual = usual[: np.searchsorted(np.cumsum(usual), length) + 10]

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import Event, Intensity, Timeline, given
+from overview_dsp.timeline import Event, Intensity, Timeline
 
 LENGTH_S = 600.0
 EVENTS = 30.0
@@ -43,10 +44,10 @@ def random_events(kinds: Sequence[str], seed: int) -> Timeline:
     >>> sorted(ov.measure.random_events(["bell", "drum"], seed=1).kinds())
     ['bell', 'drum']
     """
-    kinds = given.instances(kinds, str, "kinds", "each is a word: ['goal', 'foul']")
+    kinds = validation.instances(kinds, str, "kinds", "each is a word: ['goal', 'foul']")
     if not kinds:
         raise InputError("no kinds; name one or more")
-    rng = given.random(seed)
+    rng = validation.random(seed)
     events: list[Event] = []
     for kind in kinds:
         count = 1 + rng.poisson(max(0.0, EVENTS / len(kinds) / (1.0 + CLOSE) - 1.0))

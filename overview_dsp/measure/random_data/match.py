@@ -10,8 +10,9 @@ minutes after a goal, shots that rebound, and a foul at the very moment of its c
 
 from __future__ import annotations
 
-from overview_dsp.readers.excitement import crowd_curve
-from overview_dsp.timeline import Event, Timeline, given
+from overview_dsp import validation
+from overview_dsp.analysis.crowd_excitement import crowd_curve
+from overview_dsp.timeline import Event, Timeline
 
 GOALS, FOULS, NEAR_MISSES, YELLOWS, REDS = 2.7, 20.0, 9.5, 3.8, 0.3
 OWN_GOAL = 1.0 / 12.0
@@ -48,7 +49,7 @@ def random_match(seed: int) -> Timeline:
     >>> match.kinds()["period"], 5000.0 < match.duration_s < 6200.0
     (3, True)
     """
-    rng = given.random(seed)
+    rng = validation.random(seed)
     half = HALF_S + rng.uniform(*STOPPAGE_S[0])
     length = half + HALF_S + rng.uniform(*STOPPAGE_S[1])
     found: list[tuple[float, str]] = []

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
+from overview_dsp.readers.series.series import series_of
 from overview_dsp.readers.source import LoadOptions
-from overview_dsp.readers.tables.pipeline import series_of
 from overview_dsp.readers.tables.table import Chunk, Column
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 
 TRADING_DAYS = 252
 """A year of a share."""
@@ -65,7 +66,7 @@ def random_share(seed: int) -> Timeline:
     >>> share.kinds()["highest"], share.kinds()["lowest"]
     (1, 1)
     """
-    rng = given.random(seed)
+    rng = validation.random(seed)
     count = TRADING_DAYS * int(rng.integers(1, 4))
     start = _FIRST_DAY + int(rng.integers(0, 12_000))
     days = np.busday_offset(start, np.arange(count), roll="forward")
@@ -102,7 +103,7 @@ def random_weather(seed: int) -> Timeline:
     >>> weather.intensity.unit
     '°C'
     """
-    rng = given.random(seed)
+    rng = validation.random(seed)
     count = 365 * int(rng.integers(1, 5))
     start = _FIRST_DAY + int(rng.integers(0, 12_000))
     days = start + np.arange(count)

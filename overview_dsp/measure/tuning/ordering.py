@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.gestures import sweep
 from overview_dsp.measure.kind_feel import FeelReport
@@ -23,7 +24,7 @@ from overview_dsp.measure.steps import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import SECONDS_EACH
-from overview_dsp.timeline import Event, Timeline, given
+from overview_dsp.timeline import Event, Timeline
 
 WANTED_STEPS = 2.0
 _AIM_STEPS = 2.2  # a little more, so that the search may stop a little short of it
@@ -97,7 +98,7 @@ def tuned(
             cost,
             list(zip(-most, most, strict=True)),
             x0=start,
-            rng=given.random(seed),
+            rng=validation.random(seed),
             maxiter=GENERATIONS,
             popsize=POPULATION,
             polish=False,

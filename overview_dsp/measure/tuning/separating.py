@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp import validation
 from overview_dsp.gestures import Gesture, sweep
 from overview_dsp.measure.comparing import steps_apart
 from overview_dsp.measure.kind_feel import KindFeel
@@ -23,7 +24,7 @@ from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.measure.tuning.ordering import check_target
 from overview_dsp.presets.model import Preset
 from overview_dsp.rendering.audition import pages
-from overview_dsp.timeline import Timeline, given
+from overview_dsp.timeline import Timeline
 
 WANTED_STEPS = 1.0
 _AIM_STEPS = 1.3
@@ -88,7 +89,7 @@ def separated(
     if order:
         check_target(preset, order)
     names = tuple(preset.kinds)
-    rng = given.random(seed)
+    rng = validation.random(seed)
     best = np.zeros(2 * len(names))
     # few speeds bring it near, all of them to the end
     best, _ = _searched(preset, names, order, ROUGH, rng, best, lambda p: progress(0.5 * p))

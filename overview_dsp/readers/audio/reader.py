@@ -18,18 +18,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers.audio import cheers
-from overview_dsp.readers.audio.decoding import Recording, open_recording, sounds
-from overview_dsp.readers.audio.loudness import (
+from overview_dsp import validation
+from overview_dsp.analysis import cheers
+from overview_dsp.analysis.loudness import (
     MOMENTARY_STEPS,
     SHORT_TERM_STEPS,
     STEPS_PER_S,
     StepMeter,
     Steps,
 )
+from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.audio.decoding import Recording, open_recording, sounds
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.gaps import in_gap
 from overview_dsp.timeline.model import Intensity, Timeline
 
@@ -59,13 +59,13 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     chosen = options.map if options.map is not None else MAPS[0]
     if chosen not in MAPS:
         raise InputError(
-            f"{source.where}: map is {checks.shown(chosen)}; for a recording it is one of "
+            f"{source.where}: map is {shown(chosen)}; for a recording it is one of "
             f"{', '.join(MAPS)}"
         )
     with open_recording(source, options.max_mb) as recording:
         steps = _measured(recording, options)
         kind, notes = recording.kind, recording.notes
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return timeline_of(steps, chosen, source.stem, kind, notes)
 
 

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers.cardiac import rhythm
-from overview_dsp.readers.cardiac.beat_kinds import NORMAL
-from overview_dsp.readers.cardiac.detection import Detection
-from overview_dsp.readers.cardiac.rhythm import Beats
-from overview_dsp.readers.cardiac.signal import Spans
+from overview_dsp.analysis import rhythm
+from overview_dsp.analysis.heart_signal import Spans
+from overview_dsp.analysis.heartbeats import Detection
+from overview_dsp.analysis.rhythm import NORMAL, Beats
+from overview_dsp.analysis.window_rules import rules_of
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import LoadOptions
-from overview_dsp.readers.tables.part_rules import rules_of
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.event import Event
 from overview_dsp.timeline.gaps import Gaps
 from overview_dsp.timeline.model import Timeline
@@ -42,9 +40,7 @@ class About:
 def check_map(options: LoadOptions) -> None:
     """Refuse an unknown `map`."""
     if options.map is not None and options.map not in MAPS:
-        raise InputError(
-            f"map is {checks.shown(options.map)}; for a heart it is one of {', '.join(MAPS)}"
-        )
+        raise InputError(f"map is {shown(options.map)}; for a heart it is one of {', '.join(MAPS)}")
 
 
 def detected(detection: Detection, rate: float) -> Beats:

@@ -10,13 +10,14 @@ import math
 import re
 import stat
 from dataclasses import dataclass, field
-from datetime import date, datetime, time
+from datetime import datetime, timedelta
 from fractions import Fraction
 from pathlib import Path
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.source import shown_path
-from overview_dsp.timeline import checks
+from overview_dsp.timeline.times import clock_s, moment
 
 MAX_HEADER_BYTES = 1 << 20
 MAX_SIGNALS = 1024
@@ -64,8 +65,6 @@ _SIGNAL = re.compile(
 )
 _SEGMENT = re.compile(r"(?P<name>~|[-\w]+)\s+(?P<length>\d+)\s*", re.ASCII)
 _FILE_NAME = re.compile(r"[-\w]+(\.[-\w]+)*", re.ASCII)
-_CLOCK = re.compile(r"(?:(?:(\d+):)?(\d+):)?(\d+(?:\.\d*)?)", re.ASCII)
-_DAY = re.compile(r"(\d{1,2})/(\d{1,2})/(\d{1,4})", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -150,7 +149,7 @@ def read_header(path: Path) -> Header:
         missing or too short, a format that can't be read.
     """
     where = shown_path(path)
-    with checks.located(f"{where}: "):
+    with validation.located(f"{where}: "):
         header = parse_header(_text(path), path)
         _check_files(header)
     return header
@@ -166,7 +165,7 @@ def parse_header(text: str, path: Path) -> Header:
     if not lines:
         raise InputError("no record line; a header begins with name, signals, rate, length")
     number, line = lines[0]
-    with checks.located(f"line {number}: "):
+    with validation.located(f"line {number}: "):
         found = _matched(_RECORD, line, "a record line", "100 2 360 650000")
         count = _whole(found["signals"], "the number of signals", MAX_SIGNALS)
         rate = _rate(found["rate"])
@@ -187,7 +186,7 @@ def parse_header(text: str, path: Path) -> Header:
         )
     signals: list[HeaderSignal] = []
     for number, line in lines[1 : 1 + count]:
-        with checks.located(f"line {number}: "):
+        with validation.located(f"line {number}: "):
             signals.append(_signal(line, len(signals), signals))
     if sum(signal.frame for signal in signals) > MAX_FRAME:
         raise InputError(f"more than {MAX_FRAME} samples a frame; this is no record of a heart")
@@ -199,7 +198,7 @@ def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
     name = found["file"]
     if name != NO_FILE and not _FILE_NAME.fullmatch(name):
         raise InputError(
-            f"the signal file {checks.shown(name)} is no plain name; a record's files lie beside "
+            f"the signal file {shown(name)} is no plain name; a record's files lie beside "
             "its header: put them there and name them without a folder"
         )
     kind = str(int(found["format"][:9]))
@@ -210,7 +209,7 @@ def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
     if frame == 0:
         raise InputError("0 samples a frame; leave the x0 out")
     if found["gain"] is not None and not _is_number(found["gain"]):
-        raise InputError(f"the gain {checks.shown(found['gain'])} isn't a number")
+        raise InputError(f"the gain {shown(found['gain'])} isn't a number")
     earlier = next((other for other in before if other.file == name != NO_FILE), None)
     if earlier is not None and earlier.format != kind:
         raise InputError(f"{name} has format {kind} here and {earlier.format} before")
@@ -228,7 +227,7 @@ def _segments(lines: list[tuple[int, str]], count: int) -> tuple[tuple[str, int]
         )
     segments = []
     for number, line in lines[:count]:
-        with checks.located(f"line {number}: "):
+        with validation.located(f"line {number}: "):
             found = _matched(_SEGMENT, line, "a segment line", "100_0001 3600")
             segments.append((found["name"], _whole(found["length"], "the length", 10**15)))
     return tuple(segments)
@@ -291,7 +290,7 @@ def _text(path: Path) -> str:
 def _matched(pattern: re.Pattern[str], line: str, what: str, example: str) -> re.Match[str]:
     found = pattern.fullmatch(line)
     if found is None:
-        raise InputError(f"{checks.shown(line)} isn't {what}; such as: {example}")
+        raise InputError(f"{shown(line)} isn't {what}; such as: {example}")
     return found
 
 
@@ -300,7 +299,7 @@ def _whole(digits: str | None, what: str, most: int) -> int:
         return 0
     # cut: Python refuses to make ints of thousands of digits
     if not re.fullmatch(r"\d+", digits, re.ASCII) or len(digits) > 18 or int(digits) > most:
-        raise InputError(f"{what} is {checks.shown(digits)}; it is a whole number up to {most}")
+        raise InputError(f"{what} is {shown(digits)}; it is a whole number up to {most}")
     return int(digits)
 
 
@@ -313,7 +312,7 @@ def _rate(words: str | None) -> float:
         return DEFAULT_RATE
     rate = float(words) if _is_number(words) else math.nan
     if not 1e-3 <= rate <= 1e6:
-        raise InputError(f"the rate is {checks.shown(words)}; it is 0.001 to 1000000 a second")
+        raise InputError(f"the rate is {shown(words)}; it is 0.001 to 1000000 a second")
     return rate
 
 
@@ -321,21 +320,8 @@ def _start(clock: str | None, day: str | None) -> datetime | None:
     """Return the start where both parts are there; a time of day alone is no moment."""
     if clock is None or day is None:
         return None
-    at, on = _CLOCK.fullmatch(clock), _DAY.fullmatch(day)
-    try:
-        if at is None or on is None:
-            raise ValueError("not hh:mm:ss dd/mm/yyyy")
-        seconds = float(at[3])
-        return datetime.combine(
-            date(int(on[3]), int(on[2]), int(on[1])),
-            time(
-                int(at[1] or 0),
-                int(at[2] or 0),
-                int(seconds),
-                min(999_999, round(seconds % 1.0 * 1e6)),
-            ),
-        )
-    except (ValueError, OverflowError) as error:
-        raise InputError(
-            f"the start {checks.shown(clock)} {checks.shown(day)} is no hh:mm:ss dd/mm/yyyy"
-        ) from error
+    # mm:ss and ss are allowed too
+    at, on = clock_s(clock if ":" in clock else f"0:{clock}"), moment(day, "dmy")
+    if at is None or at >= 86_400.0 or on is None or day.count("/") != 2:
+        raise InputError(f"the start {shown(clock)} {shown(day)} is no hh:mm:ss dd/mm/yyyy")
+    return on.to_datetime() + timedelta(seconds=at)

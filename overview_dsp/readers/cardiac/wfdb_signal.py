@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers.cardiac.detection import MIN_RATE
+from overview_dsp.analysis.heartbeats import MIN_RATE
+from overview_dsp.errors import InputError, shown
 from overview_dsp.readers.cardiac.wfdb_header import (
     NO_FILE,
     Header,
@@ -19,8 +19,7 @@ from overview_dsp.readers.cardiac.wfdb_header import (
     frames_in_files,
     read_header,
 )
-from overview_dsp.readers.extra import needed
-from overview_dsp.timeline import checks
+from overview_dsp.readers.plugins import needed
 
 MAX_SAMPLES = 1 << 31
 """Longest signal, samples: eight months at 100 a second."""
@@ -241,7 +240,7 @@ def _chosen(names: list[str], wanted: str | None, where: str) -> int:
         if wanted.isascii() and wanted.isdigit() and 1 <= int(wanted[:9]) <= len(names):
             return int(wanted[:9]) - 1
         known = ", ".join(names[:12]) + (" ..." if len(names) > 12 else "")
-        raise InputError(f"{where}: no signal is called {checks.shown(wanted)}; there is {known}")
+        raise InputError(f"{where}: no signal is called {shown(wanted)}; there is {known}")
     return best_signal(names)
 
 

@@ -23,13 +23,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.football.match import Happening, MatchEvents, touches
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS, STARTS
-from overview_dsp.readers.football.story import Happening, MatchEvents
-from overview_dsp.readers.football.table import header_of, rows
-from overview_dsp.readers.football.touches import touches
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
+from overview_dsp.readers.tables.delimited import records
+from overview_dsp.readers.tables.dialect import headed
+from overview_dsp.readers.tables.table import Location
 from overview_dsp.timeline.model import Timeline
 
 PROVENANCE = "events: a Metrica raw-events file"
@@ -65,14 +66,14 @@ def sniff(source: Source) -> bool:
     """Return whether the file is a table with the columns of Metrica's raw events."""
     if source.head_text is None or source.looks_like_json:
         return False
-    found = header_of(source.head_text)
-    return found is not None and set(_NEEDED) <= set(found[0])
+    found = headed(source.head_text)
+    return found is not None and set(_NEEDED) <= set(found.header)
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read a match (takes no options); InputError names file, line and column."""
     text = source.text  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(text, source.stem)
 
 
@@ -94,13 +95,13 @@ def decode(text: str, default_title: str = "") -> Timeline:
     listed = []
     lines: dict[tuple[str, ...], int] = {}  # rows have no id: they are the same or they aren't
     repeats: list[str] = []
-    for line, fields in rows(text):
+    for line, fields in records(text):
         if not set(_NEEDED) <= fields.keys():
             missing = next(name for name in _NEEDED if name not in fields)
             raise InputError(f"no column '{missing}' in the header; is it Metrica's raw events?")
         first = lines.setdefault(tuple(fields.values()), line)
         if first == line:
-            listed.append(_row(fields, f"line {line}"))
+            listed.append(_row(fields, line))
         else:
             repeats.append(f"line {line} repeats line {first}")
     played = [row for row in listed if row.period != SHOOT_OUT]
@@ -118,8 +119,8 @@ def decode(text: str, default_title: str = "") -> Timeline:
     if len(teams) > 2:
         third = next(row for row in played if row.team == names[2])
         raise InputError(
-            f"{third.place}, column 'Team': {checks.shown(names[2])} is a third team after "
-            f"{checks.shown(names[0])} and {checks.shown(names[1])}; keep one match a file"
+            f"{third.place}, column 'Team': {shown(names[2])} is a third team after "
+            f"{shown(names[0])} and {shown(names[1])}; keep one match a file"
         )
     happenings = []
     others = []
@@ -144,19 +145,19 @@ def decode(text: str, default_title: str = "") -> Timeline:
     )
 
 
-def _row(fields: dict[str, str], place: str) -> _Row:
+def _row(fields: dict[str, str], line: int) -> _Row:
     period_text = fields["period"]
     if period_text not in ("1", "2", "3", "4", "5", "1.0", "2.0", "3.0", "4.0", "5.0"):
-        raise InputError(
-            f"{place}, column 'Period': {checks.shown(period_text)}; periods are 1 to {SHOOT_OUT}"
+        raise Location(line, "Period").error(
+            period_text, f"is no period; periods are 1 to {SHOOT_OUT}"
         )
-    start_s = _seconds(fields["start time [s]"], f"{place}, column 'Start Time [s]'")
+    start_s = _seconds(fields["start time [s]"], Location(line, "Start Time [s]"))
     end_text = fields.get("end time [s]", "")
     end_s = start_s
     if end_text and end_text.lower() != "nan":
-        end_s = _seconds(end_text, f"{place}, column 'End Time [s]'")
+        end_s = _seconds(end_text, Location(line, "End Time [s]"))
     return _Row(
-        place,
+        f"line {line}",
         fields["team"],
         fields["type"].upper(),
         frozenset(word.strip() for word in fields["subtype"].upper().split("-")),
@@ -167,13 +168,13 @@ def _row(fields: dict[str, str], place: str) -> _Row:
     )
 
 
-def _seconds(text: str, place: str) -> float:
+def _seconds(text: str, place: Location) -> float:
     hint = f"times are seconds from 0 to {MAX_S:g}, such as 91.56"
     if not _NUMBER.fullmatch(text):
-        raise InputError(f"{place}: {checks.shown(text)} isn't a time; {hint}")
+        raise place.error(text, f"isn't a time; {hint}")
     value = float(text)
     if not 0.0 <= value <= MAX_S:
-        raise InputError(f"{place}: {value!r}; {hint}")
+        raise place.error(value, f"is out of range; {hint}")
     return value
 
 

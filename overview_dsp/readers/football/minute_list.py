@@ -33,8 +33,17 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers.football.choosing import choose, plain
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.football.match import (
+    GOALS,
+    Happening,
+    MatchEvents,
+    choose,
+    plain,
+    short_name,
+    team_index,
+)
 from overview_dsp.readers.football.minute_words import meaning, words_of
 from overview_dsp.readers.football.minutes import (
     ENDS,
@@ -44,11 +53,10 @@ from overview_dsp.readers.football.minutes import (
     check_minute,
     parse_minute,
 )
-from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import GOALS, Happening, MatchEvents, team_index
-from overview_dsp.readers.football.table import MAX_COLUMNS, header_of, rows
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
+from overview_dsp.readers.tables.delimited import records
+from overview_dsp.readers.tables.dialect import headed
+from overview_dsp.readers.tables.table import MAX_COLUMNS, Location
 from overview_dsp.timeline.model import Timeline
 
 COLUMNS: dict[str, tuple[str, ...]] = {
@@ -138,9 +146,18 @@ _AWAY = frozenset({"a", "away", "2"})
 class _Row:
     """One row: its line, its fields by what they are (keys of `COLUMNS`)."""
 
-    place: str
+    line: int
     fields: dict[str, str]
     details: str
+    headers: dict[str, str]
+
+    @property
+    def place(self) -> str:
+        return str(Location(self.line))
+
+    def at(self, what: str) -> Location:
+        """Return the location of the field that is `what`."""
+        return Location(self.line, self.headers.get(what, what))
 
     def get(self, what: str) -> str:
         value = self.fields.get(what, "")
@@ -150,9 +167,7 @@ class _Row:
         value = self.fields.get(what, "").lower()
         if value in _YES or value in _NO:
             return value in _YES
-        raise InputError(
-            f"{self.place}: the flag {what} is {checks.shown(value)}; write TRUE or FALSE"
-        )
+        raise self.at(what).error(value, "is no flag; write TRUE or FALSE")
 
     @property
     def match(self) -> tuple[str, str, str, str]:
@@ -163,10 +178,10 @@ def sniff(source: Source) -> bool:
     """Return whether the file is a table with minutes and with kinds of events or scorers."""
     if source.head_text is None or source.looks_like_json:
         return False
-    found = header_of(source.head_text)
-    if found is None or "time_s" in found[0] or len(found[0]) > MAX_COLUMNS:
+    found = headed(source.head_text)
+    if found is None or "time_s" in found.header or len(found.header) > MAX_COLUMNS:
         return False
-    columns = _columns(found[0])
+    columns = _columns(found.header)
     timed = columns.get("minute") or columns.get("clock")
     if timed is None:
         return False
@@ -179,14 +194,14 @@ def sniff(source: Source) -> bool:
 def matches(source: Source) -> list[str]:
     """Return a line on each match of the file."""
     text = source.text
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return _lines(_grouped(_rows(text)))
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); InputError names file and line."""
     text = source.text  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(text, options.match, source.stem)
 
 
@@ -232,8 +247,9 @@ class _Match:
             kind, detail = self._meaning(row)
             if not row.get("minute") and not row.get("clock"):
                 if kind:
-                    raise InputError(
-                        f"{row.place}: no minute; write one, such as 38 or 90+3, or remove it"
+                    timed = "minute" if "minute" in row.headers else "clock"
+                    raise row.at(timed).missing(
+                        "write a minute, such as 38 or 90+3, or remove the row"
                     )
                 continue
             if detail == "shoot-out":
@@ -277,7 +293,7 @@ class _Match:
             self.notes.append(f"the shoot-out is left out: {kicks} rows")
         if left_out:
             most = sorted(left_out.items(), key=lambda entry: -entry[1])
-            words = ", ".join(f"{count} {checks.shown(name)[1:-1]}" for name, count in most[:6])
+            words = ", ".join(f"{count} {shown(name)[1:-1]}" for name, count in most[:6])
             more = ", ..." if len(most) > 6 else ""
             self.notes.append(f"left out, no football kind: {words}{more}")
         if not self.goals_only and any(kind == "own_goal" for _, _, kind, _ in entries):
@@ -315,8 +331,8 @@ class _Match:
             detail = detail or row.get("label")
         elif not who:
             who = row.get("label")
-        shown = str(minute) if minute.seconds is None else ""
-        return Happening(clock.time_s(minute), kind, team, who, detail, shown, row.place)
+        clock_text = str(minute) if minute.seconds is None else ""
+        return Happening(clock.time_s(minute), kind, team, who, detail, clock_text, row.place)
 
     def _team_name(self, row: _Row) -> str:
         return _team_name(row, self.teams[:2])
@@ -347,16 +363,18 @@ def _teams(rows_: Sequence[_Row]) -> list[str]:
 def _rows(text: str) -> list[_Row]:
     listed: list[_Row] = []
     columns: dict[str, list[str]] | None = None
-    for line, fields in rows(text):
+    headers: dict[str, str] = {}
+    for line, fields in records(text):
         if columns is None:
             columns = _columns(list(fields))
+            headers = {what: names[0] for what, names in columns.items()}
         values = {what: fields[names[0]] for what, names in columns.items()}
         details = " ".join(
             words_of(fields[name])
             for name in columns.get("details", [])
             if fields[name] and fields[name].lower() not in _NONE
         )
-        listed.append(_Row(f"line {line}", values, details))
+        listed.append(_Row(line, values, details, headers))
     if not listed:
         raise InputError("no rows below the header; add one for each event")
     return listed
@@ -406,7 +424,7 @@ def _result(of_it: Sequence[_Row]) -> str:
 
 
 def _minute(row: _Row) -> Minute:
-    place = f"{row.place}, the minute"
+    place = row.at("minute" if row.get("minute") else "clock")
     minute = parse_minute(row.get("minute") or row.get("clock"), place)
     for what in ("added", "second"):
         value = row.get(what)
@@ -414,7 +432,7 @@ def _minute(row: _Row) -> Minute:
             continue
         number = re.fullmatch(r"\+?([0-9]{1,3})(\.[0-9]{1,6})?", value)
         if number is None or (what == "added" and number[2] and float(number[2]) != 0.0):
-            raise InputError(f"{row.place}: {what} is {checks.shown(value)}, not a number of them")
+            raise row.at(what).error(value, "isn't a number of minutes or seconds")
         if what == "added":
             if minute.added is None and (int(number[1]) or minute.base in ENDS.values()):
                 added = int(number[1])
@@ -422,14 +440,14 @@ def _minute(row: _Row) -> Minute:
         else:
             seconds = float(number[1] + (number[2] or ""))
             if seconds >= 60.0:
-                raise InputError(f"{row.place}: second is {seconds:g}; seconds are 0 to 60")
+                raise row.at(what).error(seconds, "is out of range; seconds are 0 to 60")
             minute = replace(minute, seconds=seconds)
     check_minute(minute.base, minute.added, place)
     period = row.get("period")
-    return replace(minute, period=_period(period, row.place)) if period else minute
+    return replace(minute, period=_period(period, row.at("period"))) if period else minute
 
 
-def _period(text: str, place: str) -> int | None:
+def _period(text: str, place: Location) -> int | None:
     words = words_of(text)
     words = re.sub(r" 0$", "", words)  # 1.0, as a table of numbers writes it
     for number, known in _PERIODS.items():
@@ -439,10 +457,7 @@ def _period(text: str, place: str) -> int | None:
         return _PERIODS_LONG[words]
     if words in ("pre match", "prematch", "post game", "postgame", "full time", "14", "10", "16"):
         return None
-    raise InputError(
-        f"{place}: the period is {checks.shown(text)}; write 1, 2, 3 or 4 (extra time), or 5 "
-        "(shoot-out)"
-    )
+    raise place.error(text, "is no period; write 1, 2, 3 or 4 (extra time), or 5 (shoot-out)")
 
 
 def _ended(minute: Minute, kind: str) -> int:
@@ -463,22 +478,25 @@ def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bo
     """
     whole = head[: head.rfind("\n") + 1] or head
     sides = "team" in columns or "player" in columns
+    bare = sides or "minute" in columns  # numbers under `time` alone are seconds
     known = other = 0
     try:
-        for _, fields in itertools.islice(rows(whole), _SNIFFED):
+        for _, fields in itertools.islice(records(whole), _SNIFFED):
             kind = words_of(fields[columns["kind"][0]])
             details = " ".join(words_of(fields[name]) for name in columns.get("details", []))
             told = meaning(kind, details, own=False, penalty=False)[0] not in _ANYONES
             if told and sides and _is_minute(fields[timed]):
                 return True
-            known += (told or bool(_FOOTBALL.search(kind))) and _is_minute(fields[timed])
+            known += (told or bool(_FOOTBALL.search(kind))) and _is_minute(fields[timed], bare)
             other += not told
     except InputError:  # the reader that claims the file says where it is broken
         return False
     return known > 0 and 2 * known >= known + other
 
 
-def _is_minute(text: str) -> bool:
+def _is_minute(text: str, bare: bool = True) -> bool:
+    if not bare and text.strip().replace(".", "", 1).isdigit():
+        return False
     try:
         parse_minute(text, "")
     except InputError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 
-from overview_dsp.readers.football.choosing import plain
+from overview_dsp.readers.football.match import plain
 
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _GOAL = re.compile(

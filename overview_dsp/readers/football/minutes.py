@@ -7,12 +7,12 @@ its end; the next one follows. So `45+2` and `46` are two minutes, not two momen
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.tables.table import Location
+from overview_dsp.timeline.times import match_minute
 
 STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
 """Minute of the clock at which a period begins."""
@@ -26,15 +26,8 @@ SHOOT_OUT = 5
 START_LABELS = {1: "kick-off", 2: "half-time", 3: "extra time", 4: "extra-time half-time"}
 MAX_MINUTE = 150
 _MIDDLE_S = 30.0
-_LONGEST = 24  # characters of a minute, so that no pattern is tried on a long field
 MAX_ADDED = 60
-
-# 38  38'  90+3  90'+3'  90 + 3  12:34  45+2:30
-_MINUTE = re.compile(
-    r"(?P<base>[0-9]{1,3})\s*['’′.]?\s*(?:\+\s*(?P<added>[0-9]{1,2})\s*['’′]?)?"
-    r"(?::(?P<seconds>[0-5][0-9](?:\.[0-9]{1,6})?)\s*['’′]?)?"
-)
-_WHOLE = re.compile(r"([0-9]{1,3})\.0+")
+_RANGE = f"0 to {MAX_MINUTE}, such as 38 or 90+3"
 
 
 @dataclass(frozen=True)
@@ -67,33 +60,28 @@ class Minute:
         return self.base + (self.added or 0)
 
 
-def parse_minute(text: str, place: str) -> Minute:
+def parse_minute(text: str, place: str | Location) -> Minute:
     """Return the minute written as `38`, `38'`, `90+3`, `45+2'` or `12:34`; InputError if not."""
-    hint = f"minutes are 0 to {MAX_MINUTE}, such as 38 or 90+3"
-    written = text.strip()
-    if len(written) > _LONGEST:
-        raise InputError(f"{place}: {checks.shown(text)} isn't a minute; {hint}")
-    whole = _WHOLE.fullmatch(written)  # what a table of numbers makes of 38
-    found = _MINUTE.fullmatch(whole[1] if whole else written)
+    found = match_minute(text)
     if found is None:
-        raise InputError(f"{place}: {checks.shown(text)} isn't a minute; {hint}")
-    base = int(found["base"])
-    added = int(found["added"]) if found["added"] is not None else None
+        raise _wrong(place, text, f"isn't a minute; minutes are {_RANGE}")
+    base, added, seconds = found
     check_minute(base, added, place)
-    return Minute(base, added, float(found["seconds"]) if found["seconds"] is not None else None)
+    return Minute(base, added, seconds)
 
 
-def check_minute(base: int, added: int | None, place: str) -> None:
+def check_minute(base: int, added: int | None, place: str | Location) -> None:
     """Refuse minutes no match has."""
     if not 0 <= base <= MAX_MINUTE:
-        raise InputError(
-            f"{place}: minute {checks.shown(base)}; minutes are 0 to {MAX_MINUTE}, such as 38 or "
-            "90+3"
-        )
+        raise _wrong(place, base, f"is no minute; minutes are {_RANGE}")
     if added is not None and not 0 <= added <= MAX_ADDED:
-        raise InputError(
-            f"{place}: {checks.shown(added)} minutes of stoppage time; that is 0 to {MAX_ADDED}"
-        )
+        raise _wrong(place, added, f"minutes of stoppage time; that is 0 to {MAX_ADDED}")
+
+
+def _wrong(place: str | Location, value: object, note: str) -> InputError:
+    if isinstance(place, Location):
+        return place.error(value, note)
+    return InputError(f"{place}: {shown(value)} {note}")
 
 
 @dataclass(frozen=True)

@@ -21,13 +21,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers.football.choosing import choose
+from overview_dsp import validation
+from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.football.match import Happening, MatchEvents, choose, short_name
 from overview_dsp.readers.football.minutes import Clock, Minute, check_minute, parse_minute
-from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import Happening, MatchEvents
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 PROVENANCE = (
@@ -109,7 +107,7 @@ def sniff(source: Source) -> bool:
 def matches(source: Source) -> list[str]:
     """Return a line on each match of the file."""
     document = source.json
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return lines(document)
 
 
@@ -121,7 +119,7 @@ def lines(document: object) -> list[str]:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); InputError names the file, the match and the goal."""
     document = source.json  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(document, options.match, source.stem)
 
 
@@ -145,7 +143,7 @@ def decode(document: object, match: str | None = None, default_title: str = "") 
     listed = _matches(document)
     chosen = listed[choose([entry.line for entry in listed], match)]
     name = document.get("name") if isinstance(document, dict) else None
-    with checks.located(f"{chosen.place}: "):
+    with validation.located(f"{chosen.place}: "):
         return _timeline(chosen, name if isinstance(name, str) else "", default_title)
 
 
@@ -201,11 +199,11 @@ def _goals(match: _Match, team: int) -> Iterator[tuple[Minute, dict[str, object]
     if listed is None:
         return
     if not isinstance(listed, list):
-        raise InputError(f"{key} is {checks.shown(listed)}, not a list [...]")
+        raise InputError(f"{key} is {shown(listed)}, not a list [...]")
     for i, entry in enumerate(listed):
         place = f"{key}[{i}]"
         if not isinstance(entry, dict):
-            raise InputError(f"{place} is {checks.shown(entry)}, not an object {{...}}")
+            raise InputError(f"{place} is {shown(entry)}, not an object {{...}}")
         yield _minute(entry, place), entry, place
 
 
@@ -216,7 +214,7 @@ def _minute(entry: dict[str, object], place: str) -> Minute:
         minute = parse_minute(given, f"{place}.minute")
     elif isinstance(given, bool) or not isinstance(given, int):
         raise InputError(
-            f"{place}.minute is {checks.shown(given)}; minutes are whole numbers, such as 38 or 90"
+            f"{place}.minute is {shown(given)}; minutes are whole numbers, such as 38 or 90"
         )
     else:
         minute = Minute(given)
@@ -224,7 +222,7 @@ def _minute(entry: dict[str, object], place: str) -> Minute:
         if isinstance(offset, str) and offset.strip().isascii() and offset.strip().isdigit():
             offset = int(offset.strip()[:18])
         if isinstance(offset, bool) or not isinstance(offset, int):
-            raise InputError(f"{place}.offset is {checks.shown(offset)}, not a number of minutes")
+            raise InputError(f"{place}.offset is {shown(offset)}, not a number of minutes")
         minute = Minute(minute.base, offset)
     check_minute(minute.base, minute.added, place)
     return minute
@@ -237,11 +235,11 @@ def _name(entry: dict[str, object]) -> str:
 
 def _matches(document: object) -> list[_Match]:
     if not isinstance(document, dict):
-        raise InputError(f"the document is {checks.shown(document)}, not an object {{...}}")
+        raise InputError(f"the document is {shown(document)}, not an object {{...}}")
     found = []
     for raw, round_name, place in _listed(document):
         if not isinstance(raw, dict):
-            raise InputError(f"{place} is {checks.shown(raw)}, not an object {{...}}")
+            raise InputError(f"{place} is {shown(raw)}, not an object {{...}}")
         own = raw.get("round")
         found.append(_Match(raw, own if isinstance(own, str) else round_name, place))
     return found

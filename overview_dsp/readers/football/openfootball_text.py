@@ -24,10 +24,10 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
 from overview_dsp.readers.football import openfootball
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 _LONGEST = 400
@@ -64,7 +64,7 @@ def sniff(source: Source) -> bool:
 
 def matches(source: Source) -> list[str]:
     """Return a line on each match of the file."""
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return openfootball.lines(_document(source))
 
 
@@ -76,7 +76,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     InputError
         Names the file, the match and the goal; a file of scores alone.
     """
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return openfootball.decode(_document(source), options.match, source.stem)
 
 

@@ -16,18 +16,17 @@ import io
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any
 
+from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.readers.everyday.listing import repeated_ids
-from overview_dsp.readers.extra import needed
+from overview_dsp.readers.events.listing import repeated_ids
+from overview_dsp.readers.football.match import Happening, MatchEvents, short_name, touches
 from overview_dsp.readers.football.minutes import SHOOT_OUT, START_LABELS
-from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.story import Happening, MatchEvents
-from overview_dsp.readers.football.touches import touches
+from overview_dsp.readers.plugins import needed
 from overview_dsp.readers.source import LoadOptions, Source
 from overview_dsp.readers.xml_text import root_name, xml_text
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Timeline
 
 MAX_BYTES = 16 * 2**20
@@ -167,7 +166,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     feed = _feed_of(source)
     assert feed is not None  # sniffed
     files = [_bytes(source)]
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         module, function, *arguments = feed.load
         kloppy = needed(f"kloppy.{module}", feed.name, "football")
         if feed.beside is not None:
@@ -289,7 +288,7 @@ def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
     periods.append((end_s, "full time" if len(begins) > 1 else "end"))
     about = dataset.metadata
     names = [team.name or f"team {team.team_id}" for team in about.teams]
-    date = about.date.date().isoformat() if about.date is not None else ""
+    date = about.date.date().isoformat() if isinstance(about.date, datetime) else ""
     return MatchEvents(names, happenings, periods, end_s).timeline(
         f"events: {feed.name}, read with kloppy",
         notes,

@@ -26,17 +26,16 @@ when zoomed, are what the players do with the ball (`statsbomb_touches.py`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers.everyday.listing import repeated_ids
-from overview_dsp.readers.excitement import derive_intensity
-from overview_dsp.readers.football.names import short_name
-from overview_dsp.readers.football.statsbomb_record import SHOOT_OUT, Record
-from overview_dsp.readers.football.statsbomb_touches import touch_records
-from overview_dsp.readers.football.touches import touches
+from overview_dsp import validation
+from overview_dsp.analysis.crowd_excitement import derive_intensity
+from overview_dsp.errors import InputError, shown
+from overview_dsp.readers.events.listing import repeated_ids
+from overview_dsp.readers.football.match import short_name, touches
 from overview_dsp.readers.source import LoadOptions, Source
-from overview_dsp.timeline import checks
 from overview_dsp.timeline.model import Event, Timeline
 
 GOOD_CHANCE_XG = 0.10
@@ -73,7 +72,7 @@ def sniff(source: Source) -> bool:
 def read(source: Source, options: LoadOptions) -> Timeline:
     """Read an event file (takes no options); InputError names the file and the record."""
     document = source.json  # its errors name the file themselves
-    with checks.located(f"{source.where}: "):
+    with validation.located(f"{source.where}: "):
         return decode(document, source.stem)
 
 
@@ -93,7 +92,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
         A record lacks something that is needed; the line names it: `event 123 (id ...): ...`.
     """
     if not isinstance(document, list):
-        raise InputError(f"the document is {checks.shown(document)}, not a list of events")
+        raise InputError(f"the document is {shown(document)}, not a list of events")
     records = [Record.parse(raw, i) for i, raw in enumerate(document, start=1)]
     played = sorted(
         (record for record in records if record.period != SHOOT_OUT),
@@ -124,7 +123,7 @@ class _Match:
             time_s = self._time_s(record) if happened else 0.0
             event_records |= {record.position} if happened else set()
             for kind, label in happened:
-                with checks.located(f"{record.place}: "):
+                with validation.located(f"{record.place}: "):
                     event = Event(time_s, kind, label)
                 key = (event.time_s, kind, label)
                 if key in seen:
@@ -199,7 +198,7 @@ class _Match:
             outcome = record.named("shot", "outcome")
             if outcome is None or outcome not in _OUTCOMES:
                 raise record.error(
-                    f"shot.outcome.name is {checks.shown(outcome)}; outcomes are "
+                    f"shot.outcome.name is {shown(outcome)}; outcomes are "
                     f"{', '.join(sorted(_OUTCOMES))}"
                 )
             if outcome == "Goal":
@@ -223,7 +222,7 @@ class _Match:
             if card is not None:
                 if card not in _CARDS:
                     raise record.error(
-                        f"{_CARD_PLACES[record.kind]}.card.name is {checks.shown(card)}; cards "
+                        f"{_CARD_PLACES[record.kind]}.card.name is {shown(card)}; cards "
                         f"are {', '.join(_CARDS)}"
                     )
                 second = ", second yellow" if card == "Second Yellow" else ""
@@ -232,8 +231,8 @@ class _Match:
     def _scored(self, record: Record, team: str) -> str:
         if team not in self.teams:
             raise record.error(
-                f"the goal's team is {checks.shown(team)}; the match's teams are "
-                f"{' and '.join(checks.shown(name) for name in self.teams) or 'not named'}"
+                f"the goal's team is {shown(team)}; the match's teams are "
+                f"{' and '.join(shown(name) for name in self.teams) or 'not named'}"
             )
         self.score[self.teams.index(team)] += 1
         return f"{self.score[0]}-{self.score[1]}"
@@ -298,8 +297,8 @@ def _near_miss(record: Record, outcome: str, on_line: frozenset[int]) -> str | N
     xg = record.section("shot").get("statsbomb_xg")
     if xg is None:  # no estimate, no good chance
         return None
-    with checks.located(f"{record.place}: "):
-        chance = checks.number(xg, "shot.statsbomb_xg", "it is a probability")
+    with validation.located(f"{record.place}: "):
+        chance = validation.number(xg, "shot.statsbomb_xg", "it is a probability")
     return "missed" if chance >= GOOD_CHANCE_XG else None
 
 
@@ -336,3 +335,165 @@ def _partner(own_goal_for: Record, against: list[Record]) -> Record | None:
 def _scores(kick: Record) -> bool:
     outcome = kick.section("shot").get("outcome")
     return isinstance(outcome, dict) and outcome.get("name") == "Goal"
+
+
+SHOOT_OUT = 5
+"""The period of a shoot-out; 1 and 2 are halves, 3 and 4 those of extra time."""
+
+_CLOCK = re.compile(r"([0-9]{2}):([0-5][0-9]):([0-5][0-9])(?:\.([0-9]{1,6}))?")
+
+
+@dataclass(frozen=True)
+class Record:
+    """An event as StatsBomb lists it.
+
+    Parameters
+    ----------
+    position
+        Place in the file, from 1 (StatsBomb's own `index`).
+    raw
+        The JSON object.
+    id, kind, team, player
+        `id`, `type.name`, `team.name`, `player.name`; all but `kind` are "" where missing.
+    period
+        1 to 5.
+    clock_us
+        `timestamp`, the time since the period's start, in whole microseconds: sums stay exact.
+    """
+
+    position: int
+    raw: dict[str, object]
+    id: str
+    kind: str
+    team: str
+    player: str
+    period: int
+    clock_us: int
+
+    @classmethod
+    def parse(cls, raw: object, position: int) -> Record:
+        """Check what every record needs; InputError names the record."""
+        if not isinstance(raw, dict):
+            raise InputError(f"event {position}: is {shown(raw)}, not an object {{...}}")
+        id_ = raw.get("id")
+        id_ = id_ if isinstance(id_, str) else ""
+        with validation.located(f"{_place(position, id_)}: "):
+            period = raw.get("period")
+            if isinstance(period, bool) or not isinstance(period, int):
+                raise InputError(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
+            if not 1 <= period <= SHOOT_OUT:
+                raise InputError(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
+            kind = _name(raw, "type")
+            if kind is None:
+                raise InputError("type.name is missing; it says what the event is, such as 'Shot'")
+            clock_us = _clock_us(raw.get("timestamp"))
+        return cls(
+            position,
+            raw,
+            id_,
+            kind,
+            _name(raw, "team") or "",
+            _name(raw, "player") or "",
+            period,
+            clock_us,
+        )
+
+    @property
+    def place(self) -> str:
+        """How an error line or a note names this record."""
+        return _place(self.position, self.id)
+
+    def error(self, problem: str) -> InputError:
+        """Return the error of this record."""
+        return InputError(f"{self.place}: {problem}")
+
+    def section(self, key: str) -> dict[str, object]:
+        """Return a part of the record, empty where missing; InputError if it isn't an object."""
+        value = self.raw.get(key)
+        if value is None:
+            return {}
+        if not isinstance(value, dict):
+            raise self.error(f"{key} is {shown(value)}, not an object {{...}}")
+        return value
+
+    def named(self, section: str, key: str) -> str | None:
+        """Return `section.key.name`, None where the section has no such key.
+
+        Raises
+        ------
+        InputError
+            The key is there, but without a name.
+        """
+        part = self.section(section)
+        if part.get(key) is None:
+            return None
+        name = _name(part, key)
+        if name is None:
+            raise self.error(f"{section}.{key} is {shown(part[key])}; it needs a name")
+        return name
+
+    @property
+    def related(self) -> frozenset[str]:
+        """Ids of related events; what isn't a list of text is none."""
+        value = self.raw.get("related_events")
+        if not isinstance(value, list):
+            return frozenset()
+        return frozenset(entry for entry in value if isinstance(entry, str))
+
+
+def _place(position: int, id_: str) -> str:
+    return f"event {position} (id {shown(id_)[1:-1]})" if id_ else f"event {position}"
+
+
+def _name(table: dict[str, object], key: str) -> str | None:
+    part = table.get(key)
+    name = part.get("name") if isinstance(part, dict) else None
+    return name if isinstance(name, str) and name.strip() else None
+
+
+def _clock_us(value: object) -> int:
+    found = _CLOCK.fullmatch(value) if isinstance(value, str) else None
+    if found is None:
+        raise InputError(f"timestamp is {shown(value)}; it is the time in the period, hh:mm:ss.sss")
+    hours, minutes, seconds = (int(found[i]) for i in (1, 2, 3))
+    return (hours * 3600 + minutes * 60 + seconds) * 1_000_000 + int((found[4] or "").ljust(6, "0"))
+
+
+TOUCHES = {
+    "Pass": "pass",
+    "Ball Receipt*": "receipt",
+    "Carry": "carry",
+    "Pressure": "pressure",
+    "Ball Recovery": "recovery",
+    "Duel": "duel",
+    "Dribble": "dribble",
+    "Dribbled Past": "dribbled past",
+    "Clearance": "clearance",
+    "Block": "block",
+    "Interception": "interception",
+    "Goal Keeper": "goalkeeper",
+    "Miscontrol": "miscontrol",
+    "Dispossessed": "dispossessed",
+    "50/50": "fifty-fifty",
+    "Shield": "shield",
+    "Shot": "shot",
+}
+
+
+def touch_records(
+    records: Iterable[Record], happened: Collection[int], time_of: Callable[[Record], float]
+) -> Iterator[tuple[float, str, str]]:
+    """Yield (time_s, what, who) of the records that are touches or shots.
+
+    Parameters
+    ----------
+    records
+        Of the periods played.
+    happened
+        The positions of the records that are events already.
+    time_of
+        The moment of a record, s.
+    """
+    for record in records:
+        if record.kind in TOUCHES and record.position not in happened:
+            yield time_of(record), TOUCHES[record.kind], short_name(record.player)

@@ -1,4 +1,4 @@
-"""Cells of a table: numbers in any way of writing, words for a missing value, labels.
+"""Cells of a table: numbers in any way of writing, words for a missing value.
 
 Numbers have a decimal point or comma, thousands in groups of three, a currency sign, a per cent
 sign or a unit after the number, K, M and B for thousand, million and milliard (10^9), brackets for
@@ -10,19 +10,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.readers.tables.table import Cells
-from overview_dsp.timeline import checks
+from overview_dsp.errors import shown
+from overview_dsp.readers.tables.table import Cells, Location
 from overview_dsp.timeline.curve_checks import MAX_VALUE
-from overview_dsp.units import clock_text
 
 _CURRENCIES = "$€£¥₹₽₩"
 _MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
@@ -120,7 +117,7 @@ class NumberColumn:
     style: Style = field(default_factory=Style)
     unit: str | None = None
 
-    def values(self, cells: Cells, place: Any) -> NDArray[np.float64]:
+    def values(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
         """Return float64 of the cells' length, NaN where there is no value.
 
         Parameters
@@ -128,7 +125,7 @@ class NumberColumn:
         cells
             A chunk's column.
         place
-            Called with the index of a wrong cell, gives how the error line begins.
+            Called with the index of a wrong cell, gives its location.
 
         Raises
         ------
@@ -137,7 +134,7 @@ class NumberColumn:
         """
         if isinstance(cells, np.ndarray):
             if cells.dtype.kind not in "iuf":
-                raise InputError(f"{place(0)} holds dates; name a column of numbers")
+                raise place(0).error(cells[0], "is a date; name a column of numbers")
             values = cells.astype(np.float64)
         else:
             plain = self._plain(cells)
@@ -147,9 +144,9 @@ class NumberColumn:
         wild = np.flatnonzero(~np.isnan(values) & ~(np.abs(values) <= MAX_VALUE))
         if wild.size:
             i = int(wild[0])
-            raise InputError(
-                f"{place(i)} is {float(values[i])!r}, not a finite number up to {MAX_VALUE:g}; "
-                "leave a missing value empty"
+            raise place(i).error(
+                float(values[i]),
+                f"isn't a finite number up to {MAX_VALUE:g}; leave a missing value empty",
             )
         return values
 
@@ -167,11 +164,11 @@ class NumberColumn:
             self.unit = ""
         return values
 
-    def _one(self, cell: Any, i: int, place: Any) -> float:
+    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
         if is_missing(cell):
             return math.nan
         if isinstance(cell, bool):
-            raise InputError(f"{place(i)}: {cell} isn't a number; name a column of numbers")
+            raise place(i).error(cell, "isn't a number; name a column of numbers")
         if isinstance(cell, int | float):
             try:
                 return float(cell)
@@ -181,17 +178,18 @@ class NumberColumn:
         if found is None:
             other = parse(cell.strip(), Style(self.style.thousands)) if isinstance(cell, str) else 0
             hint = f" with a decimal {_MARKS[self.style.decimal]}" if other else ""
-            raise InputError(
-                f"{place(i)}: {checks.shown(cell)} isn't a number{hint}; correct it, or leave it "
-                "empty if there is no value"
+            raise place(i).error(
+                cell,
+                f"isn't a number{hint}; correct it, or leave it empty if there is no value",
             )
         value, unit = found
         if self.unit is None or (unit and not self.unit):
             self.unit = unit
         elif unit and unit != self.unit:
-            raise InputError(
-                f"{place(i)}: {checks.shown(cell)} is in {checks.shown(unit)}, cells before it in "
-                f"{checks.shown(self.unit)}; give one unit for the column"
+            raise place(i).error(
+                cell,
+                f"is in {shown(unit)}, cells before it in {shown(self.unit)}; give one unit for "
+                "the column",
             )
         return value
 
@@ -266,42 +264,3 @@ def sentinel(value: NDArray[np.float64]) -> float | None:
         return None
     spread = float(rest.max()) - float(rest.min())
     return low if float(rest.min()) - low > max(spread, 0.5 * abs(low)) else None
-
-
-def value_text(value: float, unit: str = "") -> str:
-    """Return `702.1`, `35.6 °C`, `1251000`, `3.5 %`."""
-    figures = f"{value:.6g}"
-    if "e" in figures and abs(value) < 1e15:
-        figures = f"{value:.0f}"
-    return f"{figures} {unit}" if unit else figures
-
-
-@dataclass(frozen=True)
-class Calendar:
-    """Names the times of a series: a date where it has only those, else a date and a clock.
-
-    Parameters
-    ----------
-    start
-        The moment of time 0; None gives clock times from 0.
-    dates_only
-        All samples are at the same time of day.
-    """
-
-    start: datetime | None
-    dates_only: bool
-
-    def text(self, time_s: float) -> str:
-        """Return `2012-09-19`, `2012-09-19 16:00`, `12:30.5`."""
-        if self.start is None:
-            return clock_text(time_s)
-        try:
-            moment = self.start + timedelta(seconds=time_s)
-        except OverflowError:  # rounding took the calendar's last moment past it
-            moment = datetime.max
-        if self.dates_only:
-            return f"{moment.date().isoformat()}"
-        whole = moment.replace(tzinfo=None)
-        if whole.microsecond:
-            return whole.isoformat(" ", "milliseconds")
-        return whole.isoformat(" ", "seconds" if whole.second else "minutes")

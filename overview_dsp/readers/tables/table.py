@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError
-from overview_dsp.timeline import checks
+from overview_dsp.errors import InputError, shown
 
 CHUNK_ROWS = 65_536
 """Rows read at a time: some 10 MB as text cells, whatever the file's size."""
@@ -108,6 +107,39 @@ class Chunk:
         return self.first + i if self.numbers is None else self.numbers[i]
 
 
+@dataclass(frozen=True)
+class Location:
+    """Where a cell stands, and the errors about it: their sentences are made here.
+
+    Parameters
+    ----------
+    line
+        Its number as a person counts.
+    column
+        The column's header; empty for the whole row.
+    word
+        What a row is called: `line`, `row`, `record`.
+    """
+
+    line: int
+    column: str = ""
+    word: str = "line"
+
+    def __str__(self) -> str:
+        row = f"{self.word} {self.line}"
+        return f"{row}, column {shown(self.column)}" if self.column else row
+
+    def error(self, value: object, note: str) -> InputError:
+        """Return the error of a value that `note` says what is wrong with."""
+        words = f"{self}: {shown(value)} {note}"
+        return InputError(words, line=self.line, column=self.column, value=value, note=note)
+
+    def missing(self, note: str) -> InputError:
+        """Return the error of a cell that is empty; `note` says what to write."""
+        words = f"{self}: is missing; {note}"
+        return InputError(words, line=self.line, column=self.column, value="", note=note)
+
+
 class Table(Protocol):
     """A table that can be read as often as needed, some rows at a time."""
 
@@ -159,14 +191,14 @@ def column_named(columns: Sequence[Column], wanted: str) -> int | None:
             return found[0]
         if found:
             raise InputError(
-                f"{len(found)} columns are called {checks.shown(wanted)}; rename one in the file"
+                f"{len(found)} columns are called {shown(wanted)}; rename one in the file"
             )
     return None
 
 
 def listed(columns: Sequence[Column], limit: int = 12) -> str:
     """Return the columns' headers for a line to a person."""
-    names = [checks.shown(column.header) for column in columns[:limit]]
+    names = [shown(column.header) for column in columns[:limit]]
     more = len(columns) - limit
     return ", ".join(names) + (f" and {more} more" if more > 0 else "")
 
@@ -192,6 +224,12 @@ def as_list(cells: Cells) -> list[Any]:
     return cells
 
 
+def location(table: Table, chunk: Chunk, column: int) -> Callable[[int], Location]:
+    """Return what gives the location of a cell in a column of a chunk, by its index."""
+    header, word = table.columns[column].header, table.row_word
+    return lambda i: Location(chunk.number(i), header, word)
+
+
 def check_single(table: Table, chunk: Chunk, columns: Sequence[int]) -> None:
     """Refuse a cell that holds a list or an object; InputError names row and column."""
     for index, cells in zip(columns, chunk.cells, strict=True):
@@ -199,8 +237,4 @@ def check_single(table: Table, chunk: Chunk, columns: Sequence[int]) -> None:
             continue
         for i, cell in enumerate(cells):
             if isinstance(cell, list | dict):
-                header = checks.shown(table.columns[index].header)
-                raise InputError(
-                    f"{table.row_word} {chunk.number(i)}, column {header}: {checks.shown(cell)} "
-                    "isn't a single value"
-                )
+                raise location(table, chunk, index)(i).error(cell, "isn't a single value")

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers import load_timeline
-from overview_dsp.readers.tables import counting
+from overview_dsp.readers.series import counting
 from overview_dsp.timeline import Timeline
 
 START = datetime(2024, 5, 1, 9, 40, tzinfo=UTC)

@@ -10,7 +10,7 @@ import pytest
 
 from overview_dsp.readers import load_timeline
 from overview_dsp.readers.source import Source
-from overview_dsp.readers.tables.formats import csv as csv_format
+from overview_dsp.readers.tables import delimited
 from tests.readers.tables.made import DAILY, load, noted, refusal, times, values
 
 DAY = 86_400.0
@@ -130,12 +130,12 @@ def test_two_columns_of_one_name_are_asked_about(tmp_path: Path) -> None:
     ("text", "words"),
     [
         (DAILY.replace("2.25", "two"), "line 4, column 'temp': 'two' isn't a number"),
-        (DAILY.replace("2.25", "1e999"), "line 4, column 'temp' is inf, not a finite number"),
+        (DAILY.replace("2.25", "1e999"), "line 4, column 'temp': inf isn't a finite number"),
         (DAILY.replace("2.25", "-inf"), "line 4, column 'temp': '-inf' isn't a number"),
         (DAILY.replace("2.25", "2,25"), "line 4: 3 fields for 2 columns"),
         (DAILY.replace("2.25", '"2,25"'), "line 4, column 'temp': '2,25' isn't a number with a"),
         (DAILY.replace("01-03", "02-30"), "line 4, column 'date': '2020-02-30' isn't a time"),
-        (DAILY.replace("2020-01-03", ""), "line 4, column 'date': the time is missing"),
+        (DAILY.replace("2020-01-03", ""), "line 4, column 'date': is missing; give the time"),
         (DAILY.replace("2020-01-03", '"2020-01-03'), "line 4: .*check the quotes from there"),
         (DAILY.replace("2.25", "3 km").replace("3.5", "3 m"), "line 4, .*'3 km' is in 'km'"),
         ("date,temp\n", r"no rows below the header \(line 1\)"),
@@ -222,7 +222,7 @@ def test_progress_is_reported_from_0_to_1(tmp_path: Path) -> None:
 def test_what_is_no_series_is_left_to_others(tmp_path: Path, text: str) -> None:
     path = tmp_path / "other.csv"
     path.write_text(text)
-    assert not csv_format.sniff(Source.open(path))
+    assert not delimited.sniff(Source.open(path))
 
 
 @pytest.mark.parametrize(

@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy import signal
 
-from overview_dsp.presets.library import load_preset
-from overview_dsp.readers.tables.event_rules import (
+from overview_dsp.analysis.extrema import (
     MOST_CROSSINGS,
     crossings,
     peaks,
     round_levels,
 )
-from overview_dsp.readers.tables.events import KINDS
+from overview_dsp.analysis.series_events import KINDS
+from overview_dsp.presets.library import load_preset
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.ticks import MOST_TICKS, ticks
 from tests.readers.tables.made import load, noted

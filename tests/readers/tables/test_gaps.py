@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from overview_dsp.analysis.series_gaps import find_holes
 from overview_dsp.readers.tables.cells import TOKENS
-from overview_dsp.readers.tables.gaps import find_holes
 from tests.readers.tables.made import load, noted, times, values
 
 DAY = 86_400.0

@@ -80,7 +80,7 @@ def test_the_table_with_the_most_rows_is_read_and_others_named(tmp_path: Path) -
         ([*RECORDS, *([{"date": "2020-01-05", "temp": 1}] * 60), 7], "record 65: 7 isn't an obj"),
         ([[0, 1], [1, 2], *([[2, 3]] * 60), [3]], r"record 63: \[3\] isn't a list of 2"),
         ([{"date": d, "a": 1, "b": 2} for d in DATES], "which column is the value?"),
-        ([{"date": d, "temp": 10**400} for d in DATES], "record 1, column 'temp' is inf"),
+        ([{"date": d, "temp": 10**400} for d in DATES], "record 1, column 'temp': inf isn't"),
         ([{"id": 1, "name": "x"}], "a JSON list of 1 entries, not a format"),
     ],
 )

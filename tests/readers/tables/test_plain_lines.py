@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers.source import Source
-from overview_dsp.readers.tables.formats import csv, delimited, plain_lines
+from overview_dsp.readers.tables import delimited, dialect
 
 FIELDS = st.text("ab01.-# \t,;'é", max_size=6) | st.sampled_from(
     ["", "3.5", '"q"', '"a,b"', '" \n"']
@@ -21,8 +21,8 @@ ROWS = st.lists(st.lists(FIELDS, min_size=3, max_size=3) | st.just([]), max_size
 
 def read(path: Path, columns: list[int]) -> list[Any]:
     """Each row's number and cells, or the line with which it is refused."""
-    layout = csv.Layout("utf-8", ",", ("x", "y", "z"), ("", "", ""), 2, True)
-    table = csv.CsvTable(Source.open(path), layout)
+    held = dialect.Dialect("utf-8", ",", ("x", "y", "z"), ("", "", ""), 2, ("#",))
+    table = delimited.DelimitedTable(Source.open(path), held)
     rows: list[Any] = []
     try:
         for chunk in table.chunks(columns):
@@ -52,7 +52,7 @@ def test_a_table_is_the_same_by_blocks_and_by_rows(
         for columns in ([0, 1, 2], [2], [1, 0]):
             fast = read(path, columns)
             with patch.context() as slow:
-                slow.setattr(plain_lines, "marks_of", lambda *arguments: None)
+                slow.setattr(delimited, "marks_of", lambda *arguments: None)
                 assert fast == read(path, columns)
 
 
@@ -62,7 +62,9 @@ def test_a_wide_table_gives_the_columns_that_are_asked_for(tmp_path: Path) -> No
     path = tmp_path / "wide.csv"
     lines = [",".join(f"{row}.{i}" for i in range(width)) for row in range(rows)]
     path.write_text("\n".join([",".join(header), *lines, ""]))
-    table = csv.CsvTable(Source.open(path), csv.Layout("utf-8", ",", header, ("",) * 60, 2, True))
+    table = delimited.DelimitedTable(
+        Source.open(path), dialect.Dialect("utf-8", ",", header, ("",) * 60, 2, ("#",))
+    )
     for columns in ([0], [59], [7, 30, 0]):
         (chunk,) = table.chunks(columns)
         assert chunk.cells == tuple([f"{row}.{i}" for row in range(rows)] for i in columns)

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from overview_dsp.analysis.extrema import Thinner, lows_and_highs, peaks
 from overview_dsp.readers import load_timeline
-from overview_dsp.readers.tables import streamed
-from overview_dsp.readers.tables.event_rules import Thinner, lows_and_highs, peaks
-from overview_dsp.readers.tables.formats import csv as csv_format
+from overview_dsp.readers.series import samples as streamed
+from overview_dsp.readers.tables import delimited
 from overview_dsp.timeline import Timeline
 from overview_dsp.timeline.even_times import EvenTimes
 from tests.readers.tables.made import load, noted, refusal
@@ -27,7 +27,7 @@ COUNT = 5000
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Streams series of more than 1000 rows, in blocks of 700."""
-    monkeypatch.setattr(csv_format, "CHUNK_ROWS", 250)
+    monkeypatch.setattr(delimited, "CHUNK_ROWS", 250)
     monkeypatch.setattr(streamed, "LONG_ROWS", 1000)
     monkeypatch.setattr(streamed, "BLOCK_ROWS", 700)
     monkeypatch.setattr(streamed, "CONTEXT_ROWS", 300)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from overview_dsp.errors import InputError
 from overview_dsp.readers import load_timeline
-from overview_dsp.readers.tables.formats.tracks import EARTH_M
+from overview_dsp.readers.tables.tracks import EARTH_M
 from overview_dsp.timeline.ticks import KINDS as TICKS
 from tests.readers.outcome import timeline_or_one_line
 

@@ -1,0 +1,1 @@
+"""Finds things in samples, without files: heartbeats, extrema, gaps, loudness, cheers, splits."""

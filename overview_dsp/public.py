@@ -1,0 +1,89 @@
+"""Shared parts of public names: lazy imports (PEP 562), short reprs, and drawing by `plots`."""
+
+from __future__ import annotations
+
+import reprlib
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, fields
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PACKAGE = __name__.partition(".")[0]
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 60
+_SHORT.maxtuple = 3
+
+
+def lazy_names(
+    package: str, places: Mapping[str, str]
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Make the `__getattr__` and the `__dir__` of a package.
+
+    Parameters
+    ----------
+    package : str
+        The package's own name.
+    places : mapping of str to str
+        Each public name, and the module in the package that holds it (`"render"` is in
+        `"rendering.offline"`); `"rendering.offline:render"` where it has another name there, and
+        `""` for a module of the package itself.
+
+    Returns
+    -------
+    tuple of callables
+        `__getattr__`, and `__dir__`, which lists `__all__`.
+    """
+
+    def get(name: str) -> Any:
+        if name not in places:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        module, _, own_name = places[name].partition(":")
+        if not module:
+            return import_module(f"{package}.{name}")
+        value = getattr(import_module(f"{package}.{module}"), own_name or name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    def names() -> list[str]:
+        return list(sys.modules[package].__all__)
+
+    return get, names
+
+
+def short(value: object) -> str:
+    """Write a value's repr with at most some 60 characters."""
+    return _SHORT.repr(value)
+
+
+def counted(count: int, what: str) -> str:
+    """Write how many there are: `1 event`, `2 events`."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def changed_fields(instance: Any, **shown: str) -> str:
+    """Write a dataclass as it is made, without the fields that have their default.
+
+    Parameters
+    ----------
+    instance : dataclass
+        What is written.
+    **shown : str
+        What is written for a field in place of its value.
+    """
+    given = []
+    for field in fields(instance):
+        value = getattr(instance, field.name)
+        if field.default is MISSING or value != field.default:
+            given.append(f"{field.name}={shown.get(field.name) or short(value)}")
+    return f"{type(instance).__name__}({', '.join(given)})"
+
+
+def drawn(module: str, name: str, *arguments: Any) -> Figure:
+    """Call a function of a module of `plots`, imported by name when it is needed."""
+    figure: Figure = getattr(import_module(f"{PACKAGE}.plots.{module}"), name)(*arguments)
+    return figure

@@ -1,0 +1,1 @@
+"""Lists of events of any kind: tables, calendars, subtitles, labels."""

@@ -1,1 +1,0 @@
-"""Event lists as people keep them: tables of any names, annotation tools' files, calendars."""

@@ -1,1 +1,0 @@
-"""Data that is no file on this machine: frames, arrays, lists, open files, bytes, addresses."""

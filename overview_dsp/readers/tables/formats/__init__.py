@@ -1,1 +1,0 @@
-"""Tables as files have them: one module a format, each with `sniff` and `open_table`."""

@@ -1,0 +1,282 @@
+"""Written times: dates, clocks, lengths and minutes of a match, by one grammar.
+
+A date is read in one or more of `FORMS`, times in UTC where a zone is written, else by the clock of
+the file:
+
+| form | written |
+|---|---|
+| `iso` | `2012-09-19`, `2012/9/19 09:30`, `2012-09-19T09:30:00.5+02:00`, `20120919T0930`, `2012` |
+| `dmy`, `mdy` | `19.09.2012`, `9/19/2012 4:00 PM` |
+| `month names` | `Sep 19, 2012`, `19-Sep-12`, `Sep 2012`, `Wed, 19 Sep 2012 09:30:00 GMT` |
+| `quarters, months or weeks` | `2012Q3`, `Q3 2012`, `2012-M09`, `2012-W38`: the beginning |
+| `yyyymm` | `201209` |
+
+`in_line` finds a time in a line of a log (`LINE_FORMS`) and writes it as one of these forms.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from datetime import UTC, date, datetime, timedelta, timezone
+
+NS = 1_000_000_000
+"""Nanoseconds in a second."""
+
+DAY_NS = 86_400 * NS
+
+_EPOCH_DAY = date(1970, 1, 1).toordinal()
+_PIVOT = 69
+"""Two-digit years from here are in the 1900s, those below in the 2000s (POSIX)."""
+
+_NAMED_ZONES_MIN = {
+    "WET": 0, "WEST": 60, "CET": 60, "CEST": 120, "EET": 120, "EEST": 180,
+    "EST": -300, "EDT": -240, "CST": -360, "CDT": -300, "MST": -420, "MDT": -360,
+    "PST": -480, "PDT": -420,
+}  # fmt: skip
+"""Offsets of zones whose letters tell summer from winter."""
+
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+
+# --- parts of patterns, by the names of their groups
+
+_FRACTION = r"(?:[.,](?P<f>\d{0,9})\d*)?"
+_CLOCK = (
+    rf"(?P<h>\d{{1,2}}):(?P<min>\d{{2}})(?::(?P<s>\d{{2}}){_FRACTION})?"
+    r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
+)
+_OFFSET = r"[+\-−]\d{2}(?::?\d{2})?"
+_ZONE = rf"(?:\s*(?P<zone>Z|z|UTC|GMT|{'|'.join(_NAMED_ZONES_MIN)}|{_OFFSET}))?"
+_THEN_CLOCK = rf"(?:(?:,?\s+|[Tt]){_CLOCK}{_ZONE})?"
+_WEEKDAY = r"(?:(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun)[a-z]*,?\s+)?"
+_MONTH = r"(?P<name>[A-Za-z]{3,9})\.?"
+_YEAR = r"(?P<y>\d{4})"
+_YEAR_2 = r"(?P<y>\d{4}|\d{2})"
+
+
+def _compiled(*patterns: str, flags: int = 0) -> tuple[re.Pattern[str], ...]:
+    return tuple(re.compile(pattern, re.ASCII | flags) for pattern in patterns)
+
+
+def _in_parts(first: str, second: str) -> tuple[re.Pattern[str], ...]:
+    return _compiled(
+        rf"(?P<{first}>\d{{1,2}})(?P<sep>[-/. ])\s?(?P<{second}>\d{{1,2}})(?P=sep)\s?{_YEAR_2}"
+        + _THEN_CLOCK
+    )
+
+
+FORMS: dict[str, tuple[re.Pattern[str], ...]] = {
+    "iso": _compiled(
+        rf"{_YEAR}(?:(?P<sep>[-/.])(?P<m>\d{{1,2}})(?:(?P=sep)(?P<d>\d{{1,2}}){_THEN_CLOCK})?)?",
+        rf"{_YEAR}(?P<m>\d{{2}})(?P<d>\d{{2}})"
+        rf"(?:[Tt ]?(?P<h>\d{{2}}):?(?P<min>\d{{2}})(?::?(?P<s>\d{{2}}){_FRACTION})?{_ZONE})?",
+    ),
+    "dmy": _in_parts("d", "m"),
+    "mdy": _in_parts("m", "d"),
+    "month names": _compiled(
+        *(
+            _WEEKDAY + written + _THEN_CLOCK
+            for written in (
+                rf"(?P<d>\d{{1,2}})[-/. ]\s?{_MONTH}[-/., ]\s?{_YEAR_2}",
+                rf"{_MONTH}[-/ ](?P<d>\d{{1,2}})(?:,\s?|\s|-|/){_YEAR}",
+                rf"{_YEAR}[-/ ]{_MONTH}[-/ ](?P<d>\d{{1,2}})",
+                rf"{_MONTH}[-/ ,]\s?{_YEAR_2}",
+                rf"{_YEAR}[-/ ]?{_MONTH}",
+            )
+        )
+    ),
+    "quarters, months or weeks": _compiled(
+        rf"{_YEAR}[-/ ]?W(?P<w>\d{{2}})",
+        rf"{_YEAR}[-\s]?(?:Q(?P<q>[1-4])|M(?P<m>\d{{1,2}}))",
+        rf"Q(?P<q>[1-4])[-/ ]?{_YEAR}",
+        flags=re.IGNORECASE,
+    ),
+    "yyyymm": _compiled(rf"{_YEAR}(?P<m>\d{{2}})"),
+}
+"""Forms of a date, by the name shown to a person; the first pattern that matches reads it."""
+
+_LINE_CLOCK = r"(?P<h>\d\d):(?P<min>\d\d):(?P<s>\d\d)"
+_LINE_MONTH = rf"(?P<name>{'|'.join(name.title() for name in _MONTHS)})"
+LINE_FORMS = {
+    "iso": re.compile(
+        r"(?P<y>\d{4})([-/])(?P<m>\d\d)\2(?P<d>\d\d)[T ](?P<h>\d\d):(?P<min>\d\d)(?::(?P<s>\d\d))?"
+        r"(?:[.,](?P<f>\d{1,9})\d*)?(?P<zone>Z| ?[+-]\d\d:?\d\d)?",
+        re.ASCII,
+    ),
+    "web": re.compile(
+        rf"(?P<d>\d\d)/{_LINE_MONTH}/{_YEAR}:{_LINE_CLOCK} (?P<zone>[+-]\d\d:?\d\d)", re.ASCII
+    ),
+    "long": re.compile(
+        rf"\b{_LINE_MONTH} +(?P<d>\d{{1,2}}) {_LINE_CLOCK}(?:\.\d+)?(?: (?P<letters>[A-Z]{{3,4}}))?"
+        rf" {_YEAR}(?: (?P<zone>[+-]\d\d:?\d\d))?",
+        re.ASCII,
+    ),
+    # day and month in the order of the file, which the whole column settles
+    "chat": re.compile(
+        r"^[^\w\[]?\[?(?P<a>\d{1,2}(?P<sep>[./-])\d{1,2}(?P=sep)(?:\d{4}|\d\d)),? "
+        r"(?P<h>\d{1,2}):(?P<min>\d\d)(?::(?P<s>\d\d))?(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?)?"
+        r"(?=\]| -)"
+    ),
+    "short": re.compile(rf"^{_LINE_MONTH} +(?P<d>\d{{1,2}}) {_LINE_CLOCK}\b", re.ASCII),
+}
+"""Forms of a time in a line of a log; `short` has no year, for which 0000 is written."""
+
+_RUNNING = re.compile(
+    rf"(?:(?P<h>\d{{1,4}}):(?=\d{{1,2}}:))?(?P<min>\d{{1,6}}):(?P<s>\d{{1,2}}){_FRACTION}", re.ASCII
+)
+_DAY_CLOCK = re.compile(_CLOCK, re.ASCII)
+_UNITS_S = {
+    "": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0, "w": 604_800.0, "y": 31_557_600.0
+}  # fmt: skip
+_LENGTH = re.compile(
+    r"(?P<number>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<unit>s|min|h|d|w|y)?", re.IGNORECASE | re.ASCII
+)
+# 38  38'  38.0  90+3  90'+3'  90 + 3  12:34  45+2:30
+_MINUTE = re.compile(
+    r"(?P<base>[0-9]{1,3})(?:\.0+|\s*['’′.]?\s*(?:\+\s*(?P<added>[0-9]{1,2})\s*['’′]?)?"
+    r"(?::(?P<s>[0-5][0-9](?:\.[0-9]{1,6})?)\s*['’′]?)?)"
+)
+_LONGEST_MINUTE = 24  # characters, so that no pattern is tried on a long field
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Nanoseconds since 1970, and the offset from UTC in minutes (None: no zone was written)."""
+
+    ns: int
+    offset_min: int | None = None
+
+    def to_datetime(self) -> datetime:
+        """Return the moment to a microsecond, in its zone if it has one; OverflowError."""
+        plain = datetime(1970, 1, 1) + timedelta(microseconds=self.ns // 1000)
+        if self.offset_min is None:
+            return plain
+        zone = timezone(timedelta(minutes=self.offset_min)) if self.offset_min else UTC
+        return plain.replace(tzinfo=UTC).astimezone(zone)
+
+
+def moment(text: str, *forms: str) -> Moment | None:
+    """Return the moment that a text names in the first of these forms that reads it, or None."""
+    for form in forms:
+        for pattern in FORMS[form]:
+            found = pattern.fullmatch(text)
+            if found is not None:
+                built = _built(found.groupdict())
+                if built is not None:
+                    return built
+                break
+    return None
+
+
+def in_line(line: str, form: str) -> str | None:
+    """Return the time of a log's line as a text that `moment` reads, None if it has none."""
+    match = LINE_FORMS[form].search(line)
+    if match is None:
+        return None
+    found = match.groupdict("")
+    clock = f"{found['h'].zfill(2)}:{found['min']}:{found['s'] or '00'}"
+    if form == "chat":
+        return f"{found['a']} {clock}{f' {half}M' if (half := found['half']) else ''}"
+    month = found.get("m") or f"{_MONTHS.index(found['name'].lower()) + 1:02}"
+    fraction = f".{found['f']}" if found.get("f") else ""
+    letters = found.get("letters", "")
+    zone = found.get("zone", "").strip() or (letters if letters in _NAMED_ZONES_MIN else "")
+    return f"{found.get('y') or '0000'}-{month}-{int(found['d']):02}T{clock}{fraction}{zone}"
+
+
+def clock_s(text: str) -> float | None:
+    """Return the seconds of `1:02:03.5`, `62:03`, `120:30`; None for what is no clock."""
+    found = _RUNNING.fullmatch(text)
+    if found is None or int(found["s"]) >= 60 or (found["h"] and int(found["min"]) >= 60):
+        return None
+    whole = int(found["h"] or 0) * 3600 + int(found["min"]) * 60 + int(found["s"])
+    return whole + _fraction_ns(found["f"]) / NS
+
+
+def day_clock_s(text: str) -> float | None:
+    """Return the seconds since midnight of `8:00`, `18:30:15`, `8:00 PM`."""
+    found = _DAY_CLOCK.fullmatch(text)
+    ns = None if found is None else _clock_ns(found.groupdict())
+    return None if ns is None else ns / NS
+
+
+def length_s(text: str) -> float | None:
+    """Return the seconds of a length (`90`, `1:30`, `15min`, `2w`); None if it is none."""
+    clock = clock_s(text.strip())
+    if clock is not None:
+        return clock
+    found = _LENGTH.fullmatch(text.strip())
+    if found is None:
+        return None
+    try:
+        return float(found["number"]) * _UNITS_S[(found["unit"] or "").lower()]
+    except ValueError:  # 1.2.3
+        return None
+
+
+def match_minute(text: str) -> tuple[int, int | None, float | None] | None:
+    """Return minute, stoppage time and seconds of `38`, `38'`, `90+3`, `45+2'`, `12:34`."""
+    written = text.strip()
+    found = None if len(written) > _LONGEST_MINUTE else _MINUTE.fullmatch(written)
+    if found is None:
+        return None
+    added, seconds = found["added"], found["s"]
+    return (
+        int(found["base"]),
+        None if added is None else int(added),
+        None if seconds is None else float(seconds),
+    )
+
+
+def _built(found: dict[str, str | None]) -> Moment | None:
+    """The one builder: a moment of the groups that a pattern found, None for a wrong value."""
+    written = found.get("y") or ""
+    year = int(written)
+    if len(written) == 2:
+        year += 1900 if year >= _PIVOT else 2000
+    month, day = int(found.get("m") or 1), int(found.get("d") or 1)
+    if found.get("q"):
+        month = 3 * int(found["q"] or 1) - 2
+    name = (found.get("name") or "")[:3].lower()
+    if name:
+        if name not in _MONTHS:
+            return None
+        month = _MONTHS.index(name) + 1
+    try:
+        if found.get("w"):
+            days = date.fromisocalendar(year, int(found["w"] or 1), 1).toordinal() - _EPOCH_DAY
+        else:
+            days = date(year, month, day).toordinal() - _EPOCH_DAY
+    except ValueError:  # the 30th of February, month 13, year 0
+        return None
+    clock_ns = _clock_ns(found) if found.get("h") else 0
+    if clock_ns is None:
+        return None
+    ns = days * DAY_NS + clock_ns
+    zone = found.get("zone")
+    if not zone:
+        return Moment(ns)
+    offset = _NAMED_ZONES_MIN.get(zone, 0)
+    if zone[0] in "+-−":
+        figures = zone[1:].replace(":", "").ljust(4, "0")
+        if int(figures[:2]) >= 24 or int(figures[2:]) >= 60:
+            return None
+        offset = (int(figures[:2]) * 60 + int(figures[2:])) * (1 if zone[0] == "+" else -1)
+    return Moment(ns - offset * 60 * NS, offset)
+
+
+def _clock_ns(found: dict[str, str | None]) -> int | None:
+    """Nanoseconds since midnight; None for an hour, minute or second that isn't there."""
+    hour, minute, second = (int(found[part] or 0) for part in ("h", "min", "s"))
+    half = found.get("half")
+    if half:
+        if not 1 <= hour <= 12:
+            return None
+        hour = hour % 12 + (12 if half in "Pp" else 0)
+    if minute >= 60 or second >= 60 or hour > 24 or (hour == 24 and (minute or second)):
+        return None
+    return (hour * 3600 + minute * 60 + second) * NS + _fraction_ns(found["f"])
+
+
+def _fraction_ns(figures: str | None) -> int:
+    return int((figures or "0").ljust(9, "0"))

@@ -1,0 +1,206 @@
+"""Argument checks: each returns the value, or fails with one line that names it and its range."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.errors import InputError, shown
+
+KIND_MAX_LENGTH = 64
+"""Longest event kind, characters: a kind is a name a preset looks up, not a sentence."""
+
+TIME_HINT = "times are finite seconds from 0 to the timeline's duration"
+"""How an error line about a time ends."""
+
+T = TypeVar("T")
+
+_KIND = re.compile(r"[a-z0-9_]+", re.ASCII)
+
+
+@contextlib.contextmanager
+def located(place: str) -> Iterator[None]:
+    """Put `place` (with its own punctuation) before any InputError raised inside."""
+    try:
+        yield
+    except InputError as error:
+        what, _, fix = str(error).partition("\n")
+        raise InputError(
+            f"{place}{what}",
+            fix,
+            line=error.line,
+            column=error.column,
+            value=error.value,
+            note=error.note,
+        ) from error
+
+
+def number(value: object, what: str, hint: str = "give a finite number") -> float:
+    """Return `value` as a finite float.
+
+    Parameters
+    ----------
+    value
+        Any object; Python and numpy ints and floats pass, booleans and text don't.
+    what
+        The name the error line begins with.
+    hint
+        What is allowed and what to try, the end of the error line.
+
+    Raises
+    ------
+    InputError
+        Not a number, NaN, infinite or beyond the range of a float.
+    """
+    if type(value) is float and math.isfinite(value):
+        return value  # nearly always
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        raise InputError(f"{what} is {shown(value)}, not a number; {hint}")
+    try:
+        result = float(value)
+    except OverflowError:
+        result = math.inf
+    if not math.isfinite(result):
+        raise InputError(f"{what} is {result!r}, not a finite number; {hint}")
+    return result
+
+
+def positive(value: object, what: str, hint: str = "give a finite number above 0") -> float:
+    """Return `value` as a finite float above 0 (errors as `number`)."""
+    result = number(value, what, hint)
+    if result <= 0.0:
+        raise InputError(f"{what} is {result!r}, not above 0; {hint}")
+    return result
+
+
+def text(value: object, what: str) -> str:
+    """Return `value` if it is text that can be written to a file; InputError otherwise."""
+    if not isinstance(value, str):
+        raise InputError(f"{what} is {shown(value)}, not text; give a string")
+    try:
+        value.encode()
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"{what} holds half a character (a lone surrogate) at position {error.start}: "
+            f"{shown(value)}; write valid Unicode text"
+        ) from error
+    return value
+
+
+def kind(value: object, what: str = "kind") -> str:
+    """Return `value` if it is an event kind: 1 to 64 of a-z, 0-9 and _; InputError otherwise."""
+    if isinstance(value, str) and _KIND.fullmatch(value) and len(value) <= KIND_MAX_LENGTH:
+        return value
+    tried = re.sub(r"[^a-z0-9]+", "_", value.lower()).strip("_") if isinstance(value, str) else ""
+    example = tried[:KIND_MAX_LENGTH] or "goal"
+    raise InputError(
+        f"{what} is {shown(value)}; a kind is 1 to {KIND_MAX_LENGTH} characters of a-z, 0-9 and _; "
+        f"try '{example}'"
+    )
+
+
+def moment(value: object, duration_s: float, what: str = "start") -> None:
+    """Refuse a start that is no calendar moment or whose end lies outside the calendar."""
+    if value is None:
+        return
+    if not isinstance(value, datetime):
+        raise InputError(f"{what} is {shown(value)}, not a date and time; give one or leave it out")
+    try:
+        value + timedelta(seconds=duration_s)
+    except OverflowError as error:
+        raise InputError(
+            f"{what} {value.isoformat()} and {duration_s!r} s end after the year 9999; "
+            "leave the start out"
+        ) from error
+
+
+def until(value: object, duration_s: float) -> float | None:
+    """Return up to where a timeline has happened, s; None for the whole; InputError otherwise."""
+    if value is None:
+        return None
+    hint = f"it is up to where the timeline has happened, 0 to duration_s ({duration_s!r})"
+    result = number(value, "until_s", hint)
+    if not 0.0 <= result <= duration_s:
+        raise InputError(f"until_s is {result!r}; {hint}")
+    return result if result < duration_s else None
+
+
+def instance(value: object, kind: type[T], what: str, hint: str) -> T:
+    """Return `value` if it is of a kind; InputError with the hint if not."""
+    if not isinstance(value, kind):
+        raise InputError(f"{what} is {shown(value)}, not a {kind.__name__}; {hint}")
+    return value
+
+
+def instances(values: object, kind: type[T], what: str, hint: str) -> list[T]:
+    """Return several of a kind as a list; InputError names the first that isn't one."""
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise InputError(f"{what} is {shown(values)}; give a list, and {hint}")
+    return [instance(value, kind, f"{what}[{i}]", hint) for i, value in enumerate(values)]
+
+
+def real(value: object, what: str) -> float:
+    """Return a number as a float: NaN and infinities too, which fail where a range is checked."""
+    if not isinstance(value, int | float | np.integer | np.floating):
+        raise InputError(f"{what} is {shown(value)}, not a number; give one")
+    try:
+        return float(value)
+    except OverflowError:  # an int of hundreds of digits
+        return float("inf")
+
+
+def whole(value: object, what: str, least: int | None = None, most: int | None = None) -> int:
+    """Return a whole number as an int; InputError for another kind, or one out of a range."""
+    if not isinstance(value, int | np.integer):
+        raise InputError(f"{what} is {shown(value)}; give a whole number")
+    if (least is not None and value < least) or (most is not None and value > most):
+        up = "up" if most is None else f"to {most}"
+        raise InputError(f"{what} is {shown(value)}; it is a whole number from {least} {up}")
+    return int(value)
+
+
+def path(value: object, what: str) -> Path:
+    """Return a path; InputError if it is none."""
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"{what} is {shown(value)}; give a path")
+    return Path(value)
+
+
+def numbers(value: object, what: str) -> NDArray[np.float64]:
+    """Return numbers as float64 of any shape; InputError for what holds others."""
+    try:
+        found = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        found = np.array(None)
+    if not (found.dtype.kind in "biuf" or found.size == 0):
+        raise InputError(f"{what} is {shown(value)}; give numbers")
+    return found.astype(np.float64)
+
+
+def floats(value: object, what: str) -> NDArray[np.float64]:
+    """Return a row of numbers as float64 (n,); InputError for another shape or no numbers."""
+    found = numbers(value, what)
+    if found.ndim != 1:
+        raise InputError(f"{what} has {found.ndim} dimensions; give a row of numbers, (n,)")
+    return found
+
+
+def equally_long(what: str, *rows: Sequence[Any] | NDArray[Any]) -> None:
+    """InputError unless these rows have as many values."""
+    if len({len(row) for row in rows}) > 1:
+        lengths = ", ".join(str(len(row)) for row in rows)
+        raise InputError(f"{what} must be equally long; they have {lengths} values")
+
+
+def random(seed: object) -> np.random.Generator:
+    """Return the random numbers of a seed, a whole number from 0 up; InputError for any other."""
+    return np.random.default_rng(whole(seed, "seed", 0))
