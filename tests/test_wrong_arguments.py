@@ -136,7 +136,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         "randomized": (p.randomized, {"preset": football, "seed": 1, "amount": 0.1}),
         "save": (p.save, {"preset": football, "path": "mine.toml"}),
         "window_db": (m.window_db, {"signal": tactor, "sample_rate": 8000, "hop_s": 0.005}),
-        "strokes": (m.strokes, {"touching": trace.touching, "cursor": trace.cursor}),
+        "strokes": (m.strokes, {"engaged": trace.engaged, "cursor": trace.cursor}),
         "onsets": (m.onsets, {"signal": tactor, "sample_rate": 8000, "floor_db": -90.0}),
         "event_levels": (
             m.event_levels,

@@ -69,7 +69,8 @@ class Meters:
     silent_samples : int
         Since the last sample that was not zero.
     still_samples : int
-        Since the disk was last more than a thousandth of the timeline from where its springs rest.
+        Since the disk was last more than a thousandth of the timeline from where its springs rest;
+        0 from a release until the disk has arrived.
 
     Examples
     --------

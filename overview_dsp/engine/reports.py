@@ -52,7 +52,7 @@ def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
         touching=bool(i64[layout.HOLDER] >= 0),
         engaged=bool(i64[layout.ENGAGED]),
         silent_samples=int(i64[layout.M_SILENT]),
-        still_samples=int(i64[layout.M_STILL]),
+        still_samples=0 if i64[layout.WAITING] else int(i64[layout.M_STILL]),
     )
 
 

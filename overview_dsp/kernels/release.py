@@ -29,6 +29,7 @@ def stop_waiting(f64, i64):
 def arrive(f64, i64):
     """The disk has arrived after a release, or is waited for no longer."""
     stop_waiting(f64, i64)
+    i64[layout.M_STILL] = 0  # its springs rest elsewhere now
     if i64[layout.S_RELEASE_RETURNS] == 1:
         f64[layout.INPUT] = 0.0
         f64[layout.PACE] = f64[layout.C_TAP_RATE] * layout.CELLS

@@ -171,6 +171,7 @@ class Player:
         """Touch the event after (1) or before (-1) a position of the window, in it or beyond."""
         place = self.under_hand.event_beside(direction, position)
         if place is not None:
+            self.release()  # set down anew, the disk arrives: it isn't held back by the backlash
             self.touch(place)
 
     def use_preset(self, name: str) -> None:

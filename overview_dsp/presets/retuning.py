@@ -12,7 +12,7 @@ from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.toml import SUFFIX, read_text
 from overview_dsp.presets.expressions import is_expression
 from overview_dsp.presets.library import load_preset, parse_own, preset_path
-from overview_dsp.presets.migrations import SCHEMA
+from overview_dsp.presets.migrations import SCHEMA, migrated
 from overview_dsp.presets.model import Preset
 
 DIGITS = 4
@@ -26,7 +26,8 @@ def retuned_text(source: Path, changes: Changes, before: Preset) -> str:
     """The text of a preset's file with some kinds' values changed.
 
     A value that is worked out from variables is multiplied, so that it still follows them; one that
-    comes from what the file extends is written into it.
+    comes from what the file extends is written into it. A file of an older schema gets the present
+    one's number.
 
     Parameters
     ----------
@@ -36,16 +37,23 @@ def retuned_text(source: Path, changes: Changes, before: Preset) -> str:
         What is to be.
     before
         The preset as loaded from it.
+
+    Raises
+    ------
+    InputError
+        It has keys that are called otherwise in the present schema.
     """
     import tomlkit
     from tomlkit.items import Table
 
     document = tomlkit.parse(read_text(source))
-    if document.get("schema") != SCHEMA:
+    written_in = document.unwrap()
+    if migrated(written_in) != {**written_in, "schema": SCHEMA}:
         raise InputError(
-            f"{source}: is of an older schema; save it anew first: overview presets new NAME "
+            f"{source}: has keys of an older schema; save it anew first: overview presets new NAME "
             f"--from {source}"
         )
+    document["schema"] = SCHEMA
     base = document.get("extends")
     if isinstance(base, str) and base.endswith(SUFFIX):
         # another folder's file still extends the same one

@@ -98,6 +98,7 @@ def bare_surface(
         heavy = number("surface.friction") * heaviness(number("surface.ambience"))
         begun = rise(float(angle_map.position_of(timeline.until_s)), cells)
         friction += begun * (heavy - friction)
+        friction[begun == 1.0] = heavy  # to the bit, whatever the past: a page is not sent it anew
         known[begun > 0.0] = 0.0
     material = str(preset.values["surface.material"])
     free = modes_of(material, number("surface.pitch_hz"), number("surface.ring"))

@@ -90,9 +90,9 @@ def test_the_textbook_disk_in_c_is_ours(plain, torque, wide, library):
 def test_the_textbook_voice_in_c_sounds_like_ours(plain):
     frames = 4 * RATE
     ours_, theirs = np.zeros((2, frames, 2), dtype=np.float32)
-    # it has no clutch
-    rigid = load_preset("football").with_changes({"clutch.max_speed_ratio": 0.0})
-    engine = prepared(preset=rigid)
+    # it has neither a clutch nor gains for slow hands and the recoil
+    without = ("clutch.max_speed_ratio", "tactor.slow_gain_exponent", "tactor.recoil_gain_exponent")
+    engine = prepared(preset=load_preset("football").with_changes(dict.fromkeys(without, 0.0)))
     fed(engine, the_sweep()).process(ours_)
     plain.voice(plain_scene(engine), *c_rows.held_hand(frames), theirs)
     level = 20.0 * np.log10(theirs.std(axis=0) / ours_.std(axis=0))

@@ -59,7 +59,7 @@ def test_a_disk_on_a_low_curve_does_not_ring(name):
 def test_a_full_tap_unfolds_so_that_it_can_be_read_and_recoils_more_slowly(name, data):
     result = ov.render(ov.load_timeline(data), ov.load_preset(name), ov.tap(1.0, 4.0), 16_000)
     trace = result.trace
-    released = trace.time[trace.touching > 0.5][-1]
+    released = trace.time[trace.engaged > 0.5][-1]
     out = trace.time[np.argmax(trace.cursor >= 0.95)]
     back = trace.time[(trace.time > released) & (trace.cursor <= 0.05)][0] - released
     assert 0.9 <= out <= 2.5

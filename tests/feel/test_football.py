@@ -62,7 +62,7 @@ def feels(timeline_named, football):
             stroke.name: stroke_feel(
                 stroke, surface, result.trace, result.samples[:, 1], result.sample_rate
             )
-            for stroke in strokes(result.trace.touching, result.trace.cursor)
+            for stroke in strokes(result.trace.engaged, result.trace.cursor)
         }
         return result, found, np.isin(kinds, GOALS), kinds == "foul"
 
@@ -107,23 +107,27 @@ def test_the_disk_does_not_ring(feels, name):
 
 @pytest.mark.parametrize("name", MATCHES)
 def test_halving_a_sweeps_duration_is_felt_between_the_events(feels, name):
-    for fast, slow in ((1.0, 2.0), (3.0, 6.0)):
+    # at 1 s the disk is held to its highest speed, a timeline a second
+    for fast, slow, least in ((1.0, 2.0, 2.0), (3.0, 6.0, JUST_NOTICEABLE_DB)):
         levels = [feels(name, "sweep", s)[1]["out"].event_free_db for s in (fast, slow)]
-        assert levels[0] - levels[1] >= JUST_NOTICEABLE_DB
+        assert levels[0] - levels[1] >= least
 
 
 @pytest.mark.parametrize("name", MATCHES)
 def test_a_full_tap_unfolds_quickly_and_recoils_slowly(feels, name):
     trace = feels(name, "tap", 1.0)[0].trace
-    released = trace.time[trace.touching > 0.5][-1]
+    released = trace.time[trace.engaged > 0.5][-1]
     out = trace.time[np.argmax(trace.cursor >= 0.95)]
     back = trace.time[(trace.time > released) & (trace.cursor <= 0.05)][0] - released
     assert 0.9 <= out <= 2.5
     assert back > out
 
 
-def test_the_vibration_comes_from_the_torque_alone(feels):
-    result = feels("bundled", "sweep", 2.0)[0]
+def test_the_vibration_comes_from_the_torque_alone_but_for_the_output_gains(match, football):
+    plain = football.with_changes(
+        {"tactor.slow_gain_exponent": 0.0, "tactor.recoil_gain_exponent": 0.0}
+    )
+    result = ov.render(match, plain, ov.sweep(2.0))
     assert np.array_equal(result.engine.tactor_of(result.trace.torque), result.samples[:, 1])
 
 
@@ -136,7 +140,7 @@ def test_a_match_without_goals_reaches_no_goals_level(timeline_named, football, 
         result = ov.render(dull, football, ov.sweep(seconds))
         surface = result.engine.surface
         _, found, goals, _ = feels("bundled", "sweep", seconds)
-        for stroke in strokes(result.trace.touching, result.trace.cursor):
+        for stroke in strokes(result.trace.engaged, result.trace.cursor):
             feel = stroke_feel(
                 stroke, surface, result.trace, result.samples[:, 1], result.sample_rate
             )
@@ -150,7 +154,9 @@ def test_every_sample_rate_feels_the_same(match, football, rate):
         here = ov.render(match, football, gesture, sample_rate=rate, tail=6.0)
         there = ov.render(match, football, gesture, sample_rate=48_000, tail=6.0)
         assert np.array_equal(here.strikes.event, there.strikes.event)
-        assert np.abs(here.strikes.time_s - there.strikes.time_s).max() <= 0.5e-3
+        # the clutch's wanted speed is that of the sample before
+        late = 24.0 * abs(1.0 / rate - 1.0 / 48_000)
+        assert np.abs(here.strikes.time_s - there.strikes.time_s).max() <= 0.5e-3 + late
         feels = []
         for result in (here, there):
             feels.append(
@@ -163,7 +169,7 @@ def test_every_sample_rate_feels_the_same(match, football, rate):
                         result.sample_rate,
                         hop_s=1e-4,  # so fine that it matters little where a span ends
                     )
-                    for stroke in strokes(result.trace.touching, result.trace.cursor)
+                    for stroke in strokes(result.trace.engaged, result.trace.cursor)
                 ]
             )
         for one, other in zip(*feels, strict=True):

@@ -51,7 +51,7 @@ def record(request):
 def feel(timeline, preset, gesture):
     result = ov.render(timeline, preset, gesture)
     surface = result.engine.surface
-    out, *_ = strokes(result.trace.touching, result.trace.cursor)
+    out, *_ = strokes(result.trace.engaged, result.trace.cursor)
     return surface, stroke_feel(
         out, surface, result.trace, result.samples[:, 1], result.sample_rate
     )

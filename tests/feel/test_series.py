@@ -67,7 +67,7 @@ def feels(share):
             stroke.name: stroke_feel(
                 stroke, surface, result.trace, result.samples[:, 1], result.sample_rate
             )
-            for stroke in strokes(result.trace.touching, result.trace.cursor)
+            for stroke in strokes(result.trace.engaged, result.trace.cursor)
         }
         return result, found, kinds
 
@@ -105,7 +105,7 @@ def test_the_ranks_of_events_are_felt_a_step_apart(seconds):
     )
     result = ov.render(timeline, ov.load_preset("series"), ov.sweep(seconds))
     surface = result.engine.surface
-    stroke = strokes(result.trace.touching, result.trace.cursor)[0]
+    stroke = strokes(result.trace.engaged, result.trace.cursor)[0]
     feel = stroke_feel(stroke, surface, result.trace, result.samples[:, 1], result.sample_rate)
     felt = np.array([timeline.events[event].kind for event in surface.event])
     levels = [np.median(feel.event_db[np.isin(felt, rank)]) for rank in RANKS]

@@ -33,7 +33,7 @@ def load(request):
 
 def out_stroke(timeline, preset, seconds):
     result = ov.render(timeline, preset, ov.sweep(seconds))
-    (stroke, *_) = strokes(result.trace.touching, result.trace.cursor)
+    (stroke, *_) = strokes(result.trace.engaged, result.trace.cursor)
     return stroke, result.engine.surface, result.trace, result.samples[:, 1], result.sample_rate
 
 

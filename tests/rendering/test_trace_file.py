@@ -45,7 +45,7 @@ def test_a_trace_comes_back_bit_for_bit_however_it_was_cut(tmp_path_factory, suf
 
 def test_the_columns_are_the_contracts():
     assert ",".join(TRACE_COLUMNS) == (
-        "time,theta2,touching,theta1,omega1,cursor,friction,torque,envelope"
+        "time,theta2,touching,theta1,omega1,cursor,friction,torque,envelope,engaged"
     )
 
 

@@ -116,7 +116,14 @@ def test_nothing_sounds_without_a_hand(item, mapping):
 
 def test_a_click_comes_when_its_place_is_reached_and_not_again_when_it_is_left():
     one = StaticMapping(RATE, 240, np.zeros(1025), np.zeros(1), [(0.5, 0)], [np.array([0.5, 0.25])])
-    to, on = ov.sweep(0.1, 0.25, 0.5), ov.sweep(0.1, 0.5, 0.75)
+    # the hand rests where it has arrived: a sweep releases at its end
+    to = ov.Gesture(
+        np.array([0.0, 0.05, 0.1]),
+        np.pi * np.array([0.25, 0.5, 0.5]),
+        np.array([True, True, False]),
+        0.1,
+    )
+    on = ov.sweep(0.1, 0.5, 0.75)
     held = ov.Gesture(
         np.array([0.0, 0.05, 0.15, 0.2]),
         np.pi * np.array([0.25, 0.5, 0.75, 0.75]),

@@ -71,8 +71,10 @@ def rough(**changes):
 
 
 def test_a_crest_of_the_pattern_strikes_the_material():
-    result = ov.render(timeline_of(), rough(), ov.sweep(4.0, 0.0, 0.985), tail="none")
-    held = result.trace.touching > 0.5
+    result = ov.render(timeline_of(), rough(), ov.sweep(4.0, 0.0, 0.985), tail=1.0)
+    # on the way out, which goes on until the disk has arrived
+    held = result.trace.engaged > 0.5
+    assert not held[-1]
     release = result.trace.time[held][-1]
     strikes = result.strikes
     assert (strikes.event == -1).all()

@@ -54,7 +54,9 @@ def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
     assert len(surface.position) <= MAX_EVENTS
     assert np.all(np.diff(surface.position) > 0.0)
     with pytest.warns(OverviewWarning, match="keeps"):
-        result = ov.render(timeline, preset, ov.sweep(0.5), tail="none")
+        # the disk is still on its way when the hand releases, and for the whole tail
+        result = ov.render(timeline, preset, ov.sweep(0.5), tail=1.0)
+    assert result.trace.engaged[-1] == 1.0
     assert len(result.strikes.time_s) > 15_000
     assert np.isfinite(result.samples).all()
 

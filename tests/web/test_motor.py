@@ -64,7 +64,9 @@ def looks_of(timeline, preset, seconds):
     engine.prepare(RATE, BLOCK)
     connect(engine, None)
     out = np.zeros((BLOCK, 2), np.float32)
-    places = np.array([event.time_s for event in timeline.events]) / timeline.duration_s
+    surface = engine.surface
+    places = np.full(len(timeline.events), np.nan)
+    places[surface.event] = surface.position
     passed = np.full(len(places), np.nan)
     looks, peak, codes = [], 0.0, []
     for i in range(int((seconds + 0.5) * RATE / BLOCK)):

@@ -101,9 +101,9 @@ def test_a_finger_taps_on_a_phone(match, chromium):
         connected(tab)
         before = len(server.player.engine.take_applied(0)[0])
         tab.touchscreen.tap(*at(tab, 0.8))
-        server.until(lambda meters: meters.touching)
-        server.until(lambda meters: abs(meters.cursor - 0.8) < 0.02)
-        server.until(lambda meters: not meters.touching)
+        server.until(lambda meters: meters.engaged and not meters.touching)  # released at once
+        server.until(lambda meters: meters.engaged and abs(meters.cursor - 0.8) < 0.02)
+        server.until(lambda meters: not meters.engaged)
         applied = server.player.engine.take_applied(0)[0][before:]
         assert applied["theta2"][0] == pytest.approx(0.8 * 3.14159265, abs=0.02)
         assert list(applied["touching"]).count(0) == 1

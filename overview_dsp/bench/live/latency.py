@@ -35,7 +35,7 @@ def probe() -> Engine:
     """
     preset = load_preset("football").with_changes(
         {
-            "disk.catch_up": 0.0,
+            "clutch.max_speed_ratio": 0.0,
             "disk.k1": 0.05,
             "disk.k2": 0.05,
             "surface.friction": 2e-3,

@@ -28,6 +28,7 @@ from overview_dsp.kernels.simd.stages import (
     SLIP,
     SMOOTH_1,
     SMOOTH_2,
+    STILL,
     WANTED,
     WOUND,
     X,
@@ -48,6 +49,7 @@ OF_HAND = (
     (layout.WOUND, WOUND),
     (layout.SLIP, SLIP),
     (layout.WANTED, WANTED),
+    (layout.M_STILL, STILL),
 )
 TRACE_COLUMNS = (
     (layout.D_POSITION, own.POSITION),

@@ -2,7 +2,7 @@
 
 Levels are RMS in dB of full scale, every millisecond: over 10 ms of the tactor for a finger, over 4
 ms of the click for an ear. A pulse is noticed where the level rises `STEP_DB` out of what surrounds
-it (`SOUND_STEP_DB` for the ear), `APART_MS` or more from a higher one, above the floor.
+it (`SOUND_STEP_DB` for the ear), `APART_MS` or more from a higher pulse, above the floor.
 """
 
 from __future__ import annotations
@@ -139,7 +139,11 @@ def touch_pulses(level: NDArray[np.float64]) -> NDArray[np.int64]:
 def _pulses(level: NDArray[np.float64], step_db: float, least_db: float) -> NDArray[np.int64]:
     from scipy.signal import find_peaks
 
-    found, _ = find_peaks(level, prominence=step_db, distance=APART_MS, height=least_db)
+    rises, _ = find_peaks(level, prominence=step_db, height=least_db)
+    # only what is a pulse itself hides one beside it
+    alone = np.full(len(level), -np.inf)
+    alone[rises] = level[rises]
+    found, _ = find_peaks(alone, distance=APART_MS)
     return np.asarray(found, dtype=np.int64)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from overview_dsp.measure.observer.human_limits import blurred
-from overview_dsp.measure.observer.noticed import SOUND_FEATURES, TOUCH_FEATURES, notice
+from overview_dsp.measure.observer.noticed import SOUND_FEATURES, TOUCH_FEATURES, notice, touch_pulses
 
 RATE = 16_000
 SECONDS = 1.5
@@ -53,6 +53,16 @@ def test_pulses_nearer_than_30_ms_are_one():
     near = notice(signal([(0.5, -22.0, 8.0), (0.52, -20.0, 8.0)]), RATE, ["touch"])["touch"]
     apart = notice(signal([(0.5, -22.0, 8.0), (0.55, -20.0, 8.0)]), RATE, ["touch"])["touch"]
     assert (len(near.at_ms), len(apart.at_ms)) == (1, 2)
+
+
+def test_a_pulse_is_not_hidden_by_a_higher_level_that_is_no_pulse():
+    # the last rise is cut off before it has fallen by a step
+    at = ((0, -45.0), (100, -45.0), (110, -25.8), (125, -30.7), (136, -24.6), (140, -25.2))
+    level = np.interp(np.arange(141.0), *np.transpose(at))
+    assert touch_pulses(level).tolist() == [110]
+    # where it falls, it is the pulse
+    whole = np.interp(np.arange(200.0), *np.transpose([*at, (150, -45.0)]))
+    assert touch_pulses(whole).tolist() == [136]
 
 
 def test_a_neighbour_within_120_ms_is_part_of_the_figure_and_a_later_one_is_not():
