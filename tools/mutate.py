@@ -83,7 +83,11 @@ def prepare(work: Path, part: dict, ignored: list[str]) -> None:
         "only_mutate": part["modules"],
         "also_copy": [*COPIED[:-2], "conftest.py"],
         "do_not_mutate_patterns": ignored,
-        "pytest_add_cli_args": ["-n0", "-pno:cacheprovider", "--hypothesis-profile=mutation"],
+        "pytest_add_cli_args": [
+            *("-n0", "-pno:cacheprovider", "--hypothesis-profile=mutation"),
+            # numpy warns where interpreted kernels' integers wrap around as they should
+            *(["-Wignore::RuntimeWarning"] if part.get("interpreted") else []),
+        ],
         "pytest_add_cli_args_test_selection": part["tests"],
         # of the tests' own time, and 5 s: a change may loop for ever
         "timeout_multiplier": 5.0,
