@@ -24,7 +24,7 @@ def test_the_root_holds_packages_and_the_shared_files_only():
     assert found == ROOT_FILES
     folders = [path for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"]
     assert all((folder / "__init__.py").is_file() for folder in folders)
-    assert len(folders) + len(found) <= 32
+    assert len(folders) + len(found) <= 30
 
 
 def test_every_package_says_what_it_is_for():

@@ -217,9 +217,9 @@ def test_the_grain_follows_torque_and_speed_and_is_silent_at_rest(football):
         levels.append(float(np.sqrt(np.mean(moving.astype(float) ** 2))))
         assert np.all(result.samples[-1000:] == 0.0)
     assert levels[0] > 1e-5
-    # power goes with the square of speed
-    assert levels[1] >= 1.8 * levels[0]
-    assert levels[2] >= 1.5 * levels[1]  # near the disk's highest speed
+    # power goes with the square of speed, so the level at least doubles
+    assert levels[1] >= 2.0 * levels[0]
+    assert levels[2] >= 2.0 * levels[1]
 
 
 def test_a_slow_hands_grain_is_as_loud_as_a_faster_ones(football):

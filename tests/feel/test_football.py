@@ -107,10 +107,9 @@ def test_the_disk_does_not_ring(feels, name):
 
 @pytest.mark.parametrize("name", MATCHES)
 def test_halving_a_sweeps_duration_is_felt_between_the_events(feels, name):
-    # at 1 s the disk is held to its highest speed, a timeline a second
-    for fast, slow, least in ((1.0, 2.0, 2.0), (3.0, 6.0, JUST_NOTICEABLE_DB)):
+    for fast, slow in ((1.0, 2.0), (3.0, 6.0)):
         levels = [feels(name, "sweep", s)[1]["out"].event_free_db for s in (fast, slow)]
-        assert levels[0] - levels[1] >= least
+        assert levels[0] - levels[1] >= JUST_NOTICEABLE_DB
 
 
 @pytest.mark.parametrize("name", MATCHES)
@@ -154,9 +153,7 @@ def test_every_sample_rate_feels_the_same(match, football, rate):
         here = ov.render(match, football, gesture, sample_rate=rate, tail=6.0)
         there = ov.render(match, football, gesture, sample_rate=48_000, tail=6.0)
         assert np.array_equal(here.strikes.event, there.strikes.event)
-        # the clutch's wanted speed is that of the sample before
-        late = 32.0 * abs(1.0 / rate - 1.0 / 48_000)
-        assert np.abs(here.strikes.time_s - there.strikes.time_s).max() <= 0.5e-3 + late
+        assert np.abs(here.strikes.time_s - there.strikes.time_s).max() <= 0.5e-3
         feels = []
         for result in (here, there):
             feels.append(

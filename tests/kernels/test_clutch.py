@@ -113,6 +113,8 @@ def test_off_it_is_a_rigid_shaft_to_the_bit():
     other = played(clutched(0.0, 3.0, **limits), events, 1.5, surface=bumpy)
     for column in off:
         assert np.array_equal(off[column], other[column])
+    plain = played(plain_preset(), events, 1.5, surface=bumpy)
+    assert np.array_equal(plain.theta1, off.theta1)
 
 
 @pytest.mark.parametrize("tap_s", [0.9, 1.8, 2.5])
