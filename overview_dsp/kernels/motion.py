@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.click import log_strike
-from overview_dsp.kernels.clutch import OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import pass_events
 from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction, on_table
@@ -73,7 +73,7 @@ def step(f64, i64, n, old_slot, modelled):
     reach = f64[layout.C_REACH] if engaged else OFF
     windup = f64[layout.C_WINDUP] if engaged else OFF
     ratio = f64[layout.C_SPEED_RATIO]
-    free = friction * reach
+    free = friction * reach + MIDDLE
     # any speed but 0 will do where the shaft is rigid
     load = (f64[layout.WANTED] if reach < OFF else 1.0) * free
     held_back = free * pace

@@ -11,7 +11,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.friction import friction_on, is_steep, mean_friction, on_table
 from overview_dsp.kernels.release import next_above, next_below
@@ -99,7 +99,7 @@ def travel(f64, i64, u64, start, frames, sounding):
         used = y2
         if slips:
             rigid = stretch
-            free = friction * reach
+            free = friction * reach + MIDDLE
             stretch = clutched(rigid, wound, wanted * free, growth)
             slip = rigid - stretch
             if abs(slip) > 0.0:

@@ -6,7 +6,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.elementary import sin_turns
@@ -229,7 +229,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         counts = choose(moves, counts, pace)
         pace = pace + load(batch_f64, own.PACING) * (counts - pace)
         rigid = y2 * load(batch_f64, own.HOLD) - x
-        free = friction * load(batch_f64, own.REACH)
+        free = friction * load(batch_f64, own.REACH) + MIDDLE
         max_speed = load(batch_f64, C_MAX_SPEED)
         growth = load(batch_f64, own.WINDUP) * min(pace, max_speed)
         stretch = clutched(rigid, wound, wanted * free, growth)
