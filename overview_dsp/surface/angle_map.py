@@ -4,12 +4,14 @@ Every conversion between a time of a timeline and a position of its surface (0 t
 goes through one `AngleMap`, which the surface holds. A window of a timeline has a map of its own.
 
 1. The times of the events to keep apart, sorted, cut the timeline of T seconds into n gaps.
-2. No gap may be narrower than `least = share * T / n`: narrower gaps become that wide, and all
-   others shrink by one factor, so that the sum is T again.
+2. No gap may be narrower than `least = share * T / n`, or as many times that as it has events that
+   fill it up, with n the number of them all. Narrower gaps become that wide, and all others shrink
+   by one factor, so that the sum is T again.
 3. Positions are linear in time between these events. Events of one time keep their order, `least`
    apart; the curve takes the position of the last one there. Events at the ends stay there.
 
-Events that fill a timeline up (touches, shots, ticks of the calendar) move with their surroundings.
+Events that fill a timeline up (touches, shots, ticks of the calendar) move with their surroundings
+and keep their room, but aren't kept apart.
 """
 
 from __future__ import annotations
@@ -69,8 +71,9 @@ class AngleMap:
             times = [time_s for _, time_s in _apart(timeline)]
             points = np.concatenate((ends[:1], times, ends[1:]))
             gaps = np.diff(points)
-            least = share * timeline.duration_s / len(gaps)
-            if gaps.min() < least:
+            places = 1.0 + _fill_between(timeline, points)
+            least = share * timeline.duration_s * places / places.sum()
+            if (gaps < least).any():
                 made = cls(points, _spread(gaps, least), made.events)
         return made.on(timeline)
 
@@ -147,7 +150,13 @@ def _apart(timeline: Timeline) -> Iterator[tuple[int, float]]:
             yield i, event.time_s
 
 
-def _spread(gaps: Array, least: float) -> Array:
+def _fill_between(timeline: Timeline, points: Array) -> Array:
+    """Return how many events fill each gap between points."""
+    times = [event.time_s for event in timeline.events if event.kind in FILL]
+    return np.diff(np.searchsorted(times, points)).astype(np.float64)
+
+
+def _spread(gaps: Array, least: Array) -> Array:
     """Return the positions of the ends of gaps, none of which is narrower than `least` then."""
     total = float(gaps.sum())
     low, high = 0.0, 1.0
