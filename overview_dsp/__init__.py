@@ -32,30 +32,33 @@ from overview_dsp.errors import (
 from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
-    from overview_dsp import actuators, export, live, measure, presets
-    from overview_dsp.actuators.library import load_actuator
-    from overview_dsp.actuators.model import Actuator
-    from overview_dsp.engine.engine import Engine
-    from overview_dsp.engine.meters import EngineParameter, Meters, Strikes
-    from overview_dsp.following.live_timeline import LiveTimeline
-    from overview_dsp.gestures.model import Gesture
-    from overview_dsp.gestures.scripts import arm, flick, pause, scrub, sweep, tap
-    from overview_dsp.gestures.spec import parse_gesture
-    from overview_dsp.gestures.take import load_gesture, save_gesture
-    from overview_dsp.presets.library import bundled_presets, load_preset
-    from overview_dsp.presets.model import ClickMode, EventKind, Preset
-    from overview_dsp.readers.native import save_timeline
-    from overview_dsp.readers.registry import load_timeline
-    from overview_dsp.rendering.many import RenderedJob, RenderJob, render_jobs, render_many
-    from overview_dsp.rendering.offline import Rendered, Result, render, render_to_file
-    from overview_dsp.rendering.trace import Trace
-    from overview_dsp.surface.build import build_surface
-    from overview_dsp.surface.model import Surface
-    from overview_dsp.timeline.curve_builder import CurveBuilder
-    from overview_dsp.timeline.even_times import EvenTimes
-    from overview_dsp.timeline.event import Event
-    from overview_dsp.timeline.intensity import Intensity
-    from overview_dsp.timeline.model import Timeline
+    from overview_dsp import live, measure
+    from overview_dsp.data.feeds.live_timeline import LiveTimeline
+    from overview_dsp.data.readers.native import save_timeline
+    from overview_dsp.data.readers.registry import load_timeline
+    from overview_dsp.data.timeline.curve_builder import CurveBuilder
+    from overview_dsp.data.timeline.even_times import EvenTimes
+    from overview_dsp.data.timeline.event import Event
+    from overview_dsp.data.timeline.intensity import Intensity
+    from overview_dsp.data.timeline.model import Timeline
+    from overview_dsp.design import presets
+    from overview_dsp.design.gestures.model import Gesture
+    from overview_dsp.design.gestures.scripts import arm, flick, pause, scrub, sweep, tap
+    from overview_dsp.design.gestures.spec import parse_gesture
+    from overview_dsp.design.gestures.take import load_gesture, save_gesture
+    from overview_dsp.design.presets.library import bundled_presets, load_preset
+    from overview_dsp.design.presets.model import ClickMode, EventKind, Preset
+    from overview_dsp.offline import export
+    from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_jobs, render_many
+    from overview_dsp.offline.rendering.offline import Rendered, Result, render, render_to_file
+    from overview_dsp.offline.rendering.trace import Trace
+    from overview_dsp.signal import actuators
+    from overview_dsp.signal.actuators.library import load_actuator
+    from overview_dsp.signal.actuators.model import Actuator
+    from overview_dsp.signal.engine.engine import Engine
+    from overview_dsp.signal.engine.meters import EngineParameter, Meters, Strikes
+    from overview_dsp.signal.surface.build import build_surface
+    from overview_dsp.signal.surface.model import Surface
 
 __version__ = "0.1.0"
 
@@ -117,54 +120,57 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(
         __name__,
         {
-            "Actuator": "actuators.model",
-            "ClickMode": "presets.model",
-            "CurveBuilder": "timeline.curve_builder",
-            "Engine": "engine.engine",
-            "EngineParameter": "engine.meters",
-            "EvenTimes": "timeline.even_times",
-            "Event": "timeline.event",
-            "EventKind": "presets.model",
-            "Gesture": "gestures.model",
-            "Intensity": "timeline.intensity",
-            "LiveTimeline": "following.live_timeline",
-            "Meters": "engine.meters",
-            "Preset": "presets.model",
-            "RenderJob": "rendering.many",
-            "Rendered": "rendering.offline",
-            "RenderedJob": "rendering.many",
-            "Result": "rendering.offline",
-            "Strikes": "engine.meters",
-            "Surface": "surface.model",
-            "Timeline": "timeline.model",
-            "Trace": "rendering.trace",
-            "actuators": "",
-            "arm": "gestures.scripts",
-            "build_surface": "surface.build",
-            "bundled_presets": "presets.library",
-            "export": "",
-            "flick": "gestures.scripts",
-            "live": "",
-            "load_actuator": "actuators.library",
-            "load_gesture": "gestures.take",
-            "load_preset": "presets.library",
-            "load_timeline": "readers.registry",
-            "measure": "",
-            "parse_gesture": "gestures.spec",
-            "pause": "gestures.scripts",
-            "presets": "",
-            "render": "rendering.offline",
-            "render_jobs": "rendering.many",
-            "render_many": "rendering.many",
-            "render_to_file": "rendering.offline",
-            "save_gesture": "gestures.take",
-            "save_timeline": "readers.native",
-            "scrub": "gestures.scripts",
-            "sweep": "gestures.scripts",
-            "tap": "gestures.scripts",
+            "Actuator": "signal.actuators.model",
+            "ClickMode": "design.presets.model",
+            "CurveBuilder": "data.timeline.curve_builder",
+            "Engine": "signal.engine.engine",
+            "EngineParameter": "signal.engine.meters",
+            "EvenTimes": "data.timeline.even_times",
+            "Event": "data.timeline.event",
+            "EventKind": "design.presets.model",
+            "Gesture": "design.gestures.model",
+            "Intensity": "data.timeline.intensity",
+            "LiveTimeline": "data.feeds.live_timeline",
+            "Meters": "signal.engine.meters",
+            "Preset": "design.presets.model",
+            "RenderJob": "offline.rendering.many",
+            "Rendered": "offline.rendering.offline",
+            "RenderedJob": "offline.rendering.many",
+            "Result": "offline.rendering.offline",
+            "Strikes": "signal.engine.meters",
+            "Surface": "signal.surface.model",
+            "Timeline": "data.timeline.model",
+            "Trace": "offline.rendering.trace",
+            "actuators": "signal.actuators:",
+            "arm": "design.gestures.scripts",
+            "build_surface": "signal.surface.build",
+            "bundled_presets": "design.presets.library",
+            "export": "offline.export:",
+            "flick": "design.gestures.scripts",
+            "live": "live:",
+            "load_actuator": "signal.actuators.library",
+            "load_gesture": "design.gestures.take",
+            "load_preset": "design.presets.library",
+            "load_timeline": "data.readers.registry",
+            "measure": "measure:",
+            "parse_gesture": "design.gestures.spec",
+            "pause": "design.gestures.scripts",
+            "presets": "design.presets:",
+            "render": "offline.rendering.offline",
+            "render_jobs": "offline.rendering.many",
+            "render_many": "offline.rendering.many",
+            "render_to_file": "offline.rendering.offline",
+            "save_gesture": "design.gestures.take",
+            "save_timeline": "data.readers.native",
+            "scrub": "design.gestures.scripts",
+            "sweep": "design.gestures.scripts",
+            "tap": "design.gestures.scripts",
             # private, but there
-            **dict.fromkeys(
-                ("engine", "gestures", "readers", "rendering", "surface", "timeline"), ""
-            ),
+            "engine": "signal.engine:",
+            "gestures": "design.gestures:",
+            "readers": "data.readers:",
+            "rendering": "offline.rendering:",
+            "surface": "signal.surface:",
+            "timeline": "data.timeline:",
         },
     )

@@ -30,8 +30,8 @@ def lazy_names(
         The package's own name.
     places : mapping of str to str
         Each public name, and the module in the package that holds it (`"render"` is in
-        `"rendering.offline"`); `"rendering.offline:render"` where it has another name there, and
-        `""` for a module of the package itself.
+        `"offline.rendering.offline"`); `"offline.rendering.offline:render"` where it has another
+        name there, and `"design.presets:"` for that module itself.
 
     Returns
     -------
@@ -42,10 +42,10 @@ def lazy_names(
     def get(name: str) -> Any:
         if name not in places:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module, _, own_name = places[name].partition(":")
-        if not module:
-            return import_module(f"{package}.{name}")
-        value = getattr(import_module(f"{package}.{module}"), own_name or name)
+        module, colon, own_name = places[name].partition(":")
+        value: Any = import_module(f"{package}.{module}")
+        if not colon or own_name:
+            value = getattr(value, own_name or name)
         setattr(sys.modules[package], name, value)
         return value
 
@@ -84,6 +84,6 @@ def changed_fields(instance: Any, **shown: str) -> str:
 
 
 def drawn(module: str, name: str, *arguments: Any) -> Figure:
-    """Call a function of a module of `plots`, imported by name when it is needed."""
-    figure: Figure = getattr(import_module(f"{PACKAGE}.plots.{module}"), name)(*arguments)
+    """Call a function that draws, of a module that is imported when it is needed."""
+    figure: Figure = getattr(import_module(f"{PACKAGE}.{module}"), name)(*arguments)
     return figure

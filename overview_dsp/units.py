@@ -1,4 +1,4 @@
-"""Conversions between the units people write and the units the physics uses."""
+"""Units that people write and those of the physics; the steps in which a level is felt."""
 
 from __future__ import annotations
 
@@ -6,6 +6,12 @@ import math
 
 HALF_TURN = math.pi
 """The input angle of the whole timeline, rad (the paper's 180 degrees)."""
+
+FELT_WINDOW_S = 0.010
+"""Felt level is the RMS over windows of this length."""
+
+JUST_NOTICEABLE_DB = 2.5
+"""One step of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
 DAYS_FROM_S = 2 * 86_400.0
 """A span as long as this is told in days."""

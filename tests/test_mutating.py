@@ -64,8 +64,8 @@ def test_decorators_become_assignments_and_caches_go(mutate):
 
 
 def test_a_mutants_name_says_its_module_and_function(mutate):
-    module = "overview_dsp/surface/build.py"
-    dotted = "overview_dsp.surface.build"
+    module = "overview_dsp/signal/surface/build.py"
+    dotted = "overview_dsp.signal.surface.build"
     assert mutate.place_of(f"{dotted}.x__place__mutmut_12") == (module, "_place")
     assert mutate.place_of(f"{dotted}.xǁ_Placedǁof__mutmut_1") == (
         module,
@@ -81,8 +81,10 @@ def test_what_the_plan_names_is_there_and_every_survivor_has_a_reason():
     tests = [test.partition("::") for part in plan["part"] for test in part["tests"]]
     assert all((ROOT / module).is_file() for module in modules)
     assert all(f"def {name}(" in (ROOT / file).read_text() or not name for file, _, name in tests)
-    surface = {str(path.relative_to(ROOT)) for path in (ROOT / "overview_dsp/surface").glob("*.py")}
-    assert surface - {"overview_dsp/surface/__init__.py"} <= set(modules)
+    surface = {
+        str(path.relative_to(ROOT)) for path in (ROOT / "overview_dsp/signal/surface").glob("*.py")
+    }
+    assert surface - {"overview_dsp/signal/surface/__init__.py"} <= set(modules)
     for one in known:
         assert one["module"] in modules
         assert one["was"] in " ".join((ROOT / one["module"]).read_text().split())

@@ -75,7 +75,7 @@ except SystemExit:
 
 def test_packages_are_there_without_importing_them_one_by_one(tmp_path):
     code = "import overview_dsp as ov; print(ov.gestures.SOURCES[0], ov.presets.library.__name__)"
-    assert python(code, tmp_path) == "touch overview_dsp.presets.library\n"
+    assert python(code, tmp_path) == "touch overview_dsp.design.presets.library\n"
 
 
 def test_a_timeline_a_preset_and_a_gesture_need_no_compiler(tmp_path):
@@ -122,11 +122,11 @@ def test_an_unknown_name_is_an_attribute_error():
 
 
 def test_render_is_the_function_after_its_module_was_imported():
-    importlib.import_module("overview_dsp.rendering.offline")
-    importlib.import_module("overview_dsp.engine.engine")
+    importlib.import_module("overview_dsp.offline.rendering.offline")
+    importlib.import_module("overview_dsp.signal.engine.engine")
     assert callable(ov.render)
-    assert ov.render.__module__ == "overview_dsp.rendering.offline"
-    assert ov.Engine.__module__ == "overview_dsp.engine.engine"
+    assert ov.render.__module__ == "overview_dsp.offline.rendering.offline"
+    assert ov.Engine.__module__ == "overview_dsp.signal.engine.engine"
 
 
 def test_the_package_says_that_it_is_typed():
@@ -270,7 +270,7 @@ def test_a_wheel_finds_its_presets_and_its_match_from_any_folder(installed, tmp_
 def test_a_wheel_finds_its_actuators_from_any_folder(installed, tmp_path):
     code = """
 import json
-from overview_dsp.actuators.library import actuator_names, load_actuator
+from overview_dsp.signal.actuators.library import actuator_names, load_actuator
 print(json.dumps([[name, load_actuator(name).source] for name in actuator_names()]))
 """
     found = json.loads(python(code, tmp_path, installed, OVERVIEW_ACTUATORS=str(tmp_path)))
@@ -288,7 +288,7 @@ def test_a_wheel_has_what_the_page_loads(installed):
 def test_a_wheel_finds_its_sensors_from_any_folder(installed, tmp_path):
     code = """
 import json
-from overview_dsp.sensors.profile_file import LIBRARY, load_sensor
+from overview_dsp.devices.sensors.profile_file import LIBRARY, load_sensor
 print(json.dumps([[name, load_sensor(name).source] for name in LIBRARY.bundled]))
 """
     found = json.loads(python(code, tmp_path, installed))
@@ -299,7 +299,7 @@ print(json.dumps([[name, load_sensor(name).source] for name in LIBRARY.bundled])
 def test_a_wheel_has_the_firmware_of_the_checkout(installed, tmp_path):
     code = """
 import json
-from overview_dsp.sensors.firmware import firmware_folder, firmware_names
+from overview_dsp.devices.sensors.firmware import firmware_folder, firmware_names
 print(json.dumps([str(firmware_folder()), firmware_names()]))
 """
     folder, names = json.loads(python(code, tmp_path, installed))

@@ -1,4 +1,4 @@
-"""Build the kernel as C: `kernel.c` and `overview.h` in `overview_dsp/export/c/`.
+"""Build the kernel as C: `kernel.c` and `overview.h` in `overview_dsp/offline/export/c/`.
 
 python tools/build_c.py [FOLDER]
 
@@ -164,8 +164,8 @@ def toolchain() -> str:
 
 
 def rows() -> str:
-    from overview_dsp.engine.coefficients import KERNEL_RANGES
-    from overview_dsp.presets.parameters import PARAMETERS
+    from overview_dsp.design.presets.parameters import PARAMETERS
+    from overview_dsp.signal.engine.coefficients import KERNEL_RANGES
 
     return "".join(
         f'    {{"{id}", "{PARAMETERS[id].unit}", {low!r}, {high!r}}},\n'
@@ -174,10 +174,10 @@ def rows() -> str:
 
 
 def header_numbers() -> dict[str, object]:
-    from overview_dsp.engine.coefficients import KERNEL_RANGES
-    from overview_dsp.export.browser_memory import layout_digest
-    from overview_dsp.gestures import SOURCES
+    from overview_dsp.design.gestures import SOURCES
     from overview_dsp.kernels import layout
+    from overview_dsp.offline.export.browser_memory import layout_digest
+    from overview_dsp.signal.engine.coefficients import KERNEL_RANGES
 
     names = [id.upper().replace(".", "_") for id in KERNEL_RANGES]
     meters = [name for name in vars(layout) if name.startswith("M_")]

@@ -16,11 +16,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import overview_dsp as ov
-from overview_dsp.measure.felt import WINDOW_S, strokes, window_db
-from overview_dsp.plots.saving import save_figure
-from overview_dsp.plots.style import BLUE, GREY, VERMILION
-from overview_dsp.plots.timeline import draw_timeline
-from overview_dsp.timeline.moments import window_of, zoom_window
+from overview_dsp.data.timeline.moments import window_of, zoom_window
+from overview_dsp.measure.felt import strokes, window_db
+from overview_dsp.offline.plots.saving import save_figure
+from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION
+from overview_dsp.offline.plots.timeline import draw_timeline
+from overview_dsp.units import FELT_WINDOW_S
 
 FOLDER = Path(__file__).parent.parent / "docs" / "pictures"
 
@@ -45,10 +46,10 @@ def draw(looks: list[Look], preset: ov.Preset) -> Figure:
         result = ov.render(look.timeline, preset, ov.sweep(look.seconds))
         (out, *_) = strokes(result.trace.engaged, result.trace.cursor)
         starts, level = window_db(
-            result.samples[out.start : out.stop, 1], result.sample_rate, WINDOW_S / 2.0
+            result.samples[out.start : out.stop, 1], result.sample_rate, FELT_WINDOW_S / 2.0
         )
-        middle = np.minimum((starts + WINDOW_S / 2.0 * result.sample_rate).astype(int) + out.start,
-                            out.stop - 1)  # fmt: skip
+        half = FELT_WINDOW_S / 2.0 * result.sample_rate
+        middle = np.minimum((starts + half).astype(int) + out.start, out.stop - 1)
         degrees = np.linspace(0.0, 180.0, len(result.engine.surface.friction))
         draw_timeline(data, look.timeline, result.engine.surface.angle_map)
         data.set_title(look.words, loc="left", fontsize=10)

@@ -16,9 +16,9 @@ import overview_dsp as ov
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.screen import PlayApp
+from overview_dsp.live.screen.timeline_view import TimelineView
 from overview_dsp.live.silent import SilentStream
-from overview_dsp.tui import PlayApp
-from overview_dsp.tui.timeline_view import TimelineView
 
 OUT = Path(__file__).parent.parent / "docs" / "pictures" / "play.svg"
 SIZE = (110, 30)

@@ -17,12 +17,12 @@ from simulated_board import BoardMotor
 from simulated_motor import Hand
 
 import overview_dsp as ov
-from overview_dsp.force_feedback.board_loop import BoardLoop
-from overview_dsp.sensors.frames import FrameDecoder
-from overview_dsp.sensors.profile import Sensor
-from overview_dsp.sensors.reading import Counters
-from overview_dsp.sensors.source import SensorSource
-from overview_dsp.sensors.touching import TouchRules
+from overview_dsp.devices.force_feedback.board_loop import BoardLoop
+from overview_dsp.devices.sensors.frames import FrameDecoder
+from overview_dsp.devices.sensors.profile import Sensor
+from overview_dsp.devices.sensors.reading import Counters
+from overview_dsp.devices.sensors.source import SensorSource
+from overview_dsp.devices.sensors.touching import TouchRules
 
 BAUD = 1_000_000
 TICK_S = 0.002

@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from overview_dsp.analysis.heart_signal import Samples
-from overview_dsp.analysis.heartbeats import find_beats
-from tests.readers.make_cardiac import agreement
-from tests.readers.make_noise import with_noise
+from overview_dsp.data.analysis.heart_signal import Samples
+from overview_dsp.data.analysis.heartbeats import find_beats
+from tests.data.readers.make_cardiac import agreement
+from tests.data.readers.make_noise import with_noise
 
 RATE = 360.0
 SNRS = (None, 12.0, 6.0, 0.0)

@@ -24,7 +24,7 @@ from typing import Any
 
 import overview_dsp as ov
 from overview_dsp.batch.cache_keys import KEY_DIGITS, preset_digest
-from overview_dsp.rendering.audition import pages
+from overview_dsp.offline.rendering.audition import pages
 
 FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 READ = {
-    "overview": "import overview_dsp.readers.registry as r; "
+    "overview": "import overview_dsp.data.readers.registry as r; "
     "f = lambda: r.load_timeline(path, value=value)",
     "polars, times": "import polars as p; f = lambda: p.read_csv(path, try_parse_dates=True)",
     "polars, told times": "import polars as p; f = lambda: p.read_csv(path).with_columns("

@@ -15,12 +15,12 @@ from datetime import datetime
 import numpy as np
 
 import overview_dsp as ov
-from overview_dsp.analysis.extrema import Thinner
-from overview_dsp.analysis.series_events import Series
-from overview_dsp.analysis.series_labels import Calendar
-from overview_dsp.analysis.window_rules import PartRules
-from overview_dsp.timeline.curve_builder import CurveBuilder
-from overview_dsp.timeline.minmax_pyramid import CHUNK
+from overview_dsp.data.analysis.extrema import Thinner
+from overview_dsp.data.analysis.series_events import Series
+from overview_dsp.data.analysis.series_labels import Calendar
+from overview_dsp.data.analysis.window_rules import PartRules
+from overview_dsp.data.timeline.curve_builder import CurveBuilder
+from overview_dsp.data.timeline.minmax_pyramid import CHUNK
 
 STEP_S = 1e-3
 ROUNDS = 21

@@ -48,9 +48,9 @@ def table(*rows: tuple[str, ...]) -> str:
 
 def speeds(report: dict[str, Any]) -> str:
     """A table for each group of rows, one of what a second costs, the memory."""
-    from overview_dsp.bench.report import cycles, merging
-    from overview_dsp.bench.scaling import Cost
-    from overview_dsp.bench.timing import VOICE, Row
+    from overview_dsp.measure.bench.report import cycles, merging
+    from overview_dsp.measure.bench.scaling import Cost
+    from overview_dsp.measure.bench.timing import VOICE, Row
 
     parts = [f"{report['date']}, {report['machine']}; medians of {report['rounds']} rounds:"]
     for group in dict.fromkeys(row["group"] for row in report["rows"]):
@@ -84,9 +84,9 @@ def ranged(figure: dict[str, Any], prefix: str = "") -> str:
 
 def live(report: dict[str, Any]) -> str:
     """What `overview bench --live` prints."""
-    from overview_dsp.bench.live.latency import LatencyResult
-    from overview_dsp.bench.live.session import SessionRow
-    from overview_dsp.bench.live.table import LoadRow, Report, lines
+    from overview_dsp.measure.bench.live.latency import LatencyResult
+    from overview_dsp.measure.bench.live.session import SessionRow
+    from overview_dsp.measure.bench.live.table import LoadRow, Report, lines
 
     shown = {key: value for key, value in report.items() if key not in ("machine", "date")}
     shown["load"] = [LoadRow(**row) for row in report["load"]]

@@ -19,9 +19,13 @@ def main(out: Path) -> None:
 
 
 def javascript() -> str:
-    from overview_dsp.engine.coefficients import KERNEL_RANGES
-    from overview_dsp.export.browser_memory import encoding_numbers, layout_digest, layout_numbers
-    from overview_dsp.gestures import SOURCES
+    from overview_dsp.design.gestures import SOURCES
+    from overview_dsp.offline.export.browser_memory import (
+        encoding_numbers,
+        layout_digest,
+        layout_numbers,
+    )
+    from overview_dsp.signal.engine.coefficients import KERNEL_RANGES
 
     low, high = (
         int.from_bytes(layout_digest()[at : at + 4], "little", signed=True) for at in (0, 4)

@@ -19,10 +19,10 @@ from sphinx.config import Config
 
 import overview_dsp as ov
 from overview_dsp.cli import COMMANDS, app
-from overview_dsp.plots.paper import draw, renders
-from overview_dsp.presets.describe import describe
-from overview_dsp.presets.library import preset_path
-from overview_dsp.presets.reference import reference
+from overview_dsp.design.presets.describe import describe
+from overview_dsp.design.presets.library import preset_path
+from overview_dsp.design.presets.reference import reference
+from overview_dsp.offline.plots.paper import draw, renders
 from overview_dsp.web.static_site import write_site
 
 GROUPS: dict[str, tuple[str, ...]] = {

@@ -50,7 +50,7 @@ brake. Both pay from one ledger, which what the surface has rubbed away fills up
 
 enum {
     KNOB_DISK = 16, KNOB_PART, KNOB_USE, KNOB_ALIVE, /* kinds of frames from the host */
-    KNOB_MOTION = 6, KNOB_STATE,                     /* and to it, as overview_dsp/sensors/frames.py */
+    KNOB_MOTION = 6, KNOB_STATE,                     /* and to it, as overview_dsp/devices/sensors/frames.py */
     KNOB_PART_POINTS = 32,
     KNOB_PARTS = (KNOB_POINTS - 1) / KNOB_PART_POINTS + 1,
     KNOB_LONGEST = 80,

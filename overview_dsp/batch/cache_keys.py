@@ -15,9 +15,9 @@ import numpy as np
 
 from overview_dsp import __version__
 from overview_dsp.batch.grid import Case, Study
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.compiling import sources_digest
-from overview_dsp.presets.model import Preset
-from overview_dsp.timeline import Timeline
 
 KEY_DIGITS = 24
 

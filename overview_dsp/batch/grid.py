@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from overview_dsp.gestures import Gesture
-from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameter import Value
-from overview_dsp.rendering.schedule import Tail
-from overview_dsp.timeline import Timeline
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.parameter import Value
+from overview_dsp.offline.rendering.schedule import Tail
 
 
 @dataclass(frozen=True)

@@ -35,19 +35,19 @@ from typing import Any, TypeVar
 from overview_dsp.batch.extra import library
 from overview_dsp.batch.grid import Settings, Study
 from overview_dsp.batch.storage import is_address, local_copy, read_text
+from overview_dsp.data.readers import load_timeline
+from overview_dsp.data.readers.registry import BUNDLED
+from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.moments import window_of, zoom_window
+from overview_dsp.design.gestures import Gesture, load_gesture, parse_gesture
+from overview_dsp.design.presets.library import fitting_preset, load_preset
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.files.sound import check_sound
 from overview_dsp.files.toml import SUFFIX, line_of
-from overview_dsp.gestures import Gesture, load_gesture, parse_gesture
-from overview_dsp.presets.library import fitting_preset, load_preset
-from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameter import Value
-from overview_dsp.readers import load_timeline
-from overview_dsp.readers.registry import BUNDLED
-from overview_dsp.readers.source import LoadOptions
-from overview_dsp.rendering.schedule import Tail, checked_tail, tail_of
-from overview_dsp.timeline import Timeline
-from overview_dsp.timeline.moments import window_of, zoom_window
+from overview_dsp.offline.rendering.schedule import Tail, checked_tail, tail_of
 
 KEYS = (
     "out", "timelines", "presets", "gestures", "seeds",

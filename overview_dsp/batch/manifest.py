@@ -20,9 +20,9 @@ from overview_dsp import __version__
 from overview_dsp.batch.extra import library
 from overview_dsp.batch.grid import Study
 from overview_dsp.batch.storage import Place
+from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.presets.dicts import preset_to_dict
-from overview_dsp.presets.parameters import PARAMETERS
 
 SOUNDS = "sounds"
 PARTS = "parts"

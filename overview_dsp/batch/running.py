@@ -14,13 +14,13 @@ from overview_dsp.batch.grid import Study
 from overview_dsp.batch.local import run_here, run_in_processes
 from overview_dsp.batch.storage import Place, is_address
 from overview_dsp.batch.task import Done, Job
+from overview_dsp.data.readers import bundled_timeline
+from overview_dsp.design.gestures import pause
+from overview_dsp.design.presets.library import load_preset
 from overview_dsp.errors import InputError
-from overview_dsp.gestures import pause
 from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.presets.library import load_preset
-from overview_dsp.readers import bundled_timeline
-from overview_dsp.rendering.many import RenderJob, render_many, usable_cores
+from overview_dsp.offline.rendering.many import RenderJob, render_many, usable_cores
 
 TASKS_A_WORKER = 16
 MOST_A_TASK = 256

@@ -15,13 +15,13 @@ from overview_dsp.batch.grid import Case, Study
 from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
 from overview_dsp.batch.measuring import MEASURED_COLUMNS, measures
 from overview_dsp.batch.storage import Place
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import OutputError, OverviewError
 from overview_dsp.files.sound import sound_bytes
-from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameter import Value
-from overview_dsp.rendering.many import RenderedJob, RenderJob, VoiceRenderer
-from overview_dsp.rendering.trace import Trace
-from overview_dsp.surface.cache import SurfaceCache
+from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, VoiceRenderer
+from overview_dsp.offline.rendering.trace import Trace
+from overview_dsp.signal.surface.cache import SurfaceCache
 
 PART_S = 2.0
 """A part is written at least so often: what a crash takes with it is no more."""

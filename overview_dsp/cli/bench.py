@@ -61,9 +61,9 @@ def command(
 
 
 def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> None:
-    from overview_dsp.bench.picture import draw
-    from overview_dsp.bench.report import lines, measure
     from overview_dsp.files.atomic import require_writable
+    from overview_dsp.measure.bench.picture import draw
+    from overview_dsp.measure.bench.report import lines, measure
 
     if plot is not None:
         require_writable(plot)
@@ -76,7 +76,7 @@ def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> No
 
 
 def _live(rounds: int, device: str | None, seconds: float, as_json: bool) -> None:
-    from overview_dsp.bench.live.table import lines, measure_live
+    from overview_dsp.measure.bench.live.table import lines, measure_live
 
     announce_compile()
     with progress_bar("playing") as progress:
@@ -89,7 +89,7 @@ def _show(report: Any, lines: Callable[[Any], list[str]], as_json: bool) -> None
     from dataclasses import asdict
     from datetime import date
 
-    from overview_dsp.bench.machine import this_machine
+    from overview_dsp.measure.bench.machine import this_machine
 
     machine, day = this_machine(), date.today().isoformat()
     figures = {"machine": machine, "date": day, **asdict(report)}

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 if TYPE_CHECKING:
-    from overview_dsp.gestures import Gesture
-    from overview_dsp.timeline import Timeline
+    from overview_dsp.data.timeline import Timeline
+    from overview_dsp.design.gestures import Gesture
 
 BAR_AFTER_S = 1.0
 STANDARD_ERROR = 2
@@ -38,7 +38,7 @@ def say(line: str) -> None:
 
 def announce_compile(*kernels: str) -> None:
     """Say so when the first use of the kernels on this machine is about to compile them."""
-    from overview_dsp.engine.compile_notice import announce_compile
+    from overview_dsp.signal.engine.compile_notice import announce_compile
 
     announce_compile("process", *kernels)
 
@@ -78,7 +78,7 @@ def keep_input(path: str) -> None:
 
 def read_gesture(text: str) -> Gesture:
     """A gesture as a person gave it, whose takes no output replaces; errors as `parse_gesture`."""
-    from overview_dsp.gestures import parse_gesture
+    from overview_dsp.design.gestures import parse_gesture
 
     for part in text.split("+"):
         keep_input(part)
@@ -159,8 +159,8 @@ def part_of(
     InputError
         Both are given, or one that names no part; the line begins with the option.
     """
+    from overview_dsp.data.timeline.moments import window_of, zoom_window
     from overview_dsp.errors import InputError
-    from overview_dsp.timeline.moments import window_of, zoom_window
     from overview_dsp.validation import located
 
     if window and zoom_to is not None:

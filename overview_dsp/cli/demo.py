@@ -25,10 +25,10 @@ def command(out: str, as_json: bool) -> None:
     Writes a fast sweep, a slow sweep and a tap as WAV files (left = clicks for the ear, right =
     the vibration for a tactor; headphones held in the hand work too) and the paper's figures.
     """
+    from overview_dsp.data.readers import bundled_timeline
+    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.files.atomic import make_folder
-    from overview_dsp.plots.paper import draw, renders
-    from overview_dsp.presets.library import load_preset
-    from overview_dsp.readers import bundled_timeline
+    from overview_dsp.offline.plots.paper import draw, renders
 
     folder = make_folder(out)
     timeline, preset = bundled_timeline(), load_preset("football")

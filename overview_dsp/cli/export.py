@@ -27,12 +27,12 @@ from overview_dsp.cli.options.transcript import (
     transcript_option,
     write_transcripts,
 )
-from overview_dsp.gestures.spec import FORMS
+from overview_dsp.design.gestures.spec import FORMS
 
 if TYPE_CHECKING:
-    from overview_dsp.actuators.model import Actuator
-    from overview_dsp.presets.model import Preset
-    from overview_dsp.timeline import Timeline
+    from overview_dsp.data.timeline import Timeline
+    from overview_dsp.design.presets.model import Preset
+    from overview_dsp.signal.actuators.model import Actuator
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
 DRIVEN = "wav4"
@@ -131,14 +131,14 @@ def command(
     An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
     and the device that plays them makes its drive.
     """
-    from overview_dsp.actuators.stage import protected_report
+    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.errors import InputError
-    from overview_dsp.export.writing import export
     from overview_dsp.files.atomic import require_writable
-    from overview_dsp.presets.library import load_preset
-    from overview_dsp.rendering.happened import happened
-    from overview_dsp.rendering.offline import render
-    from overview_dsp.rendering.schedule import tail_of
+    from overview_dsp.offline.export.writing import export
+    from overview_dsp.offline.rendering.happened import happened
+    from overview_dsp.offline.rendering.offline import render
+    from overview_dsp.offline.rendering.schedule import tail_of
+    from overview_dsp.signal.actuators.stage import protected_report
 
     if len(timelines) > 1 and set(formats) != {SITE}:
         raise InputError(
@@ -236,7 +236,7 @@ def _require_alone(
 
 def _source(data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) -> None:
     """Write the C folder and say how to try it."""
-    from overview_dsp.export.c_folder import export_c
+    from overview_dsp.offline.export.c_folder import export_c
 
     files = [str(path) for path in export_c(data, preset, out, seed=seed)]
     if as_json:

@@ -25,8 +25,8 @@ def command(
     out: str, timeline: str, preset: str | None, load: dict[str, Any], as_json: bool
 ) -> None:
     """Draw the paper's figures 4 (timeline), 5 (sweeps) and 6 (tap), as PNG and SVG."""
-    from overview_dsp.plots.paper import draw, renders
-    from overview_dsp.presets.library import load_preset
+    from overview_dsp.design.presets.library import load_preset
+    from overview_dsp.offline.plots.paper import draw, renders
 
     data = open_timeline(timeline, load)
     chosen = load_preset(preset_for(data, preset))

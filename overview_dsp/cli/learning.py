@@ -45,9 +45,9 @@ def learn_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def require_target(target: str, known: tuple[str, ...]) -> None:
     """Raise InputError unless it is one of `known` or a parameter's id."""
-    from overview_dsp.controllers.parameters import find_parameter
+    from overview_dsp.design.presets.library import load_preset
+    from overview_dsp.devices.controllers.parameters import find_parameter
     from overview_dsp.errors import InputError
-    from overview_dsp.presets.library import load_preset
 
     if target not in known and not target.startswith("kinds."):
         try:

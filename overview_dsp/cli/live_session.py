@@ -23,11 +23,11 @@ from overview_dsp.files.atomic import remove_temporaries
 from overview_dsp.live.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
+    from overview_dsp.data.timeline import Timeline
     from overview_dsp.live.growing import Growth
     from overview_dsp.live.hand import Input
     from overview_dsp.live.headless import Passed
     from overview_dsp.live.player import Player
-    from overview_dsp.timeline import Timeline
 
 END_WITHIN_S = 2.0
 
@@ -54,8 +54,8 @@ def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def rate_given(context: Any, option: Any, rate: float | None) -> float | None:
     """A sample rate, refused here: the device would be asked for its own at 0."""
-    from overview_dsp.engine.prepared import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
     from overview_dsp.errors import InputError
+    from overview_dsp.signal.engine.prepared import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
 
     if rate is not None and not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
         raise InputError(
@@ -95,7 +95,6 @@ def opened_player(
     OverviewError
         A device, file or value that can't be used.
     """
-    from overview_dsp.actuators.stage import warn_of_carrier
     from overview_dsp.files.atomic import require_writable
     from overview_dsp.live.kept_settings import save_settings
     from overview_dsp.live.kept_takes import take_cut_short
@@ -103,6 +102,7 @@ def opened_player(
     from overview_dsp.live.pad_output import is_pad
     from overview_dsp.live.player import Player
     from overview_dsp.live.preset_watch import PresetWatch
+    from overview_dsp.signal.actuators.stage import warn_of_carrier
 
     live = dict(live)
     device, block_size, sample_rate, callback, record, seed, actuator = (
@@ -217,7 +217,7 @@ def print_lines(
     from overview_dsp.live.headless import run
 
     def describe(passed: list[Passed]) -> dict[str, Any]:
-        from overview_dsp.rendering.happened import as_records, of_events
+        from overview_dsp.offline.rendering.happened import as_records, of_events
 
         times, events, levels = zip(*passed, strict=True) if passed else ((), (), ())
         timeline = player.engine.timeline

@@ -11,7 +11,7 @@ import click
 from overview_dsp.cli.learning import heard_from, keep, learn_options, require_target
 
 if TYPE_CHECKING:
-    from overview_dsp.controllers.midi_map import Control
+    from overview_dsp.devices.controllers.midi_map import Control
 
 
 @click.group(name="midi", epilog="Example: overview midi learn nano theta2 -o nano.toml")
@@ -39,8 +39,8 @@ def learn(
     is added to the list, or takes the place of what did the same. A knob without ends is known by
     its steps.
     """
-    from overview_dsp.controllers.midi_learn import Learner
-    from overview_dsp.controllers.midi_map import (
+    from overview_dsp.devices.controllers.midi_learn import Learner
+    from overview_dsp.devices.controllers.midi_map import (
         KEYS,
         TAPS,
         THETA2,

@@ -11,7 +11,7 @@ import click
 from overview_dsp.cli.learning import heard_from, keep, learn_options, require_target
 
 if TYPE_CHECKING:
-    from overview_dsp.controllers.osc_map import OscControl
+    from overview_dsp.devices.controllers.osc_map import OscControl
 
 
 @click.group(name="osc", epilog="Example: overview osc learn 0.0.0.0:9000 theta2 -o tablet.toml")
@@ -40,9 +40,9 @@ def learn(
     is itself turned in the hand) or a parameter's id (`overview presets docs`). The control that is
     moved is added to the list, or takes the place of what did the same.
     """
-    from overview_dsp.controllers.midi_map import THETA2, TOUCH
-    from overview_dsp.controllers.osc_learn import DEVICE, OscLearner
-    from overview_dsp.controllers.osc_map import (
+    from overview_dsp.devices.controllers.midi_map import THETA2, TOUCH
+    from overview_dsp.devices.controllers.osc_learn import DEVICE, OscLearner
+    from overview_dsp.devices.controllers.osc_map import (
         SENSED,
         OscControl,
         load_osc_map,

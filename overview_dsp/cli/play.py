@@ -145,11 +145,11 @@ def command(
         if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
             print_lines(player, source, received, seconds, logged=osc_out is not None)
         elif by_line:
-            from overview_dsp.tui.lines import run as run_lines
+            from overview_dsp.live.screen.lines import run as run_lines
 
             run_lines(player, source, lambda: bool(received), say)
         else:
-            from overview_dsp.tui import run
+            from overview_dsp.live.screen import run
 
             run(player, source, lambda: bool(received), invitation)
         lines = named.lines

@@ -63,9 +63,9 @@ def build(
     Of several TIMELINEs, one is chosen in the host, as are presets. Without any it is a plugin of
     everything that is bundled: the timelines, each in every preset.
     """
-    from overview_dsp.export.plugins import build_plugin
-    from overview_dsp.presets.library import bundled_presets, load_preset
-    from overview_dsp.readers import BUNDLED
+    from overview_dsp.data.readers import BUNDLED
+    from overview_dsp.design.presets.library import bundled_presets, load_preset
+    from overview_dsp.offline.export.plugins import build_plugin
 
     data = {
         Path(timeline).stem: open_part(timeline, load, window, zoom_to)

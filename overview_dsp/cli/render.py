@@ -28,7 +28,7 @@ from overview_dsp.cli.options.transcript import (
     transcript_option,
     write_transcripts,
 )
-from overview_dsp.gestures.spec import DEFAULT, FORMS
+from overview_dsp.design.gestures.spec import DEFAULT, FORMS
 
 
 @click.command(
@@ -83,14 +83,14 @@ def command(
     TIMELINE is any supported file, detected by content, or the bundled match
     (world-cup-final-2018).
     """
-    from overview_dsp.actuators.stage import protected_report
+    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.files.cue_points import add_cues
-    from overview_dsp.presets.library import load_preset
-    from overview_dsp.rendering.happened import happened
-    from overview_dsp.rendering.offline import render_to_file
-    from overview_dsp.rendering.schedule import tail_of
-    from overview_dsp.rendering.stems import stem_paths
-    from overview_dsp.surface.angle_map import without_map
+    from overview_dsp.offline.rendering.happened import happened
+    from overview_dsp.offline.rendering.offline import render_to_file
+    from overview_dsp.offline.rendering.schedule import tail_of
+    from overview_dsp.offline.rendering.stems import stem_paths
+    from overview_dsp.signal.actuators.stage import protected_report
+    from overview_dsp.signal.surface.angle_map import without_map
     from overview_dsp.units import clock_text, gain_to_db
 
     require_transcripts(transcripts)

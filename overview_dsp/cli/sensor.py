@@ -31,10 +31,10 @@ def setup(port: str, path: str, baud: int, seconds: float, as_json: bool) -> Non
     """
     from pathlib import Path
 
+    from overview_dsp.devices.sensors.setup import Setup
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable, whole_file
     from overview_dsp.live.serial_port import SerialPort
-    from overview_dsp.sensors.setup import Setup
 
     require_writable(path)
     watched = Setup()
@@ -75,8 +75,8 @@ def firmware(name: str | None, folder: str | None, as_json: bool) -> None:
     """Get the firmware NAME, to flash on a board; without NAME, list what there is."""
     from pathlib import Path
 
+    from overview_dsp.devices.sensors.firmware import copy_firmware, firmware_head, firmware_names
     from overview_dsp.errors import InputError
-    from overview_dsp.sensors.firmware import copy_firmware, firmware_head, firmware_names
 
     if name is None:
         if folder is not None:
@@ -106,9 +106,9 @@ def profile(name: str | None, path: str | None, as_json: bool) -> None:
     """
     from pathlib import Path
 
+    from overview_dsp.devices.sensors.profile_file import LIBRARY, load_sensor
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable, whole_file
-    from overview_dsp.sensors.profile_file import LIBRARY, load_sensor
 
     if name is None:
         if path is not None:

@@ -111,8 +111,8 @@ def command(
             linear=linear,
         )
         if publish is not None and growth is not None:
-            from overview_dsp.presets.library import load_preset
-            from overview_dsp.surface.angle_map import without_map
+            from overview_dsp.design.presets.library import load_preset
+            from overview_dsp.signal.surface.angle_map import without_map
             from overview_dsp.web.published import Published
 
             chosen = load_preset(name)

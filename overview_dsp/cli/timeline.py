@@ -28,12 +28,12 @@ def show(file: str, load: dict[str, Any], events: bool, plot: str | None, as_jso
     FILE is any supported file, detected by content, or the bundled match (world-cup-final-2018). A
     file of several matches is listed unless --match chooses one.
     """
-    from overview_dsp.readers.registry import list_matches
-    from overview_dsp.readers.source import LoadOptions
-    from overview_dsp.timeline.describe import describe, describe_json
+    from overview_dsp.data.readers.registry import list_matches
+    from overview_dsp.data.readers.source import LoadOptions
+    from overview_dsp.data.timeline.describe import describe, describe_json
 
     if plot is not None:
-        from overview_dsp.plots.saving import require_picture
+        from overview_dsp.offline.plots.saving import require_picture
 
         require_picture(plot)
     if "match" not in load and plot is None:
@@ -43,8 +43,8 @@ def show(file: str, load: dict[str, Any], events: bool, plot: str | None, as_jso
             return
     data = open_timeline(file, load)
     if plot is not None:
-        from overview_dsp.plots.saving import save_picture
-        from overview_dsp.plots.timeline import plot_timeline
+        from overview_dsp.offline.plots.saving import save_picture
+        from overview_dsp.offline.plots.timeline import plot_timeline
 
         save_picture(plot_timeline(data), plot)
     if as_json:
@@ -67,10 +67,10 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
 
     Reading the native file back gives the same timeline.
     """
+    from overview_dsp.data.readers import save_timeline
+    from overview_dsp.data.readers.events.event_table import save_events
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable
-    from overview_dsp.readers import save_timeline
-    from overview_dsp.readers.events.event_table import save_events
     from overview_dsp.units import span_text
 
     suffix = Path(out).suffix.lower()
@@ -108,7 +108,7 @@ def convert(file: str, load: dict[str, Any], out: str, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def formats(as_json: bool) -> None:
     """What can be read, in the order in which a file is tried, and which options each takes."""
-    from overview_dsp.readers.formats import formats as known_formats
+    from overview_dsp.data.readers.formats import formats as known_formats
 
     if as_json:
         listed = [{"name": f.name, "options": sorted(f.options)} for f in known_formats()]

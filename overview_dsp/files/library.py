@@ -33,7 +33,7 @@ class Library:
     @property
     def bundled_folder(self) -> Path:
         """The bundled ones: in the installed package, or in the checkout."""
-        installed = _PACKAGE / self.sort / "bundled"
+        installed = _PACKAGE / "bundled" / self.sort
         return installed if installed.is_dir() else _PACKAGE.parent / self.sort
 
     @property

@@ -1,9 +1,10 @@
 """The slip clutch on shaft 2: how far the disk may be behind the hand, and how fast it follows.
 
 Against friction B a disk that moves at the speed p (cells a sample) rests on a spring stretched by
-B*p / ((k1 + k2)*dt) cells in the middle of a step, and by p/2 more at its start. The clutch limits that stretch, so the rest position used in the step is
-x + clamp(hand - x, low, high), with torque never more than the rigid shaft's nor of another sign:
-it only dissipates, and the ledger of `two_disk` holds with that rest position. Four limits:
+B*p / ((k1 + k2)*dt) cells in the middle of a step, and by p/2 more at its start. The clutch limits
+that stretch, so the rest position used in the step is x + clamp(hand - x, low, high), with torque
+never more than the rigid shaft's nor of another sign: it only dissipates, and the ledger of
+`two_disk` holds with that rest position. Four limits:
 
 - speed: the stretch for the wanted speed. Without lag that is the hand's pace; the further the disk
   is behind, the faster, up to a ratio of the pace, and at least as fast as a tap unfolds.
@@ -29,7 +30,9 @@ from overview_dsp.kernels.compiling import inlined
 
 OFF = 1e300  # of a limit that does not hold
 SLOWING, LEAD = 3.2, 3.0  # to 0.8 of the speed from which friction alone stops it
-MIDDLE = 0.5  # samples: a step's forces are those of its middle, and the stretch is that at its start
+MIDDLE = (
+    0.5  # samples: a step's forces are those of its middle, and the stretch is that at its start
+)
 LEAST_SPEED = 1e-9  # cells a sample: of no account, but not 0
 
 

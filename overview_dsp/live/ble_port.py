@@ -11,9 +11,9 @@ import queue
 import threading
 from typing import Any
 
+from overview_dsp.devices.sensors.packets import as_wit_packets
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.port_lost import PortLostError
-from overview_dsp.sensors.packets import as_wit_packets
 
 HINT = "Bluetooth sensors need bleak: pip install 'overview-dsp[ble]'"
 FIND_WITHIN_S = 10.0

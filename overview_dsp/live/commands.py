@@ -12,13 +12,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from overview_dsp.actuators.calibration import calibrated_actuator
-from overview_dsp.actuators.stage import warn_of_carrier
+from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
-from overview_dsp.following.live_timeline import LiveTimeline
 from overview_dsp.live.follow_source import expected_s, map_named
 from overview_dsp.live.output_settings import channels_in
 from overview_dsp.live.outputs import Outputs
+from overview_dsp.signal.actuators.calibration import calibrated_actuator
+from overview_dsp.signal.actuators.stage import warn_of_carrier
 
 if TYPE_CHECKING:
     from overview_dsp.live.player import Player

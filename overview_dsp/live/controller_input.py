@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Protocol
 
-from overview_dsp.controllers.control_messages import (
+from overview_dsp.devices.controllers.control_messages import (
     Asked,
     Command,
     Counters,
@@ -17,12 +17,12 @@ from overview_dsp.controllers.control_messages import (
     Nudged,
     Turned,
 )
-from overview_dsp.controllers.parameters import PickUp, as_asked, find_parameter, nudged
-from overview_dsp.controllers.source import ControllerSource
-from overview_dsp.engine.engine import Engine
+from overview_dsp.devices.controllers.parameters import PickUp, as_asked, find_parameter, nudged
+from overview_dsp.devices.controllers.source import ControllerSource
+from overview_dsp.devices.sensors.touching import Event, TouchRules
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.threaded_input import ThreadedInput
-from overview_dsp.sensors.touching import Event, TouchRules
+from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
 WAIT_S = 0.05

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from overview_dsp.engine.engine import Engine
+from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
 

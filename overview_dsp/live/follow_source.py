@@ -9,10 +9,9 @@ from typing import BinaryIO
 
 import numpy as np
 
-from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.following.live_timeline import MAPS, Map
-from overview_dsp.following.net import Http, WebSocket
-from overview_dsp.following.sources import (
+from overview_dsp.data.feeds.live_timeline import MAPS, Map
+from overview_dsp.data.feeds.net import Http, WebSocket
+from overview_dsp.data.feeds.sources import (
     DEVICE_ENDS_WITHIN_S,
     GrowingFile,
     Sound,
@@ -20,7 +19,8 @@ from overview_dsp.following.sources import (
     Stream,
     pcm_blocks,
 )
-from overview_dsp.timeline.times import length_s
+from overview_dsp.data.timeline.times import length_s
+from overview_dsp.errors import InputError, OverviewError
 
 FORMS = (
     "a file, - (a feed on standard input), http(s)://..., ws(s)://..., audio:DEVICE, "

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from overview_dsp.engine.coefficients import check_carrier
-from overview_dsp.engine.engine import Engine
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.live.session_output import SessionOutput
 from overview_dsp.live.under_hand import UnderHand
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.build import build_surface
-from overview_dsp.timeline import Timeline
+from overview_dsp.signal.engine.coefficients import check_carrier
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.surface.build import build_surface
 
 
 class FreshStart:

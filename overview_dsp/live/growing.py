@@ -13,16 +13,16 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from overview_dsp.engine.engine import Engine
-from overview_dsp.engine.replay import set_pattern
+from overview_dsp.data.feeds.follower import Follower
+from overview_dsp.data.feeds.live_timeline import LiveTimeline
+from overview_dsp.data.feeds.pattern import HOLDS_S, LASTS_S, TAP, pattern_change
+from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.following.follower import Follower
-from overview_dsp.following.live_timeline import LiveTimeline
-from overview_dsp.following.pattern import HOLDS_S, LASTS_S, TAP, pattern_change
 from overview_dsp.live.follow_source import map_named
 from overview_dsp.live.under_hand import UnderHand
-from overview_dsp.presets.model import DEFAULT_KIND, Preset
-from overview_dsp.timeline import Event, Timeline
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.engine.replay import set_pattern
 from overview_dsp.units import HALF_TURN, clock_text
 
 EVERY_S = 0.05

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from overview_dsp.engine.engine import Engine
+from overview_dsp.signal.engine.engine import Engine
 
 
 class Input(Protocol):

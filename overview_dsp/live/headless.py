@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from overview_dsp.actuators.stage import protected_report
+from overview_dsp.data.timeline import Event
 from overview_dsp.live.hand import Input
 from overview_dsp.live.player import Player
 from overview_dsp.live.status import Status
-from overview_dsp.timeline import Event
+from overview_dsp.signal.actuators.stage import protected_report
 from overview_dsp.units import gain_to_db
 
 LOOK_EVERY_S = 0.02

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.engine.engine import Engine
-from overview_dsp.engine.replay import apply_change
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import SOURCES, Gesture
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.gestures import SOURCES, Gesture
 from overview_dsp.live.commands import COMMANDS
 from overview_dsp.live.hand import Input
-from overview_dsp.timeline import Timeline
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.engine.replay import apply_change
 
 AHEAD_S = 0.5
 """A take's events are handed over this long before they are due."""

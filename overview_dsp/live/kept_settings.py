@@ -9,11 +9,11 @@ from typing import Any
 
 import platformdirs
 
-from overview_dsp.actuators.library import reference
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.live import pad_output
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
+from overview_dsp.signal.actuators.library import reference
 
 
 def settings_file() -> Path:

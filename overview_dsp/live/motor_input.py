@@ -7,16 +7,16 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from overview_dsp.engine.engine import Engine
-from overview_dsp.force_feedback.board_loop import BoardLoop
-from overview_dsp.force_feedback.loop import MotorLoop
-from overview_dsp.force_feedback.mean_torque import MeanTorque
-from overview_dsp.force_feedback.watchdog import SILENT_S
+from overview_dsp.devices.force_feedback.board_loop import BoardLoop
+from overview_dsp.devices.force_feedback.loop import MotorLoop
+from overview_dsp.devices.force_feedback.mean_torque import MeanTorque
+from overview_dsp.devices.force_feedback.watchdog import SILENT_S
+from overview_dsp.devices.sensors.frames import KNOB_MOTION
+from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor
 from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.sensor_input import Port, SensorInput
 from overview_dsp.live.serial_port import SerialPort
-from overview_dsp.sensors.frames import KNOB_MOTION
-from overview_dsp.sensors.profile import MOTOR_COLUMNS, Sensor
+from overview_dsp.signal.engine.engine import Engine
 
 WAIT_S = 0.002
 """How long a read waits: the loop's longest step."""

@@ -6,9 +6,9 @@ import threading
 import time
 from collections.abc import Callable
 
-from overview_dsp.controllers.osc_report import OscReport
-from overview_dsp.engine.engine import Engine
+from overview_dsp.devices.controllers.osc_report import OscReport
 from overview_dsp.live.osc_port import OscSender
+from overview_dsp.signal.engine.engine import Engine
 
 EVERY_S = 0.01
 AGAIN_S = 1.0

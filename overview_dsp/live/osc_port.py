@@ -7,7 +7,7 @@ import select
 import socket
 from collections.abc import Iterable
 
-from overview_dsp.controllers.osc_packets import require_osc
+from overview_dsp.devices.controllers.osc_packets import require_osc
 from overview_dsp.errors import InputError
 
 HOST = "127.0.0.1"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Literal
 
-from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError
 from overview_dsp.live.device_names import SILENT, device_named
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.portaudio import OutputStream
 from overview_dsp.live.portaudio_library import rescan
 from overview_dsp.live.silent import SilentStream
+from overview_dsp.signal.engine.engine import Engine
 
 MAX_BLOCK = 8192
 

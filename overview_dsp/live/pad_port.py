@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from overview_dsp.devices.sensors.pads import LENGTHS, TRUE_UNITS, framed
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.port_lost import PortLostError
-from overview_dsp.sensors.pads import LENGTHS, TRUE_UNITS, framed
 
 HINT = "game pads need hidapi: pip install 'overview-dsp[pads]'"
 WAIT_MS = 50

@@ -11,10 +11,10 @@ import time
 import urllib.parse
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
+from overview_dsp.devices.sensors.app_json import LONGEST
 from overview_dsp.errors import InputError
 from overview_dsp.live.osc_port import parse_address
 from overview_dsp.live.port_lost import PortLostError
-from overview_dsp.sensors.app_json import LONGEST
 
 ANSWER_WITHIN_S = 2.0
 ASK_EVERY_S = 0.01

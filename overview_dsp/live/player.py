@@ -15,10 +15,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.actuators.stage import read_protected
-from overview_dsp.engine.engine import Engine
+from overview_dsp.data.readers.registry import load_timeline
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture, load_gesture
+from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.gestures import Gesture, load_gesture
 from overview_dsp.kernels import layout
 from overview_dsp.live import commands
 from overview_dsp.live.finger import Finger
@@ -34,12 +36,10 @@ from overview_dsp.live.stream import OpenStream
 from overview_dsp.live.stream_meters import take_peaks
 from overview_dsp.live.takes import Takes, timeline_beside
 from overview_dsp.live.under_hand import UnderHand
-from overview_dsp.presets.dicts import preset_to_dict
-from overview_dsp.presets.model import Preset
-from overview_dsp.readers.registry import load_timeline
-from overview_dsp.surface.angle_map import SHARE
-from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import Timeline
+from overview_dsp.signal.actuators.stage import read_protected
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.surface.angle_map import SHARE
+from overview_dsp.signal.surface.model import Surface
 
 
 class Player:

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
 from overview_dsp.live.device_names import PAD
@@ -24,6 +23,7 @@ from overview_dsp.live.portaudio_library import import_sounddevice
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, play_again, read_meters
 from overview_dsp.public import short
+from overview_dsp.signal.engine.engine import Engine
 
 CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5

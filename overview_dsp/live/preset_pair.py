@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.angle_map import SHARE, without_map
+from overview_dsp.signal.surface.angle_map import SHARE, without_map
 
 
 class PresetPair:

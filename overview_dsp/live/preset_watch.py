@@ -6,9 +6,9 @@ import os
 import time
 from pathlib import Path
 
-from overview_dsp.presets.library import load_preset, preset_path
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.angle_map import without_map
+from overview_dsp.design.presets.library import load_preset, preset_path
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.signal.surface.angle_map import without_map
 
 LOOK_EVERY_S = 0.2
 

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.output_stage import finish_block
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.stream_meters import clear_meters, record_callback
+from overview_dsp.signal.engine.engine import Engine
 
 
 def connect(engine: Engine, settings: OutputSettings | None) -> int:

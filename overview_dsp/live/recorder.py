@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.engine.engine import Engine
-from overview_dsp.engine.reports import read_hands
+from overview_dsp.design.gestures.growing_take import Event, GrowingTake
 from overview_dsp.errors import InputError, OutputError, OverviewError
-from overview_dsp.gestures.growing_take import Event, GrowingTake
 from overview_dsp.live.kept_takes import GrowingNote, other_places
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.engine.reports import read_hands
 
 EVERY_S = 0.1
 """How often the engine's logs are written; a frozen screen or a busy session doesn't delay it."""

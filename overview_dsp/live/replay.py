@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from overview_dsp.engine.engine import Engine
-from overview_dsp.gestures import Gesture
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
 from overview_dsp.live.fresh_start import FreshStart
 from overview_dsp.live.inputs import TakeInput
 from overview_dsp.live.under_hand import UnderHand
-from overview_dsp.timeline import Timeline
+from overview_dsp.signal.engine.engine import Engine
 
 KEPT = {"window", "timeline", "pattern"}
 """Of a take's changes those of what lies under the hand; parameters and presets are whoever plays

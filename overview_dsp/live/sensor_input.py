@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from overview_dsp.engine.engine import Engine
+from overview_dsp.devices.sensors.diagnostics import Diagnostics
+from overview_dsp.devices.sensors.profile import Sensor
+from overview_dsp.devices.sensors.source import SensorSource
+from overview_dsp.devices.sensors.touching import Event, TouchRules
 from overview_dsp.errors import InputError
 from overview_dsp.live.serial_port import SerialPort, find_again, identity_of
 from overview_dsp.live.threaded_input import ThreadedInput
-from overview_dsp.sensors.diagnostics import Diagnostics
-from overview_dsp.sensors.profile import Sensor
-from overview_dsp.sensors.source import SensorSource
-from overview_dsp.sensors.touching import Event, TouchRules
+from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
 MOST = 16_384

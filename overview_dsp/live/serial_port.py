@@ -10,9 +10,9 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+from overview_dsp.devices.sensors.detect_format import DetectedFormat, detect
 from overview_dsp.errors import InputError
 from overview_dsp.live.port_lost import PortLostError
-from overview_dsp.sensors.detect_format import DetectedFormat, detect
 
 BAUD = 115_200
 WAIT_S = 0.05

@@ -6,12 +6,12 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from overview_dsp.engine.engine import Engine
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.frames_lost import FramesLost
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.stream import OpenStream, Stream
 from overview_dsp.live.stream_meters import StreamMeters
+from overview_dsp.signal.engine.engine import Engine
 
 LOST_AFTER_S = 1.0
 """An output that hasn't called for so long is lost."""

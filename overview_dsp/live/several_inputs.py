@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.engine.engine import Engine
 from overview_dsp.live.hand import Input
+from overview_dsp.signal.engine.engine import Engine
 
 
 class SeveralInputs(Input):

@@ -9,11 +9,11 @@ from collections.abc import Callable
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.engine.engine import Engine
 from overview_dsp.kernels import layout
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.python_path import compile_python_path, connect, run_block
 from overview_dsp.live.stream_meters import StreamMeters, play_again, read_meters
+from overview_dsp.signal.engine.engine import Engine
 
 MAX_BLOCK = 1 << 20
 """Frames of the longest block: no output asks for more than some thousands."""

@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from overview_dsp.engine.engine import Engine
+from overview_dsp.devices.sensors.touching import Event
 from overview_dsp.live.event_clock import EventClock
-from overview_dsp.sensors.touching import Event
+from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
 STALLED_S = 0.5

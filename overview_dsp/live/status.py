@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from overview_dsp.actuators.model import Actuator
-from overview_dsp.actuators.stage import Protected
+from overview_dsp.signal.actuators.model import Actuator
+from overview_dsp.signal.actuators.stage import Protected
 
 
 @dataclass(frozen=True)

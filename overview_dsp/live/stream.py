@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from overview_dsp.engine.engine import Engine
 from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.stream_meters import StreamMeters
+from overview_dsp.signal.engine.engine import Engine
 
 
 class Stream(Protocol):

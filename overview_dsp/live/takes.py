@@ -8,13 +8,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.engine.engine import Engine
+from overview_dsp.data.readers.native import save_timeline
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures.growing_take import free_name
 from overview_dsp.errors import OverviewError
-from overview_dsp.gestures.growing_take import free_name
 from overview_dsp.live.kept_takes import other_places
 from overview_dsp.live.recorder import Recorder
-from overview_dsp.readers.native import save_timeline
-from overview_dsp.timeline import Timeline
+from overview_dsp.signal.engine.engine import Engine
 
 
 def timeline_beside(path: Path) -> Path:

@@ -9,11 +9,11 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any, Generic, TypeVar
 
-from overview_dsp.engine.engine import Engine
+from overview_dsp.devices.sensors.touching import Event, TouchRules
 from overview_dsp.live.hand import Input
 from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.source_writer import SourceWriter
-from overview_dsp.sensors.touching import Event, TouchRules
+from overview_dsp.signal.engine.engine import Engine
 
 RETRY_S = 1.0
 

@@ -13,15 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.actuators.calibration import HIGHEST_DB, LOWEST_DB
-from overview_dsp.actuators.model import Actuator
-from overview_dsp.actuators.stage import ActuatorStage
-from overview_dsp.actuators.tones import EDGE_S, edges
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import TACTOR
 from overview_dsp.live.output_settings import SignalSettings
 from overview_dsp.live.sample_output import Playback
+from overview_dsp.signal.actuators.calibration import HIGHEST_DB, LOWEST_DB
+from overview_dsp.signal.actuators.model import Actuator
+from overview_dsp.signal.actuators.stage import ActuatorStage
+from overview_dsp.signal.actuators.tones import EDGE_S, edges
 
 SLOWEST, FASTEST = 0.5, 60.0
 """Rise of the tone, dB a second."""

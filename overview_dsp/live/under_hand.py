@@ -11,17 +11,17 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from overview_dsp.engine.engine import Engine
-from overview_dsp.engine.replay import apply_change
+from overview_dsp.data.feeds.difference import difference
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.zooming import Zoom
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
-from overview_dsp.following.difference import difference
 from overview_dsp.live.preset_pair import PresetPair
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.ahead import joined
-from overview_dsp.surface.angle_map import SHARE, AngleMap
-from overview_dsp.surface.build import build_surface
-from overview_dsp.timeline import Timeline
-from overview_dsp.timeline.zooming import Zoom
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.engine.replay import apply_change
+from overview_dsp.signal.surface.ahead import joined
+from overview_dsp.signal.surface.angle_map import SHARE, AngleMap
+from overview_dsp.signal.surface.build import build_surface
 
 _NUMBER = re.compile(r"\d[\d.:e+-]*")
 

@@ -11,8 +11,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.measure.felt import WINDOW_S, Stroke, window_db
-from overview_dsp.surface.model import Surface
+from overview_dsp.measure.felt import Stroke, window_db
+from overview_dsp.signal.surface.model import Surface
+from overview_dsp.units import FELT_WINDOW_S
 
 KNOCK_DB = 2.3
 """A step of amplitude that the skin notices (Israr and Tan 2006: 2.2 to 2.5 dB)."""
@@ -71,5 +72,5 @@ def events_felt_apart(
     cursor = columns["cursor"][stroke.start : stroke.stop]
     starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, HOP_S)
     peaks = knocks(level)
-    middles = (starts[peaks] + WINDOW_S * sample_rate / 2.0).astype(np.int64)
+    middles = (starts[peaks] + FELT_WINDOW_S * sample_rate / 2.0).astype(np.int64)
     return int(np.count_nonzero(surface.in_span(cursor[np.minimum(middles, len(cursor) - 1)])))

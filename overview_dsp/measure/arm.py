@@ -15,19 +15,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture, arm, flick, scrub, sweep, tap
+from overview_dsp.design.gestures.scripts import APPROACH_REST_S, APPROACH_S
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.gestures import Gesture, arm, flick, scrub, sweep, tap
-from overview_dsp.gestures.scripts import APPROACH_REST_S, APPROACH_S
 from overview_dsp.measure.felt_events import FLOOR_DB, FeltEvents, felt_events
 from overview_dsp.measure.observer.noticed import APART_MS, TOUCH_WINDOW_S, levels, touch_pulses
 from overview_dsp.measure.observer.passages import AFTER_MS, BEFORE_MS
 from overview_dsp.measure.observer.scoring import GROUPS, MINOR
 from overview_dsp.measure.report_base import Report, cell
-from overview_dsp.presets.model import Preset
+from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
+from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
-from overview_dsp.rendering.many import RenderedJob, RenderJob, render_many
-from overview_dsp.rendering.trace import Trace
-from overview_dsp.timeline import Timeline
 
 RATE = 16_000.0
 """Hz. The disk and its vibration are the same at any rate."""
@@ -395,7 +395,7 @@ def scrubbed(
     preset: Preset, timelines: Iterable[Timeline], main: tuple[str, ...], hz: float
 ) -> Iterator[list[tuple[bool, bool]]]:
     """Scrub over each event of these kinds: of each crossing, whether it is followed, and felt."""
-    from overview_dsp.surface.build import build_surface
+    from overview_dsp.signal.surface.build import build_surface
 
     jobs, rows = [], []
     for timeline in timelines:

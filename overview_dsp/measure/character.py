@@ -24,14 +24,14 @@ from dataclasses import astuple, dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.gestures import Gesture
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CLICK, TACTOR
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.felt import strokes, window_db
 from overview_dsp.measure.steps import FALL_DB, GESTURES, STEP_DURATION, STEP_SHARPNESS
-from overview_dsp.presets.model import Preset
-from overview_dsp.rendering.offline import Result, render
-from overview_dsp.timeline import Timeline
+from overview_dsp.offline.rendering.offline import Result, render
 
 LEAST_DENSITY_HZ, LEAST_RHYTHM = 1.0, 0.2
 """Added before ratios are taken: a pulse a second is the least that is called a rhythm, and a fifth

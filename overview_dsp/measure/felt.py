@@ -19,14 +19,11 @@ from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.surface.model import Surface
+from overview_dsp.signal.surface.model import Surface
+from overview_dsp.units import FELT_WINDOW_S
 
-WINDOW_S = 0.010
 HOP_S = 0.001
 """From one window to the next: a knock of a few milliseconds lies whole in one of them."""
-
-JUST_NOTICEABLE_DB = 2.5
-"""One step of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
 _RUN = 64
 """Frames whose lowest and highest position are looked at together."""
@@ -132,7 +129,7 @@ def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[S
 
 
 def window_db(
-    signal: NDArray[np.float32], sample_rate: float, hop_s: float = WINDOW_S
+    signal: NDArray[np.float32], sample_rate: float, hop_s: float = FELT_WINDOW_S
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Measure the level of windows of 10 ms.
 
@@ -164,7 +161,7 @@ def window_db(
     """
     samples = validation.floats(signal, "signal")
     sample_rate = validation.positive(sample_rate, "sample_rate")
-    length, hop = WINDOW_S * sample_rate, validation.positive(hop_s, "hop_s") * sample_rate
+    length, hop = FELT_WINDOW_S * sample_rate, validation.positive(hop_s, "hop_s") * sample_rate
     starts = np.arange(0.0, max(0.0, len(samples) - length) + 0.5, hop)
     energy = np.zeros(len(samples) + 1)
     np.cumsum(np.square(samples), out=energy[1:])
@@ -283,7 +280,7 @@ def event_levels(
         frames = slice(stroke.start, stroke.stop)
         starts, level = window_db(tactor[frames], sample_rate, HOP_S)
         events, first, last = passages(surface, columns["cursor"][frames])
-        highest = _highest(starts, level, WINDOW_S * sample_rate, first, last)
+        highest = _highest(starts, level, FELT_WINDOW_S * sample_rate, first, last)
         found[events] = np.fmax(found[events], highest)
     return found
 
@@ -306,7 +303,7 @@ def stroke_feel(
     cursor = columns["cursor"][stroke.start : stroke.stop]
     torque = np.abs(columns["torque"][stroke.start : stroke.stop])
     starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, hop_s)
-    length = WINDOW_S * sample_rate
+    length = FELT_WINDOW_S * sample_rate
     within = np.concatenate([[0], np.cumsum(surface.in_span(cursor))])
     first_frame = np.floor(starts).astype(np.int64)
     last_frame = np.minimum(np.ceil(starts + length).astype(np.int64), len(cursor))

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.gestures import Gesture
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
 from overview_dsp.kernels.layout import TACTOR
 from overview_dsp.measure.felt import Stroke, passages, strokes
 from overview_dsp.measure.observer.noticed import TOUCH_WINDOW_S, levels, touch_pulses
 from overview_dsp.measure.observer.passages import AFTER_MS, BEFORE_MS
-from overview_dsp.rendering.many import RenderedJob
-from overview_dsp.rendering.trace import Trace
-from overview_dsp.timeline import Timeline
+from overview_dsp.offline.rendering.many import RenderedJob
+from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.units import HALF_TURN
 
 Floats = NDArray[np.float64]

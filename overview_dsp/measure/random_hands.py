@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.gestures import Gesture
-from overview_dsp.gestures.scripts import CONTROL_RATE
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.design.gestures.scripts import CONTROL_RATE
 from overview_dsp.units import HALF_TURN
 
 SWEEP_S = (1.5, 6.0)

@@ -26,19 +26,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.actuators.sensitivity import pacinian_db
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, shown
-from overview_dsp.gestures import Gesture
 from overview_dsp.kernels.derive import ARRIVAL_S
 from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.comparing import alike_pairs
-from overview_dsp.measure.felt import WINDOW_S, Stroke, stroke_feel, strokes, window_db
+from overview_dsp.measure.felt import Stroke, stroke_feel, strokes, window_db
 from overview_dsp.measure.kind_feel import FeelReport, KindFeel, StrokeReport
 from overview_dsp.measure.steps import FALL_DB, GESTURES, MERGED_S, STEP_DB
-from overview_dsp.presets.model import Preset
-from overview_dsp.rendering.offline import Result, render
-from overview_dsp.rendering.schedule import Tail
-from overview_dsp.timeline import Timeline
+from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.offline.rendering.schedule import Tail
+from overview_dsp.signal.actuators.sensitivity import pacinian_db
+from overview_dsp.units import FELT_WINDOW_S
 
 __all__ = ["GESTURES", "STEP_DB", "FeelReport", "KindFeel", "StrokeReport", "feel_report"]
 
@@ -261,11 +262,11 @@ def _durations(stroke: Stroke, result: Result, free_db: float) -> NDArray[np.flo
     """How long each event's level stays near its highest, ms; a row a surface's event."""
     trace, surface = result.trace, result.engine.surface
     cursor = trace.cursor[stroke.start : stroke.stop]
-    hop = WINDOW_S / 10.0
+    hop = FELT_WINDOW_S / 10.0
     starts, level = window_db(
         result.samples[stroke.start : stroke.stop, 1], result.sample_rate, hop
     )
-    middle = np.minimum((starts + 0.5 * WINDOW_S * result.sample_rate), len(cursor) - 1)
+    middle = np.minimum((starts + 0.5 * FELT_WINDOW_S * result.sample_rate), len(cursor) - 1)
     place = cursor[middle.astype(np.int64)]
     found = np.full(len(surface.position), np.nan)
     for i, (first, last) in enumerate(surface.span):

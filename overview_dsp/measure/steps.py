@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from overview_dsp.gestures import Gesture, sweep, tap
+from overview_dsp.design.gestures import Gesture, sweep, tap
 
 STEP_DB = 2.3
 STEP_DURATION = 1.25

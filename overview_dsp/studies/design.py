@@ -13,15 +13,15 @@ import pydantic
 
 from overview_dsp.batch.grid import Study
 from overview_dsp.batch.jobs_file import KEYS, JobsTable, read_grid
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import sweep
 from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.files.toml import faults_at_their_line, parse_toml, read_text
-from overview_dsp.gestures import sweep
+from overview_dsp.signal.surface.angle_map import SHARE
 from overview_dsp.studies import file_model
 from overview_dsp.studies.file_model import Factor, Level, Made, StudyFile
 from overview_dsp.studies.made import made_timelines, nothing
 from overview_dsp.studies.orders import MOST_FULL, rows_of
-from overview_dsp.surface.angle_map import SHARE
-from overview_dsp.timeline import Timeline
 
 FREE = "free"
 """A gesture of the person's own; what it gives is measured with a sweep of 2 s."""

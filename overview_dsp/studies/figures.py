@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from overview_dsp.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, new_figure, tidy
+from overview_dsp.offline.plots.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    new_figure,
+    tidy,
+)
 from overview_dsp.studies.analysis import Analysis, shown
 from overview_dsp.studies.measures import (
     UNITS,

@@ -19,13 +19,13 @@ from overview_dsp.batch.cache_keys import PROGRAM
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_folder
 from overview_dsp.files.sound import sound_bytes
+from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.studies.design import NONE, Design
 from overview_dsp.studies.file_model import Mask
 from overview_dsp.studies.forms import forms_of
 from overview_dsp.studies.items import RATE, Item, items_of, samples_sha256
 from overview_dsp.studies.lists import ListMaker
 from overview_dsp.studies.static_mapping import static_mapping
-from overview_dsp.surface.build import build_surface
 from overview_dsp.web.assets import study_files
 from overview_dsp.web.site_content import RATES
 from overview_dsp.web.site_data import kind_looks, window_json

@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.batch.cache_keys import Keys
-from overview_dsp.gestures import Gesture
-from overview_dsp.presets.model import Preset
-from overview_dsp.presets.parameter import Value
-from overview_dsp.rendering.offline import Result, render
-from overview_dsp.rendering.trace import Trace
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.parameter import Value
+from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.offline.rendering.trace import Trace
+from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.studies.design import FREE, NOTHING, Design
 from overview_dsp.studies.file_model import Level
-from overview_dsp.surface.angle_map import AngleMap
-from overview_dsp.timeline import Timeline
 
 RATE = 48_000
 TAIL_S = 3.0

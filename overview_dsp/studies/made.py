@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.timeline import Event, Intensity, Timeline
 from overview_dsp.errors import InputError
 from overview_dsp.studies.file_model import Made
 from overview_dsp.studies.seeded import Seeded
-from overview_dsp.timeline import Event, Intensity, Timeline
 
 APART = 0.05
 """Events of one timeline are at least so far from each other, as a part of it."""

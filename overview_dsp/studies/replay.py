@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.design.gestures import SOURCES, Gesture, save_gesture
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_folder
 from overview_dsp.files.sound import sound_bytes
-from overview_dsp.gestures import SOURCES, Gesture, save_gesture
 from overview_dsp.kernels.layout import CLICK, TACTOR
-from overview_dsp.rendering.offline import render
+from overview_dsp.offline.rendering.offline import render
 from overview_dsp.studies.answers import Answers
 from overview_dsp.studies.design import Design
 from overview_dsp.studies.items import Item, items_of

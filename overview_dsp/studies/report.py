@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.files.atomic import whole_folder
-from overview_dsp.plots.saving import save_figure
+from overview_dsp.offline.plots.saving import save_figure
 from overview_dsp.studies.analysis import Analysis, Line, shown
 from overview_dsp.studies.figures import MAIN, figures_of
 from overview_dsp.studies.observers import SIMULATED

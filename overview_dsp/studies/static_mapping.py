@@ -20,14 +20,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.gestures import Gesture, sweep
+from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.design.gestures import Gesture, sweep
 from overview_dsp.kernels.layout import CLICK, TACTOR
 from overview_dsp.measure.felt import stroke_feel, strokes
-from overview_dsp.rendering.offline import render
+from overview_dsp.offline.rendering.offline import render
+from overview_dsp.signal.surface.build import build_surface
+from overview_dsp.signal.surface.model import Surface
 from overview_dsp.studies.items import Item
-from overview_dsp.surface.build import build_surface
-from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import Event, Timeline
 
 COLUMNS = 1025
 RAMP_S = 0.005

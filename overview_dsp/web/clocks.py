@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from overview_dsp.engine.engine import Engine
+from overview_dsp.signal.engine.engine import Engine
 
 PINGS_KEPT = 40
 """The quickest of these gives the clocks' offset: ten seconds, in which clocks drift by little."""

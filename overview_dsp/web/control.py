@@ -20,8 +20,8 @@ from typing import Any, Protocol
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.presets.model import Preset
 from overview_dsp.units import HALF_TURN
 from overview_dsp.web.hands import SILENCE_S, Hand, RemoteHands
 from overview_dsp.web.messages import Events, Name, Pong, Show, decode_message

@@ -31,12 +31,12 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route
 
+from overview_dsp.data.feeds.live_timeline import LiveTimeline
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.library import load_preset
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.following.live_timeline import LiveTimeline
-from overview_dsp.presets.library import load_preset
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.angle_map import without_map
-from overview_dsp.timeline import Timeline
+from overview_dsp.signal.surface.angle_map import without_map
 from overview_dsp.web import sound_data
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.media import Media

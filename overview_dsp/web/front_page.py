@@ -7,9 +7,9 @@ from __future__ import annotations
 import html
 import io
 
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.angle_map import AngleMap
-from overview_dsp.timeline import Timeline
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.signal.surface.angle_map import AngleMap
 
 PICTURE = "preview.png"
 WIDTH, HEIGHT = 1200, 630
@@ -53,8 +53,8 @@ def sharing(title: str, picture: str, address: str | None, alt: str | None = Non
 
 def front_picture(timeline: Timeline, preset: Preset) -> bytes:
     """The timeline as a picture, PNG, on the axis of its surface."""
-    from overview_dsp.plots.style import new_figure
-    from overview_dsp.plots.timeline import draw_timeline
+    from overview_dsp.offline.plots.style import new_figure
+    from overview_dsp.offline.plots.timeline import draw_timeline
 
     figure = new_figure(WIDTH / _DPI, HEIGHT / _DPI)
     axes = figure.subplots()

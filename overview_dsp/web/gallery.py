@@ -7,10 +7,10 @@ import os
 import re
 from collections.abc import Callable, Sequence
 
-from overview_dsp.actuators.model import Actuator
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import whole_folder
-from overview_dsp.presets.model import Preset
-from overview_dsp.timeline import Timeline
+from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.web.assets import START, page_files
 from overview_dsp.web.front_page import HEIGHT, PICTURE, WIDTH, sharing
 from overview_dsp.web.static_site import write_site

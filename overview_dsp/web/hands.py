@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from overview_dsp.engine.engine import Engine
+from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.web.clocks import MAX_DELAY_S, Delay, PageClock, SampleClock
 from overview_dsp.web.messages import RemoteEvent
 

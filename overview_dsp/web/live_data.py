@@ -35,10 +35,10 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.routing import BaseRoute, Route
 
-from overview_dsp.following.live_timeline import LiveTimeline
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.build import build_surface
-from overview_dsp.timeline import Timeline
+from overview_dsp.data.feeds.live_timeline import LiveTimeline
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import clock_text
 from overview_dsp.web.pulses import pulse_of
 from overview_dsp.web.site_data import kind_looks, window_json

@@ -11,20 +11,20 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import make_folder, whole_file
-from overview_dsp.files.toml import SUFFIX
-from overview_dsp.presets.dicts import preset_from_dict, preset_to_dict
-from overview_dsp.presets.library import (
+from overview_dsp.design.presets.dicts import preset_from_dict, preset_to_dict
+from overview_dsp.design.presets.library import (
     LIBRARY,
     bundled_presets,
     load_preset,
     own_names,
     parse_own,
 )
-from overview_dsp.presets.model import Preset
-from overview_dsp.presets.reference import reference_json
-from overview_dsp.presets.writing import preset_toml
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.reference import reference_json
+from overview_dsp.design.presets.writing import preset_toml
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.files.toml import SUFFIX
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
 WINDOWS_DEVICES = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)")

@@ -17,10 +17,10 @@ from starlette.requests import Request
 from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 
+from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.presets.dicts import preset_to_dict
-from overview_dsp.presets.model import Preset
 
 LOOK_EVERY_S = 0.1
 ALIVE_EVERY = 50

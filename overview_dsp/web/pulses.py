@@ -7,7 +7,7 @@ after it tell kinds of one weight apart. 14 ms is the least that starts a phone'
 
 from __future__ import annotations
 
-from overview_dsp.presets.model import Preset
+from overview_dsp.design.presets.model import Preset
 
 Pulse = tuple[int, ...]
 

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
-from overview_dsp.actuators.model import Actuator
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.build import build_surface
-from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import Timeline
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.signal.actuators.model import Actuator
+from overview_dsp.signal.surface.build import build_surface
+from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.packing import packed
 from overview_dsp.web.site_data import timeline_json, window_json
 from overview_dsp.web.site_sound import patch_of, whole_bytes, window_bytes

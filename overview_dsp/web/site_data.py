@@ -36,15 +36,15 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.analysis.series_events import KINDS as SERIES_KINDS
-from overview_dsp.export.browser_memory import event_numbers
+from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.ticks import KINDS as TICKS
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.plots.style import KIND_STYLE
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.angle_map import AngleMap
-from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import Timeline
-from overview_dsp.timeline.ticks import KINDS as TICKS
+from overview_dsp.offline.export.browser_memory import event_numbers
+from overview_dsp.offline.plots.style import KIND_STYLE
+from overview_dsp.signal.surface.angle_map import AngleMap
+from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.pulses import pulse_of
 from overview_dsp.web.site_windows import Part
 from overview_dsp.web.values import series_json

@@ -14,13 +14,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from overview_dsp.actuators.model import Actuator
-from overview_dsp.engine.engine import Engine
-from overview_dsp.export.browser_memory import encode_change, encode_engine
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.model import Surface
-from overview_dsp.timeline import Timeline
+from overview_dsp.offline.export.browser_memory import encode_change, encode_engine
+from overview_dsp.signal.actuators.model import Actuator
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.surface.model import Surface
 
 BLOCK = 128
 """Frames of a browser's block."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from overview_dsp.timeline import Timeline
-from overview_dsp.timeline.zooming import NARROWEST_S
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.zooming import NARROWEST_S
 
 RATIO = 3
 

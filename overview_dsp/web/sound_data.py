@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.export.browser_memory import encode_change
-from overview_dsp.presets.model import Preset
-from overview_dsp.surface.build import build_surface
-from overview_dsp.timeline import Timeline
+from overview_dsp.offline.export.browser_memory import encode_change
+from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.preset_data import preset_given
 from overview_dsp.web.site_data import window_json
 from overview_dsp.web.values import all_points, has_values, points_json

@@ -12,10 +12,10 @@ import os
 from collections.abc import Callable
 from typing import Any
 
-from overview_dsp.actuators.model import Actuator
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import whole_folder
-from overview_dsp.presets.model import Preset
-from overview_dsp.timeline import Timeline
+from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.web.assets import START, folder_files
 from overview_dsp.web.front_page import PICTURE, front_page, front_picture
 from overview_dsp.web.site_content import SiteContent

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.timeline import Timeline
+from overview_dsp.data.timeline import Timeline
 
 MOST = 16_384
 MADE_UP = "0..1"

@@ -9,8 +9,8 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-from overview_dsp.actuators import calibration
-from overview_dsp.actuators.library import actuator_names, load_actuator
+from overview_dsp.signal.actuators import calibration
+from overview_dsp.signal.actuators.library import actuator_names, load_actuator
 from tests.cli.running import MATCH, QUICK, overview, refused
 
 

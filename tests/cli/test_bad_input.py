@@ -9,9 +9,9 @@ import sys
 import numpy as np
 import pytest
 
+from overview_dsp.data.readers import bundled_timeline, save_timeline
+from overview_dsp.design.presets.library import preset_path
 from overview_dsp.kernels.layout import MAX_EVENTS
-from overview_dsp.presets.library import preset_path
-from overview_dsp.readers import bundled_timeline, save_timeline
 from tests.cli.running import MATCH, QUICK, Outcome, overview, overview_process, refused
 
 NATIVE = {

@@ -12,9 +12,9 @@ import time
 
 import pytest
 
-from overview_dsp.controllers.osc_map import load_osc_map
+from overview_dsp.devices.controllers.osc_map import load_osc_map
 from tests.cli.running import MATCH, ROOT, overview, refused
-from tests.controllers.osc_bytes import message
+from tests.devices.controllers.osc_bytes import message
 
 PLAY = ("play", MATCH, "--device", "none")
 

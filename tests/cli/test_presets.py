@@ -5,8 +5,8 @@ import json
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.presets.library import preset_path
-from overview_dsp.presets.parameters import PARAMETERS
+from overview_dsp.design.presets.library import preset_path
+from overview_dsp.design.presets.parameters import PARAMETERS
 from tests.cli.running import overview, refused
 
 

@@ -74,7 +74,7 @@ def test_a_window_is_a_part_of_the_timeline(folder, match, football):
 
 def test_a_take_and_a_preset_file_are_given_by_their_paths(folder):
     ov.save_gesture(ov.tap(0.6, 0.2), folder / "take.csv")
-    from overview_dsp.presets.library import preset_path
+    from overview_dsp.design.presets.library import preset_path
 
     (folder / "mine.toml").write_bytes(preset_path("football").read_bytes())
     arguments = ("--sample-rate", "8000", "--tail", "0", "--subtype", "FLOAT")

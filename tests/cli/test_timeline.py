@@ -7,9 +7,9 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-from overview_dsp.readers.registry import list_matches
+from overview_dsp.data.readers.registry import list_matches
 from tests.cli.running import MATCH, QUICK, overview, refused
-from tests.readers.football_files import (
+from tests.data.readers.football_files import (
     GOALSCORERS,
     MINUTES,
     OPENFOOTBALL_TEXT,

@@ -14,7 +14,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.measure.arm import cards_over_goals, spread_db
-from overview_dsp.measure.felt import JUST_NOTICEABLE_DB
+from overview_dsp.units import JUST_NOTICEABLE_DB
 from tests.feel.whole_matches import (
     CARDS,
     RATE,

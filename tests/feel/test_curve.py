@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.measure.felt import JUST_NOTICEABLE_DB
+from overview_dsp.units import JUST_NOTICEABLE_DB
 from tests.feel.curves import (
     RAMPS,
     RATE,

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.analysis.crowd_excitement import crowd_curve
-from overview_dsp.measure.felt import JUST_NOTICEABLE_DB, stroke_feel, strokes
+from overview_dsp.data.analysis.crowd_excitement import crowd_curve
+from overview_dsp.measure.felt import stroke_feel, strokes
+from overview_dsp.units import JUST_NOTICEABLE_DB
 
 SWEEPS = (1.0, 2.0, 3.0, 6.0)
 GOALS = ("goal", "own_goal")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.analysis.rhythm import Beats, beat_events, heart_rate
+from overview_dsp.data.analysis.rhythm import Beats, beat_events, heart_rate
 from overview_dsp.measure.felt import stroke_feel, strokes
 
 SWEEPS = (2.0, 3.0, 4.0, 6.0)

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.measure.felt import JUST_NOTICEABLE_DB, stroke_feel, strokes
-from overview_dsp.timeline import Intensity
+from overview_dsp.data.timeline import Intensity
+from overview_dsp.measure.felt import stroke_feel, strokes
+from overview_dsp.units import JUST_NOTICEABLE_DB
 
 SWEEPS = (2.0, 3.0, 4.0, 6.0)
 LARGEST = ("highest", "lowest", "largest_rise", "largest_fall")

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.data.timeline.moments import zoom_window
 from overview_dsp.measure.apart import events_felt_apart
 from overview_dsp.measure.felt import stroke_feel, strokes
-from overview_dsp.timeline.moments import zoom_window
-from tests.timeline.strategies import without_ticks
+from tests.data.timeline.strategies import without_ticks
 
 SLOW_S = 15.0
 """A sweep of twelve degrees a second, for the whole and for the part."""

@@ -18,9 +18,9 @@ from pathlib import Path
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.sensors.profile import Sensor
-from overview_dsp.sensors.source import SensorSource
-from overview_dsp.sensors.touching import TouchRules
+from overview_dsp.devices.sensors.profile import Sensor
+from overview_dsp.devices.sensors.source import SensorSource
+from overview_dsp.devices.sensors.touching import TouchRules
 from tests.firmware import boards
 from tests.firmware.boards import FIRMWARE, HERE, MICROBIT, needs, run, sketch
 from tests.live.priority import urgently
@@ -162,8 +162,8 @@ def data_header(points, folder):
     """`data.h` for `bits.c`: what a host sends, and a hand's angles."""
     import numpy as np
 
-    from overview_dsp.force_feedback.board_loop import BoardLoop
-    from overview_dsp.sensors.profile_file import load_sensor
+    from overview_dsp.devices.force_feedback.board_loop import BoardLoop
+    from overview_dsp.devices.sensors.profile_file import load_sensor
 
     football = ov.load_preset("football")
     surface = ov.build_surface(ov.load_timeline("world-cup-final-2018"), football)

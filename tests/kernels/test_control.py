@@ -10,9 +10,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from overview_dsp.engine.queues import ControlQueues
-from overview_dsp.gestures import SOURCES
+from overview_dsp.design.gestures import SOURCES
 from overview_dsp.kernels import control, event_crossing, layout, release
+from overview_dsp.signal.engine.queues import ControlQueues
 
 
 @numba.njit

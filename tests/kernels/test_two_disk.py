@@ -51,7 +51,7 @@ def played(preset, events, seconds, sample_rate=48_000.0, surface=None):
     out = np.zeros((frames, 2), dtype=np.float32)
     table = np.zeros((frames, TRACE))
     engine.process(out, table)
-    from overview_dsp.rendering.trace import Trace
+    from overview_dsp.offline.rendering.trace import Trace
 
     return Trace(table)
 

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from overview_dsp.bench.live.latency import HOLD, PLACE, probe, strike_delay
+from overview_dsp.measure.bench.live.latency import HOLD, PLACE, probe, strike_delay
 from overview_dsp.units import HALF_TURN
 from tests.live import jack_server
 from tests.live.test_portaudio import aligned
@@ -17,7 +17,7 @@ import json, random, sys, time
 from dataclasses import asdict
 import jack
 import numpy as np
-from overview_dsp.bench.live.latency import probe, strike_delay, tap_while_playing
+from overview_dsp.measure.bench.live.latency import probe, strike_delay, tap_while_playing
 from overview_dsp.live.portaudio import OutputStream
 
 path, block, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.controllers.midi_map import Control
-from overview_dsp.controllers.midi_messages import MidiReader
-from overview_dsp.controllers.osc_messages import OscReader
-from overview_dsp.gestures import SOURCES
+from overview_dsp.design.gestures import SOURCES
+from overview_dsp.devices.controllers.midi_map import Control
+from overview_dsp.devices.controllers.midi_messages import MidiReader
+from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.live import osc_out
 from overview_dsp.live.controller_input import ControllerInput
 from overview_dsp.live.inputs import LineInput
@@ -26,7 +26,7 @@ from overview_dsp.live.port_lost import PortLostError
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.several_inputs import SeveralInputs
 from overview_dsp.live.silent import SilentStream
-from tests.controllers.osc_bytes import message, messages
+from tests.devices.controllers.osc_bytes import message, messages
 
 
 class MadePort:

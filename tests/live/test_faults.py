@@ -34,7 +34,7 @@ from overview_dsp.live import source_writer
 from overview_dsp.live.event_clock import EventClock
 from overview_dsp.live.portaudio import OutputStream
 from overview_dsp.live.sensor_input import SensorInput
-from overview_dsp.sensors.profile import Sensor
+from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.web.clocks import SampleClock
 
 device, link, seconds, block = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])

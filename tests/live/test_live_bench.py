@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from overview_dsp.bench.live.table import BLOCKS, SESSIONS, TABLE_CELLS, LoadRow, lost_ratio
+from overview_dsp.measure.bench.live.table import BLOCKS, SESSIONS, TABLE_CELLS, LoadRow, lost_ratio
 from tests.cli.running import overview, refused
 from tests.live import jack_server
 

@@ -11,8 +11,8 @@ import os
 import numpy as np
 import pytest
 
-from overview_dsp.bench.live.latency import LatencyResult
-from overview_dsp.bench.live.table import BLOCKS, LoadRow, Report, latency_table, load_table
+from overview_dsp.measure.bench.live.latency import LatencyResult
+from overview_dsp.measure.bench.live.table import BLOCKS, LoadRow, Report, latency_table, load_table
 from tests.live import jack_server
 from tests.live.test_portaudio import OPEN_AND_CLOSE
 
@@ -199,7 +199,7 @@ def test_no_native_callback_is_late_under_load_and_next_to_nothing_is_lost():
 LATENCY = """
 import json, sys
 from dataclasses import asdict
-from overview_dsp.bench.live.latency import measure_latency
+from overview_dsp.measure.bench.live.latency import measure_latency
 print(json.dumps(asdict(measure_latency("system", int(sys.argv[1]), float(sys.argv[2])))))
 """
 

@@ -50,7 +50,7 @@ PLAY = (
     + """
 import json
 import overview_dsp as ov
-from overview_dsp.controllers.midi_messages import MidiReader
+from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.live.controller_input import ControllerInput
 from overview_dsp.live.midi_port import MidiPort, midi_ports
 from overview_dsp.live.portaudio import OutputStream

@@ -7,9 +7,9 @@ import json
 import pytest
 
 import overview_dsp as ov
+from tests.devices.sensors.shapes import STATES
+from tests.devices.sensors.test_pads import UNITS, dualsense
 from tests.live import jack_server
-from tests.sensors.shapes import STATES
-from tests.sensors.test_pads import UNITS, dualsense
 
 pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")
 pytestmark = [

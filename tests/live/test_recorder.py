@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.gestures import SOURCES
+from overview_dsp.design.gestures import SOURCES
 from overview_dsp.live.recorder import Recorder
 from tests.profiles import share
 

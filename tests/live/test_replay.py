@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.design.presets.library import preset_path
 from overview_dsp.live import preset_watch
 from overview_dsp.live.commands import COMMANDS
 from overview_dsp.live.inputs import parse_command
@@ -17,7 +18,6 @@ from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.outputs import Outputs
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.presets.library import preset_path
 from tests.live.kept_sound import KeptSound
 
 RATE = 48_000

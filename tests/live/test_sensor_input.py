@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.gestures import SOURCES
+from overview_dsp.design.gestures import SOURCES
+from overview_dsp.devices.sensors.frames import decode_frame
+from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.kernels import layout
 from overview_dsp.live import serial_port
 from overview_dsp.live.event_clock import EventClock
 from overview_dsp.live.sensor_input import SensorInput
 from overview_dsp.live.serial_port import SerialPort
-from overview_dsp.sensors.frames import decode_frame
-from overview_dsp.sensors.profile import Sensor
 from tests.cli.running import overview
 from tests.live import stepped
 from tests.live.priority import urgently

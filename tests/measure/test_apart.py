@@ -7,7 +7,7 @@ import pytest
 
 from overview_dsp.measure.apart import events_felt_apart
 from overview_dsp.measure.felt import Stroke
-from overview_dsp.surface.build import build_surface
+from overview_dsp.signal.surface.build import build_surface
 from tests.examples import preset_with, timeline_of
 
 RATE = 8000.0

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.design.presets.retuning import save_retuned
 from overview_dsp.measure.crowd import crowd_report
 from overview_dsp.measure.tuning import in_crowd
 from overview_dsp.measure.tuning.in_crowd import REST, VERIFIED, gaps_on, tuned_on
-from overview_dsp.presets.retuning import save_retuned
 from tests.cli.running import MATCH, overview
 from tests.measure.test_feel_report import preset_of, timeline_of
 

@@ -7,12 +7,12 @@ import json
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.actuators.sensitivity import pacinian_db
-from overview_dsp.gestures import sweep
+from overview_dsp.design.gestures import sweep
 from overview_dsp.measure.report import GESTURES, feel_report
 from overview_dsp.measure.tuning import ordering, separated, separating, tuned
 from overview_dsp.measure.tuning.ordering import SPEEDS, WANTED_STEPS
-from overview_dsp.rendering.audition import pages
+from overview_dsp.offline.rendering.audition import pages
+from overview_dsp.signal.actuators.sensitivity import pacinian_db
 
 
 def preset_of(**heights):

@@ -18,7 +18,7 @@ from overview_dsp.measure.felt import (
     strokes,
     window_db,
 )
-from overview_dsp.surface.build import build_surface
+from overview_dsp.signal.surface.build import build_surface
 from tests.examples import preset_with, timeline_of
 
 RATE = 8000.0

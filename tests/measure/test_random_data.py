@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.analysis.crowd_excitement import crowd_curve
+from overview_dsp.data.analysis.crowd_excitement import crowd_curve
 
 GENERATORS = (
     ov.measure.random_match,

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.engine.surface_slots import write_surface
-from overview_dsp.export.browser_memory import encode_change, encode_engine, event_numbers
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.live.output_settings import OutputSettings, SignalSettings
 from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.offline.export.browser_memory import encode_change, encode_engine, event_numbers
+from overview_dsp.signal.engine.surface_slots import write_surface
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played
 from tests.web.surfaces import preset_of
 

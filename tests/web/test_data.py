@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.export.browser_memory import encode_change
-from overview_dsp.surface.build import build_surface
+from overview_dsp.offline.export.browser_memory import encode_change
+from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.front_page import front_page
 from overview_dsp.web.media import open_media
 from overview_dsp.web.site_data import window_json

@@ -16,7 +16,7 @@ from matplotlib.image import imread
 
 import overview_dsp as ov
 from overview_dsp.live.python_path import connect, run_block
-from overview_dsp.surface.build import build_surface
+from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
 from overview_dsp.web.packing import packed
 from overview_dsp.web.site_sound import patch_of, window_bytes

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.presets.parameters import PARAMETERS
+from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.web import preset_data, sound_data
 
 values = st.recursive(

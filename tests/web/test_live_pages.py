@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.surface.build import build_surface
+from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.published import OLD, Published
 from overview_dsp.web.site_sound import window_bytes

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.export.browser_memory import encode_change, encode_engine
 from overview_dsp.files.atomic import whole_folder
-from overview_dsp.surface.build import build_surface
+from overview_dsp.offline.export.browser_memory import encode_change, encode_engine
+from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.assets import folder_files, page_files
 from overview_dsp.web.site_windows import site_windows
 from overview_dsp.web.static_site import write_site

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.gestures import SOURCES
+from overview_dsp.design.gestures import SOURCES
 from overview_dsp.studies.adaptive import Run, quest_table
 from overview_dsp.studies.static_mapping import StaticMapping
 

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from overview_dsp.actuators.model import Actuator
     from overview_dsp.live.output_settings import OutputSettings
     from overview_dsp.live.sample_output import Playback
+    from overview_dsp.signal.actuators.model import Actuator
 
 TRIES = 3
 """How often a tone may be answered before it sounds."""
@@ -62,14 +62,14 @@ def calibrate(
     --actuator NAME drives it so much more, or less, that what presets do is as far above your
     threshold as they mean it.
     """
-    from overview_dsp.actuators.calibration import (
+    from overview_dsp.errors import InputError
+    from overview_dsp.signal.actuators.calibration import (
         calibration_file,
         forget_threshold,
         gain_for,
         save_threshold,
     )
-    from overview_dsp.actuators.library import load_actuator
-    from overview_dsp.errors import InputError
+    from overview_dsp.signal.actuators.library import load_actuator
 
     actuator = load_actuator(name)
     if forget:

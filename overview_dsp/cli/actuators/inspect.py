@@ -11,8 +11,8 @@ from overview_dsp.cli.common import list_profiles, print_json
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def list_(as_json: bool) -> None:
     """The bundled actuators and your own, and what each is."""
-    from overview_dsp.actuators.calibration import calibrated_actuator
-    from overview_dsp.actuators.library import actuator_names
+    from overview_dsp.signal.actuators.calibration import calibrated_actuator
+    from overview_dsp.signal.actuators.library import actuator_names
 
     list_profiles(
         actuator_names(),
@@ -34,8 +34,8 @@ def list_(as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def show(name: str, as_json: bool) -> None:
     """Every value of the actuator NAME (or its .toml file), and what they amount to."""
-    from overview_dsp.actuators.calibration import calibrated_actuator
-    from overview_dsp.actuators.describe import describe, describe_json
+    from overview_dsp.signal.actuators.calibration import calibrated_actuator
+    from overview_dsp.signal.actuators.describe import describe, describe_json
 
     actuator = calibrated_actuator(name)
     if as_json:

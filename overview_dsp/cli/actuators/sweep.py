@@ -41,10 +41,10 @@ def sweep(
     """
     import numpy as np
 
-    from overview_dsp.actuators.library import load_actuator
-    from overview_dsp.actuators.stage import ActuatorStage, protected_report
-    from overview_dsp.actuators.tones import log_sweep
     from overview_dsp.files.sound import save_sound
+    from overview_dsp.signal.actuators.library import load_actuator
+    from overview_dsp.signal.actuators.stage import ActuatorStage, protected_report
+    from overview_dsp.signal.actuators.tones import log_sweep
 
     actuator = load_actuator(name)
     if not shaped:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from overview_dsp.actuators.model import Actuator
-    from overview_dsp.actuators.stage import Protected
+    from overview_dsp.signal.actuators.model import Actuator
+    from overview_dsp.signal.actuators.stage import Protected
 
 NONE = "none"
 
@@ -23,7 +23,7 @@ def actuator_option(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def calibrated(name: str | None) -> Actuator | None:
     """The actuator of that name or file, with the gain it was calibrated to; None for none."""
-    from overview_dsp.actuators.calibration import calibrated_actuator
+    from overview_dsp.signal.actuators.calibration import calibrated_actuator
 
     return None if name is None or name == NONE else calibrated_actuator(name)
 

@@ -14,8 +14,8 @@ import click
 from overview_dsp.cli.options.timeline import open_timeline
 
 if TYPE_CHECKING:
+    from overview_dsp.data.timeline import Timeline
     from overview_dsp.live.growing import Growth
-    from overview_dsp.timeline import Timeline
 
 FIRST_WITHIN_S = 3.0
 """So long something is waited for, as the preset is chosen by what it is."""
@@ -69,9 +69,9 @@ def followed(
         return
     if timeline is not None:
         raise InputError(f"--follow {source} is the timeline; leave {timeline} out")
-    from overview_dsp.following.follower import Follower
-    from overview_dsp.following.live_timeline import LiveTimeline
-    from overview_dsp.following.sources import Sound
+    from overview_dsp.data.feeds.follower import Follower
+    from overview_dsp.data.feeds.live_timeline import LiveTimeline
+    from overview_dsp.data.feeds.sources import Sound
     from overview_dsp.live.follow_source import expected_s, map_named, source_named
     from overview_dsp.live.growing import Growth
 
@@ -104,7 +104,7 @@ def laid_out(data: Timeline, growth: Growth | None, preset: str) -> Timeline:
     """What `open_growing` gave, as the preset (a name or a path) lays it unless an option does."""
     if growth is None:
         return data
-    from overview_dsp.presets.library import load_preset
+    from overview_dsp.design.presets.library import load_preset
 
     growth.lay_out(load_preset(preset))
     return growth.live.felt()

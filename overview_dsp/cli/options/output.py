@@ -11,8 +11,8 @@ import click
 from overview_dsp.cli.options.actuator import calibrated
 
 if TYPE_CHECKING:
-    from overview_dsp.actuators.model import Actuator
     from overview_dsp.live.output_settings import OutputSettings
+    from overview_dsp.signal.actuators.model import Actuator
 
 
 def output_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -85,9 +85,9 @@ def output_settings(
 
 def _actuator(device: str | None, given: str | None, has: int) -> tuple[Actuator | None, bool]:
     """The actuator given, else the device's own; whether it is another than that."""
-    from overview_dsp.actuators.library import reference
     from overview_dsp.errors import InputError
     from overview_dsp.live.kept_settings import remembered_actuator, settings_file
+    from overview_dsp.signal.actuators.library import reference
 
     remembered = None if device is None else remembered_actuator(device, has)
     if given is None:

@@ -167,11 +167,11 @@ def _take(source: str) -> Callable[[Player], Input]:
 def _serial(
     where: str, sensor: str | None, baud: int | None, force: bool
 ) -> Callable[[Player], Input]:
-    from overview_dsp.force_feedback.loop import require_motor
+    from overview_dsp.devices.force_feedback.loop import require_motor
+    from overview_dsp.devices.sensors.profile import Sensor
+    from overview_dsp.devices.sensors.profile_file import load_sensor
     from overview_dsp.live.motor_input import MotorInput
     from overview_dsp.live.sensor_input import SensorInput
-    from overview_dsp.sensors.profile import Sensor
-    from overview_dsp.sensors.profile_file import load_sensor
 
     profile = Sensor() if sensor is None else load_sensor(sensor)
     if force:
@@ -182,8 +182,8 @@ def _serial(
 
 def _named(kind: str, where: str, sensor: str | None) -> Callable[[Player], Input]:
     """A pad, a phone's app or a radio."""
+    from overview_dsp.devices.sensors.profile_file import load_sensor
     from overview_dsp.live.sensor_input import SILENT_S, NamedInput, Port
-    from overview_dsp.sensors.profile_file import load_sensor
 
     silent_s, usual = SILENT_S, "phone"
     open_port: Callable[[str], Port]
@@ -209,9 +209,9 @@ def _named(kind: str, where: str, sensor: str | None) -> Callable[[Player], Inpu
 
 
 def _osc(where: str, osc_map: str | None) -> Callable[[Player], Input]:
-    from overview_dsp.controllers.control_messages import Counters
-    from overview_dsp.controllers.osc_map import load_osc_map
-    from overview_dsp.controllers.osc_messages import OscReader
+    from overview_dsp.devices.controllers.control_messages import Counters
+    from overview_dsp.devices.controllers.osc_map import load_osc_map
+    from overview_dsp.devices.controllers.osc_messages import OscReader
     from overview_dsp.live.controller_input import ControllerInput
     from overview_dsp.live.osc_port import OscPort, parse_address
 
@@ -227,10 +227,10 @@ def _osc(where: str, osc_map: str | None) -> Callable[[Player], Input]:
 
 
 def _midi(where: str, midi_map: str | None) -> Callable[[Player], Input]:
-    from overview_dsp.controllers.control_messages import Counters
-    from overview_dsp.controllers.midi_map import DEFAULT, load_map
-    from overview_dsp.controllers.midi_messages import MidiReader
-    from overview_dsp.controllers.parameters import require_parameters
+    from overview_dsp.devices.controllers.control_messages import Counters
+    from overview_dsp.devices.controllers.midi_map import DEFAULT, load_map
+    from overview_dsp.devices.controllers.midi_messages import MidiReader
+    from overview_dsp.devices.controllers.parameters import require_parameters
     from overview_dsp.live.controller_input import ControllerInput
     from overview_dsp.live.midi_port import MidiPort
 

@@ -11,7 +11,7 @@ import click
 from overview_dsp.cli.common import keep_input, part_of, progress_bar
 
 if TYPE_CHECKING:
-    from overview_dsp.timeline import Timeline
+    from overview_dsp.data.timeline import Timeline
 
 # name of the option: (name in load_timeline, type, what stands for the value, help)
 _OPTIONS: dict[str, tuple[str, type, str, str]] = {
@@ -71,7 +71,7 @@ def linear_option(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def preset_for(timeline: Timeline, preset: str | None) -> str:
     """The preset that was asked for, or the bundled one that fits the data."""
-    from overview_dsp.presets.library import fitting_preset
+    from overview_dsp.design.presets.library import fitting_preset
 
     return preset if preset is not None else fitting_preset(timeline)
 
@@ -93,7 +93,7 @@ def open_timeline(path: str, load: dict[str, Any]) -> Timeline:
     InputError
         As `load_timeline`.
     """
-    from overview_dsp.readers import load_timeline
+    from overview_dsp.data.readers import load_timeline
 
     keep_input(path)
     with progress_bar(f"reading {path}") as progress:

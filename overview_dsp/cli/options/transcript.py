@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from overview_dsp.rendering.happened import Happening
+    from overview_dsp.offline.rendering.happened import Happening
 
 TERMINAL = "-"
 
@@ -26,7 +26,7 @@ transcript_option = click.option(
 def require_transcripts(paths: Sequence[str]) -> None:
     """InputError, before any work, for a file that no transcript can be written to."""
     from overview_dsp.files.atomic import require_writable
-    from overview_dsp.rendering.happened import writer_of
+    from overview_dsp.offline.rendering.happened import writer_of
 
     for path in paths:
         if path != TERMINAL:
@@ -46,7 +46,7 @@ def write_transcripts(
     paths: Sequence[str], passed: Sequence[Happening], as_json: bool
 ) -> dict[str, Any]:
     """Write or print what happened; what the JSON report says of it."""
-    from overview_dsp.rendering.happened import as_records, as_text, save_transcript
+    from overview_dsp.offline.rendering.happened import as_records, as_text, save_transcript
 
     files = [path for path in paths if path != TERMINAL]
     for path in files:

@@ -25,11 +25,11 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def new(name: str, base: str, out: str | None, as_json: bool) -> None:
     """A new preset that extends another, with every parameter in it to be changed."""
+    from overview_dsp.design.presets.library import LIBRARY, load_preset
+    from overview_dsp.design.presets.reference import json_schema
+    from overview_dsp.design.presets.writing import started_from
     from overview_dsp.files.atomic import make_folder, whole_file
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets.library import LIBRARY, load_preset
-    from overview_dsp.presets.reference import json_schema
-    from overview_dsp.presets.writing import started_from
 
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
@@ -56,7 +56,7 @@ def new(name: str, base: str, out: str | None, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def edit(preset: str, as_json: bool) -> None:
     """Open one of your presets in your editor ($VISUAL, $EDITOR), and check it afterwards."""
-    from overview_dsp.presets.library import bundled_presets, load_preset, preset_path
+    from overview_dsp.design.presets.library import bundled_presets, load_preset, preset_path
 
     if preset in bundled_presets():
         raise InputError(
@@ -80,11 +80,11 @@ def edit(preset: str, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
     """Presets on the way from FIRST to SECOND."""
+    from overview_dsp.design.presets.blending import morph as blend
+    from overview_dsp.design.presets.library import load_preset
+    from overview_dsp.design.presets.writing import save_preset
     from overview_dsp.files.atomic import make_folder
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets.blending import morph as blend
-    from overview_dsp.presets.library import load_preset
-    from overview_dsp.presets.writing import save_preset
 
     found = blend(load_preset(first), load_preset(second), steps)
     folder = make_folder(out)
@@ -100,10 +100,10 @@ def morph(first: str, second: str, steps: int, out: str, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def randomize(preset: str, seed: int, amount: float, out: str | None, as_json: bool) -> None:
     """A preset near PRESET, by chance."""
+    from overview_dsp.design.presets.blending import randomized
+    from overview_dsp.design.presets.library import load_preset
+    from overview_dsp.design.presets.writing import save_preset
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets.blending import randomized
-    from overview_dsp.presets.library import load_preset
-    from overview_dsp.presets.writing import save_preset
 
     if seed < 0:
         raise InputError(f"seed {seed} is out of range; it is 0 or more")

@@ -10,7 +10,7 @@ import click
 from overview_dsp.cli.common import keep_input, show
 
 if TYPE_CHECKING:
-    from overview_dsp.export.layers import Layer
+    from overview_dsp.offline.export.layers import Layer
 
 
 @click.command(
@@ -44,11 +44,11 @@ def import_(
     Of an AHAP clip in two files, give either. Of a folder, each clip is laid into the kind that it
     is named after (goal.ahap), or, with --kind, its only one into that.
     """
-    from overview_dsp.export.layers import with_layer
-    from overview_dsp.export.reading import clips_in, read_clip
+    from overview_dsp.design.presets.library import load_preset
+    from overview_dsp.design.presets.writing import save_preset
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.presets.library import load_preset
-    from overview_dsp.presets.writing import save_preset
+    from overview_dsp.offline.export.layers import with_layer
+    from overview_dsp.offline.export.reading import clips_in, read_clip
 
     if check:
         _check(clip, as_json)
@@ -70,7 +70,7 @@ def import_(
 def _check(clip: str, as_json: bool) -> None:
     """Say what is wrong with a clip; InputError, with the first fault, if there is any."""
     from overview_dsp.errors import InputError
-    from overview_dsp.export.checking import check_clip
+    from overview_dsp.offline.export.checking import check_clip
 
     faults = check_clip(clip)
     show(as_json, {"clip": clip, "faults": faults}, *([] if faults else [f"{clip}: valid"]))

@@ -22,8 +22,8 @@ from overview_dsp.cli.common import list_profiles, print_json
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def list_(tags: tuple[str, ...], use: str | None, as_json: bool) -> None:
     """The bundled presets and your own, and what each is for."""
-    from overview_dsp.presets.library import LIBRARY, load_preset, preset_path
-    from overview_dsp.presets.tagged import require_tag, serves, tagged
+    from overview_dsp.design.presets.library import LIBRARY, load_preset, preset_path
+    from overview_dsp.design.presets.tagged import require_tag, serves, tagged
 
     for tag in tags:
         require_tag(tag)
@@ -56,8 +56,8 @@ def list_(tags: tuple[str, ...], use: str | None, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def show(preset: str, as_json: bool) -> None:
     """Every parameter of PRESET with its value, range and meaning, and its event kinds."""
-    from overview_dsp.presets.describe import describe, describe_json
-    from overview_dsp.presets.library import load_preset
+    from overview_dsp.design.presets.describe import describe, describe_json
+    from overview_dsp.design.presets.library import load_preset
 
     loaded = load_preset(preset)
     if as_json:
@@ -71,8 +71,8 @@ def show(preset: str, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def check(presets: tuple[str, ...], as_json: bool) -> None:
     """Check PRESETS (names or .toml files): file, line, key and range of the first fault."""
+    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.errors import InputError
-    from overview_dsp.presets.library import load_preset
 
     faults = []
     report = []
@@ -100,8 +100,8 @@ def check(presets: tuple[str, ...], as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def diff(first: str, second: str, as_json: bool) -> None:
     """What differs between two presets, value by value."""
-    from overview_dsp.presets.comparing import differences
-    from overview_dsp.presets.library import load_preset
+    from overview_dsp.design.presets.comparing import differences
+    from overview_dsp.design.presets.library import load_preset
 
     found = differences(load_preset(first), load_preset(second))
     if as_json:
@@ -125,7 +125,7 @@ def _shown(value: object) -> str:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def docs(as_json: bool) -> None:
     """The parameter reference, as Markdown."""
-    from overview_dsp.presets.reference import reference, reference_json
+    from overview_dsp.design.presets.reference import reference, reference_json
 
     if as_json:
         print_json(reference_json())
@@ -141,6 +141,6 @@ def schema(as_json: bool) -> None:
     With it beside a preset, the preset's first line "#:schema ./preset.schema.json" is all that
     editors with Taplo need; `overview presets new` writes both.
     """
-    from overview_dsp.presets.reference import json_schema
+    from overview_dsp.design.presets.reference import json_schema
 
     print_json(json_schema())

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from overview_dsp.data.timeline import Timeline
+    from overview_dsp.design.presets.model import EventKind, Preset
     from overview_dsp.measure.arm import ArmReport
     from overview_dsp.measure.crowd_kind import CrowdReport
     from overview_dsp.measure.kind_feel import FeelReport
     from overview_dsp.measure.observer.report import ObserverReport
-    from overview_dsp.presets.model import EventKind, Preset
-    from overview_dsp.timeline import Timeline
 
 
 @click.command(epilog="Example: overview presets audition heart -o heart.wav")
@@ -40,10 +40,10 @@ def audition(preset: str, out: str | None, seed: int, as_json: bool) -> None:
 
     Left is what is heard, right what is felt.
     """
-    from overview_dsp.plots.presets import plot_gallery
-    from overview_dsp.plots.saving import save_figure
-    from overview_dsp.presets.library import load_preset
-    from overview_dsp.rendering.audition import audition as sound
+    from overview_dsp.design.presets.library import load_preset
+    from overview_dsp.measure.pictures import plot_gallery
+    from overview_dsp.offline.plots.saving import save_figure
+    from overview_dsp.offline.rendering.audition import audition as sound
 
     loaded = load_preset(preset)
     path = Path(out) if out is not None else Path(f"{loaded.name}-audition.wav")
@@ -106,8 +106,8 @@ def feel(
     movements, by touch, by sound and by both. It learns on random timelines like real ones, and is
     asked about others and about every TIMELINE given.
     """
-    from overview_dsp.plots.saving import require_picture
-    from overview_dsp.presets.library import load_preset
+    from overview_dsp.design.presets.library import load_preset
+    from overview_dsp.offline.plots.saving import require_picture
 
     loaded = load_preset(preset)
     given = []
@@ -122,7 +122,7 @@ def feel(
         raise InputError(f"{option} is for --observer; add that, or leave it out")
     report, figure = (_observed if observer else _measured)(loaded, given, **asked)
     if plot is not None:
-        from overview_dsp.plots.saving import save_picture
+        from overview_dsp.offline.plots.saving import save_picture
 
         save_picture(figure(), plot)
     if as_json:
@@ -136,9 +136,9 @@ def feel(
 def _measured(preset: Preset, timelines: list[Timeline]) -> tuple[Felt, Callable[[], Figure]]:
     from overview_dsp.measure.arm import arm_report
     from overview_dsp.measure.crowd import crowd_report
+    from overview_dsp.measure.pictures import plot_feel
     from overview_dsp.measure.report import feel_report
-    from overview_dsp.plots.presets import plot_feel
-    from overview_dsp.rendering.audition import pages
+    from overview_dsp.offline.rendering.audition import pages
 
     announce_compile()
     made_up = pages(preset)
@@ -178,7 +178,7 @@ def _observed(
     preset: Preset, timelines: list[Timeline], **asked: Any
 ) -> tuple[ObserverReport, Callable[[], Figure]]:
     from overview_dsp.measure.observer.observing import observe
-    from overview_dsp.plots.observer import plot_observer
+    from overview_dsp.measure.observer.picture import plot_observer
 
     announce_compile("process_lanes")
     with progress_bar(f"observing {preset.name}") as progress:
@@ -218,10 +218,10 @@ def tune(
     With --apart until no two kinds of PRESET feel alike; a target's kinds are then a step above the
     next. The file keeps what PRESET's says besides: what it extends, its variables and comments.
     """
+    from overview_dsp.design.presets.library import load_preset
+    from overview_dsp.design.presets.retuning import save_retuned
     from overview_dsp.files.toml import SUFFIX
     from overview_dsp.measure.tuning import separated, tuned, tuned_on
-    from overview_dsp.presets.library import load_preset
-    from overview_dsp.presets.retuning import save_retuned
 
     if target is None and not apart:
         raise InputError("give --target KIND>KIND, --apart, or both")

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.measure.observer.human_limits import blurred
 from overview_dsp.measure.observer.noticed import MODALITIES, Modality
@@ -22,8 +24,6 @@ from overview_dsp.measure.observer.strokes import (
 )
 from overview_dsp.measure.observer.trees import Forest, grown
 from overview_dsp.measure.random_data import random_timelines
-from overview_dsp.presets.model import Preset
-from overview_dsp.timeline import Timeline
 
 LEARNED, HELD_OUT = 120, 40
 """Random timelines that it learns from, and others that it is asked about."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.measure.felt import passages
-from overview_dsp.surface.model import Surface
+from overview_dsp.signal.surface.model import Surface
 
 BEFORE_MS, AFTER_MS = 15.0, 40.0
 

@@ -14,16 +14,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.gestures import Gesture, arm, sweep, tap
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture, arm, sweep, tap
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.felt import strokes
 from overview_dsp.measure.observer.noticed import Modality, Noticed, notice
 from overview_dsp.measure.observer.passages import Met, met, owners
 from overview_dsp.measure.random_hands import random_hand
-from overview_dsp.presets.model import Preset
-from overview_dsp.rendering.many import RenderedJob, RenderJob, render_many
-from overview_dsp.rendering.schedule import Tail
-from overview_dsp.rendering.trace import Trace
-from overview_dsp.timeline import Timeline
+from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
+from overview_dsp.offline.rendering.schedule import Tail
+from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.units import HALF_TURN
 
 Hands = Literal["all", "steady", "arm", "mixed"]

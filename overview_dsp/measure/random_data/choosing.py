@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
 from overview_dsp.measure.random_data.crowd import random_crowd
 from overview_dsp.measure.random_data.heart import random_heart
 from overview_dsp.measure.random_data.kinds import random_events
 from overview_dsp.measure.random_data.match import random_match
 from overview_dsp.measure.random_data.series import random_share, random_weather
-from overview_dsp.presets.model import DEFAULT_KIND, Preset
-from overview_dsp.timeline import Timeline
 
 Generator = Callable[[int], Timeline]
 

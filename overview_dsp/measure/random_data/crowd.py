@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.analysis.loudness import STEPS_PER_S, Steps
-from overview_dsp.readers.audio.reader import MAPS, timeline_of
-from overview_dsp.timeline import Timeline
+from overview_dsp.data.analysis.loudness import STEPS_PER_S, Steps
+from overview_dsp.data.readers.audio.reader import MAPS, timeline_of
+from overview_dsp.data.timeline import Timeline
 
 LENGTH_S = (180.0, 720.0)
 CHEERS_A_MINUTE, BURSTS_A_MINUTE = 1.1, 1.4

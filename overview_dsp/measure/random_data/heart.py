@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.analysis.rhythm import NORMAL, Beats
-from overview_dsp.readers.cardiac.build import About, heart_timeline
-from overview_dsp.readers.source import LoadOptions
-from overview_dsp.timeline import Event, Timeline
+from overview_dsp.data.analysis.rhythm import NORMAL, Beats
+from overview_dsp.data.readers.cardiac.build import About, heart_timeline
+from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.timeline import Event, Timeline
 
 LONG_S, SHORT_S = (300.0, 1800.0), (40.0, 68.0)
 STEADY = ((NORMAL, 0.8), ("bundle_branch_block", 0.1), ("paced", 0.1))

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from overview_dsp import validation
+from overview_dsp.data.timeline import Event, Intensity, Timeline
 from overview_dsp.errors import InputError
-from overview_dsp.timeline import Event, Intensity, Timeline
 
 LENGTH_S = 600.0
 EVENTS = 30.0

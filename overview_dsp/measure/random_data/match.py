@@ -11,8 +11,8 @@ minutes after a goal, shots that rebound, and a foul at the very moment of its c
 from __future__ import annotations
 
 from overview_dsp import validation
-from overview_dsp.analysis.crowd_excitement import crowd_curve
-from overview_dsp.timeline import Event, Timeline
+from overview_dsp.data.analysis.crowd_excitement import crowd_curve
+from overview_dsp.data.timeline import Event, Timeline
 
 GOALS, FOULS, NEAR_MISSES, YELLOWS, REDS = 2.7, 20.0, 9.5, 3.8, 0.3
 OWN_GOAL = 1.0 / 12.0

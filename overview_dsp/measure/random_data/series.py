@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.readers.series.series import series_of
-from overview_dsp.readers.source import LoadOptions
-from overview_dsp.readers.tables.table import Chunk, Column
-from overview_dsp.timeline import Timeline
+from overview_dsp.data.readers.series.series import series_of
+from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.tables.table import Chunk, Column
+from overview_dsp.data.timeline import Timeline
 
 TRADING_DAYS = 252
 """A year of a share."""

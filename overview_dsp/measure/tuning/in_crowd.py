@@ -14,14 +14,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture, sweep, tap
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.gestures import Gesture, sweep, tap
 from overview_dsp.measure.crowd import crowd_report
 from overview_dsp.measure.steps import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.measure.tuning.ordering import WANTED_STEPS, check_target
-from overview_dsp.presets.model import Preset
-from overview_dsp.timeline import Timeline
 
 VERIFIED: Mapping[str, Gesture] = {
     "1 s": sweep(1.0),

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.presets.model import EventKind, Preset
-from overview_dsp.presets.parameters import KIND_PARAMETERS
+from overview_dsp.design.presets.model import EventKind, Preset
+from overview_dsp.design.presets.parameters import KIND_PARAMETERS
 
 MOST_HEIGHT = 8.0
 MOST_WIDTH = 2.0

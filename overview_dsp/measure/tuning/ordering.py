@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.design.gestures import sweep
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.gestures import sweep
 from overview_dsp.measure.kind_feel import FeelReport
 from overview_dsp.measure.report import feel_report
 from overview_dsp.measure.steps import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
-from overview_dsp.presets.model import Preset
-from overview_dsp.rendering.audition import SECONDS_EACH
-from overview_dsp.timeline import Event, Timeline
+from overview_dsp.offline.rendering.audition import SECONDS_EACH
 
 WANTED_STEPS = 2.0
 _AIM_STEPS = 2.2  # a little more, so that the search may stop a little short of it

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.gestures import Gesture, sweep
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture, sweep
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.comparing import steps_apart
 from overview_dsp.measure.kind_feel import KindFeel
 from overview_dsp.measure.report import feel_report
 from overview_dsp.measure.steps import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.measure.tuning.ordering import check_target
-from overview_dsp.presets.model import Preset
-from overview_dsp.rendering.audition import pages
-from overview_dsp.timeline import Timeline
+from overview_dsp.offline.rendering.audition import pages
 
 WANTED_STEPS = 1.0
 _AIM_STEPS = 1.3

@@ -1,0 +1,112 @@
+"""Where a crowd rises above its murmur: the background, the excitement, and its peaks.
+
+**Background**: what the loudness over 1 s exceeds nine tenths of the time, within a minute before
+and after. So a murmur's own ups and downs are little above it, and a cheer that fills half of a
+minute doesn't lift it. Silence (below -70 LUFS) says nothing about a crowd and is left out; 20 LU
+below the recording's integrated loudness is the lowest a background can be.
+
+**Excitement**: loudness over 1 s above that background, LU, 0 where it is below.
+
+**Peaks**: excitement of `MIN_PEAK_LU` or more that falls by `MIN_FALL_LU` on both sides before it
+gets any higher. A `cheer` stays above half its height for `CHEER_S` or longer; a `burst` (a
+whistle, a bang, a shout) is shorter.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.analysis.loudness import SILENCE_LUFS, STEPS_PER_S
+from overview_dsp.data.timeline.event import Event
+from overview_dsp.units import clock_text
+
+WINDOW_STEPS = STEPS_PER_S
+"""Loudness is taken over 1 s here: momentary loudness is restless, short-term loudness late."""
+
+REACH_S = 60
+PERCENTILE = 10.0
+MAX_DEPTH_LU = 20.0
+
+MIN_PEAK_LU = 6.0
+"""An even murmur's loudest second is up to 3 LU above its background; twice that is no chance."""
+
+MIN_FALL_LU = 4.0
+CHEER_S = 2.0
+
+ORDINARY_LU = 10.0
+"""The height of an event of weight 1: heard as twice as loud as the background."""
+
+_GRID_STEPS = STEPS_PER_S  # the background is slow: once a second is enough
+_CHUNK = 4096
+
+
+def background(loudness: NDArray[np.float64], integrated: float) -> NDArray[np.float64]:
+    """Return the background at each step, LUFS.
+
+    Parameters
+    ----------
+    loudness
+        LUFS over 1 s at each step, NaN where missing, shape (n,).
+    integrated
+        LUFS of the whole.
+    """
+    heard = np.where(loudness > SILENCE_LUFS, loudness, np.nan)
+    lowest = max(SILENCE_LUFS, integrated - MAX_DEPTH_LU)
+    seconds = np.arange(0, len(heard), _GRID_STEPS)
+    reach = REACH_S * _GRID_STEPS
+    padded = np.pad(heard, reach, constant_values=np.nan)
+    # every fifth step: neighbours share most of their second anyway
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1)[seconds, ::5]
+    found = np.concatenate(
+        [_percentile(windows[i : i + _CHUNK]) for i in range(0, len(windows), _CHUNK)]
+    )
+    slow = np.interp(np.arange(len(heard)), seconds, np.fmax(found, lowest))
+    return np.asarray(slow, dtype=np.float64)
+
+
+def _percentile(windows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the percentile of each row without its NaN; NaN for a row of nothing else."""
+    ordered = np.sort(windows, axis=1)  # NaN last
+    known = np.count_nonzero(~np.isnan(ordered), axis=1)
+    place = PERCENTILE / 100.0 * np.maximum(known - 1, 0)
+    low = np.floor(place).astype(np.int64)
+    high = np.minimum(low + 1, np.maximum(known - 1, 0))
+    rows = np.arange(len(ordered))
+    part = place - low
+    return np.asarray(ordered[rows, low] * (1.0 - part) + ordered[rows, high] * part)
+
+
+def excitement(loudness: NDArray[np.float64], slow: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how far the loudness is above its background, LU, not below 0; NaN where missing."""
+    return np.maximum(loudness - slow, 0.0)
+
+
+def peaks(above: NDArray[np.float64], time_s: NDArray[np.float64]) -> tuple[Event, ...]:
+    """Return the peaks of the excitement as events, weight 1 = `ORDINARY_LU`.
+
+    Parameters
+    ----------
+    above
+        Excitement at each step, LU, shape (n,), NaN where missing.
+    time_s
+        When, shape (n,).
+    """
+    from scipy.signal import find_peaks, peak_widths
+
+    # with nothing before the start and after the end: a cheer that is cut off is one too
+    height = np.concatenate([[0.0], np.nan_to_num(above), [0.0]])
+    found, measured = find_peaks(height, height=MIN_PEAK_LU, prominence=MIN_FALL_LU)
+    widths = peak_widths(
+        height,
+        found,
+        rel_height=0.5,
+        prominence_data=(height[found], measured["left_bases"], measured["right_bases"]),
+    )[0]
+    events = []
+    for peak, width in zip(found.tolist(), widths.tolist(), strict=True):
+        lu = float(height[peak])
+        at = float(time_s[peak - 1])
+        kind = "cheer" if width >= CHEER_S * STEPS_PER_S else "burst"
+        events.append(Event(at, kind, f"{clock_text(at)} +{lu:.1f} LU", lu / ORDINARY_LU))
+    return tuple(events)

@@ -1,0 +1,239 @@
+"""From beats to what is felt: the heart rate, premature and missed beats.
+
+Codes of beats: PhysioBank's, https://archive.physionet.org/physiobank/annotations.shtml.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.gaps import Gaps
+from overview_dsp.data.timeline.model import Intensity
+
+NORMAL = "beat"
+PREMATURE = "premature"
+MISSED = "missed_beat"
+
+BEATS: dict[str, tuple[str, str]] = {
+    "N": (NORMAL, ""),
+    "L": ("bundle_branch_block", "left bundle branch block"),
+    "R": ("bundle_branch_block", "right bundle branch block"),
+    "B": ("bundle_branch_block", "bundle branch block"),
+    "A": ("premature_atrial", "atrial premature"),
+    "a": ("premature_atrial", "aberrated atrial premature"),
+    "J": ("premature_nodal", "nodal (junctional) premature"),
+    "S": ("premature_supraventricular", "supraventricular premature"),
+    "V": ("premature_ventricular", "premature ventricular contraction"),
+    "r": ("premature_ventricular", "R-on-T premature ventricular contraction"),
+    "F": ("fusion", "fusion of ventricular and normal"),
+    "e": ("escape_atrial", "atrial escape"),
+    "j": ("escape_nodal", "nodal (junctional) escape"),
+    "n": ("escape_supraventricular", "supraventricular escape"),
+    "E": ("escape_ventricular", "ventricular escape"),
+    "/": ("paced", "paced"),
+    "f": ("fusion", "fusion of paced and normal"),
+    "Q": ("unclassified", "unclassifiable"),
+    "?": ("unclassified", "not classified during learning"),
+}
+"""Code of a beat: its kind and its words."""
+
+OTHERS: dict[str, tuple[str, str]] = {
+    "x": ("blocked_atrial", "P wave that no beat follows"),
+    "!": ("flutter_wave", "ventricular flutter wave"),
+    "[": ("flutter", "ventricular flutter or fibrillation begins"),
+    "]": ("flutter", "ventricular flutter or fibrillation ends"),
+    "+": ("rhythm", "rhythm"),
+    "s": ("st_change", "ST segment changes"),
+    "T": ("st_change", "T wave changes"),
+    "~": ("signal_quality", "signal quality changes"),
+    "|": ("artefact", "looks like a beat and is none"),
+    '"': ("comment", ""),
+}
+"""Code of what is no beat: its kind and its words. Codes in neither table (waves, measurements) are
+left out and counted."""
+
+ORDINARY = frozenset({NORMAL, "bundle_branch_block", "paced"})
+"""Kinds that make up a steady rhythm: ever so many of them are the ground, not what stands out."""
+
+AVERAGED_BEATS = 8
+"""The heart rate is that of 8 intervals around a beat: short enough to follow a sprint, and a
+premature beat with its pause cancels out, since they take as long as two ordinary ones."""
+
+VARIABILITY_BEATS = 30
+
+USUAL_BEATS = 8
+"""The usual interval at a place is the median of those of so many beats on either side."""
+
+PREMATURE_BELOW = 0.8
+"""An interval this much of the usual one ends with a premature beat."""
+
+MISSED_ABOVE = 1.5
+"""An interval this many times the usual one lacks a beat."""
+
+COMPENSATED = 2.5
+"""A premature beat's short interval and the pause after it make up to two usual ones; together this
+many lack a beat."""
+
+ORDINARY_EARLY = 0.3
+"""How early, as part of the usual interval, a premature beat of weight 1 is."""
+
+MIN_WEIGHT = 0.5
+
+MAX_EVENTS = 16_000
+"""Most events of one timeline, what a surface can hold (16384) with some to spare."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beats:
+    """Beats in order.
+
+    Attributes
+    ----------
+    time_s : float64 (n,)
+        Strictly ascending.
+    kind, label : tuples (n,)
+        What each is, for a preset and for a person.
+    annotated
+        Whether the source says what each beat is; if not, prematurity is inferred from the
+        intervals.
+    """
+
+    time_s: NDArray[np.float64]
+    kind: tuple[str, ...]
+    label: tuple[str, ...]
+    annotated: bool
+
+
+def heart_rate(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
+    """Return beats a minute at each beat, the mean of `AVERAGED_BEATS` intervals; None without any.
+
+    No interval that a gap lies in counts.
+    """
+    times, values = [], []
+    for part in _unbroken(time_s, gaps):
+        beats = np.arange(len(part))
+        low = np.maximum(beats - AVERAGED_BEATS // 2, 0)
+        high = np.minimum(beats + AVERAGED_BEATS // 2, len(part) - 1)
+        times.append(part)
+        values.append(60.0 * (high - low) / (part[high] - part[low]))
+    if not times:
+        return None
+    return Intensity(np.concatenate(times), np.concatenate(values), "bpm")
+
+
+def variability(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
+    """Return the RMSSD at each beat, ms: the root mean square of successive intervals' differences.
+
+    Over `VARIABILITY_BEATS` of them around the beat; None where no three beats follow each other.
+    """
+    times, values = [], []
+    for part in _unbroken(time_s, gaps):
+        if len(part) < 3:
+            continue
+        squares = np.diff(part, n=2) ** 2
+        total = np.concatenate([[0.0], np.cumsum(squares)])
+        beats = np.arange(len(part))
+        low = np.clip(beats - 1 - VARIABILITY_BEATS // 2, 0, len(squares) - 1)
+        high = np.clip(beats - 1 + VARIABILITY_BEATS // 2, low + 1, len(squares))
+        mean = np.maximum(total[high] - total[low], 0.0) / (high - low)
+        times.append(part)
+        values.append(1000.0 * np.sqrt(mean))
+    if not times:
+        return None
+    return Intensity(np.concatenate(times), np.concatenate(values), "ms")
+
+
+def mean_rate(time_s: NDArray[np.float64], gaps: Gaps) -> float | None:
+    """Return the beats a minute over all intervals that no gap lies in."""
+    parts = _unbroken(time_s, gaps)
+    spans = math.fsum(float(part[-1] - part[0]) for part in parts)
+    return 60.0 * sum(len(part) - 1 for part in parts) / spans if parts else None
+
+
+def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]:
+    """Return an event a beat and one a missed beat, in order of time, and notes."""
+    usual = np.full(len(beats.time_s), np.nan)
+    interval = np.full(len(beats.time_s), np.nan)  # the one that ends with the beat
+    place = 0
+    for part in _unbroken(beats.time_s, gaps):
+        place = int(np.searchsorted(beats.time_s, part[0]))
+        interval[place + 1 : place + len(part)] = np.diff(part)
+        usual[place + 1 : place + len(part)] = _local_median(np.diff(part))
+    part_of_usual = interval / usual
+
+    ordinary: list[Event] = []
+    others: list[Event] = []
+    for i, at in enumerate(beats.time_s.tolist()):
+        ratio = float(part_of_usual[i])
+        kind, label = beats.kind[i], beats.label[i]
+        early = 1.0 - ratio if math.isfinite(ratio) else 0.0
+        if not beats.annotated and early > 1.0 - PREMATURE_BELOW and _is_early(part_of_usual, i):
+            kind, label = PREMATURE, "premature"
+        if kind in ORDINARY:
+            ordinary.append(Event(at, kind, label))
+        else:
+            if early > 0.0:
+                label = f"{label}, {100.0 * early:.0f} % early"
+            weight = max(MIN_WEIGHT, early / ORDINARY_EARLY)
+            others.append(Event(at, kind, label, weight))
+        if _lacks_a_beat(part_of_usual, i):
+            expected = float(beats.time_s[i] - interval[i] + usual[i])
+            others.append(
+                Event(
+                    expected,
+                    MISSED,
+                    f"{interval[i]:.2f} s without a beat, {ratio:.1f} times the usual",
+                    math.log2(ratio),
+                )
+            )
+    return _limited(ordinary, others)
+
+
+def _limited(ordinary: list[Event], others: list[Event]) -> tuple[list[Event], tuple[str, ...]]:
+    """Return what a surface can hold, the steady beats left out first, and a note that says so."""
+    notes: tuple[str, ...] = ()
+    if len(ordinary) + len(others) > MAX_EVENTS and ordinary:
+        notes = (
+            f"the {len(ordinary)} steady beats are no events, as a timeline holds up to "
+            f"{MAX_EVENTS}: they are in the curve; a shorter recording keeps them",
+        )
+        ordinary = []
+    if len(others) > MAX_EVENTS:
+        notes = (*notes, f"of {len(others)} unsteady beats the {MAX_EVENTS} heaviest are events")
+        others = sorted(others, key=lambda event: -event.weight)[:MAX_EVENTS]
+    return sorted([*ordinary, *others], key=lambda event: event.time_s), notes
+
+
+def _is_early(part_of_usual: NDArray[np.float64], i: int) -> bool:
+    """Distinguish a premature beat from those of a run of quick ones: a longer pause follows it."""
+    return i + 1 >= len(part_of_usual) or not part_of_usual[i + 1] < 0.9
+
+
+def _lacks_a_beat(part_of_usual: NDArray[np.float64], i: int) -> bool:
+    ratio = part_of_usual[i]
+    if not ratio > MISSED_ABOVE:  # also NaN
+        return False
+    before = part_of_usual[i - 1]
+    return not before < PREMATURE_BELOW or ratio + before > COMPENSATED
+
+
+def _local_median(intervals: NDArray[np.float64]) -> NDArray[np.float64]:
+    padded = np.pad(intervals, USUAL_BEATS, constant_values=np.nan)
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * USUAL_BEATS + 1)
+    found: NDArray[np.float64] = np.nanmedian(windows, axis=1)  # its middle is never NaN
+    return found
+
+
+def _unbroken(time_s: NDArray[np.float64], gaps: Gaps) -> list[NDArray[np.float64]]:
+    """Return the runs of two or more beats that no gap parts."""
+    if len(time_s) < 2:
+        return []
+    starts = np.array([start for start, _ in gaps])
+    group = np.searchsorted(starts, time_s, side="right")
+    parts = np.split(time_s, np.flatnonzero(np.diff(group)) + 1)
+    return [part for part in parts if len(part) > 1]

@@ -1,0 +1,308 @@
+"""The events of a series, by rule, each at the exact time of a sample; labels give value and date.
+
+`highest`, `lowest`
+    The largest and the smallest value (the first, if it comes back).
+`record_high`, `record_low`
+    A peak above all before it, a trough below all before it, once a tenth of the timeline has
+    passed.
+`peak`, `trough`
+    Turning points: the eight most prominent of each (records among them), of at least a tenth of
+    the range (1st to 99th percentile), a hundredth of the timeline apart.
+`largest_rise`, `largest_fall`
+    The up to five largest steps from one sample to the next, among the largest twentieth of all;
+    weight: 1.5 for the largest, less as the root of the size, at least 0.5.
+`crossing_up`, `crossing_down`
+    Round levels crossed, with hysteresis (`crossings`).
+`split`
+    A share split the prices aren't adjusted for (`splits`); steps are taken without it.
+`century` to `second`
+    Ticks of the calendar (`timeline.ticks`).
+
+Prominence and steps of prices are relative (logarithms and per cent), of other series in their
+unit. A step over a gap is no move.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.analysis.extrema import crossings, peaks
+from overview_dsp.data.analysis.series_labels import Calendar, value_text
+from overview_dsp.data.analysis.share_splits import Split
+from overview_dsp.data.timeline import ticks
+from overview_dsp.data.timeline.event import Event
+
+KINDS = (
+    "highest", "lowest", "record_high", "record_low", "peak", "trough", "largest_rise",
+    "largest_fall", "crossing_up", "crossing_down", "split", *ticks.KINDS,
+)  # fmt: skip
+"""Every kind a series may have."""
+
+TURNS = 8
+MOVES = 5
+LEAST_PROMINENCE = 0.1
+APART = 0.01
+RECORDS_AFTER = 0.1
+_LARGE_STEP = 95.0
+_HEAVIEST, _LIGHTEST = 1.5, 0.5
+_LESSER = 200  # of a part: more than a window shows, so that it can choose those apart
+_TINY = 1e-300
+_FAINT = 0.1  # the lightest of a part's other changes, which are lighter than its largest
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """What events are found in: samples with a value, in order.
+
+    Parameters
+    ----------
+    time_s, value
+        Shape (n,), n >= 1, finite.
+    step
+        Change of each sample from the one before it, NaN where there is none, shape (n,).
+    relative
+        Steps are per cent.
+    unit
+        Of the values.
+    calendar
+        Names times.
+    splits
+        Their indices count samples of this series.
+    every
+        These are all samples, not just the lowest and highest of runs.
+    """
+
+    time_s: NDArray[np.float64]
+    value: NDArray[np.float64]
+    step: NDArray[np.float64]
+    relative: bool
+    unit: str
+    calendar: Calendar
+    splits: tuple[Split, ...] = ()
+    every: bool = True
+
+    def event(self, kind: str, index: int, words: str, weight: float = 1.0) -> Event:
+        """An event at a sample, labelled with words and its date."""
+        time_s = float(self.time_s[index])
+        return Event(time_s, kind, f"{words}, {self.calendar.text(time_s)}", weight)
+
+    def shown(self, index: int) -> str:
+        """The value of a sample, in words."""
+        return value_text(float(self.value[index]), self.unit)
+
+
+def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[str]]:
+    """Return all events of a series and the notes on how they were chosen."""
+    turns = _Turns.of(series)
+    extremes, events = _extremes(series)
+    turn_events = _prominent(series, turns, extremes, duration_s)
+    crossing_events, crossing_note = _crossings(series)
+    events += [*turn_events, *_moves(series), *crossing_events]
+    events += [
+        series.event("split", split.index, f"{split.ratio} split to {series.shown(split.index)}")
+        for split in series.splits
+    ]
+    notes = []
+    if turn_events:
+        least = turns.least_words(series)
+        notes.append(f"peaks and troughs: the {TURNS} most prominent of each, of at least {least}")
+    if crossing_note:
+        notes.append(crossing_note)
+    return [*events, *ticks.ticks(series.calendar.start, duration_s)], notes
+
+
+def find_part_events(series: Series, duration_s: float) -> Iterator[Event]:
+    """Give what is found in a part of a series, what matters most first, each of another sample.
+
+    First what the rules find in a whole one (without ticks and splits; extremes and records are
+    those of the part, and say so), then its other turning points by their prominence, then its
+    other changes by their size; these are made (and named, which takes longest) as they are asked
+    for.
+    """
+    turns = _Turns.of(series)
+    extremes, ranked = _extremes(series, " here")
+    ranked += _prominent(series, turns, extremes, duration_s, " here")
+    ranked += [*_moves(series), *_crossings(series)[0]]
+    by_time: dict[float, Event] = {}
+    for event in ranked:
+        by_time.setdefault(event.time_s, event)
+    yield from by_time.values()
+    yield from _lesser(series, turns, by_time.keys())
+
+
+def _extremes(series: Series, here: str = "") -> tuple[set[int], list[Event]]:
+    if not len(series.value):
+        return set(), []
+    high, low = int(np.argmax(series.value)), int(np.argmin(series.value))
+    if series.value[high] == series.value[low]:
+        return set(), []  # a constant series has no highest place
+    weight = _LIGHTEST if here else 1.0  # those of a part are no extremes of the whole
+    events = [
+        series.event(kind, at, f"{kind}{here} {series.shown(at)}{_often(series, at)}", weight)
+        for kind, at in (("highest", high), ("lowest", low))
+    ]
+    return {high, low}, events
+
+
+def _often(series: Series, index: int) -> str:
+    count = int((series.value == series.value[index]).sum()) if series.every else 1
+    return f" (first of {count})" if count > 1 else ""
+
+
+@dataclass(frozen=True, eq=False)
+class _Turns:
+    """The turning points of a series, those of prices by ratios.
+
+    `found` has the indices and prominences of peaks (sign 1) and troughs (sign -1); `least` is the
+    prominence from which they count in a whole series, 0 if none does.
+    """
+
+    level: NDArray[np.float64]
+    ratios: bool
+    least: float
+    found: dict[float, tuple[NDArray[np.int64], NDArray[np.float64]]]
+
+    @classmethod
+    def of(cls, series: Series) -> _Turns:
+        level = series.value
+        if len(level) < 3:
+            return cls(level, False, 0.0, {})
+        ratios = series.relative and float(level.min()) > 0.0
+        if ratios:
+            level = np.log(level)
+        low, high = (float(edge) for edge in np.percentile(level, (1.0, 99.0)))
+        least = LEAST_PROMINENCE * (high - low)
+        if not math.isfinite(least):
+            return cls(level, ratios, 0.0, {})
+        found = {sign: peaks(sign * level) for sign in (1.0, -1.0)}
+        return cls(level, ratios, max(least, 0.0), found)
+
+    def least_words(self, series: Series) -> str:
+        if self.ratios:
+            return f"{100.0 * math.expm1(self.least):.3g} % prominence"
+        return f"{value_text(self.least, series.unit)} prominence"
+
+
+def _prominent(
+    series: Series, turns: _Turns, extremes: set[int], duration_s: float, here: str = ""
+) -> list[Event]:
+    """Peaks and troughs, those of them that are records under that name."""
+    events: list[Event] = []
+    for sign, kind, record in ((1.0, "peak", "record_high"), (-1.0, "trough", "record_low")):
+        if not turns.least:
+            return []
+        found, prominence = turns.found[sign]
+        level = sign * turns.level
+        order = np.argsort(-prominence, kind="stable")
+        taken = [float(series.time_s[index]) for index in extremes]
+        chosen: list[int] = []
+        for k in order.tolist():
+            at = float(series.time_s[found[k]])
+            if len(chosen) == TURNS or prominence[k] < turns.least:
+                break
+            if all(abs(at - other) >= APART * duration_s for other in taken):
+                taken.append(at)
+                chosen.append(int(found[k]))
+        for index in sorted(chosen):
+            best_before = float(np.max(level[:index], initial=-np.inf))
+            late = series.time_s[index] >= RECORDS_AFTER * duration_s
+            is_record = late and level[index] > best_before
+            name = record if is_record else kind
+            words = name.replace("_", " ") + (here if is_record else "")
+            events.append(series.event(name, index, f"{words} {series.shown(index)}"))
+    return events
+
+
+def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator[Event]:
+    """The other turning points (weight: as the root of their size), then the other changes."""
+    size = np.zeros(len(series.value))
+    for found, prominence in turns.found.values():
+        size[found] = prominence
+    change = np.nan_to_num(np.abs(series.step))
+    largest = [max(float(np.max(of, initial=0.0)), _TINY) for of in (size, change)]
+    tops = set(turns.found[1.0][0].tolist()) if turns.found else set()
+    order = np.lexsort((-change, -size))
+    count = 0
+    for k, at, prominence, moved in zip(
+        order.tolist(),
+        series.time_s[order].tolist(),
+        size[order].tolist(),
+        change[order].tolist(),
+        strict=True,
+    ):
+        if count == _LESSER or not (prominence > 0.0 or moved > 0.0):
+            break
+        if at in taken:
+            continue
+        if prominence > 0.0:
+            kind = "peak" if k in tops else "trough"
+            words = f"{kind} {series.shown(k)}"
+            weight = max(_LIGHTEST, math.sqrt(prominence / largest[0]))
+        else:
+            kind = "largest_rise" if series.step[k] > 0.0 else "largest_fall"
+            words = _moved(series, k)
+            weight = max(_FAINT, _LIGHTEST * moved / largest[1])
+        count += 1
+        yield series.event(kind, k, words, weight)
+
+
+def _moved(series: Series, i: int) -> str:
+    step = float(series.step[i])
+    by = f"{step:+.2f} %" if series.relative else _signed(step, series.unit)
+    return f"{by} to {series.shown(i)}"
+
+
+def _moves(series: Series) -> list[Event]:
+    step = series.step
+    known = np.abs(step[~np.isnan(step)])
+    if not known.size or float(known.max()) == 0.0:
+        return []
+    least = float(np.percentile(known, _LARGE_STEP)) if series.every else 0.0
+    events: list[Event] = []
+    for sign, kind in ((1.0, "largest_rise"), (-1.0, "largest_fall")):
+        size = np.where(np.isnan(step), 0.0, sign * step)
+        order = _largest(size, MOVES)
+        chosen = [i for i in order.tolist() if size[i] > 0.0 and size[i] >= least]
+        for i in chosen:
+            weight = max(_LIGHTEST, _HEAVIEST * math.sqrt(float(size[i] / size[chosen[0]])))
+            events.append(series.event(kind, i, _moved(series, i), weight))
+    return events
+
+
+def _largest(size: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    """Indices of the largest, the first of equal ones first; without sorting all."""
+    least = np.partition(size, -count)[-count] if len(size) > count else -np.inf
+    some = np.flatnonzero(size >= least)
+    return some[np.argsort(-size[some], kind="stable")[:count]]
+
+
+def _signed(value: float, unit: str) -> str:
+    words = value_text(value, unit)
+    return words if words.startswith("-") else f"+{words}"
+
+
+def _crossings(series: Series) -> tuple[list[Event], str]:
+    if not len(series.value):
+        return [], ""
+    low, high = (float(edge) for edge in np.percentile(series.value, (10.0, 90.0)))
+    if not math.isfinite(high - low):
+        return [], ""
+    found, levels, margin = crossings(series.value, low, high)
+    if not levels:
+        return [], ""
+    events = []
+    for crossing in found:
+        way = "up" if crossing.up else "down"
+        verb = "rises above" if crossing.up else "falls below"
+        words = f"{verb} {value_text(crossing.level, series.unit)} ({series.shown(crossing.index)})"
+        events.append(series.event(f"crossing_{way}", crossing.index, words))
+    shown = ", ".join(value_text(level) for level in levels)
+    return events, (
+        f"crossings of {shown}{' ' + series.unit if series.unit else ''} with a hysteresis of "
+        f"{value_text(margin, series.unit)}"
+    )

@@ -1,0 +1,161 @@
+"""What has changed from one timeline to the next: small, as JSON, for takes and for pages.
+
+::
+
+    {"duration_s": ..., "until_s": ..., "title": ..., "notes": [...], "provenance": ...,
+     "start": ..., "gaps": [[start_s, end_s]], "gap_reasons": [...],      where they differ
+     "gone": [event], "new": [event], "details_gone": [...], "details_new": [...],
+     "curve": null | "excitement" | {"keep": n, "time_s": [...], "value": [...], "unit": ...,
+                                     "percentiles": [...]}}
+
+`excitement` is the curve that is derived from the events, `keep` how many points at its beginning
+stay. A timeline that this doesn't hold (one that finds events in its windows by rule) is there as a
+whole: `{"whole": {...}}`, in the native format. Making a change a second time changes nothing.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+
+from overview_dsp.data.analysis.crowd_excitement import derive_intensity
+from overview_dsp.data.feeds.feed_lines import event_object, event_of
+from overview_dsp.data.readers import native
+from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.intensity import Intensity
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.errors import InputError
+
+EXCITEMENT = "excitement"
+_PLAIN = ("title", "duration_s", "until_s", "provenance")
+_LISTED = ("notes", "gaps", "gap_reasons")
+
+
+def difference(old: Timeline, new: Timeline) -> dict[str, Any]:
+    """Return what `applied` makes `new` of `old` with.
+
+    Raises
+    ------
+    InputError
+        A curve of too many points.
+    """
+    if new.rules is None and old.rules is None and old.signal is new.signal:
+        parts = _parts(old, new)
+        if applied(old, parts) == new:
+            return parts
+    whole: dict[str, Any] = {"whole": json.loads(native.encode(new))}
+    return whole
+
+
+def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
+    """Return a timeline after a change; InputError if it isn't one."""
+    try:
+        if "whole" in change:
+            return native.decode(change["whole"])
+        fields: dict[str, Any] = {name: change[name] for name in _PLAIN if name in change}
+        for name in _LISTED:
+            if name in change:
+                fields[name] = tuple(
+                    tuple(one) if isinstance(one, list) else one for one in change[name]
+                )
+        if "start" in change:
+            start = change["start"]
+            fields["start"] = None if start is None else datetime.fromisoformat(start)
+        events = _changed(old.events, change.get("gone", ()), change.get("new", ()))
+        details = _changed(
+            old.details, change.get("details_gone", ()), change.get("details_new", ())
+        )
+        fields |= {"events": events, "details": details}
+        if "curve" in change:
+            until = fields.get("until_s", old.until_s)
+            reach = fields.get("duration_s", old.duration_s) if until is None else until
+            fields["intensity"] = _curve(old.intensity, change["curve"], events, reach)
+        return replace(old, **fields)
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"not a change of a timeline ({type(error).__name__}: {error})") from None
+
+
+def _parts(old: Timeline, new: Timeline) -> dict[str, Any]:
+    parts: dict[str, Any] = {}
+    for name in (*_PLAIN, *_LISTED):
+        if getattr(old, name) != getattr(new, name):
+            value = getattr(new, name)
+            parts[name] = list(value) if isinstance(value, tuple) else value
+    if old.start != new.start:
+        parts["start"] = None if new.start is None else new.start.isoformat()
+    for key, before, after in (
+        ("", old.events, new.events),
+        ("details_", old.details, new.details),
+    ):
+        if before != after:
+            were, are = set(before), set(after)
+            gone = [event_object(event) for event in before if event not in are]
+            came = [event_object(event) for event in after if event not in were]
+            parts |= {f"{key}gone": gone} if gone else {}
+            parts |= {f"{key}new": came} if came else {}
+    if old.intensity != new.intensity:
+        parts["curve"] = _curve_parts(old.intensity, new)
+    return parts
+
+
+def _curve_parts(old: Intensity | None, new: Timeline) -> Any:
+    curve = new.intensity
+    if curve is None:
+        return None
+    reach = new.duration_s if new.until_s is None else new.until_s
+    if reach > 0.0 and curve == _excitement(new.events, reach):
+        return EXCITEMENT
+    times, values = np.asarray(curve.time_s[:]), np.asarray(curve.value)
+    keep = 0
+    if old is not None:
+        count = min(old.count, curve.count)
+        same = (np.asarray(old.time_s[:count]) == times[:count]) & (
+            np.asarray(old.value[:count]) == values[:count]
+        )
+        keep = count if same.all() else int(np.argmin(same))
+    return {
+        "keep": keep,
+        "time_s": times[keep:].tolist(),
+        "value": values[keep:].tolist(),
+        "unit": curve.unit,
+        "percentiles": list(curve.percentiles),
+    }
+
+
+def _curve(old: Intensity | None, change: Any, events: Iterable[Event], reach: float) -> Any:
+    if change is None:
+        return None
+    if change == EXCITEMENT:
+        return _excitement(events, reach)
+    keep = change["keep"]
+    before = (np.empty(0), np.empty(0))
+    if keep:
+        if old is None or old.count < keep:
+            raise InputError(f"a curve keeps {keep} points that aren't there")
+        before = np.asarray(old.time_s[:keep]), np.asarray(old.value[:keep])
+    return Intensity(
+        np.concatenate((before[0], change["time_s"])),
+        np.concatenate((before[1], change["value"])),
+        change["unit"],
+        tuple(change["percentiles"]),
+    )
+
+
+def _excitement(events: Iterable[Event], reach: float) -> Intensity | None:
+    # periods first, as in `LiveTimeline`: the same products to the bit
+    return derive_intensity(sorted(events, key=lambda event: event.kind != "period"), reach)[0]
+
+
+def _changed(events: tuple[Event, ...], gone: Iterable[Any], new: Iterable[Any]) -> Any:
+    without = {event_of(one) for one in gone}
+    kept = [event for event in events if event not in without]
+    there = set(kept)
+    came = [event_of(one) for one in new]
+    return (*kept, *(event for event in came if event not in there))

@@ -1,0 +1,330 @@
+"""A timeline that is still growing: what came so far, in whatever order, as one Timeline at a time.
+
+What comes may be late, doubled, out of order and taken back: the same things give the same
+timeline in any order (events of one time stay in the order they came), except that the last of two
+values for one sample or one id stands.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from datetime import datetime
+
+import numpy as np
+
+from overview_dsp.data.analysis.crowd_excitement import derive_intensity
+from overview_dsp.data.feeds.coverage import merged_gaps
+from overview_dsp.data.feeds.feed_checks import (
+    MAPS,
+    Map,
+    checked_expectation,
+    checked_length,
+    checked_map,
+)
+from overview_dsp.data.feeds.gathered import Gathered
+from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.gaps import Gaps
+from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.public import counted, short
+from overview_dsp.units import clock_text
+
+__all__ = ["MAPS", "LiveTimeline", "Map"]
+
+EXTRA_TIME = 0.05
+"""By which part of the expected length it is extended, again and again, when play goes on: half an
+hour for a day, five minutes for a match, so that the map changes rarely."""
+
+ROOM = 0.03
+"""How much of the future lies behind what has just happened, at least, as a part of what has."""
+
+SHORTEST_S = 1.0
+"""What has only just begun is at least so long."""
+
+SILENCE_S = 120.0
+"""A feed that tells its clock (or samples) and is silent for longer leaves a gap."""
+
+
+class LiveTimeline(Gathered):
+    """A timeline that grows: events and samples are appended, and events retracted, as they happen.
+
+    `snapshot` gives the timeline as it is at that moment. It is mapped in one of two ways: `"so
+    far"` ends now, `"whole"` is as long as what is expected, and what lies behind now is the
+    future, which feels like nothing else. Without samples, football events get the curve of
+    excitement that a file of them gets.
+
+    Thread: any.
+
+    Parameters
+    ----------
+    title : str
+        Words for a person.
+    expect_s : float or None
+        How long it is expected to last, s; play that goes on extends it by 5 % at a time.
+    map : {"whole", "so far"} or None
+        How it is laid under the hand; None is whole where a length is expected, else so far.
+    unit : str
+        Of the samples.
+    start : datetime or None
+        The calendar moment of time 0.
+    percentiles : (float, float)
+        Which percentiles of the samples become 0 and 1.
+    silence_s : float
+        A feed that tells its clock, or samples, and is silent for longer leaves a gap, s.
+
+    Raises
+    ------
+    InputError
+        A value that isn't allowed.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    >>> live.append(events=[ov.Event(786.2, "goal", "1-0 Parris")])
+    >>> live.snapshot().until_s
+    786.2
+    >>> live.map = "so far"
+    >>> live.snapshot().duration_s
+    786.2
+    """
+
+    def __init__(
+        self,
+        title: str = "",
+        *,
+        expect_s: float | None = None,
+        map: Map | None = None,
+        unit: str = "",
+        start: datetime | None = None,
+        percentiles: tuple[float, float] = EXTREMES,
+        silence_s: float = SILENCE_S,
+    ) -> None:
+        super().__init__(title, unit, start, percentiles, silence_s)
+        self._expect_s = checked_expectation(expect_s)
+        wanted: Map = "whole" if expect_s else "so far"
+        self._map: Map = wanted if map is None else checked_map(map)
+        self._is_map_chosen = map is not None
+        self._end_s: float | None = None
+        self._made: tuple[int, Timeline] | None = None
+        self._felt: tuple[Timeline, Timeline] | None = None
+
+    def end(self, duration_s: float | None = None) -> None:
+        """Say that it is over: no map has a future any more.
+
+        Corrections may still come.
+
+        Parameters
+        ----------
+        duration_s : float or None
+            How long it was, s; None is up to now.
+
+        Raises
+        ------
+        InputError
+            Not a number above 0.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> live = ov.LiveTimeline(expect_s=5700.0)
+        >>> live.append(events=[ov.Event(10.0, "foul")])
+        >>> live.end(5790.0)
+        >>> live.snapshot().duration_s, live.ended
+        (5790.0, True)
+        """
+        rule = "a duration is a finite number of seconds"
+        given = None if duration_s is None else checked_length(duration_s, "duration_s", rule)
+        with self._lock:
+            over = max(self.now_s, SHORTEST_S) if given is None else given
+            if self._end_s != over:
+                self._end_s = over
+                self._revised()
+
+    @property
+    def ended(self) -> bool:
+        """Whether it is over."""
+        return self._end_s is not None
+
+    @property
+    def map(self) -> Map:
+        """How it is laid under the hand, `"whole"` or `"so far"`; may be set at any time."""
+        return self._map
+
+    @map.setter
+    def map(self, map: Map) -> None:
+        with self._lock:
+            self._is_map_chosen = True
+            if checked_map(map) != self._map:
+                self._map = map
+                self._revised()
+
+    @property
+    def expect_s(self) -> float | None:
+        """How long it is expected to last, s; may be set at any time."""
+        return self._expect_s
+
+    @expect_s.setter
+    def expect_s(self, expect_s: float | None) -> None:
+        with self._lock:
+            if checked_expectation(expect_s) != self._expect_s:
+                self._expect_s = expect_s
+                self._revised()
+
+    def suggest(self, expect_s: float | None = None, map: Map | None = None) -> None:
+        """Use a length and a map where none was chosen: what a feed says of itself.
+
+        Parameters
+        ----------
+        expect_s : float or None
+            How long it is expected to last, s.
+        map : {"whole", "so far"} or None
+            How it is laid under the hand; None is whole where a length is expected.
+
+        Raises
+        ------
+        InputError
+            A value that isn't allowed; nothing is changed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> live = ov.LiveTimeline(map="so far")
+        >>> live.suggest(expect_s=5700.0)
+        >>> live.map, live.expect_s
+        ('so far', 5700.0)
+        """
+        length = checked_expectation(expect_s)
+        wanted = "whole" if length is not None else self._map
+        if map is not None:
+            wanted = checked_map(map)
+        with self._lock:
+            before = self._map, self._expect_s
+            if self._expect_s is None:
+                self._expect_s = length
+            if not self._is_map_chosen:
+                self._map = wanted
+            if before != (self._map, self._expect_s):
+                self._revised()
+
+    @property
+    def duration_s(self) -> float:
+        """How long `snapshot` is, s."""
+        with self._lock:
+            now = self.now_s
+            if self._end_s is not None:
+                return max(self._end_s, now)
+            if self._map == "so far" or self._expect_s is None:
+                return now if now > 0.0 else SHORTEST_S
+            over = math.ceil(max(now / self._expect_s - 1.0, 0.0) / EXTRA_TIME)
+            return self._expect_s * (1.0 + over * EXTRA_TIME)
+
+    def snapshot(self) -> Timeline:
+        """Give the timeline as it is now.
+
+        Returns
+        -------
+        Timeline
+            In the map that is chosen; the same object until something changes. Of a feed that has
+            given nothing yet, a flat curve with a note.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> live = ov.LiveTimeline(expect_s=5700.0)
+        >>> live.snapshot().notes
+        ('nothing has happened yet',)
+        """
+        with self._lock:
+            if self._made is None or self._made[0] != self._revision:
+                self._made = (self._revision, self._build())
+            return self._made[1]
+
+    def felt(self) -> Timeline:
+        """Give the timeline as it is laid under a hand: as `snapshot`, with room behind now.
+
+        What has just happened lies at the very end of `snapshot` where that is so far, and a disk
+        only meets what it can pass. So 3 % of future lie behind it, until it is over.
+
+        Returns
+        -------
+        Timeline
+            The same object until something changes.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> live = ov.LiveTimeline(map="so far")
+        >>> live.append(events=[ov.Event(1000.0, "goal")])
+        >>> live.felt().duration_s, live.felt().until_s
+        (1030.0, 1000.0)
+        """
+        with self._lock:
+            shown = self.snapshot()
+            now = self.now_s
+            if self.ended or now == 0.0 or shown.duration_s >= now * (1.0 + ROOM):
+                return shown
+            if self._felt is None or self._felt[0] is not shown:
+                room = replace(shown, duration_s=now * (1.0 + ROOM), until_s=now)
+                self._felt = (shown, room)
+            return self._felt[1]
+
+    def _build(self) -> Timeline:
+        duration_s, now = self.duration_s, self.now_s
+        growing = self._end_s is None and self._map == "whole" and self._expect_s is not None
+        until_s = now if growing and now < duration_s else None
+        if self._document is not None:
+            document = self._document
+            if document.duration_s == duration_s and document.until_s == until_s:
+                return document
+            return replace(document, duration_s=duration_s, until_s=until_s)
+        reach = duration_s if until_s is None else now
+        # periods first, as the readers of matches list them: the same products to the bit
+        events = sorted(
+            self._kept.events.values(), key=lambda one: (one.kind != "period", one.time_s)
+        )
+        provenance, notes = self._provenance, self._notes
+        intensity: Intensity | None = None
+        if len(self._samples):
+            times, values = self._samples.arrays()
+            intensity = Intensity(times, values, self._unit, self._percentiles)
+        elif events and reach > 0.0:
+            intensity, derived, said = derive_intensity(events, reach)
+            provenance = "; ".join(part for part in (provenance, derived) if part)
+            notes = (*notes, *said)
+        if not events and intensity is None:
+            intensity = Intensity(np.zeros(1), np.zeros(1), self._unit)
+            if now == 0.0:
+                notes = (*notes, "nothing has happened yet")
+        if self._kept.left_out:
+            notes = (*notes, f"{self._kept.left_out} events were too many to be kept")
+        gaps, reasons = self._gaps(events, reach)
+        return Timeline(
+            title=self._title,
+            duration_s=duration_s,
+            events=tuple(events),
+            intensity=intensity,
+            gaps=gaps,
+            gap_reasons=reasons,
+            provenance=provenance,
+            notes=notes,
+            start=self._start,
+            details=tuple(self._kept.details.values()),
+            until_s=until_s,
+        )
+
+    def _gaps(self, events: Iterable[Event], reach: float) -> tuple[Gaps, tuple[str, ...]]:
+        """The stretches that were silent, and those that the feed names; joined where they meet."""
+        # a feed that tells no clock may be silent, and what was before the first is not known
+        signs = (event.time_s for event in events if event.time_s > self._heard.first_s)
+        found: list[tuple[float, float, str]]
+        found = [(*gap, "the feed was silent") for gap in self._heard.gaps(signs)]
+        found += [(start, min(end, reach), why) for (start, end), why in self._given_gaps.items()]
+        return merged_gaps(found)
+
+    def __repr__(self) -> str:
+        over = "ended" if self.ended else f"{self._map}, now {clock_text(self.now_s)}"
+        count = counted(sum(1 for _ in self._all_events()), "event")
+        return f"<LiveTimeline {short(self._title)}: {over}, {count}>"

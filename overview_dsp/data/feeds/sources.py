@@ -1,0 +1,218 @@
+"""What a timeline is followed from: a file that grows or is replaced, a stream of bytes, a sound.
+
+A source is an iterator of what came: bytes of a feed (none of them are a sign of life), a timeline
+that was read anew, or None where nothing came for a moment. It ends where the feed does, and raises
+`LostError` where it is lost but may come back; then it is asked again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import time
+from collections.abc import Callable, Generator, Iterator
+from typing import BinaryIO, Protocol
+
+import numpy as np
+
+from overview_dsp.data.feeds.crowd import Crowd
+from overview_dsp.data.feeds.feed_lines import KEYS
+from overview_dsp.data.readers.registry import load_timeline
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.errors import InputError
+
+LOOK_EVERY_S = 0.05
+"""How often a file is looked at: a goal is felt within a tenth of a second."""
+
+READ_AGAIN_S = 0.25
+"""A file that isn't a feed is read anew at most so often ..."""
+
+ENDS_WITHIN_S = 0.5
+DEVICE_ENDS_WITHIN_S = 10.0
+"""A device that isn't given back before the program ends takes the program with it."""
+
+BUSY_PART = 0.2
+"""... and less often if that takes longer than this part of the time."""
+
+CHUNK_BYTES = 1 << 16
+
+Came = bytes | Timeline | None
+
+
+class LostError(Exception):
+    """A source that is gone for now: why, and how long it asks to be left alone, s."""
+
+    def __init__(self, why: str, wait_s: float = 0.0) -> None:
+        super().__init__(why)
+        self.wait_s = wait_s
+
+
+class Source(Protocol):
+    """Where a feed comes from; `ends_within_s`: what it opened is given back in so long."""
+
+    name: str
+    ends_within_s: float
+
+    def come(self) -> Iterator[Came]:
+        """Connect, and give what comes from now on; LostError, or InputError for good."""
+
+
+def is_feed(head: bytes) -> bool:
+    """Whether a file's first bytes are lines of the feed format."""
+    first = head.lstrip().split(b"\n", 1)[0]
+    try:
+        document = json.loads(first)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(document, dict) and not document.keys().isdisjoint(KEYS)
+
+
+class GrowingFile:
+    """A file that grows: a feed is read on, anything else that can be read is read anew.
+
+    One that isn't there yet is waited for; one that is replaced or cut begins again, which
+    changes nothing where it says the same.
+    """
+
+    ends_within_s = ENDS_WITHIN_S
+
+    def __init__(self, path: str) -> None:
+        self.name = path
+
+    def come(self) -> Iterator[Came]:
+        """What is there, and then what comes."""
+        while True:
+            try:
+                file = open(self.name, "rb")  # noqa: SIM115
+            except FileNotFoundError:
+                yield None
+                time.sleep(LOOK_EVERY_S)
+                continue
+            except OSError as error:
+                raise InputError(f"{self.name}: can't be read ({error.strerror})") from None
+            with file:
+                head = file.read(CHUNK_BYTES)
+                if b"\n" not in head and len(head) < CHUNK_BYTES:  # nothing is known of it yet
+                    yield None
+                    time.sleep(LOOK_EVERY_S)
+                    continue
+                if not is_feed(head):
+                    break
+                yield head
+                yield from self._more(file)
+        yield from self._anew()
+
+    def _more(self, file: BinaryIO) -> Iterator[Came]:
+        while True:
+            data = file.read(CHUNK_BYTES)
+            yield data or None
+            if data:
+                continue
+            with contextlib.suppress(OSError):  # gone for a moment: it is replaced
+                status = os.stat(self.name)
+                if status.st_size < file.tell() or not os.path.samestat(
+                    status, os.fstat(file.fileno())
+                ):
+                    yield b"\n"  # whatever was half a line
+                    return
+            time.sleep(LOOK_EVERY_S)
+
+    def _anew(self) -> Iterator[Came]:
+        seen: tuple[int, int, int] | None = None
+        wait_s = 0.0
+        while True:
+            with contextlib.suppress(OSError):
+                status = os.stat(self.name)
+                state = (status.st_mtime_ns, status.st_size, status.st_ino)
+                if state != seen:
+                    begun = time.monotonic()
+                    timeline = self._read(first=seen is None)
+                    seen = state
+                    wait_s = max(READ_AGAIN_S, (time.monotonic() - begun) / BUSY_PART)
+                    if timeline is not None:
+                        yield timeline
+                        time.sleep(wait_s)
+                        continue
+            yield None
+            time.sleep(LOOK_EVERY_S)
+
+    def _read(self, first: bool) -> Timeline | None:
+        """The file without a last line that isn't whole yet; None if it can't be read just now."""
+        try:
+            with open(self.name, "rb") as file:
+                data = file.read()
+            cut = data.rfind(b"\n") + 1
+            text = data if self.name.endswith(".json") or not cut else data[:cut]
+            return load_timeline(text)
+        except InputError as error:
+            if first:
+                raise InputError(f"{self.name}: {error}") from None
+            return None
+
+
+class Stream:
+    """A stream of bytes: standard input, a pipe."""
+
+    ends_within_s = ENDS_WITHIN_S
+
+    def __init__(self, stream: BinaryIO, name: str = "standard input") -> None:
+        self._stream = stream
+        self.name = name
+
+    def come(self) -> Iterator[Came]:
+        """What comes, until its end."""
+        read = getattr(self._stream, "read1", self._stream.read)
+        while data := read(CHUNK_BYTES):
+            yield data
+
+
+class Sound:
+    """A sound as blocks of samples: its loudness and cheers."""
+
+    def __init__(
+        self,
+        name: str,
+        open_blocks: Callable[[], tuple[int, int, Iterator[np.ndarray | None]]],
+        ends_within_s: float = ENDS_WITHIN_S,
+    ) -> None:
+        """`open_blocks` gives a rate (Hz), the number of channels and float blocks of them."""
+        self.name = name
+        self.ends_within_s = ends_within_s
+        self._open = open_blocks
+
+    def come(self) -> Iterator[Came]:
+        """A timeline of all that was heard, now and then."""
+        rate, channels, blocks = self._open()
+        told: list[Timeline] = []
+        crowd = Crowd(rate, channels, told.append)
+        try:
+            for block in blocks:
+                if block is not None:
+                    crowd.feed(block)
+                yield from told or (None,)
+                told.clear()
+        finally:
+            if isinstance(blocks, Generator):
+                blocks.close()
+        crowd.end()
+        yield from told
+
+
+def pcm_blocks(
+    stream: BinaryIO, rate: int, channels: int
+) -> tuple[int, int, Iterator[np.ndarray | None]]:
+    """Raw samples, 16 bits each, little-endian, channels interleaved, for `Sound`."""
+
+    def blocks() -> Iterator[np.ndarray | None]:
+        rest = b""
+        read = getattr(stream, "read1", stream.read)
+        frame = 2 * channels
+        while data := read(CHUNK_BYTES):
+            data = rest + data
+            whole = len(data) // frame * frame
+            rest = data[whole:]
+            samples = np.frombuffer(data[:whole], "<i2").reshape(-1, channels)
+            yield samples.astype(np.float32) / 32_768.0
+
+    return rate, channels, blocks()

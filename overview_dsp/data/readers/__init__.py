@@ -1,0 +1,22 @@
+"""Files in, one Timeline out: a registry of formats, one reader each, the bundled timelines."""
+
+from __future__ import annotations
+
+from overview_dsp.data.readers.formats import FORMATS, Format
+from overview_dsp.data.readers.native import save_timeline
+from overview_dsp.data.readers.registry import (
+    BUNDLED,
+    bundled_timeline,
+    list_matches,
+    load_timeline,
+)
+
+__all__ = [
+    "BUNDLED",
+    "FORMATS",
+    "Format",
+    "bundled_timeline",
+    "list_matches",
+    "load_timeline",
+    "save_timeline",
+]

@@ -1,0 +1,120 @@
+"""Recordings (WAV, FLAC, Ogg, MP3, AIFF ...): loudness as the curve, cheers as the events.
+
+The file is read as a stream: memory doesn't grow with its length, but for ten loudness figures a
+second. `map` chooses the curve:
+
+| map | curve | unit |
+|---|---|---|
+| `loudness` (default) | short-term loudness, over 3 s | LUFS |
+| `momentary` | momentary loudness, over 0.4 s | LUFS |
+| `excitement` | loudness over 1 s above a slowly moving background (`cheers.py`) | LU |
+
+Windows are centred on their time and cut at the recording's ends. Silence is data: it reads as
+-70 LUFS, the absolute gate of the measure. A stretch of missing samples (NaN or infinite, in a
+float file) of 0.1 s or longer is a gap.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from overview_dsp import validation
+from overview_dsp.data.analysis import cheers
+from overview_dsp.data.analysis.loudness import (
+    MOMENTARY_STEPS,
+    SHORT_TERM_STEPS,
+    STEPS_PER_S,
+    StepMeter,
+    Steps,
+)
+from overview_dsp.data.readers.audio.decoding import Recording, open_recording, sounds
+from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.timeline.gaps import in_gap
+from overview_dsp.data.timeline.model import Intensity, Timeline
+from overview_dsp.errors import InputError, shown
+
+MAPS = ("loudness", "momentary", "excitement")
+"""What the option `map` may be."""
+
+_MEANINGS = {
+    "loudness": ("LUFS", "short-term loudness (3 s)"),
+    "momentary": ("LUFS", "momentary loudness (0.4 s)"),
+    "excitement": ("LU", "loudness over 1 s above the background of two minutes"),
+}
+
+
+def sniff(source: Source) -> bool:
+    """Return whether the file is a recording, also one that has to be converted first."""
+    return sounds(source)
+
+
+def read(source: Source, options: LoadOptions) -> Timeline:
+    """Read a recording (takes `map`, `max_mb`, `progress`).
+
+    Raises
+    ------
+    InputError
+        Not a format libsndfile opens, broken or cut off (at what time), too long, an unknown map.
+    """
+    chosen = options.map if options.map is not None else MAPS[0]
+    if chosen not in MAPS:
+        raise InputError(
+            f"{source.where}: map is {shown(chosen)}; for a recording it is one of "
+            f"{', '.join(MAPS)}"
+        )
+    with open_recording(source, options.max_mb) as recording:
+        steps = _measured(recording, options)
+        kind, notes = recording.kind, recording.notes
+    with validation.located(f"{source.where}: "):
+        return timeline_of(steps, chosen, source.stem, kind, notes)
+
+
+def _measured(recording: Recording, options: LoadOptions) -> Steps:
+    meter = StepMeter(recording.sample_rate, recording.weights)
+    done = 0
+    for block in recording.blocks(min(meter.block_frames, recording.frames)):
+        meter.feed(block)
+        done += len(block)
+        options.report_progress(done / recording.frames)
+    return meter.finish()
+
+
+def timeline_of(
+    steps: Steps, chosen: str, title: str, kind: str, notes: tuple[str, ...]
+) -> Timeline:
+    """Make the timeline of a measured recording; `chosen` is one of `MAPS`."""
+    duration_s = steps.frames / steps.sample_rate
+    time_s = np.append(np.arange(len(steps.energy)) / STEPS_PER_S, duration_s)
+    rate = steps.sample_rate
+    gaps = tuple((first / rate, end / rate) for first, end in steps.missing)
+    integrated = steps.integrated()
+    second = steps.loudness(cheers.WINDOW_STEPS)
+    second[in_gap(gaps, time_s)] = np.nan
+    if np.isnan(second).all():
+        raise InputError("no sample is a number; nothing can be measured, record it again")
+    above = cheers.excitement(second, cheers.background(second, integrated))
+    events = cheers.peaks(above, time_s)
+    value = {
+        "loudness": lambda: steps.loudness(SHORT_TERM_STEPS),
+        "momentary": lambda: steps.loudness(MOMENTARY_STEPS),
+        "excitement": lambda: above,
+    }[chosen]()
+    known = ~np.isnan(value) & ~in_gap(gaps, time_s)
+    unit, meaning = _MEANINGS[chosen]
+    if steps.lost:
+        notes = (*notes, f"{steps.lost} single samples are missing and were left out")
+    notes = (
+        *notes,
+        f"integrated loudness {integrated:.1f} LUFS; the curve is its {meaning}, from "
+        f"{value[known].min():.1f} to {value[known].max():.1f} {unit}",
+    )
+    return Timeline(
+        title=title,
+        duration_s=duration_s,
+        events=events,
+        intensity=Intensity(time_s[known], value[known], unit),
+        gaps=gaps,
+        provenance=f"{kind}; loudness by ITU-R BS.1770-5 and EBU R 128; events: peaks of the "
+        "loudness over 1 s above its background",
+        notes=notes,
+    )

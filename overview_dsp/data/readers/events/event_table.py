@@ -1,0 +1,497 @@
+"""Tables of events: `time|date|minute|start` with `event|what|kind|type|name|label`.
+
+::
+
+    start,what                    date;event;note               0:00 Introduction
+    08:30,breakfast               2024-06-03;launch;first try   1:15 Chorus
+    12:00,walk
+
+    # title: Home 1-0 Away
+    # duration_s: 5640
+    time_s,kind,label,weight
+    786.2,goal,1-0 Parris (pen),1
+    2571,foul,,
+
+CSV, TSV and their relatives, JSON and JSON lines; a header may name the columns by many words
+(`columns`), a table without one is two columns of times and words. Times are read as in a series'
+table (`tables.time_column`): clocks, dates (with a clock in a column of its own), numbers with a
+unit in the header. What happened becomes the kind (`Own goal` is `own_goal`), a longer text the
+label. A list of dates begins with its first event, one of clocks or numbers at 0. Numbers under
+`time` are seconds (minutes only beside a team, player or scorer: `football.minute_list`). Two
+comment lines are read: `# title:` (else the file's name) and `# duration_s:` (else the last event's
+time: the timeline ends with it).
+
+A header with `time_s` and `kind` is a strict list, which `encode` writes: `label` (empty) and
+`weight` (1) are optional, other columns an error, as are rows that repeat another. Numbers have a
+decimal point. In a file whose first column is `label`, lines after the header that begin with `#`
+are rows.
+
+A list of which half are football kinds gets a crowd-excitement curve (`crowd_excitement`).
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from overview_dsp import validation
+from overview_dsp.data.readers.events.listing import (
+    PLAIN_KIND,
+    About,
+    Listed,
+    are_kinds,
+    timeline_of,
+)
+from overview_dsp.data.readers.series.rows import settled
+from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.readers.tables import json
+from overview_dsp.data.readers.tables.cells import Style, is_missing, parse
+from overview_dsp.data.readers.tables.column_roles import (
+    Roles,
+    TimeChoice,
+    is_wordy,
+    joined_cells,
+    looks_listed,
+    roles_of,
+    time_named,
+)
+from overview_dsp.data.readers.tables.delimited import DelimitedTable
+from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, headed
+from overview_dsp.data.readers.tables.json import JsonTable, is_single, shapes_in
+from overview_dsp.data.readers.tables.table import Column, Location, Table, first_rows, location
+from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
+from overview_dsp.data.timeline.event import MAX_EVENTS
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.errors import InputError, shown
+from overview_dsp.files.atomic import whole_file
+
+COLUMNS = ("time_s", "kind", "label", "weight")
+"""The columns an event list may have; the first two it must have."""
+
+# Python's float() also takes "1_000" and other scripts' digits; a file means neither
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_SPECIAL = re.compile(r'[",\r\n]')
+_COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTALL)
+
+_HEAD = 200
+_BEATS = re.compile(r"\s*\d+\.\d+\.\d\d\s*")
+_CHAPTER = re.compile(
+    r"\s*[\[(]?(\d{1,3}(?::\d{2}){1,2}(?:[.,]\d{1,3})?)(?![\d:])[\])]?[\s,;\-–—:|]+(\S.*)"
+)
+_SERIES_OPTIONS = ("value", "map", "rate")
+
+
+def sniff(source: Source) -> bool:
+    """Return whether the file is a table of events, or lines of clock and words."""
+    if source.head_text is None or any(getattr(source.options, o) for o in _SERIES_OPTIONS):
+        return False
+    return _has_table(source) or bool(_chapters(source.head_text))
+
+
+def sniff_lines(source: Source) -> bool:
+    """Return whether the file is one JSON object a line, each an event."""
+    if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json.sniff_lines(source):
+        return False
+    table = json.JsonLinesTable(source)
+    return looks_listed(table.columns, first_rows(table, 50), source.options)
+
+
+def read_lines(source: Source, options: LoadOptions) -> Timeline:
+    """Read one JSON object a line, as `read`."""
+    with validation.located(f"{source.where}: "):
+        return _read(json.JsonLinesTable(source), source.stem, options)
+
+
+def read(source: Source, options: LoadOptions) -> Timeline:
+    """Read a list of events; InputError names row and column.
+
+    Takes `duration_s`, and which columns to read: `time`, `kind`, `label`.
+    """
+    if not _has_table(source):
+        return _read_chapters(source, options)
+    with validation.located(f"{source.where}: "):
+        return _read(_table(source), source.stem, options)
+
+
+def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
+    head = first_rows(table, _HEAD)
+    roles = roles_of(table.columns, head, options)
+    _refuse_beats(table, head[roles.time])
+    choice = TimeChoice(
+        (roles.time,) if roles.clock is None else (roles.time, roles.clock), roles.format, " "
+    )
+    choice = settled(table, choice)
+    return _Reader(table, roles, choice).timeline(title, options.duration_s)
+
+
+def _refuse_beats(table: Table, cells: Sequence[Any]) -> None:
+    """Refuse REAPER's list of markers by measures and beats, which would pass for dates."""
+    texts = [cell for cell in cells if isinstance(cell, str) and cell.strip()]
+    if table.columns[0].header == "#" and texts and all(map(_BEATS.fullmatch, texts)):
+        raise InputError(
+            f"markers by measures and beats ({shown(texts[0])}), which are no times",
+            "set REAPER's ruler to minutes and seconds, and export them again",
+        )
+
+
+def _has_table(source: Source) -> bool:
+    if source.looks_like_json:
+        return _shape(source) is not None
+    return detect(source, _accepting(source)) is not None
+
+
+def _accepting(source: Source) -> Accepts:
+    """What tells lists of events from other tables."""
+
+    def accepts(header: tuple[str, ...], below: list[list[str]]) -> bool:
+        columns = [Column.of(name) for name in header]
+        head = [[row[i] for row in below if i < len(row)] for i in range(len(header))]
+        if looks_listed(columns, head, source.options):
+            return True
+        # no header: times and words
+        bare = [column.plain for column in columns] == ["column1", "column2"]
+        form = detected_format(Column.of("time"), head[0]) if bare and head[0] else None
+        return form is not None and is_wordy(head[1])
+
+    return accepts
+
+
+def _shape(source: Source) -> Any:
+    """The largest table of events of a JSON document, None if there is none."""
+    found = None
+    for shape in shapes_in(source.json):
+        columns = [Column.of(name) for name in shape.names]
+        cells = [shape.cut(i, 0, min(shape.rows, 50)) for i in range(len(columns))]
+        if all(is_single(cell) for column in cells for cell in column) and looks_listed(
+            columns, cells, source.options
+        ):
+            found = shape if found is None or shape.rows > found.rows else found
+    return found
+
+
+def _table(source: Source) -> Table:
+    if source.looks_like_json:
+        return JsonTable(_shape(source))
+    layout = detect(source, _accepting(source))
+    assert layout is not None  # sniffed
+    if layout.header == ("column 1", "column 2"):
+        return _Named(DelimitedTable(source, layout))
+    return DelimitedTable(source, layout)
+
+
+class _Named:
+    """A table without a header whose columns are times and words."""
+
+    def __init__(self, table: DelimitedTable) -> None:
+        self.kind, self.row_word, self.notes = table.kind, table.row_word, table.notes
+        self.columns = (Column.of("time"), Column.of("event"))
+        self.chunks = table.chunks
+
+
+class _Reader:
+    """The rows of a table on their way to a Timeline."""
+
+    def __init__(self, table: Table, roles: Roles, choice: TimeChoice) -> None:
+        self.table, self.roles, self.choice = table, roles, choice
+        zoned = any(table.columns[i].zoned for i in choice.columns)
+        self.times = TimeColumn(choice.format, offset_min=0 if zoned else None)
+        self.ends = TimeColumn(choice.format)
+        self.timeless = 0
+
+    def timeline(self, title: str, duration_s: float | None) -> Timeline:
+        listed = list(self._listed())
+        if self.roles.kind is None and not are_kinds([one.words for one in listed]):
+            listed = [
+                Listed(o.time_s, PLAIN_KIND, o.words, o.place, o.end_s, o.weight, o.id)
+                for o in listed
+            ]
+        notes = [*self.table.notes, *self.choice.notes, *self.roles.notes]
+        if self.timeless:
+            notes.append(f"{self.timeless} rows without a time were left out")
+        form = self.choice.format
+        dated = form.calendar or form.name == "hhmm"
+        start = self.times.start(min((one.time_s for one in listed), default=0.0))
+        about = About(
+            title,
+            f"events: a {self.table.kind} list, times from column "
+            f"{shown(self.table.columns[self.roles.time].header)} ({form.words})",
+            tuple(dict.fromkeys(notes)),
+            duration_s,
+            start,
+            from_first=dated,
+        )
+        return timeline_of(listed, _about(about, self.table))
+
+    def _listed(self) -> Iterator[Listed]:
+        roles, count = self.roles, len(self.choice.columns)
+        others = [i for i in (roles.kind, roles.label, roles.weight, roles.end, roles.length,
+                              roles.id) if i is not None]  # fmt: skip
+        rows = 0
+        for chunk in self.table.chunks((*self.choice.columns, *others)):
+            cells = chunk.cells[0]
+            if count > 1:
+                cells = joined_cells(chunk.cells[:count], " ")
+            seconds = self.times.seconds(cells, location(self.table, chunk, roles.time))
+            rows += len(chunk)
+            if rows > MAX_EVENTS:
+                raise InputError(
+                    f"more than the {MAX_EVENTS} events that are read; cut the file into parts, or "
+                    "make a curve of them (--map count)"
+                )
+            ends = self._ends(chunk, others, count, seconds)
+            for i, second in enumerate(seconds.tolist()):
+                got = {o: chunk.cells[count + others.index(o)][i] for o in others}
+                yield from self._one(got, second, ends[i], chunk.number(i))
+
+    def _one(
+        self, got: dict[int, Any], second: float, end: float | None, line: int
+    ) -> Iterator[Listed]:
+        roles = self.roles
+
+        def words(column: int | None) -> str:
+            cell = got.get(column) if column is not None else None
+            return "" if is_missing(cell) else " ".join(str(cell).split())
+
+        if np.isnan(second):
+            self.timeless += 1
+            return
+        weight = 1.0
+        if words(roles.weight):
+            at = Location(line, "weight", self.table.row_word)
+            number = parse(words(roles.weight), Style())
+            if number is None:
+                raise at.error(
+                    words(roles.weight), "isn't a number; weights are above 0, 1 = ordinary"
+                )
+            weight = validation.positive(number[0], str(at), "weights are above 0")
+        kind = words(roles.kind) or words(roles.label)
+        place = str(Location(line, word=self.table.row_word))
+        yield Listed(second, kind, words(roles.label), place, end, weight, words(roles.id))
+
+    def _ends(
+        self, chunk: Any, others: Sequence[int], count: int, seconds: Any
+    ) -> list[float | None]:
+        """When each ends, as far as the table says and it can be read."""
+        nothing: list[float | None] = [None] * len(seconds)
+        column = self.roles.end if self.roles.end is not None else self.roles.length
+        if column is None or self.choice.format.calendar:
+            return nothing
+        cells = list(chunk.cells[count + others.index(column)])
+        form = detected_format(Column.of("time"), cells)
+        if form is None:
+            return nothing
+        same = self.choice.format.name if form.name not in CLOCKS else form.name
+        try:
+            found = TimeColumn(Format(same)).seconds(cells, Location)
+        except InputError:
+            return nothing
+        if self.roles.end is None:
+            found = found + seconds
+        return [None if np.isnan(end) else float(end) for end in found]
+
+
+# --- strict lists
+
+
+def sniff_list(source: Source) -> bool:
+    """Return whether the first row has a column `kind`, and none of times but `time_s`.
+
+    Other names of times, and columns that a caller names, are for the other tables of events.
+    """
+    options = source.options
+    if source.head_text is None or source.looks_like_json:
+        return False
+    if options.time or options.kind or options.label:
+        return False
+    dialect = headed(source.head_text, COLUMNS)
+    names = dialect.header if dialect is not None else ()
+    if "kind" not in names or "time_s" in names:
+        return "kind" in names
+    return time_named([Column.of(name) for name in names]) is None
+
+
+def read_list(source: Source, options: LoadOptions) -> Timeline:
+    """Read an event list (takes `duration_s`, which outranks the file's own); InputError if bad."""
+    text = source.text  # its errors name the file themselves
+    with validation.located(f"{source.where}: "):
+        return decode(text, source.stem, options.duration_s)
+
+
+def decode(text: str, default_title: str = "", duration_s: float | None = None) -> Timeline:
+    """Make a Timeline of the text of an event list.
+
+    Parameters
+    ----------
+    text
+        The file's text.
+    default_title
+        The title if no `# title:` line gives one.
+    duration_s
+        Length in s; None = the file's `# duration_s:`, else the last event's time.
+
+    Raises
+    ------
+    InputError
+        Names line and column: an unknown or missing column, a word for a number, NaN, a negative
+        time, no kind, a row given twice, an event after the end.
+    """
+    dialect = headed(text, COLUMNS)
+    if dialect is None:
+        raise InputError(f"no header; the first row names the columns {', '.join(COLUMNS)}")
+    _check_header(dialect.header, dialect.first - 1)
+    marks = () if dialect.header[0] == "label" else COMMENTS
+    table = DelimitedTable(text, replace(dialect, comments=marks))
+    listed: list[Listed] = []
+    lines: dict[tuple[float, str, str], int] = {}
+    for line, row in table.records():
+        one = _listed_row(row, line)
+        key = (one.time_s, one.words, one.label)
+        if key in lines:
+            raise InputError(
+                f"line {line} repeats line {lines[key]} ({one.words} at {one.time_s!r} s, label "
+                f"{shown(one.label)}); remove one or change its label"
+            )
+        lines[key] = line
+        listed.append(one)
+    return timeline_of(
+        listed,
+        _about(
+            About(default_title, "events: a CSV event list", (), duration_s, as_written=True), table
+        ),
+    )
+
+
+def encode(timeline: Timeline) -> bytes:
+    """Return the events as an event list, UTF-8; the curve, the gaps and the notes stay behind.
+
+    Reading it gives the same events (blanks around a label trimmed), title and duration.
+
+    Raises
+    ------
+    InputError
+        The timeline has no events.
+    """
+    if not timeline.events:
+        raise InputError(
+            "the timeline has no events, which is all an event list holds; write the native "
+            "format (.json)"
+        )
+    title = " ".join(timeline.title.split())
+    lines = [f"# title: {title}", f"# duration_s: {timeline.duration_s!r}", ",".join(COLUMNS)]
+    for event in timeline.events:
+        label = event.label
+        if _SPECIAL.search(label):  # the csv module leaves a lone carriage return unquoted
+            label = '"' + label.replace('"', '""') + '"'
+        lines.append(f"{event.time_s!r},{event.kind},{label},{event.weight!r}")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def save_events(timeline: Timeline, path: str | os.PathLike[str]) -> None:
+    """Write the events as an event list, whole or not at all; errors as `encode` and a write's."""
+    data = encode(timeline)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def _about(about: About, table: Table) -> About:
+    """Add the title and the length that comment lines of a text give."""
+    comments = table.comments if isinstance(table, DelimitedTable) else {}
+    found: dict[str, tuple[int, str]] = {}
+    for line, text in sorted(comments.items()):
+        comment = _COMMENT.match(text)
+        if comment is not None:
+            key = comment[1].lower()
+            if key in found:
+                raise InputError(f"line {line}: '# {key}:' is given twice; remove one")
+            found[key] = line, comment[2].strip()
+    if "title" in found:
+        about = replace(about, title=found["title"][1])
+    if "duration_s" in found:
+        line, text = found["duration_s"]
+        hint = "a duration is a finite number of seconds above 0"
+        length = validation.positive(
+            _number(text, Location(line), hint), f"line {line}, duration_s", hint
+        )
+        if about.duration_s is None:
+            about = replace(about, duration_s=length)
+    return about
+
+
+def _check_header(names: Sequence[str], line: int) -> None:
+    known = f"columns are {', '.join(COLUMNS)}"
+    for number, name in enumerate(names, start=1):
+        if name not in COLUMNS:
+            raise InputError(f"line {line}, column {number}: unknown column {shown(name)}; {known}")
+        if names.index(name) != number - 1:
+            raise InputError(f"line {line}, column {number}: '{name}' is there twice; {known}")
+    for name in COLUMNS[:2]:
+        if name not in names:
+            raise InputError(f"line {line}: no column '{name}' in the header; {known}")
+
+
+def _listed_row(row: dict[str, str], line: int) -> Listed:
+    place, hint = Location(line, "time_s"), "times are seconds from 0 up, such as 750.5"
+    time_s = _number(row["time_s"], place, hint)
+    if time_s < 0.0:
+        raise place.error(time_s, f"is before the start; {hint}")
+    place, kind = Location(line, "kind"), row["kind"]
+    if not kind:
+        raise place.missing("name one, such as goal")
+    weight = 1.0
+    if not is_missing(row.get("weight", "")):
+        place, hint = Location(line, "weight"), "weights are above 0, 1 = ordinary"
+        weight = validation.positive(_number(row["weight"], place, hint), str(place), hint)
+    with validation.located(f"{Location(line, 'kind')}: "):
+        validation.kind(kind)
+    with validation.located(f"line {line}: "):
+        label = validation.text(row.get("label", ""), "label")
+    return Listed(time_s, kind, label, f"line {line}, column 'time_s'", None, weight)
+
+
+def _number(text: str, place: Location, hint: str) -> float:
+    if not text:
+        raise place.missing(hint)
+    if _NOT_FINITE.fullmatch(text):
+        raise place.error(text, f"isn't a finite number; {hint}")
+    if not _NUMBER.fullmatch(text):
+        comma = " with a decimal point" if re.fullmatch(r"\d+,\d+", text) else ""
+        raise place.error(text, f"isn't a number{comma}; {hint}")
+    return validation.number(float(text), str(place), hint)
+
+
+# --- lines of clock and words
+
+
+def _chapters(text: str) -> list[tuple[int, str, str]]:
+    """Line, clock and words of each line, if most lines that aren't blank have them."""
+    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip()]
+    found = [
+        (n, match[1], match[2].strip())
+        for n, line in lines
+        if (match := _CHAPTER.fullmatch(line)) and re.search(r"[^\W\d_]", match[2])
+    ]
+    if found and lines[0][0] != found[0][0] and any(mark in lines[0][1] for mark in ",;\t"):
+        return []  # a header: a table of something else
+    return found if len(found) > 1 and 3 * len(found) >= 2 * len(lines) else []
+
+
+def _read_chapters(source: Source, options: LoadOptions) -> Timeline:
+    found = _chapters(source.text)
+    with validation.located(f"{source.where}: "):
+        times = TimeColumn(Format("clock"))
+        seconds = times.seconds([clock for _, clock, _ in found], lambda i: Location(found[i][0]))
+        words = [text for _, _, text in found]
+        few = are_kinds(words)
+        listed = [
+            Listed(second, text if few else PLAIN_KIND, "" if few else text, f"line {line}")
+            for second, (line, _, text) in zip(seconds.tolist(), found, strict=True)
+        ]
+        return timeline_of(
+            listed, About(source.stem, "events: lines of clock and words", (), options.duration_s)
+        )

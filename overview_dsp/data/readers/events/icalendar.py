@@ -1,0 +1,142 @@
+"""Calendars (iCalendar, RFC 5545): each VEVENT is an event where it begins.
+
+Its first category is the kind (`event` where it has none), its summary the label. Times in UTC or
+with a known time zone lie where they happened; floating ones and days keep the calendar's own
+clock. Entries that recur (RRULE) are there once, and that is said.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+from overview_dsp import validation
+from overview_dsp.data.readers.events.listing import PLAIN_KIND, About, Listed, timeline_of
+from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.timeline import times
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.errors import InputError, shown
+
+_PROPERTY = re.compile(r"([A-Za-z0-9-]+)((?:;[^:;=]+=(?:\"[^\"]*\"|[^:;]*))*):(.*)", re.DOTALL)
+_ESCAPED = re.compile(r"\\(.)", re.DOTALL)
+_EPOCH = datetime(1970, 1, 1)
+
+Entry = dict[str, tuple[str, str, int]]
+"""Value, parameters and line of each property of a VEVENT, the first of each."""
+
+
+def sniff(source: Source) -> bool:
+    """Return whether the file begins as a calendar."""
+    text = source.head_text
+    return text is not None and text.lstrip("\ufeff \r\n").upper().startswith("BEGIN:VCALENDAR")
+
+
+def read(source: Source, options: LoadOptions) -> Timeline:
+    """Read a calendar (takes `duration_s`); InputError names the line."""
+    text = source.text
+    with validation.located(f"{source.where}: "):
+        entries = list(_entries(text))
+        if not entries:
+            raise InputError("a calendar without a VEVENT; it has no events")
+        moments = [_moment(entry, "DTSTART") for entry in entries]
+        zones = {moment.tzinfo is not None for moment in moments}
+        notes = []
+        if len(zones) > 1:
+            notes.append("entries without a time zone are taken as UTC, as others name one")
+        if recurring := sum("RRULE" in entry for entry in entries):
+            notes.append(f"{recurring} entries recur; each is there once, at its first time")
+        listed = [_listed(entry, moment) for entry, moment in zip(entries, moments, strict=True)]
+        first = min(moments, key=_seconds)
+        if len(zones) > 1 and first.tzinfo is None:
+            first = first.replace(tzinfo=UTC)
+        if first.tzinfo is not None:  # a plain offset: clock changes don't move it
+            first = first.astimezone(UTC)
+        about = About(
+            source.stem,
+            "events: a calendar (iCalendar)",
+            tuple(notes),
+            options.duration_s,
+            first,
+            True,
+        )
+        return timeline_of(listed, about)
+
+
+def _listed(entry: Entry, moment: datetime) -> Listed:
+    begin = _seconds(moment)
+    end = _seconds(_moment(entry, "DTEND")) if "DTEND" in entry else begin
+    categories = entry.get("CATEGORIES", ("", "", 0))[0].split(",")
+    label = _ESCAPED.sub(lambda m: "\n" if m[1] in "nN" else m[1], entry.get("SUMMARY", ("",))[0])
+    return Listed(
+        begin,
+        categories[0].strip() or PLAIN_KIND,
+        " ".join(label.split()),
+        f"line {entry['DTSTART'][2]}",
+        max(begin, end),
+        id=entry.get("UID", ("", "", 0))[0] if "RECURRENCE-ID" not in entry else "",
+    )
+
+
+def _seconds(moment: datetime) -> float:
+    """Seconds since 1970, of a floating moment by its own clock."""
+    plain = moment.astimezone(UTC).replace(tzinfo=None) if moment.tzinfo else moment
+    return (plain - _EPOCH) / timedelta(seconds=1)
+
+
+def _entries(text: str) -> Iterator[Entry]:
+    entry: Entry | None = None
+    inside: list[str] = []
+    for number, line in _unfolded(text):
+        match = _PROPERTY.fullmatch(line)
+        if match is None:
+            continue
+        name, value = match[1].upper(), match[3].strip()
+        if name == "BEGIN":
+            inside.append(value.upper())
+            if value.upper() == "VEVENT":
+                entry = {}
+        elif name == "END":
+            if value.upper() == "VEVENT" and entry is not None:
+                if "DTSTART" not in entry:
+                    raise InputError(f"line {number}: a VEVENT without DTSTART; give it one")
+                yield entry
+                entry = None
+            if inside:
+                inside.pop()
+        elif entry is not None and inside and inside[-1] == "VEVENT":
+            entry.setdefault(name, (value, match[2], number))
+
+
+def _unfolded(text: str) -> Iterator[tuple[int, str]]:
+    held, at = "", 0
+    for number, line in enumerate(text.lstrip("\ufeff").splitlines(), 1):
+        if line[:1] in (" ", "\t"):
+            held += line[1:]
+        else:
+            if held:
+                yield at, held
+            held, at = line, number
+    if held:
+        yield at, held
+
+
+def _moment(entry: Entry, name: str) -> datetime:
+    value, parameters, line = entry[name]
+    found = times.moment(value, "iso") if value[:8].isdigit() else None
+    if found is None:
+        raise InputError(
+            f"line {line}, {name}: {shown(value)} isn't a calendar's time; write "
+            "20240603, 20240603T093000 or 20240603T093000Z"
+        )
+    moment = found.to_datetime()
+    if moment.tzinfo is not None:
+        return moment
+    zone = re.search(r';TZID="?([^";:]+)', parameters, re.IGNORECASE)
+    if zone is None:
+        return moment
+    try:
+        return moment.replace(tzinfo=ZoneInfo(zone[1]))
+    except (ZoneInfoNotFoundError, ValueError, OSError):
+        return moment

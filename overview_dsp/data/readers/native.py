@@ -1,0 +1,348 @@
+"""The native JSON format: one object that holds a whole Timeline.
+
+::
+
+    {"overview_timeline": 1,                 the format's version, required
+     "title": "Home 1-0 Away",               the file's name if left out
+     "duration_s": 5640.0,                   required
+     "until_s": 3780.0,                      up to where it has happened, all if left out
+     "start": "2012-09-19T09:30:00-04:00",   calendar moment of time 0, ISO 8601, optional
+     "intensity": {"time_s": [0, 5],         } either of these two
+                   "value": [0.1, 0.4],      } may be left out
+                   "unit": "dB",             unit optional
+                   "percentiles": [1, 99]},  what becomes 0 and 1, [0, 100] if left out
+     "gaps": [[300.0, 310.0]],               optional
+     "gap_reasons": ["lead off"],            why, a text for each gap, optional
+     "events": [{"time_s": 786.2, "kind": "goal",
+                 "label": "1-0 Parris (pen)", "weight": 1.0}],     label, weight optional
+     "details": [{"time_s": 783.9, "kind": "touch"}],   felt when zoomed, as events; optional
+     "series": {"per_cent": true},           events of windows are found in the curve, or in the
+                                             time_s, value and unit beside per_cent; optional
+     "provenance": "where the data are from",                      optional
+     "notes": ["what a person should know"]}                       optional
+
+Unknown keys, wrong types, NaN and Infinity are errors that name their place.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from datetime import datetime
+
+import numpy as np
+
+from overview_dsp import validation
+from overview_dsp.data.analysis.window_rules import PartRules, rules_of
+from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.timeline.event import MAX_EVENTS
+from overview_dsp.data.timeline.intensity import EXTREMES
+from overview_dsp.data.timeline.model import Event, Intensity, Timeline
+from overview_dsp.errors import InputError, shown
+from overview_dsp.files.atomic import whole_file
+
+VERSION = 1
+"""The version of the format this module reads and writes."""
+
+MAX_POINTS = 5_000_000
+"""Points of a curve in a native file: about as many as a file that can be read again holds."""
+
+_KEY = "overview_timeline"
+_TOP_KEYS = (
+    _KEY,
+    "title",
+    "duration_s",
+    "until_s",
+    "start",
+    "intensity",
+    "gaps",
+    "gap_reasons",
+    "events",
+    "details",
+    "series",
+    "provenance",
+    "notes",
+)
+_INTENSITY_KEYS = ("time_s", "value", "unit", "percentiles")
+_SERIES_KEYS = ("per_cent", "time_s", "value", "unit")
+_EVENT_KEYS = ("time_s", "kind", "label", "weight")
+
+
+def sniff(source: Source) -> bool:
+    """Return whether the file is a JSON object with the key `overview_timeline`."""
+    if not source.looks_like_json or f'"{_KEY}"' not in source.text:
+        return False
+    return isinstance(source.json, dict) and _KEY in source.json
+
+
+def read(source: Source, options: LoadOptions) -> Timeline:
+    """Read a native file (takes no options); InputError names the file and the place."""
+    document = source.json  # its errors name the file themselves
+    with validation.located(f"{source.where}: "):
+        return decode(document, source.stem)
+
+
+def decode(document: object, default_title: str = "") -> Timeline:
+    """Make a Timeline of a parsed native document.
+
+    Parameters
+    ----------
+    document
+        What `source.parse_json` gives.
+    default_title
+        The title if the document has none.
+
+    Raises
+    ------
+    InputError
+        An unknown or missing key, a wrong type, a broken invariant; the line names the place,
+        such as `events[3].time_s`.
+    """
+    top = _table(document, "the document", _TOP_KEYS, required=(_KEY, "duration_s"))
+    version = top[_KEY]
+    if isinstance(version, bool) or version != VERSION:
+        raise InputError(
+            f"{_KEY} is {shown(version)}; this program reads version {VERSION}: "
+            "update it, or write the file in that version"
+        )
+    duration_s = validation.positive(
+        top["duration_s"], "duration_s", "a duration is a finite number of seconds above 0"
+    )
+    timeline = Timeline(
+        title=validation.text(top.get("title", default_title), "title"),
+        duration_s=duration_s,
+        events=_events(top.get("events", []), duration_s),
+        details=_events(top.get("details", []), duration_s, "details"),
+        intensity=_intensity(top["intensity"]) if "intensity" in top else None,
+        gaps=tuple(
+            (validation.number(start, f"gaps[{i}][0]"), validation.number(end, f"gaps[{i}][1]"))
+            for i, (start, end) in enumerate(_pairs(top.get("gaps", [])))
+        ),
+        gap_reasons=tuple(
+            validation.text(reason, f"gap_reasons[{i}]")
+            for i, reason in enumerate(_list(top.get("gap_reasons", []), "gap_reasons"))
+        ),
+        provenance=validation.text(top.get("provenance", ""), "provenance"),
+        notes=tuple(
+            validation.text(note, f"notes[{i}]")
+            for i, note in enumerate(_list(top.get("notes", []), "notes"))
+        ),
+        start=_moment(top["start"]) if "start" in top else None,
+        until_s=validation.until(top.get("until_s"), duration_s),
+    )
+    return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
+
+
+def encode(timeline: Timeline) -> bytes:
+    """Return a Timeline as native JSON, UTF-8: one line a top-level key, one line an event.
+
+    Raises
+    ------
+    InputError
+        A curve of more than `MAX_POINTS` points.
+    """
+    entries: list[tuple[str, str]] = [
+        (_KEY, str(VERSION)),
+        ("title", _json(timeline.title)),
+        ("duration_s", _json(timeline.duration_s)),
+    ]
+    if timeline.until_s is not None:
+        entries.append(("until_s", _json(timeline.until_s)))
+    if timeline.start is not None:
+        entries.append(("start", _json(timeline.start.isoformat())))
+    if timeline.provenance:
+        entries.append(("provenance", _json(timeline.provenance)))
+    if timeline.notes:
+        entries.append(("notes", _json(timeline.notes)))
+    if timeline.gaps:
+        entries.append(("gaps", _json(timeline.gaps)))
+    if timeline.gap_reasons:
+        entries.append(("gap_reasons", _json(timeline.gap_reasons)))
+    for key, events in (("events", timeline.events), ("details", timeline.details)):
+        if events:
+            entries.append((key, "[\n  " + ",\n  ".join(_row(event) for event in events) + "\n ]"))
+    if timeline.intensity is not None:
+        curve = timeline.intensity
+        if curve.count > MAX_POINTS:
+            raise InputError(
+                f"the curve has {curve.count} points; a native file holds up to {MAX_POINTS}, give "
+                "a shorter window"
+            )
+        scaled = curve.percentiles != EXTREMES
+        scale = f', "percentiles": {_json(curve.percentiles)}' if scaled else ""
+        entries.append(
+            (
+                "intensity",
+                f'{{"unit": {_json(curve.unit)}{scale},\n'
+                f'  "time_s": {_json(curve.time_s.tolist())},\n'
+                f'  "value": {_json(curve.value.tolist())}}}',
+            )
+        )
+    if isinstance(timeline.rules, PartRules):
+        entries.append(("series", _series(timeline.rules, timeline.intensity)))
+    return ("{" + ",\n ".join(f'"{key}": {body}' for key, body in entries) + "}\n").encode()
+
+
+def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
+    """Write a timeline in the native JSON format, whole or not at all.
+
+    Parameters
+    ----------
+    timeline : Timeline
+        What is written.
+    path : str or path
+        The file.
+
+    Raises
+    ------
+    InputError
+        A curve of too many points for a JSON file, a place that can't be written.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match = ov.load_timeline("world-cup-final-2018")
+    >>> ov.save_timeline(match, "match.json")
+    >>> ov.load_timeline("match.json") == match
+    True
+    """
+    path = validation.path(path, "a timeline's file")
+    validation.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
+    data = encode(timeline)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def _series(rules: PartRules, curve: Intensity | None) -> str:
+    """The series in which a window's events are found: the curve itself where it is that."""
+    series = rules.part()
+    shared = f'"per_cent": {_json(series.relative)}'
+    same = curve is not None and (
+        rules.curve is not None
+        or (
+            np.array_equal(curve.time_s, series.time_s)
+            and np.array_equal(curve.value, series.value)
+        )
+    )
+    if same or len(series.value) > MAX_POINTS:
+        return f"{{{shared}}}"
+    return (
+        f'{{{shared}, "unit": {_json(series.unit)},\n'
+        f'  "time_s": {_json(series.time_s.tolist())},\n'
+        f'  "value": {_json(series.value.tolist())}}}'
+    )
+
+
+def _rules(given: object, timeline: Timeline) -> PartRules:
+    table = _table(given, "series", _SERIES_KEYS, required=("per_cent",))
+    per_cent = table.pop("per_cent")
+    if not isinstance(per_cent, bool):
+        raise InputError(f"series.per_cent is {shown(per_cent)}; give true or false")
+    with validation.located("series: "):
+        curve = _intensity(table) if table else timeline.intensity
+        if curve is None:
+            raise InputError("there is no intensity that it could be; give time_s and value")
+        if curve.last_s > timeline.duration_s:
+            raise InputError("it reaches beyond the end of the timeline (duration_s)")
+    return rules_of(curve, per_cent, timeline)
+
+
+def _row(event: Event) -> str:
+    return _json({name: getattr(event, name) for name in _EVENT_KEYS})
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _table(
+    value: object, place: str, known: tuple[str, ...], required: tuple[str, ...]
+) -> dict[str, object]:
+    if not isinstance(value, dict):
+        raise InputError(f"{place} is {shown(value)}, not an object {{...}}")
+    for key in value:
+        if key not in known:
+            raise InputError(
+                f"{place} has an unknown key {shown(key)}; known are {', '.join(known)}"
+            )
+    for key in required:
+        if key not in value:
+            raise InputError(f"{place} lacks the key '{key}'; add it")
+    return value
+
+
+def _list(value: object, place: str) -> list[object]:
+    if not isinstance(value, list):
+        raise InputError(f"{place} is {shown(value)}, not a list [...]")
+    return value
+
+
+def _pairs(value: object) -> list[tuple[object, object]]:
+    pairs: list[tuple[object, object]] = []
+    for i, gap in enumerate(_list(value, "gaps")):
+        edges = _list(gap, f"gaps[{i}]")
+        if len(edges) != 2:
+            raise InputError(f"gaps[{i}] has {len(edges)} numbers; a gap is [start_s, end_s]")
+        pairs.append((edges[0], edges[1]))
+    return pairs
+
+
+def _moment(value: object) -> datetime:
+    text = validation.text(value, "start")
+    try:
+        return datetime.fromisoformat(text)
+    except ValueError as error:
+        raise InputError(
+            f"start is {shown(value)}, not a date and time; write it as ISO 8601, such as "
+            "2012-09-19T09:30:00"
+        ) from error
+
+
+def _events(value: object, duration_s: float, key: str = "events") -> tuple[Event, ...]:
+    events: list[Event] = []
+    hint = f"times are finite seconds from 0 to duration_s ({duration_s!r})"
+    listed = _list(value, key)
+    if len(listed) > MAX_EVENTS:
+        raise InputError(
+            f"{key} has {len(listed)} entries, more than the {MAX_EVENTS} that are read; cut the "
+            "file into parts, or make a curve of them"
+        )
+    for i, entry in enumerate(listed):
+        place = f"{key}[{i}]"
+        row = _table(entry, place, _EVENT_KEYS, required=("time_s", "kind"))
+        time_s = validation.number(row["time_s"], f"{place}.time_s", hint)
+        if not 0.0 <= time_s <= duration_s:
+            raise InputError(f"{place}.time_s is {time_s!r}, outside the timeline; {hint}")
+        events.append(
+            Event(
+                time_s,
+                validation.kind(row["kind"], f"{place}.kind"),
+                validation.text(row.get("label", ""), f"{place}.label"),
+                validation.positive(row.get("weight", 1.0), f"{place}.weight"),
+            )
+        )
+    return tuple(events)
+
+
+def _intensity(value: object) -> Intensity:
+    table = _table(value, "intensity", _INTENSITY_KEYS, required=("time_s", "value"))
+    columns = [
+        np.array(
+            [
+                validation.number(entry, f"intensity.{name}[{i}]")
+                for i, entry in enumerate(_list(table[name], f"intensity.{name}"))
+            ],
+            dtype=np.float64,
+        )
+        for name in ("time_s", "value")
+    ]
+    percentiles = _list(table.get("percentiles", list(EXTREMES)), "intensity.percentiles")
+    return Intensity(
+        columns[0],
+        columns[1],
+        validation.text(table.get("unit", ""), "intensity.unit"),
+        tuple(percentiles),  # type: ignore[arg-type]  # checked there
+    )

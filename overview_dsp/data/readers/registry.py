@@ -1,0 +1,298 @@
+"""Any supported file or data in memory, detected from their content, into a Timeline."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from importlib import resources
+from typing import cast
+
+from overview_dsp import validation
+from overview_dsp.data.readers import native, suggestions
+from overview_dsp.data.readers.compression import opened
+from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, Format, formats, is_series
+from overview_dsp.data.readers.json_limits import MOST_DEPTH
+from overview_dsp.data.readers.memory_data import (
+    TableData,
+    TimelineData,
+    document_bytes,
+    is_document,
+    read_table,
+)
+from overview_dsp.data.readers.open_streams import is_content, is_url, spooled
+from overview_dsp.data.readers.source import (
+    READ_AS_WINDOWS,
+    WINDOWS,
+    LoadOptions,
+    Source,
+    decode_text,
+    parse_json,
+)
+from overview_dsp.data.readers.tables.memory import is_table, table_of
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.errors import InputError, shown
+
+BUNDLED: dict[str, str] = {
+    "world-cup-final-2018": "world_cup_final_2018.json",
+    "made-up-share": "made_up_share.json",
+}
+"""Timelines that come with the package: name and file."""
+
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+
+
+def load_timeline(
+    data: Timeline | TimelineData,
+    duration_s: float | None = None,
+    *,
+    value: str | None = None,
+    time: str | TableData | None = None,
+    kind: str | None = None,
+    label: str | None = None,
+    map: str | None = None,
+    rate: float | None = None,
+    match: str | None = None,
+    max_mb: float | None = None,
+    progress: Callable[[float], None] | None = None,
+    max_depth: int | None = None,
+) -> Timeline:
+    """Load a timeline from any supported file, from data in memory, or a bundled one by its name.
+
+    Parameters
+    ----------
+    data : str, path, bytes, open file, DataFrame, Series, array, list or dict
+        A file, detected by content; or `"world-cup-final-2018"` or `"made-up-share"`, which come
+        with the package (for a file of that name, write `./made-up-share`); an address (`https://`,
+        `s3://`, whatever fsspec opens); a file's content, or an open file; a frame or a column of
+        pandas, polars or Arrow; an array; a list of numbers, of (time, value) or of events: (time,
+        kind, label, weight), dicts, `Event`; a dict of columns. Data in memory are read by the
+        rules for the file that would hold them. A Timeline is given back.
+    duration_s : float or None
+        Length, s, for a format that doesn't say it (event lists).
+    value, time : str or None
+        The columns of the values and of the times, for tables; left out, they are found.
+        `time="day:dmy"` says how dates are written (`time="start:hhmm"`: clocks of the day),
+        `value="Close:share"` whether values are a share's, another price's or `plain`. For data in
+        memory, `time` may be the times themselves: an array, a list, a Series, one a row.
+    kind, label : str or None
+        The columns with the kinds and the labels of events, for event lists.
+    map : str or None
+        What of a table becomes friction: `level`, `change`, `activity`, `volatility[:WINDOW]` of
+        its values, `count[:WINDOW]` of its rows, or a column.
+    rate : float or None
+        Samples a second, Hz, for tables and records without times.
+    match : str or None
+        Which match of a file that holds several: words of its line, or its number from 1.
+    max_mb : float or None
+        How large a file read as a whole may be, and what packed ones unpack to, MB.
+    progress : callable or None
+        Called with the part of the file that is read, 0 to 1, by formats that may take long.
+    max_depth : int or None
+        How many levels of JSON may be nested.
+
+    Returns
+    -------
+    Timeline
+        Events, curve and gaps; `notes` says what was decided.
+
+    Raises
+    ------
+    InputError
+        One line: what is wrong, where, what is known, what to try.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.load_timeline("world-cup-final-2018").duration_s
+    5880.0
+    >>> rows = ("time,load", "2024-06-03 09:00,1", "2024-06-03 10:00,3", "2024-06-03 11:00,2")
+    >>> with open("load.csv", "w") as file:
+    ...     for row in rows:
+    ...         print(row, file=file)
+    >>> ov.load_timeline("load.csv", value="load").duration_s
+    7200.0
+    >>> ov.load_timeline([1.0, 3.0, 2.0], rate=0.5).duration_s
+    4.0
+    >>> ov.load_timeline([(2.0, "goal", "1-0"), (8.0, "foul")], duration_s=10.0).kinds()
+    {'goal': 1, 'foul': 1}
+    """
+    times = None if time is None or isinstance(time, str) else time
+    options = _checked(
+        LoadOptions(
+            duration_s,
+            value,
+            "time" if times is not None else cast("str | None", time),
+            map,
+            rate,
+            match,
+            max_mb,
+            progress,
+            max_depth=max_depth,
+            kind=kind,
+            label=label,
+        )
+    )
+    if isinstance(data, Timeline):
+        _refuse_options(options, "a Timeline", frozenset())
+        return data
+    if isinstance(data, str) and data in BUNDLED:
+        _refuse_options(options, data, LIMITS)
+        return bundled_timeline(data)
+    if is_document(data):
+        data = document_bytes(data)
+    if not (isinstance(data, str | os.PathLike) or is_content(data)):
+        return _of_memory(data, times, options)
+    if times is not None:
+        raise InputError("time names a column of a file; times themselves go with values in memory")
+    with _opened(data, options) as source:
+        candidate = _format_of(source)
+        taken = candidate.options | LIMITS
+        _refuse_options(options, f"{source.where}: {candidate.name}", taken)
+        timeline = candidate.read(source, options)
+        if source.encoding == WINDOWS:
+            return replace(timeline, notes=(READ_AS_WINDOWS, *timeline.notes))
+        return timeline
+
+
+def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
+    _require_table(data, f"neither a path, nor data, nor a bundled name ({_bundled_names()})")
+    if times is not None:
+        _require_table(times, "no column of times")
+    table = table_of(data, times)
+
+    def claim(source: Source) -> Callable[[Source, LoadOptions], Timeline] | None:
+        others = () if options.counts else (f for f in formats() if not is_series(f))
+        found = next((f for f in others if f.sniff(source)), None)
+        name, taken = (found.name, found.options) if found else ("series", SERIES_OPTIONS)
+        _refuse_options(options, f"{source.where}: {name}", taken | LIMITS)
+        return found.read if found is not None else None
+
+    return read_table(table, options, claim)
+
+
+def _require_table(data: object, what: str) -> None:
+    if not is_table(data):
+        hint = "; give list(...) of it" if hasattr(data, "__next__") else ""
+        raise InputError(f"{shown(data)} is {what}{hint}")
+
+
+@contextlib.contextmanager
+def _opened(data: object, options: LoadOptions) -> Iterator[Source]:
+    with contextlib.ExitStack() as stack:
+        path, label = cast("str | os.PathLike[str]", data), ""
+        if is_url(data) or is_content(data):
+            path, label = stack.enter_context(spooled(data, options))
+        try:
+            source = stack.enter_context(opened(path, options, label))
+        except InputError as error:
+            missing = isinstance(error.__cause__, FileNotFoundError)
+            hint = f", or use a bundled name ({_bundled_names()})" if missing else ""
+            raise InputError(f"{error}{hint}") from error
+        yield source
+
+
+def _format_of(source: Source) -> Format:
+    """Return the first format that claims the file; InputError describes one that none does."""
+    # an event list is a table too, where its rows are to be counted
+    for candidate in formats():
+        if source.options.counts and not is_series(candidate):
+            continue
+        if candidate.sniff(source):
+            return candidate
+    raise InputError(
+        f"{source.where}: {_described(source)}, not a format that can be read",
+        f"{suggestions.fix_of(source)}; overview timeline formats lists all that can be read",
+    )
+
+
+def list_matches(
+    path: str | os.PathLike[str], options: LoadOptions | None = None
+) -> tuple[str, ...]:
+    """Return a line on each match of a file or address, in the order of their numbers (`match`).
+
+    Empty for a file of a format that holds one timeline.
+
+    Raises
+    ------
+    InputError
+        As `load_timeline`.
+    """
+    if os.fspath(path) in BUNDLED:
+        return ()
+    with _opened(path, _checked(options or LoadOptions())) as source:
+        candidate = _format_of(source)
+        return tuple(candidate.matches(source)) if candidate.matches is not None else ()
+
+
+def bundled_timeline(name: str = "world-cup-final-2018") -> Timeline:
+    """Load a timeline that comes with the package; InputError names the known ones."""
+    if name not in BUNDLED:
+        raise InputError(
+            f"no bundled timeline is called {shown(name)}; there is {_bundled_names()}"
+        )
+    data = (resources.files("overview_dsp.data.readers") / "bundled" / BUNDLED[name]).read_bytes()
+    return native.decode(parse_json(decode_text(data, name), name), name)
+
+
+def _bundled_names() -> str:
+    return ", ".join(BUNDLED)
+
+
+def _checked(options: LoadOptions) -> LoadOptions:
+    """Return options as the readers take them; InputError names one out of its range."""
+    return replace(
+        options,
+        duration_s=_positive(options.duration_s, "duration_s", "a duration is seconds"),
+        value=_words(options.value, "value"),
+        time=_words(options.time, "time"),
+        map=_words(options.map, "map"),
+        rate=_positive(options.rate, "rate", "a rate is samples a second"),
+        match=_words(options.match, "match"),
+        kind=_words(options.kind, "kind"),
+        label=_words(options.label, "label"),
+        max_mb=_positive(options.max_mb, "max_mb", "a limit is megabytes"),
+        max_depth=_depth(options.max_depth),
+    )
+
+
+def _positive(given: float | None, name: str, meaning: str) -> float | None:
+    if given is None:
+        return None
+    return validation.positive(given, name, f"{meaning}, a finite number above 0")
+
+
+def _depth(given: int | None) -> int | None:
+    if given is None:
+        return None
+    if isinstance(given, bool) or not isinstance(given, int) or not 1 <= given <= MOST_DEPTH:
+        raise InputError(f"max_depth is {shown(given)}; give a whole number, 1 to {MOST_DEPTH}")
+    return given
+
+
+def _words(given: str | None, name: str) -> str | None:
+    return None if given is None else validation.text(given, name)
+
+
+def _refuse_options(options: LoadOptions, what: str, taken: frozenset[str]) -> None:
+    for option in sorted(options.given() - taken):
+        raise InputError(f"{what}: {option} can't be given, the format holds it; leave it out")
+
+
+def _described(source: Source) -> str:
+    """Say what an unknown file seems to be."""
+    if source.head_text is None:
+        binary = _CONTROL.search(source.head) is not None
+        return "binary data" if binary else "text that isn't UTF-8 (save it as UTF-8)"
+    if not source.head_text.strip():
+        return "a text file of blanks only"
+    if not source.looks_like_json:
+        first = source.head_text.strip().splitlines()[0]
+        return f"text that begins {shown(first)}"
+    document = source.json
+    if isinstance(document, dict):
+        keys = ", ".join(shown(key) for key in list(document)[:6])
+        return f"a JSON object with the keys {keys or '(none)'}"
+    return f"a JSON list of {len(document) if isinstance(document, list) else 0} entries"

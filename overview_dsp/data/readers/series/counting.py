@@ -1,0 +1,199 @@
+"""Points in time into an intensity: how many rows there are in each window (`--map count`).
+
+For quakes, commits, log lines, messages: a table with a column of times, in any order, and whatever
+else. `count:WINDOW` says how long a window is (s, min, h, d, w, y: `count:6h`); left out, it is the
+shortest of a row of round ones of which there are at most `USUAL_WINDOWS`. Windows begin on the
+calendar, weeks with Monday, and the timeline with a window, so that each is whole.
+
+Every row with a time counts once: 8 bytes are kept of each, none is left out, and a window without
+rows is a 0, not a gap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.analysis import curve_maps
+from overview_dsp.data.analysis.series_events import Series, find_events
+from overview_dsp.data.analysis.series_labels import Calendar
+from overview_dsp.data.analysis.window_rules import PartRules
+from overview_dsp.data.readers.series.plan import HEAD_ROWS
+from overview_dsp.data.readers.series.rows import RowReader, settled
+from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.tables.cells import Style
+from overview_dsp.data.readers.tables.column_roles import choose_time
+from overview_dsp.data.readers.tables.table import Table, first_rows
+from overview_dsp.data.timeline.growable_array import Store
+from overview_dsp.data.timeline.model import Intensity, Timeline
+from overview_dsp.errors import InputError, shown
+
+MAX_ROWS = 500_000_000
+"""Most rows: their times take 8 bytes each in a temporary file."""
+
+MAX_WINDOWS = 2_000_000
+USUAL_WINDOWS = 500
+"""Windows of a count whose length isn't given, at most: a hand tells apart some of them."""
+
+_DAY = 86_400.0
+_ROUND = {
+    "1s": 1.0, "5s": 5.0, "10s": 10.0, "30s": 30.0, "1min": 60.0, "5min": 300.0, "15min": 900.0,
+    "1h": 3600.0, "6h": 21_600.0, "1d": _DAY, "1w": 7 * _DAY, "30d": 30 * _DAY, "1y": 365.25 * _DAY,
+    "10y": 3652.5 * _DAY, "100y": 36_525.0 * _DAY,
+}  # fmt: skip
+
+
+def asked_of(table: Table, options: LoadOptions) -> bool:
+    """Return whether a table's rows are to be counted: not if `count` is one of its columns."""
+    headers = {word.lower() for c in table.columns for word in (c.header, c.name)}
+    return options.counts and (options.map or "").strip().lower() not in headers
+
+
+@dataclass(frozen=True)
+class _Windows:
+    """Windows in a row: what one is called, how long it is, where the first begins, how many."""
+
+    words: str
+    span_s: float
+    first_s: float
+    count: int
+
+
+def counted(table: Table, options: LoadOptions, title: str) -> Timeline:
+    """Make a Timeline of how many rows there are in each window.
+
+    Raises
+    ------
+    InputError
+        An option that says nothing here, no window or one too short, no times, a cell that is none.
+    """
+    for name in ("value", "rate"):
+        if getattr(options, name) is not None:
+            raise InputError(f"map count counts rows by their times; leave {name} out")
+    assert options.map is not None
+    wanted = _span(options.map)
+    head = first_rows(table, HEAD_ROWS)
+    time = settled(table, choose_time(table, head, options.time, False))
+    reader = RowReader(table, time, (), Style(), None, options.report_progress)
+    store = Store(np.float64)
+    low, high = np.inf, -np.inf
+    for rows in reader:
+        if len(rows):
+            store.append(rows.seconds)
+            low, high = min(low, rows.seconds.min()), max(high, rows.seconds.max())
+        if store.count > MAX_ROWS:
+            raise InputError(f"more than {MAX_ROWS} rows; cut the file into parts")
+    if not store.count:
+        raise InputError("no row has a time; name another column with time (--time)")
+    first, last = float(low), float(high)
+    if not np.isfinite(last - first) or last - first > 1e15:
+        raise InputError("the times span more than 30 million years; check their unit")
+    windows = _windows(wanted, first, last, reader.time.start(first))
+    numbers = _numbers(store.finish(), windows)
+    start = reader.time.start(windows.first_s)
+    return _timeline(table, reader, windows, numbers, start, title)
+
+
+def _span(wish: str) -> tuple[str, float] | None:
+    """Return the window asked for, in words and in s; None for none."""
+    _, colon, words = (part.strip() for part in wish.partition(":"))
+    if not colon:
+        return None
+    seconds = curve_maps.span_s(words)
+    if seconds is None:
+        raise InputError(
+            f"map count:{shown(words)}: give a window as a time (count:6h; s, min, h, d, w, y)"
+        )
+    return words, seconds
+
+
+def _windows(
+    wanted: tuple[str, float] | None, first: float, last: float, start: datetime | None
+) -> _Windows:
+    words, span = wanted or next(
+        (item for item in _ROUND.items() if (last - first) / item[1] < USUAL_WINDOWS - 1),
+        ("1000y", 365_250.0 * _DAY),
+    )
+    begin = first - _since_round(first, span, start)
+    count = int((last - begin) // span) + 1
+    if count > MAX_WINDOWS:
+        raise InputError(
+            f"map count:{words} makes {count} windows of {last - first:.6g} s; up to {MAX_WINDOWS} "
+            "are made: give a longer window"
+        )
+    return _Windows(words, span, begin, count)
+
+
+def _since_round(first: float, span: float, start: datetime | None) -> float:
+    """Return how long before the first time a round window begins."""
+    if start is None:
+        return first % span
+    midnight = start.replace(hour=0, minute=0, second=0, microsecond=0)
+    of_day = (start - midnight).total_seconds()
+    if span < _DAY:
+        since = of_day % span
+    elif span % (7 * _DAY) == 0.0:
+        since = of_day + start.weekday() * _DAY
+    else:
+        since = of_day
+    # nothing is before the calendar's first day
+    earliest = datetime.min.replace(tzinfo=start.tzinfo) + timedelta(days=1)
+    return since if start - earliest > timedelta(seconds=since) else 0.0
+
+
+def _numbers(seconds: NDArray[np.float64], windows: _Windows) -> NDArray[np.float64]:
+    """Return how many times lie in each window, some at a time."""
+    numbers = np.zeros(windows.count, np.int64)
+    for begin in range(0, len(seconds), 1 << 20):
+        part = np.asarray(seconds[begin : begin + (1 << 20)])
+        at = np.floor((part - windows.first_s) / windows.span_s).astype(np.int64)
+        # rounding may put the last one past the end
+        numbers += np.bincount(np.clip(at, 0, windows.count - 1), minlength=windows.count)
+    return numbers.astype(np.float64)
+
+
+def _timeline(
+    table: Table,
+    reader: RowReader,
+    windows: _Windows,
+    numbers: NDArray[np.float64],
+    start: datetime | None,
+    title: str,
+) -> Timeline:
+    span = windows.span_s
+    duration_s = windows.count * span
+    middle = (np.arange(windows.count, dtype=np.float64) + 0.5) * span
+    unit = (
+        f"per {windows.words.removeprefix('1') if windows.words[1:].isalpha() else windows.words}"
+    )
+    calendar = Calendar(start, dates_only=False)
+    step = np.concatenate(([np.nan], np.diff(numbers)))
+    series = Series(middle, numbers, step, False, unit, calendar)
+    events, event_notes = find_events(series, duration_s)
+    # the first and the last window reach to the ends
+    time_s = np.concatenate(([0.0], middle, [duration_s]))
+    value = np.concatenate((numbers[:1], numbers, numbers[-1:]))
+    busiest = int(np.argmax(numbers))
+    notes = [
+        f"{reader.rows} rows, counted in {windows.count} windows of {windows.words} "
+        f"(map count:{windows.words}); {numbers[busiest]:g} in the fullest, from "
+        f"{calendar.text(busiest * span)} on"
+    ]
+    if reader.skipped:
+        notes.append(f"{reader.skipped} rows without a time aren't counted")
+    names = " and ".join(shown(table.columns[i].header) for i in reader.choice.columns)
+    return Timeline(
+        title=title,
+        duration_s=duration_s,
+        events=tuple(events),
+        intensity=Intensity(time_s, value, unit),
+        provenance=(
+            f"a {table.kind} table, rows by {names} ({reader.choice.format.words}); events by rule"
+        ),
+        notes=(*table.notes, *reader.choice.notes, *notes, *event_notes),
+        start=start,
+        rules=PartRules(series, 0.0, duration_s),
+    )

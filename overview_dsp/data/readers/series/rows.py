@@ -1,0 +1,218 @@
+"""Rows of a table as numbers: seconds and values, chunk by chunk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.readers.tables.cells import NumberColumn, Style
+from overview_dsp.data.readers.tables.column_roles import TimeChoice, joined_cells
+from overview_dsp.data.readers.tables.table import Table, location
+from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
+from overview_dsp.errors import InputError, shown
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Some rows that have a time.
+
+    Parameters
+    ----------
+    seconds
+        Shape (n,).
+    values
+        Shape (n,) for each column asked for, NaN = missing.
+    number
+        Of each row as a person counts, shape (n,).
+    """
+
+    seconds: NDArray[np.float64]
+    values: list[NDArray[np.float64]]
+    number: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.seconds)
+
+    def cut(self, begin: int, end: int) -> Rows:
+        """Return the rows from and to these indices."""
+        values = [value[begin:end] for value in self.values]
+        return Rows(self.seconds[begin:end], values, self.number[begin:end])
+
+
+def joined(parts: Sequence[Rows]) -> Rows:
+    """Return rows after each other, at least one part."""
+    return Rows(
+        np.concatenate([part.seconds for part in parts]),
+        [np.concatenate(column) for column in zip(*(p.values for p in parts), strict=True)],
+        np.concatenate([part.number for part in parts]),
+    )
+
+
+@dataclass
+class RowReader:
+    """Reads the chosen columns of a table, chunk by chunk, into seconds and values.
+
+    `time` and `numbers` are the columns' parsers, whose findings stand after the last chunk.
+    """
+
+    table: Table
+    choice: TimeChoice
+    columns: Sequence[int]
+    style: Style
+    rate: float | None = None
+    progress: Callable[[float], None] = lambda part: None
+    time: TimeColumn = field(init=False)
+    numbers: list[NumberColumn] = field(init=False)
+    skipped: int = field(default=0, init=False)
+    rows: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        zones = [c.offset_min for i in self.choice.columns if (c := self.table.columns[i]).zoned]
+        self.time = TimeColumn(self.choice.format, offset_min=zones[0] if zones else None)
+        self.numbers = [
+            NumberColumn(self.table.columns[i].header, self.style) for i in self.columns
+        ]
+
+    def __iter__(self) -> Iterator[Rows]:
+        count = len(self.choice.columns)
+        seen = 0
+        for chunk in self.table.chunks((*self.choice.columns, *self.columns)):
+            self.progress(chunk.part)
+            values = [
+                number.values(cells, location(self.table, chunk, index))
+                for number, cells, index in zip(
+                    self.numbers, chunk.cells[count:], self.columns, strict=True
+                )
+            ]
+            if count:
+                cells = chunk.cells[0]
+                if count > 1:
+                    cells = joined_cells(chunk.cells[:count], self.choice.joint)
+                place = location(self.table, chunk, self.choice.columns[0])
+                seconds = self.time.seconds(cells, place)
+            else:
+                assert self.rate is not None
+                seconds = (seen + np.arange(len(chunk))) / self.rate
+            seen += len(chunk)
+            if chunk.numbers is None:
+                rows = np.arange(chunk.first, chunk.first + len(chunk))
+            else:
+                rows = np.array(chunk.numbers, dtype=np.int64)
+            timeless = np.isnan(seconds)
+            if timeless.any():
+                valued = timeless & ~np.all([np.isnan(value) for value in values], axis=0)
+                if valued.any():
+                    i = int(np.flatnonzero(valued)[0])
+                    raise place(i).missing("give the time, or leave the row out")
+                self.skipped += int(timeless.sum())
+                seconds, rows = seconds[~timeless], rows[~timeless]
+                values = [value[~timeless] for value in values]
+            self.rows += len(seconds)
+            yield Rows(seconds, values, rows)
+
+
+def settled(table: Table, choice: TimeChoice) -> TimeChoice:
+    """Distinguish day and month where the head left it open, by the whole column.
+
+    Raises
+    ------
+    InputError
+        They can't be distinguished; the line says how to give it.
+    """
+    if choice.format.name != "dmy or mdy":
+        return choice
+    column = table.columns[choice.columns[0]]
+    example = ""
+
+    def texts() -> Iterator[tuple[int, str]]:
+        nonlocal example
+        for chunk in table.chunks(choice.columns):
+            cells: Any = chunk.cells[0]
+            if len(choice.columns) > 1:
+                cells = joined_cells(chunk.cells, choice.joint)
+            for i, cell in enumerate(cells):
+                if isinstance(cell, str) and cell.strip():
+                    example = example or cell.strip()
+                    yield chunk.number(i), cell.strip()
+
+    name, row = settle_order(texts())
+    header = shown(column.header)
+    if not name:
+        raise InputError(
+            f"column {header}: {shown(example)} may be day/month or month/day, no row shows "
+            f"which; say it with time (--time): '{column.header}:dmy' or '{column.header}:mdy'"
+        )
+    words = Format(name).words
+    evidence = (
+        f"{table.row_word} {row}" if row is not None else "the order of rows (only so do they rise)"
+    )
+    note = f"column {header} is read as {words}, detected from {evidence}"
+    return TimeChoice(choice.columns, Format(name, note), choice.joint, (*choice.notes, note))
+
+
+def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
+    """Sort rows and keep the last of each time; return notes on it too.
+
+    Raises
+    ------
+    InputError
+        A clock that goes back.
+    """
+    seconds, values, rows = read.seconds, read.values, read.number
+    word = reader.table.row_word
+    notes: list[str] = []
+    if reader.skipped:
+        notes.append(f"{reader.skipped} rows without time and value were left out")
+    step = np.diff(seconds)
+    order = None
+    if step.size and bool((step <= 0.0).all()) and bool((step < 0.0).any()):
+        order = np.arange(len(seconds))[::-1]
+        if (step == 0.0).any():  # equal times stay in the file's order
+            order = np.argsort(seconds, kind="stable")
+        notes.append("rows were in descending order; they were turned round")
+    elif (step < 0.0).any():
+        back = int(np.flatnonzero(step < 0.0)[0]) + 1
+        if reader.choice.format.name in CLOCKS:
+            raise InputError(
+                f"{word} {int(rows[back])}: the clock goes back; give dates too, or cut the file "
+                "there"
+            )
+        order = np.argsort(seconds, kind="stable")
+        notes.append(
+            f"{int((step < 0.0).sum())} rows were earlier than the row before them (first "
+            f"{word} {int(rows[back])}); rows were sorted by time"
+        )
+    ordered = read
+    if order is not None:
+        ordered = Rows(seconds[order], [value[order] for value in values], rows[order])
+    single = last_of_each_time(ordered)
+    if len(single) < len(ordered):
+        notes.append(
+            f"{len(ordered) - len(single)} rows repeat a time; of rows of one time the last with a "
+            "value counts"
+        )
+    return single, notes
+
+
+def last_of_each_time(rows: Rows) -> Rows:
+    """Keep one row of each time: the last, its missing values filled from the rows before it.
+
+    Parameters
+    ----------
+    rows
+        In order of their times.
+    """
+    begins = np.flatnonzero(np.diff(rows.seconds, prepend=-np.inf) > 0.0)
+    if len(begins) == len(rows):
+        return rows
+    ends = np.append(begins[1:], len(rows)) - 1
+    merged = []
+    for value in rows.values:
+        known = np.where(np.isnan(value), -1, np.arange(len(value)))
+        last = np.maximum.reduceat(known, begins)
+        merged.append(np.where(last >= 0, value[np.maximum(last, 0)], np.nan))
+    return Rows(rows.seconds[begins], merged, rows.number[ends])

@@ -1,0 +1,411 @@
+"""The samples of a series looked at: gaps, steps, share splits and the mapped curve.
+
+A series of up to `LONG_ROWS` rows is one block in memory, sorted by time, and all of its samples
+are kept. A longer one is looked at block by block, and its curve goes to disk: rows must be in
+order, share splits are not looked for, and events are found among the lowest and highest samples of
+equal runs and the largest steps (`Thinner`): each at a true sample.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.analysis import curve_maps
+from overview_dsp.data.analysis.curve_maps import PERCENTILES
+from overview_dsp.data.analysis.extrema import Thinner
+from overview_dsp.data.analysis.series_events import Series
+from overview_dsp.data.analysis.series_gaps import find_holes, gaps_of
+from overview_dsp.data.analysis.series_labels import Calendar, value_text
+from overview_dsp.data.analysis.share_splits import Split, find_splits
+from overview_dsp.data.analysis.window_rules import only_dates
+from overview_dsp.data.readers.series.plan import Found, Plan, require_few_gaps
+from overview_dsp.data.readers.series.rows import (
+    RowReader,
+    Rows,
+    in_order,
+    joined,
+    last_of_each_time,
+)
+from overview_dsp.data.readers.tables import column_roles
+from overview_dsp.data.readers.tables.cells import sentinel
+from overview_dsp.data.timeline.curve_builder import CurveBuilder
+from overview_dsp.data.timeline.growable_array import Store
+from overview_dsp.data.timeline.model import Intensity
+from overview_dsp.data.timeline.samples import Points
+from overview_dsp.errors import InputError, shown
+
+LONG_ROWS = 2_000_000
+"""A table of more rows is streamed."""
+
+BLOCK_ROWS = 1_000_000
+"""Rows looked at at a time."""
+
+CONTEXT_ROWS = 65_536
+"""Rows before a block that help to estimate the usual step between rows."""
+
+_EVEN = 1e-6
+"""Part of a step by which times may be off and still count as evenly spaced."""
+
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Samples from the one before the block on: times from the series' first, values, levels."""
+
+    time_s: Floats
+    value: Floats
+    level: Floats
+
+
+def look_at(plan: Plan, reader: RowReader) -> Found:
+    """Find gaps, steps, share splits and the mapped curve of a table's rows.
+
+    Raises
+    ------
+    InputError
+        No rows, one time, no value at all, too many gaps; rows of a long series that aren't in
+        order (named).
+    OutputError
+        The temporary folder is full.
+    """
+    rows = iter(reader)
+    head: list[Rows] = []
+    while sum(map(len, head)) < LONG_ROWS and (part := next(rows, None)) is not None:
+        head.append(part)
+    if not any(map(len, head)):
+        raise InputError("no rows with a time; a series has one row a time")
+    following = next(rows, None)
+    finder = _Finder(plan, reader, every=following is None)
+    if following is None:
+        whole, finder.notes = in_order(reader, joined(head))
+        finder.add(whole)
+    else:
+        for block in _blocks(plan, itertools.chain(head, (following,), rows)):
+            finder.add(block)
+    return finder.found()
+
+
+@dataclass
+class _Finder:
+    """Looks at blocks of samples in order; `every` if a single one holds all of them."""
+
+    plan: Plan
+    reader: RowReader
+    every: bool
+    notes: list[str] = field(default_factory=list)
+    builder: CurveBuilder = field(default_factory=CurveBuilder)
+    times: Store = field(default_factory=lambda: Store(np.float64))
+    thinner: Thinner = field(default_factory=Thinner)
+    gaps: list[tuple[float, float]] = field(default_factory=list)
+    splits: tuple[Split, ...] = ()
+    gap_rule: str = ""
+    missing: int = 0
+    count: int = 0
+    relative: bool = False
+    start: datetime | None = None
+    _dates_only: bool = False
+    _first_s: float = 0.0
+    _step_s: float = 0.0
+    _even: bool = True
+    _absent: list[float | None] = field(default_factory=list)
+    _before: _Block | None = None
+    _change: Floats = field(default_factory=lambda: np.empty(0))
+    _samples: tuple[Floats, Floats, Floats] | None = None
+    _points: tuple[Floats, Floats] | None = None
+
+    def _begin(self, block: Rows) -> None:
+        """Decide by the first block what holds for all."""
+        self._absent = [sentinel(value) for value in block.values]
+        for index, values, absent in zip(
+            self.plan.columns, block.values, self._absent, strict=True
+        ):
+            if absent is not None:
+                many = f"{np.count_nonzero(values == absent)} " if self.every else ""
+                header = shown(self.plan.table.columns[index].header)
+                self.notes.append(f"{many}values of {absent:g} in column {header} count as missing")
+        value = self._known(block, 0)
+        if self.every and np.isnan(value).all():
+            raise self._no_value()
+        if len(block) < 2:
+            raise InputError(
+                f"only one time ({self.plan.table.row_word} {int(block.number[0])}); a series has "
+                "two or more, name another time column if this isn't it"
+            )
+        self._first_s = float(block.seconds[0])
+        self._require_span(block)
+        self._step_s = float(block.seconds[-1] - block.seconds[0]) / (len(block) - 1)
+        self.start = self.reader.time.start(self._first_s)
+        if self.start is None and self._first_s != 0.0:
+            self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
+        price = self.plan.worth.relative
+        self.relative = price and not bool((value <= 0.0).any())
+        if price and not self.relative:
+            self.notes.append(curve_maps.NOT_ABOVE_0)
+
+    def _require_span(self, block: Rows) -> None:
+        if not np.isfinite(block.seconds).all() or block.seconds[-1] - self._first_s > 1e15:
+            raise InputError("the times span more than 30 million years; check their unit")
+
+    def _no_value(self) -> InputError:
+        header = shown(self.plan.value_column.header)
+        return InputError(f"column {header} has no value in any row; name another")
+
+    def _known(self, block: Rows, i: int) -> Floats:
+        """A column of a block, NaN where it holds the number for nothing."""
+        value, absent = block.values[i], self._absent[i]
+        return value if absent is None else np.where(value == absent, np.nan, value)
+
+    def add(self, block: Rows) -> None:
+        """Look at the next block, one row a time."""
+        if not self.count:
+            self._begin(block)
+        self._require_span(block)
+        time_s = block.seconds - self._first_s
+        if (np.diff(time_s) <= 0.0).any():
+            raise InputError("times lie too close together to be distinguished; count them from 0")
+        columns = {index: self._known(block, i) for i, index in enumerate(self.plan.columns)}
+        value, level = columns[self.plan.value], columns[self.plan.mapped]
+        self._watch_steps(time_s)
+        self.missing += int(np.isnan(value).sum())
+        self.count += len(value)
+
+        context, tail = self._before, 0
+        whole = _Block(time_s, value, level)
+        if context is not None:
+            tail = len(context.time_s)
+            whole = _Block(
+                np.concatenate((context.time_s, time_s)),
+                np.concatenate((context.value, value)),
+                np.concatenate((context.level, level)),
+            )
+        since = max(tail - 1, 0)  # steps from the last sample before the block on
+        holes = self._holes(whole.time_s, since)
+        self._add_gaps(whole, since, holes)
+        factors = self._find_splits(columns, time_s) if self.every else {}
+        step = curve_maps.steps(whole.value[since:], holes - since, self.relative, factors)
+        known = ~np.isnan(value)
+        found = time_s[known], value[known], step[tail - since :][known]
+        if self.every:
+            self._samples = found
+            self._dates_only = only_dates(self.start, time_s)
+        else:
+            self.times.append(time_s)
+            self.thinner.add(*found)
+        self._add_curve(whole, since, tail, holes, step, factors)
+        self._before = _Block(
+            whole.time_s[-CONTEXT_ROWS:], whole.value[-CONTEXT_ROWS:], whole.level[-CONTEXT_ROWS:]
+        )
+
+    def _find_splits(self, columns: Mapping[int, Floats], time_s: Floats) -> dict[int, float]:
+        """Find share splits, say so, and return the factors of the samples after them."""
+        if not self.relative or self.plan.worth.kind != "share":
+            return {}
+        splits = _splits(self.plan, columns)
+        value = columns[self.plan.value]
+        calendar = Calendar(self.start, only_dates(self.start, time_s))
+        self.notes += _split_notes(self.plan, value, time_s, splits, calendar)
+        index = np.cumsum(~np.isnan(value)) - 1
+        self.splits = tuple(Split(int(index[s.index]), s.ratio, s.factor) for s in splits)
+        return {split.index: split.factor for split in splits}
+
+    def _watch_steps(self, time_s: NDArray[np.float64]) -> None:
+        if self._even:
+            ideal = np.arange(self.count, self.count + len(time_s)) * self._step_s
+            self._even = bool(np.abs(time_s - ideal).max() <= _EVEN * self._step_s)
+
+    def _holes(self, time_s: NDArray[np.float64], since: int) -> NDArray[np.int64]:
+        """Indices of samples before holes, from `since` on."""
+        start = self.start
+        if start is not None:
+            start += timedelta(seconds=float(time_s[0]))
+        holes = find_holes(time_s, start)
+        self.gap_rule = self.gap_rule or holes.rule
+        return holes.after[holes.after >= since]
+
+    def _add_gaps(self, whole: _Block, since: int, holes: NDArray[np.int64]) -> None:
+        value = np.where(np.isnan(whole.level), np.nan, whole.value)[since:]
+        found = list(gaps_of(whole.time_s[since:], value, holes - since))
+        if self.gaps and found and found[0][0] == self.gaps[-1][1] and np.isnan(value[0]):
+            found[0] = self.gaps.pop()[0], found[0][1]  # it goes on from block to block
+        self.gaps += found
+        require_few_gaps(len(self.gaps))
+
+    def _add_curve(
+        self,
+        whole: _Block,
+        since: int,
+        tail: int,
+        holes: NDArray[np.int64],
+        step: Floats,
+        factors: dict[int, float],
+    ) -> None:
+        wish = self.plan.map
+        if wish.in_per_cent(self.relative) != self.relative:
+            step = curve_maps.steps(whole.level[since:], holes - since, not self.relative, factors)
+        change = np.concatenate((self._change, step[tail - since :]))
+        kept = len(change)
+        curve = curve_maps.curve(wish, whole.level[-kept:], change, whole.time_s[-kept:])
+        if self.every:
+            known = ~np.isnan(curve)
+            if not known.any():
+                raise InputError("the mapped column has no value in any row; name another")
+            self._points = whole.time_s[known], curve[known]
+            return
+        self.builder.append(curve[len(self._change) :])
+        if wish.name == "volatility":
+            self._change = change[-self._needed(whole.time_s) :]
+
+    def _needed(self, time_s: NDArray[np.float64]) -> int:
+        """How many changes before a block its first volatility needs."""
+        size, seconds = self.plan.map.window()
+        if seconds:
+            size = float(len(time_s) - np.searchsorted(time_s, time_s[-1] - size)) + 1.0
+        if size >= CONTEXT_ROWS:
+            raise InputError(
+                f"map volatility: a window of more than {CONTEXT_ROWS} samples in a series of more "
+                f"than {LONG_ROWS} rows; give a shorter one"
+            )
+        return int(size)
+
+    def found(self) -> Found:
+        """Return what was found in all blocks."""
+        plan, units = self.plan, [number.unit or "" for number in self.reader.numbers]
+        unit = plan.value_column.unit or units[0]
+        mapped_unit = plan.mapped_column.unit or units[plan.columns.index(plan.mapped)]
+        time_s, value, step = self._samples or self.thinner.finish()
+        if not len(value):
+            raise self._no_value()
+        curve = self._curve(plan.map.unit(mapped_unit, plan.map.in_per_cent(self.relative)))
+        if not self.every:
+            if self.reader.skipped:
+                self.notes.append(
+                    f"{self.reader.skipped} rows without time and value were left out"
+                )
+            self.notes.append(
+                f"of {self.count} samples, events are found among the lowest and highest of every "
+                f"{self.thinner.run} and the largest steps; share splits aren't looked for"
+            )
+        calendar = Calendar(self.start, self._dates_only)
+        return Found(
+            series=Series(
+                time_s, value, step, self.relative, unit, calendar, self.splits, self.every
+            ),
+            intensity=curve,
+            words=plan.map.words(shown(plan.mapped_column.header)),
+            gaps=tuple(self.gaps),
+            gap_rule=self.gap_rule,
+            missing=self.missing,
+            count=self.count,
+            duration_s=max(self._last_s, curve.last_s),
+            notes=tuple(self.notes),
+        )
+
+    @property
+    def _last_s(self) -> float:
+        assert self._before is not None
+        return float(self._before.time_s[-1])
+
+    def _curve(self, unit: str) -> Intensity:
+        if self._points is not None:
+            return Intensity(*self._points, unit, PERCENTILES)
+        curve = self.builder.finish(
+            step_s=self._last_s / (self.count - 1), unit=unit, percentiles=PERCENTILES
+        )
+        if self._even:
+            return curve
+        points = Points(self.times.finish(), curve.points.value)
+        points.__dict__["levels"] = curve.points.levels  # built with the values
+        return Intensity.checked(points, unit, PERCENTILES)
+
+
+def _blocks(plan: Plan, rows: Iterator[Rows]) -> Iterator[Rows]:
+    """Put rows together to blocks, one row a time.
+
+    Raises
+    ------
+    InputError
+        A row is earlier than the one before it.
+    """
+    waiting: list[Rows] = []
+    count = 0
+    for part in rows:
+        waiting.append(part)
+        count += len(part)
+        if count >= BLOCK_ROWS:
+            block = joined(waiting)
+            _require_order(plan, block)
+            # rows of the last time may go on in the next part
+            end = int(np.searchsorted(block.seconds, block.seconds[-1]))
+            if not end:
+                raise InputError(f"{len(block)} rows of one time; check the time column")
+            waiting, count = [block.cut(end, len(block))], len(block) - end
+            yield last_of_each_time(block.cut(0, end))
+    if count:
+        block = joined(waiting)
+        _require_order(plan, block)
+        yield last_of_each_time(block)
+
+
+def _require_order(plan: Plan, block: Rows) -> None:
+    back = np.flatnonzero(np.diff(block.seconds) < 0.0)
+    if back.size:
+        raise InputError(
+            f"{plan.table.row_word} {int(block.number[back[0] + 1])}: earlier than the row before "
+            f"it; a series of more than {LONG_ROWS} rows has to be in order: sort it by time"
+        )
+
+
+def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
+    columns = plan.table.columns
+    if column_roles.is_adjusted(plan.value_column):
+        return []
+
+    def beside(found: int | None) -> Floats | None:
+        return None if found is None or found == plan.value else by_column.get(found)
+
+    adjusted = beside(column_roles.adjusted_close(columns))
+    close = beside(column_roles.close_price(columns)) if adjusted is not None else None
+    return find_splits(
+        by_column[plan.value] if close is None else close,
+        adjusted,
+        beside(column_roles.opening_price(columns)),
+        beside(column_roles.share_volume(columns)),
+    )
+
+
+def _split_notes(
+    plan: Plan,
+    value: Floats,
+    time_s: Floats,
+    splits: list[Split],
+    calendar: Calendar,
+) -> list[str]:
+    if not splits:
+        return []
+    adjusted = column_roles.adjusted_close(plan.table.columns)
+    if adjusted is not None:
+        header = shown(plan.table.columns[adjusted].header)
+        advice = f"take {header} with value (--value), which is"
+    else:
+        advice = "the table has no adjusted column; get prices that are"
+    examples = []
+    known = np.flatnonzero(~np.isnan(value))
+    for split in splits[:6]:
+        before = value[known[np.searchsorted(known, split.index) - 1]]
+        examples.append(
+            f"{split.ratio} on {calendar.text(float(time_s[split.index]))} "
+            f"({value_text(float(before))} to {value_text(float(value[split.index]))})"
+        )
+    more = f" and {len(splits) - 6} more" if len(splits) > 6 else ""
+    return [
+        f"column {shown(plan.value_column.header)} isn't adjusted for share splits: "
+        f"{', '.join(examples)}{more}; these steps are no moves, but the level jumps: {advice}"
+    ]

@@ -1,0 +1,120 @@
+"""What a file that no reader claims comes nearest to, and what it lacks for that."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+
+from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
+from overview_dsp.data.readers.tables.column_roles import is_wordy, time_named, words_named
+from overview_dsp.data.readers.tables.delimited import DelimitedTable
+from overview_dsp.data.readers.tables.dialect import detect
+from overview_dsp.data.readers.tables.json import is_single, shapes_in
+from overview_dsp.data.readers.tables.logs import is_log
+from overview_dsp.data.readers.tables.table import Column, listed
+from overview_dsp.data.readers.tables.time_column import detected_format
+from overview_dsp.errors import InputError, shown
+
+_PACKED = {
+    b"PK\x03\x04": "a spreadsheet or an archive: save the sheet as CSV",
+    b"\xd0\xcf\x11\xe0": "an old spreadsheet: save the sheet as CSV",
+    b"SQLite format 3": "a database: write one table as CSV",
+    b"%PDF": "a PDF: copy its table into a CSV file",
+    b"\x89PNG": "a picture: give the data it shows, as CSV",
+    b"\xff\xd8\xff": "a picture: give the data it shows, as CSV",
+}
+_MARKUP = {
+    "<!doctype html": "a web page: save the file it links to, or its table as CSV",
+    "<html": "a web page: save the file it links to, or its table as CSV",
+    "<?xml": "XML: write the events as CSV with the columns time and event",
+}
+_EVENT_LIST = "nearest: a table of events"
+
+
+def fix_of(source: Source) -> str:
+    """Return the nearest format and the column that is missing, in words for a person."""
+    head = source.head
+    for mark, words in _PACKED.items():
+        if head.startswith(mark):
+            return words
+    text = source.head_text
+    if text is None:
+        return "nearest: text (CSV, JSON), a recording, or a WFDB record"
+    begins = text.lstrip("\ufeff \r\n\t")[:20].lower()
+    for opening, words in _MARKUP.items():
+        if begins.startswith(opening):
+            return words
+    if not begins:
+        return f"{_EVENT_LIST}; its first row names the columns time and event"
+    if is_log(source):
+        return "nearest: a log; its lines are counted with map='count' (--map count)"
+    found = _json_table(source) if source.looks_like_json else _text_table(source)
+    if found is None:
+        shape = (
+            "a list of records with time and event"
+            if source.looks_like_json
+            else ("a first row that names the columns, such as time,event")
+        )
+        return f"{_EVENT_LIST}; it lacks {shape}"
+    return _lacking(*found)
+
+
+def _text_table(source: Source) -> tuple[list[Column], list[list[object]]] | None:
+    layout = detect(source, lambda header, below: bool(below))
+    if layout is None or layout.separator is None:  # prose has blanks between its words
+        return None
+    columns = [Column.of(name) for name in layout.header]
+    table = DelimitedTable(source, layout)
+    with contextlib.suppress(InputError):  # broken quotes, say: it is no table then
+        for chunk in table.chunks(range(len(columns))):
+            return columns, [list(cells[:50]) for cells in chunk.cells]
+    return None
+
+
+def _json_table(source: Source) -> tuple[list[Column], list[list[object]]] | None:
+    shapes = list(shapes_in(source.json))
+    if not shapes:
+        return None
+    shape = max(shapes, key=lambda one: one.rows)
+    columns = [Column.of(name) for name in shape.names]
+    cells = [shape.cut(i, 0, min(shape.rows, 50)) for i in range(len(columns))]
+    return columns, [[cell if is_single(cell) else str(cell) for cell in c] for c in cells]
+
+
+def _lacking(columns: Sequence[Column], head: Sequence[list[object]]) -> str:
+    """Say which column is missing for a series, or for a table of events."""
+    there = f"its columns are {listed(columns)}"
+    named = time_named(columns)
+    timed = named
+    for i, column in enumerate(columns):
+        if timed is None and head[i] and not looks_numeric(head[i]):
+            timed = i if detected_format(column, head[i]) is not None else None
+    numbers = [i for i in range(len(columns)) if i != timed and _is_numeric(head[i])]
+    words = [i for i in range(len(columns)) if i != timed and is_wordy(head[i])]
+    kind, label = words_named(columns)
+    if timed is None:
+        if words:
+            return f"{_EVENT_LIST}; no column is called time, date, start or minute: {there}"
+        return f"nearest: a series; no column is called time or date: {there}"
+    if numbers and not words:
+        return f"nearest: a series; no column besides {_called(columns, timed)} has values: {there}"
+    if kind is None and label is None and words:
+        return (
+            f"{_EVENT_LIST}; no column is called event, what, type, kind, name or label: call "
+            f"{_called(columns, words[0])} so"
+        )
+    if not words:
+        return f"{_EVENT_LIST}; no column says what happened (event, what, type, name): {there}"
+    if named is None:
+        return f"{_EVENT_LIST}; call {_called(columns, timed)} time"
+    return f"{_EVENT_LIST}; {_called(columns, timed)} holds no times that could be read: {there}"
+
+
+def _called(columns: Sequence[Column], i: int) -> str:
+    return f"column {shown(columns[i].header)}"
+
+
+def _is_numeric(cells: Sequence[object]) -> bool:
+    known = [cell for cell in cells if not is_missing(cell)]
+    return bool(known) and looks_numeric(known)

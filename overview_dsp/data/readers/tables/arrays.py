@@ -1,0 +1,311 @@
+"""NumPy's `.npy` and `.npz` as a table, as `np.save` and `np.savez` write them.
+
+`.npy`: one row of values (give `rate`), rows and columns (`column 1` ...), or a structured array
+(its names). `.npz`: all its arrays of one dimension and of the greatest length, by their names.
+Objects are refused: unpickling them would run whatever code they hold. What a header claims is
+compared with the file's size, or the limit, before anything is read.
+"""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import IO, Any
+
+import numpy as np
+
+from overview_dsp import validation
+from overview_dsp.data.readers.compression import MAX_MB
+from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Cells, Chunk, Column
+from overview_dsp.errors import InputError, shown
+
+MAGIC = b"\x93NUMPY"
+_NUMBERS = "bhilqBHILQefdg?"
+_MAX_HEADER = 100_000
+
+
+class ArrayTable:
+    """Columns of one length, in memory or on disk.
+
+    Parameters
+    ----------
+    names
+        Of the columns.
+    arrays
+        Of one dimension and length: numbers, datetimes, texts.
+    notes
+        What a person should know.
+    """
+
+    kind = "NumPy"
+    row_word = "row"
+
+    def __init__(
+        self, names: Sequence[str], arrays: Sequence[Any], notes: Sequence[str] = ()
+    ) -> None:
+        if len(names) > MAX_COLUMNS:
+            raise InputError(f"{len(names)} columns, more than {MAX_COLUMNS}; keep fewer")
+        if not len(arrays) or not len(arrays[0]):
+            raise InputError("no rows; a series has one row a time")
+        self.columns = tuple(Column.of(name) for name in names)
+        self.notes = tuple(notes)
+        self._arrays = arrays
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read these columns."""
+        rows = len(self._arrays[0])
+        for begin in range(0, rows, CHUNK_ROWS):
+            end = min(begin + CHUNK_ROWS, rows)
+            cells = tuple(_cells(self._arrays[i][begin:end]) for i in columns)
+            yield Chunk(cells, begin + 1, None, end / rows)
+
+
+def _cells(part: Any) -> Cells:
+    kind = part.dtype.kind
+    if kind == "f":
+        return np.asarray(part, np.float64)
+    if kind in "iub":
+        return np.asarray(part, np.float64 if kind == "u" else np.int64)
+    return np.asarray(part) if kind == "M" else [str(cell) for cell in part.tolist()]
+
+
+def sniff_npy(source: Source) -> bool:
+    """Return whether the file begins as `.npy` does."""
+    return source.head.startswith(MAGIC)
+
+
+def sniff_npz(source: Source) -> bool:
+    """Return whether the file is a ZIP archive (which `opened` leaves packed only if it is one)."""
+    return source.head.startswith(b"PK\x03\x04")
+
+
+def open_npy(source: Source) -> ArrayTable:
+    """Return the file's table; InputError for objects, for a file that is cut off."""
+    with open(source.path, "rb") as stream:
+        shape, fortran, dtype = _header(stream)
+        offset = stream.tell()
+    if dtype.itemsize * math.prod(shape) != source.size - offset:
+        raise InputError(
+            f"the header says an array of shape {shape}, {dtype.itemsize * math.prod(shape)} "
+            f"bytes, and {source.size - offset} follow; get the file again"
+        )
+    if not math.prod(shape):
+        raise InputError("no rows; a series has one row a time")
+    array = np.memmap(source.path, dtype, "r", offset, shape, "F" if fortran else "C")
+    return _table(array)
+
+
+def open_npz(source: Source) -> ArrayTable:
+    """Return the table of the archive's longest arrays of one dimension."""
+    limit = (source.options.max_mb if source.options.max_mb is not None else MAX_MB) * 2**20
+    arrays: dict[str, Any] = {}
+    try:
+        with zipfile.ZipFile(source.path) as archive:
+            for member in archive.infolist():
+                with archive.open(member) as stream:
+                    name = member.filename.removesuffix(".npy")
+                    with validation.located(f"{shown(name)}: "):
+                        shape, fortran, dtype = _header(stream)
+                        size = dtype.itemsize * math.prod(shape)
+                        limit -= size
+                        if limit < 0:
+                            raise InputError(
+                                "unpacks to more than what is read; raise the limit with max_mb "
+                                "(--max-mb) if that is what it should hold"
+                            )
+                        data = stream.read(size)
+                        if len(data) != size:
+                            raise InputError("the array is cut off; get the file again")
+                    flat = np.frombuffer(data, dtype)
+                    arrays[name] = flat.reshape(shape, order="F" if fortran else "C")
+    except InputError:  # a ValueError too
+        raise
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, OSError, EOFError) as error:
+        raise InputError(f"can't be unpacked ({error}); get it again") from error
+    rows = {name: array for name, array in arrays.items() if array.ndim == 1 and array.dtype.char}
+    if not rows:
+        if len(arrays) == 1:
+            return _table(next(iter(arrays.values())))
+        raise InputError("no array of one dimension; a series has a row of times and one of values")
+    longest = max(len(array) for array in rows.values())
+    same = {name: array for name, array in rows.items() if len(array) == longest}
+    left = [name for name in arrays if name not in same]
+    if len(same) == 1 and same[next(iter(same))].dtype.names:
+        return _table(same[next(iter(same))])
+    notes = [f"arrays of another length are left out: {', '.join(left)}"] if left else []
+    return ArrayTable(list(same), list(same.values()), notes)
+
+
+def _header(stream: IO[bytes] | zipfile.ZipExtFile) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Read what an array is; InputError for objects and for no such header."""
+    try:
+        version = np.lib.format.read_magic(stream)
+        read = (
+            np.lib.format.read_array_header_1_0
+            if version == (1, 0)
+            else np.lib.format.read_array_header_2_0
+        )
+        shape, fortran, dtype = read(stream, _MAX_HEADER)
+    except Exception as error:  # a literal of any kind is parsed there
+        raise InputError(
+            f"no NumPy array ({' '.join(str(error).split())[:120]}); get the file again"
+        ) from error
+    if dtype.hasobject:
+        raise InputError("an array of Python objects, which aren't read; save numbers")
+    if any(size < 0 for size in shape) or not dtype.itemsize:
+        raise InputError(f"an array of shape {shape} of {dtype}; save numbers")
+    return shape, fortran, dtype
+
+
+def _table(array: Any) -> ArrayTable:
+    names = array.dtype.names
+    if names and array.ndim == 1:
+        plain = [name for name in names if array.dtype[name].shape == ()]
+        return ArrayTable(plain, [array[name] for name in plain])
+    if array.ndim == 1:
+        return ArrayTable(["value"], [array])
+    if array.ndim != 2:
+        raise InputError(
+            f"an array of {array.ndim} dimensions; save one of times and values in columns, or of "
+            "values in a row"
+        )
+    if array.shape[1] > array.shape[0] and array.shape[0] <= 2:
+        array = array.T  # a row of times over one of values
+    first = "time" if array.shape[1] == 2 else "column 1"
+    return ArrayTable(
+        [first, *(f"column {i}" for i in range(2, array.shape[1] + 1))],
+        [array[:, i] for i in range(array.shape[1])],
+    )
+
+
+PARQUET_MAGIC = b"PAR1"
+"""What a Parquet file begins with."""
+
+MAX_ROWS = 2_000_000_000
+"""Most rows: a file of a few kilobytes can claim any number of equal ones."""
+
+_INSTALL = 'Parquet needs pyarrow: pip install "overview-dsp[parquet]"'
+
+
+def sniff_parquet(source: Source) -> bool:
+    """Return whether the file begins as Parquet does."""
+    return source.head.startswith(PARQUET_MAGIC)
+
+
+def _library() -> Any:
+    try:
+        import pyarrow.parquet
+    except ImportError as error:
+        raise InputError(f"{_INSTALL}, or save the table as CSV") from error
+    return pyarrow
+
+
+class ParquetTable:
+    """A Parquet file, streamed."""
+
+    kind = "Parquet"
+    row_word = "row"
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, source: Source) -> None:
+        arrow = _library()
+        self._arrow = arrow
+        self._path = str(source.path)
+        with _one_line():
+            file = arrow.parquet.ParquetFile(self._path, memory_map=False)
+            with file:
+                schema = file.schema_arrow
+                self._rows = file.metadata.num_rows
+        if self._rows > MAX_ROWS:
+            raise InputError(f"{self._rows} rows, more than the {MAX_ROWS} that are read; cut it")
+        if self._rows == 0:
+            raise InputError("no rows; a series has one row a time")
+        if len(schema) > MAX_COLUMNS:
+            raise InputError(f"{len(schema)} columns, more than {MAX_COLUMNS}; keep fewer")
+        types = arrow.types
+        # nested columns (lists, structures) are none of a series
+        fields = [
+            (i, field)
+            for i, field in enumerate(schema)
+            if not types.is_nested(field.type) and schema.names.count(field.name) == 1
+        ]
+        self._names = [field.name for _, field in fields]
+        self.columns = tuple(
+            Column(
+                (found := Column.of(field.name)).header,
+                found.name,
+                found.unit,
+                bool(types.is_timestamp(field.type) and field.type.tz),
+            )
+            for _, field in fields
+        )
+        if not fields:
+            raise InputError("no flat columns; a series is a table of times and values")
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read these columns; InputError where the file is damaged."""
+        names = [self._names[i] for i in columns]
+        first = 1
+        with (
+            _one_line(),
+            self._arrow.parquet.ParquetFile(
+                self._path, memory_map=False, buffer_size=1 << 20, pre_buffer=False
+            ) as file,
+        ):
+            batches = file.iter_batches(
+                batch_size=CHUNK_ROWS, columns=list(dict.fromkeys(names)), use_threads=False
+            )
+            for batch in batches:
+                if not batch.num_rows:
+                    continue
+                cells = tuple(self._cells(batch.column(name)) for name in names)
+                done = first - 1 + batch.num_rows
+                yield Chunk(cells, first, None, min(1.0, done / self._rows))
+                first = done + 1
+        if first == 1:
+            raise InputError("no rows; a series has one row a time")
+
+    def _cells(self, column: Any) -> Cells:
+        """A batch's column as numpy numbers or datetimes, or as Python values."""
+        types, kind = self._arrow.types, column.type
+        if types.is_timestamp(kind):
+            naive = column.cast(self._arrow.timestamp(kind.unit))
+            found = naive.to_numpy(zero_copy_only=False)
+            return np.asarray(found)
+        if types.is_date(kind):
+            days = column.cast(self._arrow.date32()).cast(self._arrow.int32())
+            whole = days.cast(self._arrow.int64()).fill_null(np.iinfo(np.int64).min)
+            return np.asarray(whole.to_numpy(zero_copy_only=False)).astype("datetime64[D]")
+        if types.is_floating(kind):
+            return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
+        if types.is_integer(kind) and column.null_count == 0 and kind.bit_width <= 64:
+            whole = column.to_numpy(zero_copy_only=False)
+            if whole.dtype.kind == "i" or not whole.size or int(whole.max()) < 2**63:
+                return np.asarray(whole, dtype=np.int64)
+        if types.is_decimal(kind):
+            return [None if cell is None else float(cell) for cell in column.to_pylist()]
+        if types.is_time(kind) or types.is_duration(kind):
+            return [None if cell is None else str(cell) for cell in column.to_pylist()]
+        return list(column.to_pylist())
+
+
+@contextmanager
+def _one_line() -> Iterator[None]:
+    """Turn what pyarrow raises about a broken file into one line."""
+    try:
+        yield
+    except InputError:  # a ValueError too
+        raise
+    except (OSError, ValueError, MemoryError, TypeError, NotImplementedError) as error:
+        first = str(error).strip().split("\n")[0][:160] or type(error).__name__
+        raise InputError(
+            f"broken or unknown Parquet ({first}); get the file again, or save the table as CSV"
+        ) from error
+
+
+def open_parquet(source: Source) -> ParquetTable:
+    """Return the file's table; InputError if it can't be read, or pyarrow is missing."""
+    return ParquetTable(source)

@@ -1,0 +1,266 @@
+"""Cells of a table: numbers in any way of writing, words for a missing value.
+
+Numbers have a decimal point or comma, thousands in groups of three, a currency sign, a per cent
+sign or a unit after the number, K, M and B for thousand, million and milliard (10^9), brackets for
+less than zero. One way holds for a whole file; which of point and comma is the decimal mark is
+detected from cells in which only one can be.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.readers.tables.table import Cells, Location
+from overview_dsp.data.timeline.curve_checks import MAX_VALUE
+from overview_dsp.errors import shown
+
+_CURRENCIES = "$€£¥₹₽₩"
+_MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
+_GROUPS = "'’ \u00a0\u202f_"
+_WHOLE = re.compile(
+    rf"(?P<open>\()?\s*(?P<sign1>[+\-−]?)\s*(?P<currency>[{_CURRENCIES}]?)\s*(?P<sign>[+\-−]?)"
+    rf"(?P<digits>\d(?:[\d.,{_GROUPS}]*\d)?[.,]?|[.,]\d+)(?P<power>[eE][+\-]?\d+)?"
+    r"\s*(?P<unit>[^\d\s().,+\-:/][^\d\s():/]{0,7})?\s*(?(open)\))",
+    re.ASCII,
+)
+_GROUP = re.compile(rf"[{_GROUPS}]")
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a file writes numbers: its decimal mark, "." or ","."""
+
+    decimal: str = "."
+
+    @property
+    def thousands(self) -> str:
+        """The other one."""
+        return "," if self.decimal == "." else "."
+
+
+def detected_style(cells: Iterable[Any]) -> Style | None:
+    """Return the style that some cell proves, None if none does.
+
+    A cell proves a mark to be decimal if it has both marks (the last one), or just one, once, and
+    not before exactly three digits (`12,5`, `0.250` by its zero).
+    """
+    votes = {".": 0, ",": 0}
+    for cell in cells:
+        if not isinstance(cell, str):
+            continue
+        found = _WHOLE.fullmatch(cell.strip())
+        if found is None:
+            continue
+        digits = found["digits"]
+        point, comma = digits.rfind("."), digits.rfind(",")
+        if point < 0 and comma < 0:
+            continue
+        mark = "." if point > comma else ","
+        if digits.count(mark) > 1:
+            votes["," if mark == "." else "."] += 1  # a mark that repeats groups thousands
+        elif (point >= 0 and comma >= 0) or not re.fullmatch(
+            r"[1-9]\d{0,2}[.,]\d{3}", digits, re.ASCII
+        ):
+            votes[mark] += 1
+    if votes["."] == votes[","]:
+        return None
+    return Style("." if votes["."] > votes[","] else ",")
+
+
+def parse(text: str, style: Style) -> tuple[float, str] | None:
+    """Return a cell's number and what unit or currency it carries; None if it is no number."""
+    found = _WHOLE.fullmatch(text)
+    if found is None or (found["sign1"] and found["sign"]):
+        return None
+    digits = found["digits"]
+    whole, mark, part = digits.partition(style.decimal)
+    if style.thousands in part or style.decimal in part:
+        return None
+    separators = set(whole) - set("0123456789")
+    if len(separators) > 1:
+        return None
+    if separators:
+        groups = whole.split(separators.pop())
+        # grouped in threes, or in lakhs (12,34,567): the last has three, the others two or three
+        if len(groups[-1]) != 3 or not all(2 <= len(g) <= 3 for g in groups[1:-1]):
+            return None
+        if not 1 <= len(groups[0]) <= 3:
+            return None
+        whole = "".join(groups)
+    if _GROUP.search(part):
+        return None
+    value = float(f"{whole or '0'}{'.' if mark else ''}{part}{found['power'] or ''}")
+    unit = found["unit"] or ""
+    # half a character, where a byte wasn't text; a power without its digits
+    if not unit.isprintable() or unit in ("e", "E"):
+        return None
+    if unit in _MULTIPLIERS:
+        value, unit = value * _MULTIPLIERS[unit], ""
+    negative = "-" in (found["sign1"] + found["sign"]).replace("−", "-")
+    if negative != (found["open"] is not None):
+        value = -value
+    return value, unit or found["currency"]
+
+
+@dataclass
+class NumberColumn:
+    """Makes numbers of a column, chunk by chunk; `unit` is what the cells themselves carry."""
+
+    what: str
+    style: Style = field(default_factory=Style)
+    unit: str | None = None
+
+    def values(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+        """Return float64 of the cells' length, NaN where there is no value.
+
+        Parameters
+        ----------
+        cells
+            A chunk's column.
+        place
+            Called with the index of a wrong cell, gives its location.
+
+        Raises
+        ------
+        InputError
+            A word, infinity, a number beyond 1e300 or in another unit than the cells before.
+        """
+        if isinstance(cells, np.ndarray):
+            if cells.dtype.kind not in "iuf":
+                raise place(0).error(cells[0], "is a date; name a column of numbers")
+            values = cells.astype(np.float64)
+        else:
+            plain = self._plain(cells)
+            if plain is None:
+                plain = np.array([self._one(cell, i, place) for i, cell in enumerate(cells)])
+            values = plain
+        wild = np.flatnonzero(~np.isnan(values) & ~(np.abs(values) <= MAX_VALUE))
+        if wild.size:
+            i = int(wild[0])
+            raise place(i).error(
+                float(values[i]),
+                f"isn't a finite number up to {MAX_VALUE:g}; leave a missing value empty",
+            )
+        return values
+
+    def _plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
+        """Return the numbers if all cells are plain ones with a decimal point."""
+        if self.style.decimal != "." or self.unit:
+            return None
+        try:
+            if not are_written_in(cells, "0123456789+-.eE"):
+                return None
+            values = np.fromiter(map(float, cells), np.float64, len(cells))
+        except (TypeError, ValueError):  # a cell that's no text, an empty one, a lone sign
+            return None
+        if values.size:
+            self.unit = ""
+        return values
+
+    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+        if is_missing(cell):
+            return math.nan
+        if isinstance(cell, bool):
+            raise place(i).error(cell, "isn't a number; name a column of numbers")
+        if isinstance(cell, int | float):
+            try:
+                return float(cell)
+            except OverflowError:
+                return math.inf
+        found = parse(cell.strip(), self.style) if isinstance(cell, str) else None
+        if found is None:
+            other = parse(cell.strip(), Style(self.style.thousands)) if isinstance(cell, str) else 0
+            hint = f" with a decimal {_MARKS[self.style.decimal]}" if other else ""
+            raise place(i).error(
+                cell,
+                f"isn't a number{hint}; correct it, or leave it empty if there is no value",
+            )
+        value, unit = found
+        if self.unit is None or (unit and not self.unit):
+            self.unit = unit
+        elif unit and unit != self.unit:
+            raise place(i).error(
+                cell,
+                f"is in {shown(unit)}, cells before it in {shown(self.unit)}; give one unit for "
+                "the column",
+            )
+        return value
+
+
+def are_written_in(cells: Iterable[str], letters: str) -> bool:
+    """Return whether texts hold nothing but some ASCII letters; TypeError for a cell of none."""
+    text = "".join(cells).encode("ascii", "replace")  # "?" for any other
+    return not text.translate(None, letters.encode())
+
+
+_MARKS = {".": "point", ",": "comma"}
+
+
+def is_number(cell: Any) -> bool:
+    """Return whether a cell is a number in either style."""
+    if isinstance(cell, str):
+        text = cell.strip()
+        return parse(text, Style(".")) is not None or parse(text, Style(",")) is not None
+    return isinstance(cell, int | float) and not isinstance(cell, bool)
+
+
+def looks_numeric(cells: Iterable[Any]) -> bool:
+    """Return whether a column's first cells are numbers, missing ones aside.
+
+    One that isn't among two or more that are is a mistake, to be named when it is read.
+    """
+    found = [is_number(cell) for cell in cells if not is_missing(cell)]
+    return any(found) and 3 * sum(found) >= 2 * len(found)
+
+
+TOKENS = frozenset(
+    {"", ".", "..", "...", "-", "--", "---", "–", "—", "?", "*", "m", "na", "n/a", "#n/a", "n.a."}
+    | {"#na", "#n/a n/a", "<na>", "nan", "-nan", "nat", "nil", "none", "null", "missing", "\\n"}
+    | {"#value!", "#ref!", "#div/0!", "no data", "nodata", "unavailable", "unknown"}
+)
+"""Cells that mean "no value", in small letters, without the blanks around them."""
+
+SENTINELS = (-99.0, -99.9, -99.99, -999.0, -999.9, -999.99, -9999.0, -9999.9, -99999.0, -32768.0)
+"""Numbers that loggers and archives write where they have none."""
+
+
+def is_missing(cell: Any) -> bool:
+    """Return whether a cell holds no value: None, NaN, NaT or a word of `TOKENS`."""
+    if cell is None:
+        return True
+    if isinstance(cell, str):
+        return cell.strip().lower() in TOKENS
+    if isinstance(cell, float):
+        return math.isnan(cell)
+    return isinstance(cell, np.datetime64) and bool(np.isnat(cell))
+
+
+def sentinel(value: NDArray[np.float64]) -> float | None:
+    """Return the number that stands for "no value" in a column, if there is one.
+
+    It is the column's smallest value, one of `SENTINELS`, and further below all others than these
+    spread: -9999 among temperatures is one, -99 among depths from 0 to -120 isn't.
+
+    Parameters
+    ----------
+    value
+        Shape (n,), NaN = missing.
+    """
+    known = value[~np.isnan(value)]
+    if not known.size:
+        return None
+    low = float(known.min())
+    if low not in SENTINELS:
+        return None
+    rest = known[known != low]
+    if not rest.size:
+        return None
+    spread = float(rest.max()) - float(rest.min())
+    return low if float(rest.min()) - low > max(spread, 0.5 * abs(low)) else None

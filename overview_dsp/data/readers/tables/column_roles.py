@@ -1,0 +1,622 @@
+"""Which column of a table is what: times, values, prices, kinds, labels; as asked, or detected.
+
+A table of prices has a close, and an open, high or low; it may have volume and an adjusted close.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
+from overview_dsp.data.readers.tables.table import Column, Table, as_list, column_named, listed
+from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, detected_format, split_wish
+from overview_dsp.data.timeline.times import moment
+from overview_dsp.errors import InputError, shown
+
+# --- names
+
+TIMES = (
+    "time", "times", "date", "datetime", "timestamp", "minute", "start", "begin", "onset", "when",
+    "times", "clock", "starttime", "startdate", "start_time", "begintime", "from", "in", "at",
+    "day", "datum", "zeit", "uhrzeit", "beginn", "fecha", "hora", "heure", "debut", "début",
+    "minutes", "min", "second", "seconds", "sec", "secs", "position", "offset", "timecode", "tc",
+    "t", "ts", "hour", "hours", "year", "timeofday", "createdat", "elapsed", "eventtime",
+    "eventdate", "dtstart", "ms", "milliseconds", "gametime", "matchtime", "startdatetime",
+)  # fmt: skip
+"""Names of a column of times, the likelier first; a unit may follow (`time_s`, `start (min)`)."""
+
+KINDS = (
+    "kind", "event", "eventtype", "type", "what", "category", "action", "eventname", "class",
+    "ereignis", "evento", "evenement", "événement", "art", "typ", "tipo", "tag", "code",
+    "behavior", "behaviour", "annotation", "incident", "trialtype", "status", "activity",
+)  # fmt: skip
+"""Names of a column that says what happened."""
+
+LABELS = (
+    "label", "name", "title", "description", "text", "note", "notes", "comment", "summary",
+    "subject", "message", "details", "detail", "bezeichnung", "beschreibung", "titel", "nombre",
+    "nom", "caption", "remark", "content", "chapter", "marker", "scene", "task", "milestone",
+)  # fmt: skip
+"""Names of a column of words."""
+
+EXTRAS = (
+    "weight", "strength", "importance", "priority", "intensity", "end", "endtime", "enddate",
+    "stop", "finish", "out", "to", "duration", "length", "dur", "id", "eventid", "no", "nr",
+    "number", "num", "index", "row", "n", "", "color", "colour", "player", "team", "who", "person",
+    "user", "author", "channel", "track", "speaker", "fps", "enddatetime", "allday",
+    "location", "place", "where", "latitude", "longitude", "lat", "lon", "url", "link", "period",
+)  # fmt: skip
+"""Names of columns that a list of events may have besides; numbers in them are no series."""
+
+_WEIGHTS = ("weight", "strength", "importance")
+_ENDS = ("end", "endtime", "enddate", "stop", "finish", "out", "to", "enddatetime")
+_LENGTHS = ("duration", "length", "dur")
+_IDS = ("id", "eventid", "uuid", "uid", "guid")
+_UNIT = re.compile(r"(?:in)?(ns|us|ms|s|sec|secs|seconds|min|mins|minutes|h|hrs|hours)$")
+
+_DATE_NAMES = (
+    "date", "datetime", "timestamp", "time", "ts", "t", "datum", "zeit", "zeitstempel", "fecha",
+    "data", "jour", "day", "month", "year", "period", "quarter", "week", "observationdate",
+    "opentime", "epoch", "unix", "unixtime", "unixtimestamp", "times", "seconds", "secs", "sec",
+    "minutes", "hours", "elapsed", "elapsedtime", "valid", "dateutc", "timeutc", "localtime",
+    "createdat", "recordedat", "index", "", "yyyymmdd", "decimaldate", "decimalyear", "jahr",
+    "anno", "ano", "año", "mes", "monat", "tag",
+)  # fmt: skip
+_DATE_WORDS = ("date", "time", "datum", "zeit", "fecha", "epoch", "unix", "seconds", "elapsed")
+_COUNTER_NAMES = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
+_OFFSET_NAMES = ("utcoffset", "offset", "gmtoffset", "tz", "timezone", "zone", "tzoffset")
+_OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
+_CLOCK_NAMES = ("time", "zeit", "hora", "heure", "uhrzeit", "clock", "timeofday")
+
+_CLOSE = (
+    "close", "closelast", "closeprice", "last", "lastprice", "closing", "settle", "price",
+    "schlusskurs", "schluss", "zuletzt", "cierre", "dernier", "c",
+)  # fmt: skip
+_NO_CLOSE = ("price", "lastprice", "settle")
+_ALONE = (*_NO_CLOSE, "close", "closelast", "closeprice", "closing", "schlusskurs")
+_OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
+_HIGH_LOW = (
+    "high", "low", "highprice", "lowprice", "dayhigh", "daylow", "hoch", "tief", "h", "l",
+)  # fmt: skip
+_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
+
+
+# --- columns of a series
+
+
+@dataclass(frozen=True)
+class TimeChoice:
+    """The columns whose cells, joined, are the times, and how those are written.
+
+    Several columns are joined by `joint`: a date and a clock by a blank, year, month and day by
+    hyphens. No column: rows are evenly spaced (`rate`).
+    """
+
+    columns: tuple[int, ...]
+    format: Format
+    joint: str = ""
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ValueChoice:
+    """The column of values, and a note on the choice."""
+
+    column: int
+    note: str = ""
+
+
+def choose_time(
+    table: Table, head: Sequence[Sequence[Any]], wish: str | None, rated: bool
+) -> TimeChoice:
+    """Choose the time column.
+
+    Parameters
+    ----------
+    table
+        The table.
+    head
+        Its first rows, a list a column.
+    wish
+        `COLUMN`, `COLUMN:FORMAT` or `:FORMAT`.
+    rated
+        Rows are evenly spaced at a rate that was given.
+
+    Raises
+    ------
+    InputError
+        No such column, or none that looks like times; the line names the columns.
+    """
+    columns = table.columns
+    named, written = (None, None) if wish is None else split_wish(wish, columns)
+    if named is not None:
+        index = _asked(columns, named, "times")
+        form = _form_of(columns[index], head[index], written, True)
+        return TimeChoice((index,), form, notes=_form_notes(form))
+    if rated:
+        return TimeChoice((), Format("s"))
+    found = _best(columns, head)
+    if found is None:
+        parts = _year_month_day(columns, head)
+        if parts is not None:
+            return parts
+        raise InputError(
+            f"no column looks like times; columns are {listed(columns)}: name one with time "
+            "(--time COLUMN:FORMAT; numbers that only count rows are no times), or give the "
+            "samples a second of evenly spaced rows with rate (--rate)"
+        )
+    index, form = found
+    if written:
+        form = Format(written)
+    clock = _clock_beside(columns, head, index, form)
+    offset = _offset_beside(columns, head, index, form)
+    beside = tuple(i for i in (clock, offset) if i is not None)
+    if beside:
+        return TimeChoice((index, *beside), form, " ", _form_notes(form))
+    if form.name == "year":
+        parts = _year_month_day(columns, head)
+        if parts is not None:
+            return parts
+    notes = _form_notes(form)
+    if columns[index].plain not in _DATE_NAMES:
+        notes = (*notes, f"times are taken from column {shown(columns[index].header)}")
+    return TimeChoice((index,), form, "", notes)
+
+
+def _asked(columns: Sequence[Column], name: str, what: str) -> int:
+    """Return the column that is called so; InputError names those there are."""
+    index = column_named(columns, name)
+    if index is None:
+        raise InputError(f"no column {shown(name)} for the {what}; columns are {listed(columns)}")
+    return index
+
+
+def _form_of(column: Column, cells: Sequence[Any], written: str | None, asked: bool) -> Format:
+    """Return how a column's times are written; numbers that were asked for are seconds."""
+    if written:
+        return Format(written)
+    form = detected_format(column, list(cells))
+    header = shown(column.header)
+    if form is None and asked and looks_numeric(cells):
+        form = Format("s", f"the numbers of column {header} are read as seconds")
+    if form is None:
+        first = next((cell for cell in cells if not is_missing(cell)), None)
+        raise InputError(
+            f"column {header} holds {shown(first) if first is not None else 'no values'}, which "
+            "isn't a time in any known way; name another column, or say how times are written "
+            "with time (--time COLUMN:FORMAT)"
+        )
+    return form
+
+
+def _form_notes(form: Format) -> tuple[str, ...]:
+    return (form.note,) if form.note else ()
+
+
+def _best(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> tuple[int, Format] | None:
+    """The first column of the best rank: named and dated, dated, named, first and rising."""
+    ranked: list[tuple[int, int, Format]] = []
+    for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
+        form = detected_format(column, list(cells))
+        if form is None:
+            continue
+        fixed = form.name != "year" and _is_constant(cells)  # a station's number, a table's date
+        if fixed and _clock_beside(columns, head, i, form) is None:
+            continue
+        name = column.plain
+        named = name in _DATE_NAMES or any(word in name for word in _DATE_WORDS)
+        dated = form.calendar and form.name != "year"
+        if dated and form.name.startswith("epoch") and not named:
+            dated = i == 0  # large numbers elsewhere are volumes and the like
+        if dated and form.name == "iso" and not named and looks_numeric(cells):
+            dated = i == 0
+        named = named or form.name == "hhmm"  # a heading that names a time of day
+        if form.name in CLOCKS and not named:
+            continue
+        if dated:
+            rank = 0 if named and name != "" else 1
+        elif named and name not in _COUNTER_NAMES:
+            rank = 2 if form.calendar else 3
+        elif i == 0 and len(columns) > 1 and _rising(cells):
+            rank = 4
+        else:
+            continue
+        ranked.append((rank, i, form))
+    if not ranked:
+        return None
+    _, index, form = min(ranked, key=lambda entry: entry[:2])
+    return index, form
+
+
+def _rising(cells: Sequence[Any]) -> bool:
+    values = [_float(cell) for cell in cells]
+    known = [value for value in values if value is not None]
+    return len(known) == len(cells) and all(b > a for a, b in itertools.pairwise(known))
+
+
+def _float(cell: Any) -> float | None:
+    try:
+        return float(cell)
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def _clock_beside(
+    columns: Sequence[Column], head: Sequence[Sequence[Any]], date: int, form: Format
+) -> int | None:
+    """A column of clock times that completes one of days."""
+    if form.name not in ("iso", "dmy", "mdy", "dmy or mdy", "month names"):
+        return None
+    known = [cell for cell in head[date] if isinstance(cell, str) and not is_missing(cell)]
+    if not known or any(":" in cell for cell in known):
+        return None
+    for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
+        texts = [cell for cell in cells if isinstance(cell, str) and not is_missing(cell)]
+        if i == date or not texts or not any(name in column.plain for name in _CLOCK_NAMES):
+            continue
+        if all(moment(f"2000-01-01 {text.strip()}", "iso") is not None for text in texts):
+            return i
+    return None
+
+
+def _offset_beside(
+    columns: Sequence[Column], head: Sequence[Sequence[Any]], date: int, form: Format
+) -> int | None:
+    """A column of offsets from UTC, which tells the hours apart that clock changes repeat."""
+    if form.name not in ("iso", "dmy", "mdy", "dmy or mdy", "month names"):
+        return None
+    for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
+        texts = [cell.strip() for cell in cells if isinstance(cell, str) and not is_missing(cell)]
+        named = column.plain in _OFFSET_NAMES
+        if i != date and named and texts and all(map(_OFFSET.fullmatch, texts)):
+            return i
+    return None
+
+
+def _year_month_day(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> TimeChoice | None:
+    """Columns `year`, `month` and maybe `day` (and `hour`) together."""
+    names = [column.plain for column in columns]
+    wanted = (("year", "yr", "jahr"), ("month", "mo", "mon", "monat"), ("day", "dy", "tag"))
+    found: list[int] = []
+    for options in wanted:
+        index = next((i for i, name in enumerate(names) if name in options), None)
+        if index is None:
+            break
+        found.append(index)
+    if len(found) < 2:
+        return None
+    rows = list(zip(*(head[i] for i in found), strict=True))
+    texts = ["-".join(_whole(cell) for cell in row) for row in rows]
+    if not texts or any(moment(text, "iso") is None for text in texts):
+        return None
+    joined = " and ".join(shown(columns[i].header) for i in found)
+    return TimeChoice(tuple(found), Format("iso"), "-", (f"times are made of columns {joined}",))
+
+
+def _whole(cell: Any) -> str:
+    number = _float(cell)
+    return str(int(number)) if number is not None and number.is_integer() else str(cell).strip()
+
+
+def joined_cells(columns: Sequence[Any], joint: str) -> list[Any]:
+    """Return the cells of several columns as one text a row; missing where any is."""
+    lists = [as_list(cells) for cells in columns]
+    return [
+        None
+        if any(is_missing(cell) for cell in row)
+        else joint.join(_whole(cell) if joint == "-" else str(cell).strip() for cell in row)
+        for row in zip(*lists, strict=True)
+    ]
+
+
+def choose_value(
+    table: Table, head: Sequence[Sequence[Any]], wish: str | None, times: tuple[int, ...]
+) -> ValueChoice:
+    """Choose the column of values.
+
+    The one asked for; else the only one of numbers; else, of a table of prices, the adjusted
+    close or the close, with a note.
+
+    Raises
+    ------
+    InputError
+        No such column, none of numbers, or several: the line names them.
+    """
+    columns = table.columns
+    if wish is not None:
+        return ValueChoice(_asked(columns, wish, "values"))
+    numeric = [
+        i
+        for i in range(len(columns))
+        if i not in times and looks_numeric(head[i]) and not _is_time_too(columns[i], head[i])
+    ]
+    if not numeric:
+        raise InputError(
+            f"no column of numbers besides the times; columns are {listed(columns)}: name the "
+            "values with value (--value)"
+        )
+    offered = [columns[i] for i in numeric]
+    price = preferred_price(offered)
+    if price is not None and len(numeric) > 1:
+        adjusted = is_adjusted(offered[price])
+        why = "the close adjusted for splits and dividends" if adjusted else "the last price"
+        return ValueChoice(
+            numeric[price],
+            f"the value is column {shown(offered[price].header)}, {why} in a table of "
+            f"prices; others can be named: {listed(offered)}",
+        )
+    series = [
+        i
+        for i in numeric
+        if not _is_counter(columns[i], head[i]) and not _is_constant(head[i], zero=False)
+    ] or numeric
+    if len(series) == 1:
+        left = [columns[i] for i in numeric if i not in series]
+        note = f"left out, as row counts or one number throughout: {listed(left)}"
+        return ValueChoice(series[0], note if left else "")
+    offered = [columns[i] for i in series]
+    raise InputError(
+        f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "
+        f"with value (--value), such as {shown(offered[0].header)}"
+    )
+
+
+def _is_constant(cells: Sequence[Any], zero: bool = True) -> bool:
+    """Return whether three or more cells are all the same: a station's number, a table's date."""
+    known = [cell for cell in cells if not is_missing(cell)]
+    if len(known) < 3 or any(cell != known[0] for cell in known):
+        return False
+    return zero or _float(known[0]) != 0.0
+
+
+def _is_time_too(column: Column, cells: Sequence[Any]) -> bool:
+    """A second column of times isn't a value: `date` beside `unix`."""
+    form = detected_format(column, list(cells))
+    name = column.plain
+    named = name in _DATE_NAMES[1:8] or any(word in name for word in _DATE_WORDS)
+    return form is not None and form.calendar and named and name != ""
+
+
+def _is_counter(column: Column, cells: Sequence[Any]) -> bool:
+    """Return whether a column counts rows."""
+    if column.plain not in _COUNTER_NAMES:
+        return False
+    known = [_float(cell) for cell in cells]
+    return all(
+        a is not None and b is not None and b - a == 1.0 for a, b in itertools.pairwise(known)
+    )
+
+
+# --- columns of prices
+
+
+def _key(column: Column) -> str:
+    # Alpha Vantage numbers its columns: "5. adjusted close"
+    return re.sub(r"^\d+", "", column.plain)
+
+
+def is_adjusted(column: Column) -> bool:
+    """Return whether a column is a price adjusted for splits (and mostly dividends)."""
+    name = _key(column)
+    return name in ("adj", "adjusted") or ("adj" in name and ("clos" in name or "pric" in name))
+
+
+def is_price(column: Column, columns: Sequence[Column]) -> bool:
+    """Return, by its name, whether a column is a price; a high or a low is one beside a close."""
+    name = _key(column)
+    if is_price_table(columns) and name in (*_CLOSE, *_OPEN, *_HIGH_LOW):
+        return True
+    return (
+        is_adjusted(column)
+        or name in _ALONE
+        or name.endswith(("price", "close", "quote"))
+        or name.startswith("price")
+    )
+
+
+def is_close(column: Column) -> bool:
+    """Return, by its name, whether a column is a closing price of an exchange."""
+    name = _key(column)
+    return is_adjusted(column) or (name in _CLOSE and name not in _NO_CLOSE)
+
+
+def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
+    return next((i for name in names for i, c in enumerate(columns) if _key(c) == name), None)
+
+
+def is_price_table(columns: Sequence[Column]) -> bool:
+    """Return whether these columns are a table of prices: a close, and an open, high or low."""
+    return _first(columns, _CLOSE) is not None and (
+        _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
+    )
+
+
+def adjusted_close(columns: Sequence[Column]) -> int | None:
+    """Return the adjusted column."""
+    return next((i for i, column in enumerate(columns) if is_adjusted(column)), None)
+
+
+def preferred_price(columns: Sequence[Column]) -> int | None:
+    """Return the column of a table of prices that is the value: adjusted close, else close."""
+    if is_price_table(columns):
+        found = adjusted_close(columns)
+        return found if found is not None else _first(columns, _CLOSE)
+    # a close and its volume alone
+    rest = [column for column in columns if _key(column) not in _VOLUME]
+    if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
+        return columns.index(rest[0])
+    return None
+
+
+def close_price(columns: Sequence[Column]) -> int | None:
+    """Return the close as it was, which the adjusted one is compared with."""
+    return _first(columns, _CLOSE)
+
+
+def opening_price(columns: Sequence[Column]) -> int | None:
+    """Return the opening price."""
+    return _first(columns, _OPEN)
+
+
+def share_volume(columns: Sequence[Column]) -> int | None:
+    """Return the shares traded."""
+    return _first(columns, _VOLUME)
+
+
+# --- columns of a list of events
+
+
+@dataclass(frozen=True)
+class Roles:
+    """The index of each column that is read; None where there is none."""
+
+    time: int
+    kind: int | None
+    label: int | None
+    format: Format
+    clock: int | None = None
+    weight: int | None = None
+    end: int | None = None
+    length: int | None = None
+    id: int | None = None
+    notes: tuple[str, ...] = field(default=())
+
+
+def named(columns: Sequence[Column], names: Sequence[str]) -> int | None:
+    """Return the first column with one of these names, the first name first."""
+    plain = [column.plain for column in columns]
+    return next((plain.index(name) for name in names if name in plain), None)
+
+
+def time_named(columns: Sequence[Column]) -> int | None:
+    """Return the column that is called like times, with a unit or without."""
+    found = named(columns, TIMES)
+    if found is not None:
+        return found
+    for i, column in enumerate(columns):
+        stem = _UNIT.sub("", column.plain)
+        if stem in TIMES and stem != column.plain:
+            return i
+    return None
+
+
+def words_named(columns: Sequence[Column]) -> tuple[int | None, int | None]:
+    """Return the column of kinds and that of labels."""
+    return named(columns, KINDS), named(columns, LABELS)
+
+
+def is_wordy(cells: Sequence[Any]) -> bool:
+    """Return whether cells are words and not numbers."""
+    known = [cell for cell in cells if not is_missing(cell)]
+    return bool(known) and not looks_numeric(known) and any(isinstance(c, str) for c in known)
+
+
+def looks_listed(
+    columns: Sequence[Column], head: Sequence[Sequence[Any]], options: LoadOptions
+) -> bool:
+    """Return whether a table is a list of events: times, words, and no series of numbers.
+
+    A table of which a caller names the kinds or the labels is one, whatever it holds.
+    """
+    if len(columns) < 2:
+        return False
+    if options.kind is not None or options.label is not None:
+        return True
+    time = _asked_time(columns, options.time)
+    kind, label = words_named(columns)
+    if time is None or (kind is None and label is None):
+        return False
+    words = [i for i in (kind, label) if i is not None and i != time]
+    if not any(is_wordy(head[i]) for i in words):
+        return False
+    for i, column in enumerate(columns):
+        if i in (time, *words) or column.plain in (*EXTRAS, *TIMES, *KINDS, *LABELS):
+            continue
+        numeric = [cell for cell in head[i] if not is_missing(cell)]
+        if numeric and looks_numeric(numeric) and detected_format(column, list(numeric)) is None:
+            return False
+        if numeric and looks_numeric(numeric) and not _UNIT.search(column.plain):
+            return False  # a quantity: a series with words beside it
+    return True
+
+
+def _asked_time(columns: Sequence[Column], wish: str | None) -> int | None:
+    """The column of times that a caller names, else the one that is called like times."""
+    if wish is not None:
+        with contextlib.suppress(InputError):  # said when it is read
+            asked, _ = split_wish(wish, tuple(columns))
+            if asked is not None:
+                return column_named(columns, asked)
+    return time_named(columns)
+
+
+def roles_of(
+    columns: Sequence[Column], head: Sequence[Sequence[Any]], options: LoadOptions
+) -> Roles:
+    """Decide which columns are read.
+
+    Parameters
+    ----------
+    columns, head
+        The table's, and its first rows, a list a column.
+    options
+        `time` (`COLUMN`, `COLUMN:FORMAT` or `:FORMAT`), `kind` and `label`.
+
+    Raises
+    ------
+    InputError
+        No such column, or cells that aren't times.
+    """
+    wish = options.time
+    asked, written = (None, None) if wish is None else split_wish(wish, tuple(columns))
+    if asked is not None:
+        time = _asked(columns, asked, "times")
+    else:
+        found = _best_time(columns, head)
+        if found is None:
+            raise InputError(
+                f"no column is called time, date, start or minute; columns are {listed(columns)}: "
+                "name one with time (--time)"
+            )
+        time = found
+    form = _form_of(columns[time], head[time], written, asked is not None)
+    kind, label = words_named(columns)
+    if options.kind is not None:
+        kind = _asked(columns, options.kind, "kinds")
+        label = None if label == kind else label
+    if options.label is not None:
+        label = _asked(columns, options.label, "labels")
+        kind = None if kind == label and options.kind is None else kind
+    if kind is None and label is None:
+        raise InputError(
+            "no column says what happened (event, what, kind, type, name); columns are "
+            f"{listed(columns)}: name one with kind or label (--kind, --label)"
+        )
+    return Roles(
+        time,
+        kind,
+        label,
+        form,
+        _clock_beside(columns, head, time, form),
+        named(columns, _WEIGHTS),
+        named(columns, _ENDS),
+        named(columns, _LENGTHS),
+        named(columns, _IDS),
+        (form.note,) if form.note else (),
+    )
+
+
+def _best_time(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> int | None:
+    """The column that is called like times; one of dates before one of clocks."""
+    for i, column in enumerate(columns):
+        if column.plain in TIMES:
+            form = detected_format(column, list(head[i]))
+            if form is not None and form.calendar:
+                return i
+    return time_named(columns)

@@ -1,0 +1,401 @@
+"""Text with separated fields as a table, streamed: the file's size doesn't matter.
+
+Most tables are plain: no quotes, no blank lines, one width. Their fields are found in a block at a
+time, and only the columns that are asked for become text cells. From the first block on that isn't
+plain, rows are read line by line.
+"""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import io
+import itertools
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, field
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.tables.dialect import COMMENTS, Dialect, detect, headed
+from overview_dsp.data.readers.tables.table import (
+    CHUNK_CELLS,
+    CHUNK_ROWS,
+    MAX_COLUMNS,
+    Chunk,
+    Column,
+)
+from overview_dsp.errors import InputError
+
+BLOCK_BYTES = 1 << 20
+"""Bytes read at a time."""
+
+MAX_RECORDS = 200_000
+"""Most rows of a list: a hundred times those of a match."""
+
+MAX_LINE = 1 << 20
+"""Longest line, characters: a row of a table isn't a megabyte."""
+
+_UTF8 = "utf-8"
+
+LONGEST_FIELD = 131_072
+"""Longest field, characters, as of Python's csv module."""
+
+_FLAT = 4
+"""Where at least one in so many columns is asked for, all fields are made at once."""
+
+_NEWLINE = 10
+
+
+def sniff(source: Source) -> bool:
+    """Return whether the file is text with a table that has a column of numbers."""
+    return detect(source) is not None
+
+
+def open_table(source: Source) -> DelimitedTable:
+    """Return the file's table.
+
+    Raises
+    ------
+    InputError
+        No rows below the header.
+    """
+    dialect = detect(source)
+    assert dialect is not None  # the reader asked `sniff`
+    table = DelimitedTable(source, dialect)
+    if not any(len(chunk) for chunk in table.chunks([0])):
+        raise InputError(f"no rows below the header (line {dialect.first - 1}); add one row a time")
+    return table
+
+
+def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
+    """Give (line, {column: field}) of each row below a header, names in small letters.
+
+    Raises
+    ------
+    InputError
+        No header, a column named twice, more fields than columns, broken quotes, too many rows.
+    """
+    dialect = headed(text)
+    if dialect is None:
+        raise InputError("no header; the first row names the columns")
+    if len(dialect.header) > MAX_COLUMNS:
+        raise InputError(f"{len(dialect.header)} columns in the header, more than {MAX_COLUMNS}")
+    named = [name for name in dialect.header if name]
+    twice = next((name for name in named if named.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"the header names the column '{twice}' twice; rename one")
+    for count, (line, fields) in enumerate(DelimitedTable(text, dialect).records(), start=1):
+        if count > MAX_RECORDS:
+            raise InputError(
+                f"line {line}: more than {MAX_RECORDS} rows; keep those of one match or season"
+            )
+        yield line, fields
+
+
+class DelimitedTable:
+    """A file or a text with a table, streamed."""
+
+    kind = "CSV"
+    row_word = "line"
+
+    def __init__(self, source: Source | str, dialect: Dialect) -> None:
+        self._source, self._dialect = source, dialect
+        self.columns = tuple(
+            Column.of(name, unit) for name, unit in zip(dialect.header, dialect.units, strict=True)
+        )
+        self.notes = dialect.notes
+        self.separator = dialect.separator
+        self.comments: dict[int, str] = {}
+        """The comment lines that were met, by their number."""
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read these columns; InputError names a row that is too long, or a broken quote."""
+        rest = yield from self._plain(columns)
+        if rest is not None:
+            yield from self._rows(columns, rest)
+
+    def records(self) -> Iterator[tuple[int, dict[str, str]]]:
+        """Give the line of each row and its fields, trimmed, by the names of their columns.
+
+        Row by row, so that what is wrong further down is an error only then.
+        """
+        names = self._dialect.header
+        for chunk in self._rows(range(len(names)), self._dialect.first, 1):
+            fields = ((cells[0] or "").strip() for cells in chunk.cells)
+            yield chunk.number(0), {n: f for n, f in zip(names, fields, strict=True) if n}
+
+    def _plain(self, columns: Sequence[int]) -> Generator[Chunk, None, int | None]:
+        """Read plain blocks of lines; return the line where the first begins that isn't."""
+        dialect, width = self._dialect, len(self._dialect.header)
+        separator = dialect.separator
+        if separator is None:
+            return dialect.first
+        lines = Lines(self._source, dialect.encoding)
+        first = dialect.first
+        above = first - 1
+        for block in lines.blocks():
+            while above and block:
+                line, _, block = block.partition("\n")
+                if line.startswith(COMMENTS):
+                    self.comments[dialect.first - above] = line
+                above -= 1
+            if not block:
+                continue
+            whole = block if block.endswith("\n") else block + "\n"
+            marks = marks_of(whole, separator, width, dialect.comments)
+            if marks is None:
+                return first
+            cells = cells_of(whole, marks, separator, width, columns)
+            for begin in range(0, len(cells[0]), CHUNK_ROWS):
+                some = tuple(column[begin : begin + CHUNK_ROWS] for column in cells)
+                yield Chunk(some, first, None, lines.part)
+                first += len(some[0])
+        return None
+
+    def _rows(self, columns: Sequence[int], begin: int, block: int = 0) -> Iterator[Chunk]:
+        """Read whatever lines there are from line `begin` on."""
+        dialect = self._dialect
+        above = dialect.first - 1
+        found = self.comments
+        lines = Lines(self._source, dialect.encoding, dialect.comments, above, found=found)
+        width = len(dialect.header)
+        block = block or min(CHUNK_ROWS, max(CHUNK_CELLS // width, 1))
+        for first, numbers, rows in Rows(lines, dialect.separator, block):
+            if first < begin:
+                skip = self._skipped(begin, first, numbers, rows)
+                rows = rows[skip:]
+                first, numbers = first + skip, numbers[skip:] if numbers else None
+            lengths = set(map(len, rows))
+            if lengths and lengths != {width}:
+                first, numbers, rows = self._tidied(first, numbers, rows)
+            if not rows:
+                continue
+            cells: tuple[Any, ...] = tuple(list(map(itemgetter(i), rows)) for i in columns)
+            yield Chunk(cells, first, numbers, lines.part)
+
+    def _skipped(
+        self, begin: int, first: int, numbers: list[int] | None, rows: list[list[Any]]
+    ) -> int:
+        """How many rows lie before line `begin`."""
+        if numbers is None:
+            return min(len(rows), begin - first)
+        return sum(number < begin for number in numbers)
+
+    def _tidied(
+        self, first: int, numbers: list[int] | None, rows: list[list[Any]]
+    ) -> tuple[int, list[int], list[list[Any]]]:
+        """Drop blank rows, fill short ones, refuse those with more fields than columns."""
+        width = len(self._dialect.header)
+        kept, lines = [], []
+        for i, row in enumerate(rows):
+            line = numbers[i] if numbers is not None else first + i
+            if not any(cell.strip() for cell in row):
+                continue
+            if len(row) > width:
+                if any(cell.strip() for cell in row[width:]):
+                    raise InputError(
+                        f"line {line}: {len(row)} fields for {width} columns; put quotes around a "
+                        "field that holds the separator"
+                    )
+                row = row[:width]
+            kept.append([*row, *[None] * (width - len(row))])
+            lines.append(line)
+        return first, lines, kept
+
+
+@dataclass
+class Lines:
+    """Iterates over the lines of a file, or of a text, with their ends.
+
+    A file's ends become "\\n", a text's are kept. Comment lines, unless a quoted field goes on in
+    them, become blank ones, and so do the first `above` lines. A byte that isn't text in a UTF-8
+    file becomes a lone surrogate, so that only a cell which is used is an error.
+    """
+
+    source: Source | str
+    encoding: str = _UTF8
+    comments: tuple[str, ...] = ()
+    above: int = 0
+    part: float = 0.0
+    found: dict[int, str] = field(default_factory=dict)
+    """Numbers and texts of the comment lines."""
+
+    def __iter__(self) -> Iterator[str]:
+        number, quotes = 0, 0
+        for block in self.blocks():
+            if number >= self.above and not _has_comment(block, self.comments):
+                number += _line_ends(block)
+                quotes += block.count('"')
+                yield from io.StringIO(block, newline="")
+                continue
+            for line in io.StringIO(block, newline=""):
+                number += 1
+                marks = COMMENTS if number <= self.above else self.comments
+                comment = line.startswith(marks) and not quotes % 2
+                if comment:
+                    self.found[number] = line
+                if comment or number <= self.above:
+                    yield "\n"
+                    continue
+                quotes += line.count('"')
+                yield line
+
+    def blocks(self) -> Iterator[str]:
+        """Read whole lines together, comment lines too; InputError for one that is too long."""
+        if isinstance(self.source, str):
+            self.part = 1.0
+            yield self.source
+            return
+        errors = "surrogateescape" if self.encoding.startswith(_UTF8) else "replace"
+        decoder = codecs.getincrementaldecoder(self.encoding)(errors)
+        newlines = io.IncrementalNewlineDecoder(decoder, True)
+        rest, seen, count = "", 0, 0
+        for data in self._data():
+            seen += len(data)
+            text = rest + newlines.decode(data, final=not data)
+            cut = text.rfind("\n") + 1 if data else len(text)
+            block, rest = text[:cut], text[cut:]
+            count += block.count("\n")
+            if len(rest) > MAX_LINE:
+                raise InputError(
+                    f"line {count + 1} is longer than {MAX_LINE} characters; a table has one "
+                    "row a line: save it as CSV"
+                )
+            self.part = min(1.0, seen / max(1, self.source.size))
+            yield block
+
+    def _data(self) -> Iterator[bytes]:
+        """The file's bytes, an empty block at the end."""
+        assert not isinstance(self.source, str)
+        try:
+            with open(self.source.path, "rb") as stream:
+                while data := stream.read(BLOCK_BYTES):
+                    yield data
+        except OSError as error:
+            raise InputError(f"can't be read ({error.strerror})") from error
+        yield b""
+
+
+@dataclass
+class Rows:
+    """Iterates over blocks of rows: (number of the first row's line, line numbers or None, rows).
+
+    Line numbers are None where each row is one line. Blank lines are empty rows.
+    """
+
+    lines: Lines
+    separator: str | None
+    block: int
+
+    def __iter__(self) -> Iterator[tuple[int, list[int] | None, list[list[Any]]]]:
+        first = 1
+        if self.separator is None:
+            lines = iter(self.lines)
+            while rows := [line.split() for line in itertools.islice(lines, self.block)]:
+                yield first, None, rows
+                first += len(rows)
+            return
+        reader = self._reader(self.separator)
+        while True:
+            try:
+                rows = list(itertools.islice(reader, self.block))
+            except csv.Error as error:
+                raise InputError(
+                    f"line {self._broken_row()}: {error}; check the quotes from there on"
+                ) from error
+            if not rows:
+                return
+            numbers = None
+            if reader.line_num - first + 1 != len(rows):
+                numbers = list(
+                    itertools.accumulate(
+                        (1 + sum(map(_line_ends, row)) for row in rows[:-1]),
+                        initial=first,
+                    )
+                )
+            yield first, numbers, rows
+            first = reader.line_num + 1
+
+    def _reader(self, separator: str) -> Any:
+        return csv.reader(
+            self.lines, delimiter=separator, strict=True, skipinitialspace=separator != "\t"
+        )
+
+    def _broken_row(self) -> int:
+        """Read once more, row by row, and return the line at which the broken one begins."""
+        assert self.separator is not None
+        reader = self._reader(self.separator)
+        first = 1
+        try:
+            for _ in reader:
+                first = reader.line_num + 1
+        except csv.Error:
+            pass
+        return first
+
+
+def _has_comment(block: str, marks: tuple[str, ...]) -> bool:
+    return any(block.startswith(m) or f"\n{m}" in block or f"\r{m}" in block for m in marks)
+
+
+def _line_ends(text: str) -> int:
+    return text.count("\n") + text.count("\r") - text.count("\r\n")
+
+
+def marks_of(
+    block: str, separator: str, width: int, comments: tuple[str, ...]
+) -> NDArray[np.int64] | None:
+    """Return where the fields of a block end, shape (rows * width,); None if it isn't plain.
+
+    Parameters
+    ----------
+    block
+        Whole lines, the last one with its end too.
+    separator
+        One character between fields.
+    width
+        Fields a line.
+    comments
+        What lines that are no rows begin with.
+    """
+    if '"' in block or "\r" in block or not block.isascii():
+        return None
+    if block[:1] in ("\n", " ", "#") or "\n\n" in block:
+        return None
+    if _has_comment(block, comments):
+        return None
+    if separator != "\t" and (f"{separator} " in block or "\n " in block):
+        return None  # blanks before a field aren't part of it
+    data = np.frombuffer(block.encode("ascii"), np.uint8)
+    ends = data == _NEWLINE
+    marks = np.flatnonzero(ends | (data == ord(separator)))
+    rows, left = divmod(len(marks), width)
+    if (
+        not rows
+        or left
+        or np.count_nonzero(ends) != rows
+        or not ends[marks[width - 1 :: width]].all()
+    ):
+        return None
+    longest = max(int(marks[0]), int((marks[1:] - marks[:-1]).max(initial=0)))
+    return marks if longest <= LONGEST_FIELD else None
+
+
+def cells_of(
+    block: str, marks: NDArray[np.int64], separator: str, width: int, columns: Sequence[int]
+) -> tuple[list[str], ...]:
+    """Return the cells of some columns of a block whose fields end at `marks`."""
+    if _FLAT * len(columns) >= width:
+        flat = block.replace("\n", separator).split(separator)
+        return tuple(flat[i : len(marks) : width] for i in columns)
+    found = []
+    for i in columns:
+        stops = marks[i::width]
+        starts = (marks[i - 1 :: width] if i else np.append(-1, marks[width - 1 : -1 : width])) + 1
+        both = zip(starts.tolist(), stops.tolist(), strict=False)
+        found.append([block[start:stop] for start, stop in both])
+    return tuple(found)

@@ -1,0 +1,307 @@
+"""How a text holds a table, by its head: separator, header, units, comment lines, the first row.
+
+Fields are separated by commas, semicolons, tabs, bars or blanks. There may be lines before the
+table, a header, a row of units below it, and comment lines that begin with `#` (the last of which
+may be the header). Where the names of the columns are known (`headed`), the header decides alone.
+"""
+
+from __future__ import annotations
+
+import codecs
+import contextlib
+import csv
+import io
+import re
+from collections import Counter
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+
+from overview_dsp.data.readers.source import CONTROL, Source
+from overview_dsp.data.readers.tables.cells import is_missing, is_number, looks_numeric
+from overview_dsp.data.readers.tables.table import MAX_COLUMNS
+from overview_dsp.data.timeline.times import FORMS, moment
+
+SEPARATORS = (";", "\t", "|", ",")
+"""What may separate fields, besides blanks (`None`), those asked first that numbers don't hold."""
+
+COMMENTS = ("#",)
+"""What a comment line begins with."""
+
+SAMPLE_LINES = 400
+"""Lines of the head from which the layout is detected."""
+
+_COLUMN_ROWS = 50
+_BLANKS_COST = 0.25
+_LONGEST_UNIT = 24
+_TIME_HEADERS = ("date", "time", "datum", "zeit", "year", "fecha")
+_SEPARATOR_LINE = re.compile(r'"?sep=.?"?\s*', re.IGNORECASE)  # what spreadsheets begin with
+_WIDTH = re.compile(r"\d+[sdn]", re.ASCII)  # what a field of an RDB file may hold
+_EVENT_LIST = {"time_s", "kind"}
+
+Rows = list[tuple[int, list[str]]]
+"""Line numbers from 1, and the fields of each."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a text holds a table.
+
+    Parameters
+    ----------
+    encoding, separator
+        The text's encoding, and what lies between fields: one of `SEPARATORS`, None for blanks.
+    header
+        The header's fields; made up (`column 1`) where the file has none.
+    units
+        What a row of units below the header says, or empty texts.
+    first
+        The line of the first row.
+    comments
+        What lines that are no rows begin with.
+    notes
+        What a person should know.
+    """
+
+    encoding: str
+    separator: str | None
+    header: tuple[str, ...]
+    units: tuple[str, ...]
+    first: int
+    comments: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+
+Accepts = Callable[[tuple[str, ...], list[list[str]]], bool]
+"""Whether a table with this header and these first rows is the one that is looked for."""
+
+
+def encoding_of(source: Source) -> str | None:
+    """Return the encoding of a text file by its head, None for what is no text."""
+    text = source.head_text
+    return None if text is None or CONTROL & set(text) else source.encoding
+
+
+def head_lines(source: Source, encoding: str) -> list[str]:
+    """Return the whole lines of the head, without their ends."""
+    decoder = io.IncrementalNewlineDecoder(codecs.getincrementaldecoder(encoding)(), True)
+    whole = source.size <= len(source.head)
+    lines: list[str] = decoder.decode(source.head, final=whole).split("\n")
+    return lines if whole else lines[:-1]
+
+
+def split(lines: list[tuple[int, str]], separator: str | None) -> list[tuple[int, list[str]]]:
+    """Return the fields of numbered lines; a row that spans lines has the number of its first.
+
+    What comes after a field too long to be one is left out.
+    """
+    if separator is None:
+        return [(number, line.split()) for number, line in lines]
+    reader = csv.reader(
+        (f"{line}\n" for _, line in lines),
+        delimiter=separator,
+        skipinitialspace=separator != "\t",
+    )
+    rows: list[tuple[int, list[str]]] = []
+    begin = 0
+    with contextlib.suppress(csv.Error):
+        for row in reader:
+            rows.append((lines[begin][0], row))
+            begin = reader.line_num
+    return rows
+
+
+def headed(text: str, known: Collection[str] = ()) -> Dialect | None:
+    """Return the dialect of a text by its first line that is neither blank nor a comment.
+
+    The separator is the one by which the header has most names of `known`, then most fields. Names
+    are in small letters and trimmed. None if there is no such line.
+    """
+    for number, line in enumerate(io.StringIO(text, newline=""), start=1):
+        if line.strip() and not line.startswith(COMMENTS):
+            found = [(mark, _names(line, mark)) for mark in (",", ";", "\t", "|")]
+            mark, names = max(found, key=lambda f: (sum(n in known for n in f[1]), len(f[1])))
+            return Dialect("utf-8", mark, names, ("",) * len(names), number + 1, COMMENTS)
+    return None
+
+
+def _names(line: str, separator: str) -> tuple[str, ...]:
+    rows = split([(1, line)], separator)
+    return tuple(name.strip().lower() for name in rows[0][1]) if rows else ()
+
+
+def detect(
+    source: Source, accepts: Accepts | None = None, signs: tuple[str, ...] = COMMENTS
+) -> Dialect | None:
+    """Detect how a file holds a table; None if it is no table of numbers (or that `accepts`)."""
+    if source.looks_like_json:
+        return None
+    encoding = encoding_of(source)
+    if encoding is None:
+        return None
+    head = head_lines(source, encoding)[:SAMPLE_LINES]
+    lines = [(i, line) for i, line in enumerate(head, 1) if line.strip()]
+    if lines and _SEPARATOR_LINE.fullmatch(lines[0][1]):
+        del lines[0]
+    # where most lines begin with # (rank, hash tags), they are rows, and so is a header "#,name"
+    ranked = bool(lines) and re.match(r'"?#"?[,;\t|]', lines[0][1]) is not None
+    comments = not ranked and 2 * sum(line.startswith(signs) for _, line in lines) <= len(lines)
+    kept = [entry for entry in lines if not (comments and entry[1].startswith(signs))]
+    separation = _separation(kept)
+    if separation is None:
+        return None
+    separator, width = separation
+    rows = split(kept, separator)
+    begin = _begin(rows, width)
+    if begin is None or width > MAX_COLUMNS:
+        return None
+    before = [
+        line for i, line in lines if comments and i < rows[begin][0] and line.startswith(signs)
+    ]
+    named = split([(0, line.lstrip("#%/").strip()) for line in before[-1:]], separator)
+    commented = named[0][1] if named else []
+    notes = [f"{begin} lines before the table (line {rows[begin][0]}) were left out"] * bool(begin)
+    header, units, first, note = _header(rows[begin:], commented)
+    below = [row for i, row in rows[begin:] if i >= first]
+    if accepts is None and note and not _is_bare(below):
+        return None
+    claims = accepts or (_has_times if source.options.counts else _is_series)
+    if not claims(header, below):
+        return None
+    return Dialect(
+        encoding,
+        separator,
+        header,
+        units,
+        first,
+        signs if comments else (),
+        tuple(filter(None, (*notes, note))),
+    )
+
+
+def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
+    """Detect the separator and how many fields most lines have; None if there are no lines."""
+    best: tuple[float, int, str | None, int] | None = None
+    for rank, separator in enumerate((*SEPARATORS, None)):
+        widths = Counter(len(row) for _, row in split(lines, separator))
+        widths.pop(0, None)
+        if not widths:
+            continue
+        width, count = max(widths.items(), key=lambda item: (item[1], item[0]))
+        if width < 2 and separator is not None:
+            continue
+        # blanks come last: dates, names and units hold them too
+        share = round(count / len(lines), 1) - (_BLANKS_COST if separator is None else 0.0)
+        if best is None or share > best[0]:
+            best = (share, -rank, separator, width)
+    if best is None:
+        return None
+    _, _, separator, width = best
+    return ("," if width == 1 else separator), width
+
+
+def _begin(rows: Rows, width: int) -> int | None:
+    """Return where the table begins: where rows of its width follow each other."""
+    least = max(min(width, 2), width - 1)  # a header may leave the rows' names out
+    lengths = [len(row) for _, row in rows]
+    for k in range(len(rows)):
+        if all(least <= length <= width + 1 for length in lengths[k : k + 3]):
+            return k
+    return next((k for k, length in enumerate(lengths) if length >= least), None)
+
+
+def _header(rows: Rows, commented: list[str]) -> tuple[tuple[str, ...], tuple[str, ...], int, str]:
+    """Return the header's fields, units, the line of the first row, and a note."""
+    (first, top), below = rows[0], [row for _, row in rows[1:]]
+    units: list[str] = []
+    note = ""
+    if _is_header(top, below):
+        header, first = top, first + 1
+        if len(below) > 1 and _is_units(below[0], below[1:]):
+            units, first, below = below[0], rows[1][0] + 1, below[1:]
+        elif len(below) > 1 and all(_WIDTH.fullmatch(cell.strip()) for cell in below[0]):
+            first, below = rows[1][0] + 1, below[1:]
+    else:
+        below = [top, *below]
+        header = commented
+        if len(commented) != len(top):
+            header = [f"column {i}" for i in range(1, len(top) + 1)]
+            note = "the file has no header: columns are called column 1, column 2 ..."
+    named = bool(below) and all(len(row) == len(header) + 1 for row in below)
+    if named and any(row[-1].strip() for row in below):
+        # rows begin with a name that the header doesn't count
+        header, units = ["", *header], ["", *units] if units else []
+    if len(header) > 1 and not header[-1].strip() and not _fields(below, len(header) - 1, 1):
+        header = header[:-1]  # every line ends with a separator
+    units = (units + [""] * len(header))[: len(header)]
+    return _stripped(header), _stripped(units), first, note
+
+
+def _stripped(cells: list[str]) -> tuple[str, ...]:
+    return tuple(cell.strip() for cell in cells)
+
+
+def _fields(rows: list[list[str]], i: int, most: int = _COLUMN_ROWS) -> list[str]:
+    """A column's first fields that hold a value."""
+    found = [row[i].strip() for row in rows[:_COLUMN_ROWS] if i < len(row)]
+    return [cell for cell in found if not is_missing(cell)][:most]
+
+
+def _is_date(cell: str) -> bool:
+    return moment(cell, *FORMS) is not None and not cell.isdigit()
+
+
+def _is_header(top: list[str], below: list[list[str]]) -> bool:
+    """Return whether a row names columns: it is unlike those below it.
+
+    Columns of dates decide, else those of numbers: most of them begin with another thing.
+    """
+    dates, numbers = [], []
+    for i, cell in enumerate(map(str.strip, top)):
+        fields = _fields(below, i)
+        dated = [_is_date(field) for field in fields]
+        if 3 * sum(dated) >= 2 * len(dated) > 0:
+            dates.append(not _is_date(cell))
+        elif looks_numeric(fields) and not is_missing(cell):
+            numbers.append(not is_number(cell))
+    for unlike in (dates, numbers):
+        if unlike:
+            return 2 * sum(unlike) > len(unlike)
+    return not any(is_number(cell) or _is_date(cell) for cell in map(str.strip, top))
+
+
+def _is_units(cells: list[str], below: list[list[str]]) -> bool:
+    """Return whether the row under the header holds units: no number where those below are."""
+    texts = [
+        cell.strip()
+        for i, cell in enumerate(cells)
+        if looks_numeric(_fields(below, i)) or any(map(_is_date, _fields(below, i, 1)))
+    ]
+    return (
+        any(not is_missing(text) for text in texts)
+        and not any(is_number(text) or _is_date(text) for text in texts)
+        and all(len(text) <= _LONGEST_UNIT for text in texts)
+    )
+
+
+def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
+    """Return whether a table may be a series: it has numbers, or times without any value yet."""
+    names = [name.lower() for name in header]
+    if set(names) >= _EVENT_LIST:
+        return False
+    columns = [_fields(below, i) for i in range(len(header))]
+    if any(looks_numeric(column) for column in columns):
+        return True
+    named = any(word in name for name in names for word in _TIME_HEADERS)
+    return named and any(not column for column in columns)
+
+
+def _has_times(header: tuple[str, ...], below: list[list[str]]) -> bool:
+    """Return whether rows may be counted by their times: a column of dates or numbers."""
+    columns = [_fields(below, i) for i in range(len(header))]
+    return any(looks_numeric(column) or any(map(_is_date, column)) for column in columns)
+
+
+def _is_bare(rows: list[list[str]]) -> bool:
+    """Return whether rows without a header are samples: two or more, of a time or number first."""
+    first = _fields(rows, 0)
+    return len(rows) > 1 and (looks_numeric(first) or any(map(_is_date, first)))

@@ -1,0 +1,112 @@
+"""A log as a table of one column, to count its lines (`--map count`): their times.
+
+A line's time is the first thing in its first 100 characters that is written like one:
+
+| written | by |
+|---|---|
+| `2024-05-03T18:20:01.5Z`, `2024/05/03 18:20:01,500` | most programs |
+| `10/Oct/2000:13:55:36 -0700` | web servers |
+| `Fri May 3 18:20:00 2024 +0200` | `git log`, `date`, Apache's errors |
+| `[03.05.24, 18:20:01]`, `5/3/24, 6:20 PM -` | exported chats, at the beginning of a line |
+| `May  3 18:20:01` | syslog: without a year, which is counted from 2000 on |
+
+A log is written in one of these ways, that of most lines of its head. Lines without such a time
+(the rest of a message of several lines) are no rows of their own; of `git log` those that begin
+with `Date:` are.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.tables.delimited import Lines
+from overview_dsp.data.readers.tables.dialect import encoding_of
+from overview_dsp.data.readers.tables.table import CHUNK_ROWS, Chunk, Column
+from overview_dsp.data.timeline.times import LINE_FORMS, in_line
+
+_REACH = 100
+_SNIFFED = 50
+_FIRST_YEAR = 2000
+_NO_YEAR = f"its lines name no year: {_FIRST_YEAR} stands for the first"
+
+_COMMIT = re.compile(r"commit [0-9a-f]{7,64}\b")
+
+
+def _time_in(form: str, line: str) -> str | None:
+    """Return the time in a line as an ISO text; of chats, in the file's order of day and month."""
+    if form == "git":
+        if not line.startswith("Date:"):
+            return None
+        return in_line(line[:_REACH], "long") or in_line(line[:_REACH], "iso")
+    return in_line(line[:_REACH], form)
+
+
+def sniff(source: Source) -> bool:
+    """Return whether rows are to be counted and the first line and most others have a time."""
+    asked = (source.options.time or "").rpartition(":")[0]
+    if not source.options.counts or (source.options.time and asked not in ("", "time")):
+        return False  # a column of a table
+    return is_log(source)
+
+
+def is_log(source: Source) -> bool:
+    """Return whether the first line and most others have a time, or it is what git says."""
+    return _form_of(source) is not None
+
+
+def _form_of(source: Source) -> str | None:
+    if source.head_text is None or source.looks_like_json:
+        return None
+    lines = [line for line in source.head_text.splitlines() if line.strip()][:_SNIFFED]
+    if lines and _COMMIT.match(lines[0]):
+        return "git" if any(_time_in("git", line) for line in lines) else None
+    for form in LINE_FORMS:
+        times = [_time_in(form, line) for line in lines]
+        if times and times[0] is not None and 2 * times.count(None) <= len(times):
+            return form
+    return None
+
+
+class LogTable:
+    """The times of a log's lines, streamed."""
+
+    kind = "log"
+    row_word = "line"
+    columns = (Column.of("time"),)
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._form = _form_of(source) or "iso"
+        self.notes = (_NO_YEAR,) if self._form == "short" else ()
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read the times; None for a line without one."""
+        encoding = encoding_of(self._source) or "utf-8"
+        lines = Lines(self._source, encoding)
+        rest = iter(lines)
+        first = 1
+        years = _Years()
+        while part := list(islice(rest, CHUNK_ROWS)):
+            times = [_time_in(self._form, line) for line in part]
+            if self._form == "short":
+                times = list(map(years.named, times))
+            yield Chunk((times,), first, None, lines.part)
+            first += len(part)
+
+
+class _Years:
+    """Puts a year before times without one: the next where December is followed by January."""
+
+    def __init__(self) -> None:
+        self._year, self._month = _FIRST_YEAR, 0
+
+    def named(self, time: str | None) -> str | None:
+        if time is None:
+            return None
+        month = int(time[5:7])
+        self._year += month < self._month - 6
+        self._month = month
+        return f"{self._year}{time[4:]}"

@@ -1,0 +1,260 @@
+"""Frames, arrays, lists and dicts as one table of named columns."""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from overview_dsp.data.readers.tables import frames
+from overview_dsp.data.readers.tables.frames import Given, of_array, of_list
+from overview_dsp.data.readers.tables.table import (
+    CHUNK_ROWS,
+    MAX_COLUMNS,
+    Cells,
+    Chunk,
+    Column,
+    as_list,
+    check_single,
+)
+from overview_dsp.data.readers.tables.time_column import detected_format
+from overview_dsp.data.timeline.event import Event
+from overview_dsp.errors import InputError, shown
+
+EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
+"""What the parts of an event given as a tuple are called."""
+
+_SAMPLE = 50
+
+
+class MemoryTable:
+    """Columns in memory as a table.
+
+    Parameters
+    ----------
+    kind
+        What holds them: `pandas`, `NumPy`, `Python`.
+    given
+        Headers and cells.
+
+    Raises
+    ------
+    InputError
+        No row, columns of different lengths, or too many columns.
+    """
+
+    row_word = "row"
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, kind: str, given: Sequence[tuple[str, Given]]) -> None:
+        lengths = {header: len(column.cells) for header, column in given}
+        if len(set(lengths.values())) > 1:
+            uneven = ", ".join(f"{shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
+            raise InputError(f"columns of different lengths ({uneven}); give one value a row")
+        self.rows = max(lengths.values(), default=0)
+        if not self.rows:
+            raise InputError("no rows; a series has one row a time, an event list one an event")
+        if len(given) > MAX_COLUMNS:
+            raise InputError(f"{len(given)} columns, more than {MAX_COLUMNS}; keep fewer")
+        self.kind = kind
+        self.columns: tuple[Column, ...] = tuple(column.column(header) for header, column in given)
+        self._cells = [column.cells for _, column in given]
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read these columns; InputError names a row with a nested value."""
+        for begin in range(0, self.rows, CHUNK_ROWS):
+            end = min(begin + CHUNK_ROWS, self.rows)
+            cells = tuple(self._cells[i][begin:end] for i in columns)
+            chunk = Chunk(cells, begin + 1, None, end / self.rows)
+            check_single(self, chunk, columns)
+            yield chunk
+
+    def csv(self, rows: int) -> str:
+        """Write the header and the first rows as a file would have them."""
+        lines = [",".join(_field(column.header) for column in self.columns)]
+        both = zip(self._cells, self.columns, strict=True)
+        texts = [_texts(cells[:rows], column) for cells, column in both]
+        lines += map(",".join, zip(*texts, strict=True))
+        return "\n".join(lines) + "\n"
+
+
+def table_of(data: Any, times: Any = None) -> MemoryTable:
+    """Take data in memory as a table; `is_table` knows which can be.
+
+    Parameters
+    ----------
+    data
+        A frame or a column of a library for them; an array of one or two dimensions, or with named
+        fields; a list of numbers, rows, records or events; a dict of columns, or of values by time.
+    times
+        The rows' times, where `data` doesn't hold them: what would be a column in `data`.
+
+    Raises
+    ------
+    InputError
+        Rows unlike each other, columns of different lengths, a frame that can't be read.
+    """
+    kind, columns = _columns(data)
+    if times is not None:
+        _, given = _columns(times)
+        if len(given) != 1:
+            raise InputError(f"time has {len(given)} columns; give one time a row")
+        columns = [("time", given[0][1]), *((h, c) for h, c in columns if h != "time")]
+    return MemoryTable(kind, columns)
+
+
+def is_table(data: object) -> bool:
+    """Return whether `table_of` knows what to do with data."""
+    if isinstance(data, Sequence):
+        return not isinstance(data, str | bytes)
+    return isinstance(data, Mapping) or hasattr(data, "__array__") or frames.is_frame(data)
+
+
+def _columns(data: Any) -> tuple[str, list[tuple[str, Given]]]:
+    if frames.is_frame(data):
+        return frames.columns_of(data)
+    if isinstance(data, Mapping):
+        return "Python", _of_mapping(data)
+    if isinstance(data, np.ndarray):
+        return "NumPy", _of_array(data)
+    if isinstance(data, Sequence) and not isinstance(data, str | bytes):
+        return "Python", _of_sequence(list(data))
+    return type(data).__module__.partition(".")[0], _of_array(np.asarray(data))
+
+
+def _of_array(data: np.ndarray[Any, Any]) -> list[tuple[str, Given]]:
+    if data.dtype.names is not None:
+        return [(name, of_array(data[name])) for name in data.dtype.names]
+    if data.ndim == 1:
+        return [("value", of_array(data))]
+    if data.ndim == 2:
+        names = _numbered(data.shape[1])
+        return [(name, of_array(data[:, i])) for i, name in enumerate(names)]
+    raise InputError(f"an array of {data.ndim} dimensions; give one value a row, or a row a time")
+
+
+def _of_mapping(data: Mapping[Any, Any]) -> list[tuple[str, Given]]:
+    if all(_is_column(value) for value in data.values()):
+        return [(str(header), _columns(value)[1][0][1]) for header, value in data.items()]
+    return [("time", of_list(list(data))), ("value", of_list(list(data.values())))]
+
+
+def _is_column(value: Any) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.ndim == 1
+    if frames.is_frame(value):
+        return True
+    return isinstance(value, Sequence) and not isinstance(value, str | bytes)
+
+
+def _of_sequence(data: list[Any]) -> list[tuple[str, Given]]:
+    sample = data[:_SAMPLE]
+    for kind, taken in ((Event, _of_events), (Mapping, _of_records), (list | tuple, _of_rows)):
+        if sample and isinstance(sample[0], kind):
+            for number, entry in enumerate(data, 1):
+                if not isinstance(entry, kind):
+                    raise InputError(f"row {number}: {shown(entry)} isn't as those before it")
+            return taken(data)
+    return [("value", of_list(data))]
+
+
+def _of_events(events: Sequence[Event]) -> list[tuple[str, Given]]:
+    return [(name, of_list([getattr(e, name) for e in events])) for name in EVENT_COLUMNS]
+
+
+def _of_records(records: Sequence[Mapping[Any, Any]]) -> list[tuple[str, Given]]:
+    names = dict.fromkeys(name for record in records for name in record)
+    return [(str(name), of_list([record.get(name) for record in records])) for name in names]
+
+
+def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, Given]]:
+    """Rows of a time and values, of a time and a kind; or with a row of names first."""
+    head, *below = rows
+    width = max(map(len, rows))
+    if below and _is_header(head, below[0]):
+        names, rows = list(head), below
+    elif 2 <= width <= len(EVENT_COLUMNS) and all(_is_event(row) for row in rows[:_SAMPLE]):
+        names = list(EVENT_COLUMNS[:width])
+        rows = [(*row, *("", 1.0)[len(row) - 2 : width - 2]) for row in rows]
+        if not all(isinstance(row[0], int | float) for row in rows[:_SAMPLE]):
+            names[0] = "time"
+    else:
+        names = ["value"] if width == 1 else ["time", *_numbered(width)[1:]]
+    for number, row in enumerate(rows, 1):
+        if len(row) != len(names):
+            raise InputError(
+                f"row {number}: {shown(row)} has {len(row)} values, not {len(names)} as the others"
+            )
+    return [(name, of_list([row[i] for row in rows])) for i, name in enumerate(names)]
+
+
+def _is_header(row: Sequence[Any], below: Sequence[Any]) -> bool:
+    """Return whether a row is one of names: texts, none of them a time, unlike what is below it."""
+    if not _is_text(row):
+        return False
+    return not _is_text(below) or (not any(map(_is_time, row)) and any(map(_is_time, below)))
+
+
+def _is_time(cell: str) -> bool:
+    return detected_format(Column.of("time"), [cell]) is not None
+
+
+def _is_text(row: Sequence[Any]) -> bool:
+    return all(isinstance(cell, str) for cell in row)
+
+
+def _is_event(row: Sequence[Any]) -> bool:
+    """Return whether a row is a time, a kind, and maybe a label and a weight."""
+    return (
+        2 <= len(row) <= len(EVENT_COLUMNS)
+        and isinstance(row[1], str)
+        and bool(row[1][:1].isalpha())
+        and (len(row) < 3 or isinstance(row[2], str | None))
+    )
+
+
+def _numbered(count: int) -> list[str]:
+    return ["value"] if count == 1 else [f"column {i}" for i in range(1, count + 1)]
+
+
+def _texts(cells: Cells, column: Column) -> list[str]:
+    """Cells as the fields of a file."""
+    if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
+        return _moments(cells, column)
+    return [_text(cell) for cell in as_list(cells)]
+
+
+def _text(cell: Any) -> str:
+    if cell is None or cell != cell:
+        return ""
+    # 18.0 is 18 that lay in a column with missing ones
+    if isinstance(cell, float) and cell.is_integer() and abs(cell) < 1e15:
+        return str(int(cell))
+    return _field(str(cell))
+
+
+def _moments(cells: np.ndarray[Any, Any], column: Column) -> list[str]:
+    missing = np.isnat(cells)
+    if column.zoned:
+        cells = cells + np.timedelta64(column.offset_min, "m")
+    days = cells.astype("datetime64[D]")
+    dates = not column.zoned and bool((missing | (days == cells)).all())
+    texts = np.datetime_as_string(days if dates else cells).tolist()
+    zone = ""
+    if column.zoned:
+        hours, minutes = divmod(abs(column.offset_min), 60)
+        zone = f"{'-' if column.offset_min < 0 else '+'}{hours:02d}:{minutes:02d}"
+    return ["" if gone else text + zone for text, gone in zip(texts, missing, strict=True)]
+
+
+def _field(text: str) -> str:
+    """A field of a file; quoted where it holds what would end it, or begins as a comment does."""
+    if text[:1] == "#" or text != text.strip():
+        return '"' + text.replace('"', '""') + '"'
+    line = io.StringIO()
+    csv.writer(line, lineterminator="").writerow([text])
+    return "" if text == "" else line.getvalue()

@@ -1,0 +1,533 @@
+"""Columns of times: how they are written, detected or given, and their seconds, chunk by chunk.
+
+`--time COLUMN`, `--time COLUMN:FORMAT` or `--time :FORMAT`, where FORMAT is one of `FORMATS`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.readers.tables.cells import are_written_in, is_missing
+from overview_dsp.data.readers.tables.table import Cells, Column, Location, as_list
+from overview_dsp.data.timeline.times import DAY_NS, FORMS, NS, Moment, clock_s, day_clock_s, moment
+from overview_dsp.errors import InputError, shown
+
+EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
+"""Units of time since 1970-01-01T00:00Z, ns."""
+
+PLAIN = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0}
+"""Units of plain time, s."""
+
+FORMATS = ("iso", "dmy", "mdy", *EPOCHS, *PLAIN, "clock", "hhmm", "year", "excel")
+"""What may be given as the way times are written; `clock` is m:ss or h:mm:ss, `hhmm` h:mm."""
+
+CLOCKS = ("clock", "hhmm")
+"""Formats of clocks: the first of a recording, the second of the day."""
+
+_YEARS = (1500.0, 2200.0)
+_UNIT_WORDS = {
+    "nanoseconds": "ns", "µs": "us", "microseconds": "us", "msec": "ms", "milliseconds": "ms",
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "mins": "min", "minute": "min",
+    "minutes": "min", "hr": "h", "hrs": "h", "hour": "h", "hours": "h", "day": "d", "days": "d",
+}  # fmt: skip
+_DIGITS = re.compile(r"[+-]?\d{1,19}", re.ASCII)
+_DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+
+_CALENDAR_NAMES = ("date", "year", "yr", "jahr", "period", "datum", "month", "yyyymm", "decimal")
+_DAY_NAMES = (
+    "timeofday", "tod", "hour", "hora", "heure", "uhrzeit", "localtime", "clocktime", "daytime",
+    "hhmm", "walltime", "wallclock", "departure", "arrival", "timeutc", "timelocal", "opening",
+)  # fmt: skip
+"""Beginnings of headings that name a time of day."""
+
+_TIME_NAMES = (
+    "t", "ts", "tc", "start", "begin", "onset", "end", "stop", "from", "to", "in", "out", "at",
+    "when", "position", "offset", "zeit", "temps", "tiempo", "tempo", "beginn", "clock", "x",
+)  # fmt: skip
+"""Names of columns whose plain numbers are seconds, besides those with `time` in them."""
+
+_EXCEL_DAYS = (20_000.0, 60_000.0)
+"""Days of a spreadsheet from 1954 to 2064."""
+
+_EPOCH_NAMES = ("epoch", "unix", "timestamp", "posix")
+
+_EXCEL_ZERO = -25_569
+"""Day 0 of a spreadsheet (1899-12-30), days from 1970-01-01."""
+
+_UNIT_NS = {
+    "W": 7 * DAY_NS, "D": DAY_NS, "h": 3600 * NS, "m": 60 * NS, "s": NS, "ms": 1_000_000,
+    "us": 1_000, "ns": 1,
+}  # fmt: skip
+_FIRST_S, _LAST_S = -62_135_596_800.0, 253_402_300_799.999999
+"""The calendar's first and last moment, s from 1970."""
+
+_ISO_SHAPE = re.compile(r"dddd-dd-dd([T ]dd:dd(:dd(\.d{1,9})?)?)?Z?")
+_ISO_MARKS = "-:.TZ "
+_ISO_LETTERS = b"0123456789" + _ISO_MARKS.encode()
+_AS_SHAPE = str.maketrans("0123456789", "dddddddddd")
+
+
+@dataclass(frozen=True)
+class Format:
+    """How a column's times are written.
+
+    Parameters
+    ----------
+    name
+        One of `FORMATS`, or a key of `times.FORMS`.
+    note
+        What a person should know about the choice, or empty.
+    """
+
+    name: str
+    note: str = ""
+
+    @property
+    def calendar(self) -> bool:
+        """True if times are moments of the calendar, False if they are plain seconds."""
+        return self.name not in PLAIN and self.name not in CLOCKS
+
+    @property
+    def words(self) -> str:
+        """What the column holds, in words for a person."""
+        names = {
+            "iso": "ISO dates", "dmy": "dates d/m/y", "mdy": "dates m/d/y",
+            "yyyymm": "months", "month names": "dates with names of months",
+            "quarters, months or weeks": "quarters, months or weeks",
+            "epoch": "seconds since 1970", "epoch_ms": "milliseconds since 1970",
+            "epoch_us": "microseconds since 1970", "epoch_ns": "nanoseconds since 1970",
+            "clock": "m:ss or h:mm:ss", "hhmm": "h:mm, the time of day", "year": "years",
+            "excel": "spreadsheet days",
+        }  # fmt: skip
+        return names.get(self.name, f"plain time in {self.name}")
+
+
+def split_wish(wish: str, columns: tuple[Column, ...]) -> tuple[str | None, str | None]:
+    """Return the column and the format of a `--time` value; a header with a colon outranks.
+
+    Raises
+    ------
+    InputError
+        The words after the last colon are no format.
+    """
+    asked = " ".join(wish.split())
+    if any(asked.lower() in (column.header.lower(), column.name.lower()) for column in columns):
+        return wish, None
+    name, colon, written = wish.rpartition(":")
+    if not colon:
+        return wish, None
+    written = written.strip().lower()
+    if written not in FORMATS:
+        raise InputError(
+            f"time {shown(wish)}: {shown(written)} is no way of writing times; "
+            f"known are {', '.join(FORMATS)}"
+        )
+    return name.strip() or None, written
+
+
+def detected_format(column: Column, cells: list[Any]) -> Format | None:
+    """Detect how times are written from a column's first cells; None if they are no times.
+
+    Day or month first is left as `dmy or mdy` where both fit all cells.
+    """
+    known = [cell for cell in cells if not is_missing(cell)]
+    if not known or any(isinstance(cell, bool) for cell in known):
+        return None
+    if all(isinstance(cell, np.datetime64) for cell in known):
+        return Format("iso")
+
+    def most(count: int) -> bool:
+        # one in three may be a mistake, to be named when it is read
+        return 3 * count >= 2 * len(known)
+
+    numbers = [(cell, number) for cell in known if (number := as_number(cell)) is not None]
+    if most(len(numbers)):
+        return _numeric_format(column, *map(list, zip(*numbers, strict=True)))
+    texts = [cell.strip() for cell in known if isinstance(cell, str)]
+    if not most(len(texts)):
+        return None
+    ways = [name for name in FORMS if name != "yyyymm"]
+    fits = {name: sum(moment(text, name) is not None for text in texts) for name in ways}
+    best = max(fits, key=fits.__getitem__)
+    if most(fits[best]):
+        if not fits["dmy"] == fits["mdy"] == fits[best]:
+            return Format(best)
+        # points between the parts: day first wherever they are used
+        return Format("dmy" if all("." in text.split()[0] for text in texts) else "dmy or mdy")
+    return _clock_format(column, texts, most)
+
+
+def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool]) -> Format | None:
+    """Distinguish clocks of the day from those of a recording, and say so where both would do."""
+    of_day = most(sum(day_clock_s(text) is not None for text in texts))
+    halves = most(sum(text[-1:] in "mM." for text in texts))
+    running = most(sum(clock_s(text) is not None for text in texts))
+    if of_day and (halves or _names_time_of_day(column)):
+        form, other, reads = "hhmm", "clock", "minutes:seconds"
+    elif running:
+        form, other, reads = "clock", "hhmm", "hours:minutes"
+    else:
+        return None
+    if not (of_day and running) or any(text.count(":") > 1 for text in texts):
+        return Format(form)
+    example = shown(texts[0])
+    as_read = "hours:minutes" if form == "hhmm" else "minutes:seconds"
+    return Format(
+        form,
+        f"times such as {example} are read as {as_read}; "
+        f"time='{column.header}:{other}' (--time) reads them as {reads}",
+    )
+
+
+def _names_time_of_day(column: Column) -> bool:
+    unit = re.sub(r"[^a-z0-9]", "", column.unit.lower())
+    return column.plain.startswith(_DAY_NAMES) or unit in ("hhmm", "hmm", "24h", "12h", "localtime")
+
+
+def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
+    """Distinguish `dmy` and `mdy` by all cells of a column, (row number, text) each.
+
+    A part above 12 is the day. Where there is none in the whole column, the order in which the
+    times increase (or decrease) throughout is taken if just one does.
+
+    Returns
+    -------
+    tuple
+        `dmy` or `mdy` and the number of the row that proves it (None: the order of rows does), or
+        an empty text if nothing decides it.
+    """
+    order = {"dmy": [True, True], "mdy": [True, True]}  # still increasing, still decreasing
+    last: dict[str, int] = {}
+    moved = False
+    for number, text in texts:
+        both = {name: moment(text, name) for name in order}
+        possible = [name for name, read in both.items() if read is not None]
+        if len(possible) == 1:
+            return possible[0], number
+        for name in possible:
+            read = both[name]
+            assert read is not None
+            if name in last and read.ns != last[name]:
+                moved = True
+                order[name][0] &= read.ns > last[name]
+                order[name][1] &= read.ns < last[name]
+            last[name] = read.ns
+    steady = [name for name, ways in order.items() if any(ways)]
+    return (steady[0], None) if moved and len(steady) == 1 else ("", None)
+
+
+def as_text(cell: Any) -> str:
+    """A cell as text: 20120919 may be a number, with a fraction of 0 too."""
+    if isinstance(cell, float) and cell.is_integer():
+        cell = int(cell)
+    return str(cell).strip()
+
+
+def as_number(cell: Any) -> int | float | None:
+    """The number a cell is, exact if it is whole."""
+    if isinstance(cell, bool):
+        return None
+    if isinstance(cell, int | float):
+        return cell
+    if not isinstance(cell, str):
+        return None
+    text = cell.strip()
+    if _DIGITS.fullmatch(text):
+        return int(text)
+    if not _DECIMAL.fullmatch(text) or len(text) > 40:
+        return None
+    value = float(text)
+    return value if math.isfinite(value) else None
+
+
+def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]) -> Format | None:
+    """Detect what a time column's numbers mean from their size and its name."""
+    name, size = column.plain, max(abs(number) for number in numbers)
+    low = min(numbers)
+    whole = all(isinstance(n, int) or float(n).is_integer() for n in numbers)
+    dated = any(word in name for word in _CALENDAR_NAMES)
+    if whole and _all_dates(cells, 8):
+        return Format("iso")
+    if dated and whole and _all_dates(cells, 6):
+        return Format("yyyymm")
+    if dated and _YEARS[0] <= low and size <= _YEARS[1]:
+        return Format("year")
+    if ("date" in name or "datum" in name) and _EXCEL_DAYS[0] <= low and size <= _EXCEL_DAYS[1]:
+        return Format("excel", "numbers under a date are read as a spreadsheet's days")
+    unit = _UNIT_WORDS.get(column.unit.lower(), column.unit.lower())
+    tail = re.search(r"_(ns|us|ms|s|sec|seconds|min|h)$", column.name.lower())
+    if unit not in PLAIN and tail:
+        unit = _UNIT_WORDS.get(tail[1], tail[1])
+    # by size: between 1990 and 2100 in just one of the units
+    for epoch, unit_ns in EPOCHS.items():
+        per_second = NS // unit_ns
+        if 631_152_000 * per_second <= low and size < 4_102_444_800 * per_second:
+            return Format(epoch, f"times {_of(epoch)} were detected from their size")
+    if any(word in name for word in _EPOCH_NAMES) and low >= 0 and size < 2**62:
+        per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
+        return Format(per, f"times {_of(per)} were detected from the column's name and their size")
+    if unit not in PLAIN:
+        unit = _UNIT_WORDS.get(name, "")
+    if unit in PLAIN:
+        return Format(unit)
+    if whole and _YEARS[0] <= low and size <= _YEARS[1] and len(set(numbers)) == len(numbers):
+        note = f"whole numbers from {low:g} to {size:g} are read as years"
+        return Format("year", f"{note}; time='{column.header}:s' (--time) reads them as seconds")
+    bare = re.fullmatch(r"column\d+", name)
+    if bare or name in _TIME_NAMES or any(word in name for word in ("time", "elapsed", "date")):
+        return Format("s")
+    return None
+
+
+def _of(epoch: str) -> str:
+    return f"in {Format(epoch).words}"
+
+
+def _all_dates(cells: list[Any], length: int) -> bool:
+    texts = [as_text(cell) for cell in itertools.islice(cells, 1000)]
+    if not all(len(text) == length and text.isdigit() for text in texts):
+        return False
+    days = [text if length == 8 else text + "01" for text in texts]
+    return all(1000 <= int(day[:4]) <= 2500 and moment(day, "iso") is not None for day in days)
+
+
+@dataclass
+class TimeColumn:
+    """Makes seconds of a column, chunk by chunk, counted from its first time.
+
+    After the first chunk `anchor_ns` is that time (None for plain time, which counts from 0) and
+    `offset_min` its zone's offset from UTC, None where times name no zone.
+    """
+
+    format: Format
+    anchor_ns: int | None = None
+    offset_min: int | None = None
+    _zoned: bool | None = field(default=None, init=False)
+
+    def seconds(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+        """Return float64 of the cells' length, NaN where there is no time.
+
+        Parameters
+        ----------
+        cells
+            A chunk's column.
+        place
+            Called with the index of a wrong cell, gives its location.
+
+        Raises
+        ------
+        InputError
+            A cell that isn't written this way, a moment outside the years 1 to 9999, or a mixture
+            of times with and without a zone.
+        """
+        seconds = self._seconds(cells, place)
+        if self.anchor_ns is not None:
+            since = seconds + self.anchor_ns / NS
+            outside = np.flatnonzero((since < _FIRST_S) | (since > _LAST_S))
+            if outside.size:
+                i = int(outside[0])
+                raise place(i).error(
+                    as_list(cells)[i],
+                    "is a time outside the years 1 to 9999; say how times are written with time "
+                    "(--time COLUMN:FORMAT)",
+                )
+        return seconds
+
+    def _seconds(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+        if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
+            return self._of_datetimes(cells, place)
+        listed = as_list(cells)
+        name, fast = self.format.name, None
+        if name == "iso":
+            datetimes = self._fast_iso(listed)
+            fast = None if datetimes is None else self._of_datetimes(datetimes, place)
+        elif name in EPOCHS:
+            fast = self._fast_whole(listed, EPOCHS[name])
+        elif name in PLAIN:
+            plain = self._fast_plain(listed)
+            fast = None if plain is None else plain * PLAIN[name]
+        if fast is not None:
+            return fast
+        return np.array([self._one(cell, i, place) for i, cell in enumerate(listed)], np.float64)
+
+    def start(self, first_s: float) -> datetime | None:
+        """Return the calendar moment `first_s` seconds after the anchor; None for plain time.
+
+        Raises
+        ------
+        InputError
+            It lies outside the years 1 to 9999.
+        """
+        if self.anchor_ns is None:
+            return None
+        try:
+            return Moment(self.anchor_ns + round(first_s * NS), self.offset_min).to_datetime()
+        except OverflowError as error:
+            raise InputError("the times lie outside the years 1 to 9999") from error
+
+    def _since(self, ns: int) -> float:
+        if self.anchor_ns is None:
+            self.anchor_ns = ns
+        return (ns - self.anchor_ns) / NS
+
+    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+        if is_missing(cell):
+            return math.nan
+        name = self.format.name
+        if isinstance(cell, np.datetime64):
+            return float(self._of_datetimes(np.array([cell]), place)[0])
+        if name in FORMS:
+            read = moment(as_text(cell), name)
+            if read is None:
+                raise self._wrong(cell, place(i))
+            self._check_zone(read.offset_min, cell, place(i))
+            return self._since(read.ns)
+        if name in CLOCKS:
+            clock = day_clock_s if name == "hhmm" else clock_s
+            seconds = clock(cell.strip()) if isinstance(cell, str) else None
+            if seconds is None:
+                raise self._wrong(cell, place(i))
+            return seconds
+        return self._oneas_number(cell, i, place)
+
+    def _oneas_number(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+        name = self.format.name
+        number = as_number(cell)
+        if number is None or not math.isfinite(number) or abs(number) > 1e25:
+            raise self._wrong(cell, place(i))
+        if name in PLAIN:
+            return float(number) * PLAIN[name]
+        if name in EPOCHS:
+            self._check_zone(0, cell, place(i))
+            return self._since(round(number * EPOCHS[name]))
+        if name == "excel":
+            return self._since(round((number + _EXCEL_ZERO) * DAY_NS))
+        year = math.floor(number)
+        if not 1 <= year <= 9998:
+            raise self._wrong(cell, place(i))
+        begin, end = (moment(f"{y:04d}", "iso") for y in (year, year + 1))
+        assert begin is not None
+        assert end is not None
+        return self._since(begin.ns + round((number - year) * (end.ns - begin.ns)))
+
+    def _check_zone(self, offset_min: int | None, cell: Any, place: Location) -> None:
+        zoned = offset_min is not None
+        if self._zoned is None:
+            self._zoned, self.offset_min = zoned, offset_min
+        elif self._zoned != zoned:
+            has, others = ("a", "none") if zoned else ("no", "one")
+            raise place.error(
+                cell,
+                f"has {has} time zone, times before it have {others}; write all of them in one way",
+            )
+
+    def _wrong(self, cell: Any, place: Location) -> InputError:
+        return place.error(
+            cell,
+            f"isn't a time as the column's others ({self.format.words}); correct it, or say how "
+            f"times are written with time (--time COLUMN:FORMAT; {', '.join(FORMATS)})",
+        )
+
+    def _of_datetimes(
+        self, cells: NDArray[Any], place: Callable[[int], Location]
+    ) -> NDArray[np.float64]:
+        """Seconds of datetime64 cells, exact whatever their unit."""
+        missing = np.isnat(cells)
+        known = cells[~missing]
+        seconds = np.full(cells.shape, np.nan)
+        if not known.size:
+            return seconds
+        unit, count = np.datetime_data(cells.dtype)
+        if unit in ("Y", "M"):
+            cells, unit, count = cells.astype("datetime64[D]"), "D", 1
+            known = cells[~missing]
+        if unit not in _UNIT_NS:
+            raise place(0).error(cells[0], "is finer than a nanosecond; round the times")
+        step_ns = _UNIT_NS[unit] * count
+        if self.anchor_ns is None:
+            self.anchor_ns = int(known.astype(np.int64)[0]) * step_ns
+        whole, rest = divmod(self.anchor_ns, step_ns)
+        span = known.astype(np.int64)
+        # the difference is what has to fit an int64, and a float after it
+        wide = abs(int(span.max()) - whole) >= 2**62 or abs(int(span.min()) - whole) >= 2**62
+        if wide:
+            raise place(0).error(cells[0], "or a later time lies outside the years 1 to 9999")
+        # a division is exact to the last place, a factor of 1e-9 isn't
+        since = (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * step_ns / NS
+        seconds[~missing] = since - rest / NS
+        return seconds
+
+    def _fast_iso(self, cells: list[Any]) -> NDArray[Any] | None:
+        """The cells as datetime64 if all are plain ISO of one shape, zone none or Z."""
+        shape = cells[0].translate(_AS_SHAPE) if cells and isinstance(cells[0], str) else ""
+        if not _ISO_SHAPE.fullmatch(shape):
+            return None
+        try:
+            text = "".join(cells).encode("ascii")
+        except (TypeError, ValueError):  # a cell that's no text, a letter of another script
+            return None
+        if text.translate(None, _ISO_LETTERS) or set(map(len, cells)) != {len(shape)}:
+            return None
+        if any(text.count(ord(mark)) != shape.count(mark) * len(cells) for mark in _ISO_MARKS):
+            return None
+        zoned = shape.endswith("Z")
+        width = len(shape) - zoned
+        fine = "ns" if width > 26 else "us"
+        letters = np.frombuffer(text, np.uint8).reshape(len(cells), len(shape))[:, :width]
+        fields = np.ascontiguousarray(letters).view(f"S{width}").ravel()
+        try:
+            moments: NDArray[Any] = fields.astype(f"datetime64[{fine}]")
+            days = fields.astype("S10").astype("datetime64[D]") if fine == "ns" else None
+        except ValueError:  # the 30th of February
+            return None
+        if days is not None:  # numpy wraps around, and differences have to fit too
+            furthest = int(np.abs(days.astype(np.int64)).max()) * DAY_NS
+            if max(furthest, abs(self.anchor_ns or 0)) >= 2**61 - DAY_NS:
+                return None
+        if self._zoned is None:
+            self._zoned, self.offset_min = zoned, 0 if zoned else None
+        elif self._zoned != zoned:
+            return None  # the slow way names the cell
+        return moments
+
+    def _fast_whole(self, cells: list[Any], unit_ns: int) -> NDArray[np.float64] | None:
+        """Seconds of cells that are all whole numbers."""
+        try:
+            if isinstance(cells[0], str):
+                if not are_written_in(cells, "0123456789"):
+                    return None
+                cells = list(map(int, cells))
+            elif not all(type(cell) is int for cell in cells):
+                return None
+            whole = np.array(cells, dtype=np.int64)
+        except (TypeError, ValueError, IndexError, OverflowError):
+            return None
+        if abs(int(whole.max())) >= 2**62 or abs(int(whole.min())) >= 2**62:
+            return None
+        self._check_zone(0, cells[0], Location(0))
+        if self.anchor_ns is None:
+            self.anchor_ns = int(whole[0]) * unit_ns
+        begin, rest = divmod(self.anchor_ns, unit_ns)
+        return (whole - begin) / (NS // unit_ns) - rest / NS
+
+    def _fast_plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
+        try:
+            if isinstance(cells[0], str):
+                if not are_written_in(cells, "0123456789.+-e"):
+                    return None
+                return np.fromiter(map(float, cells), np.float64, len(cells))
+            if not all(type(cell) in (int, float) for cell in cells):
+                return None
+            found = np.array(cells, dtype=np.float64)
+        except (TypeError, ValueError, IndexError, OverflowError):
+            return None
+        return None if np.isinf(found).any() else found

@@ -1,0 +1,99 @@
+"""The smallest, the mean and the largest of ever longer runs of a long row of values.
+
+Level k has one bin for every `BIN * RATIO**k` values. It is built once, in one pass; then any
+number of bins of any width are computed without looking at all values again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.timeline.growable_array import Store
+
+Values = NDArray[np.floating[Any]]
+"""float32 or float64."""
+
+BIN = 16
+"""Values in a bin of the lowest level: three sixteenths of the values' own size on top of it."""
+
+RATIO = 4
+"""Bins of one level in a bin of the next."""
+
+FEW = 1024
+"""The highest level has fewer bins than this."""
+
+CHUNK = 1 << 20
+"""Values looked at at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """Bins of `width` values: smallest, mean and largest, shape (bins,); the last may be short."""
+
+    width: int
+    low: Values
+    mean: Values
+    high: Values
+
+
+class PyramidBuilder:
+    """Builds the levels from values in chunks."""
+
+    def __init__(self, dtype: type[np.float32] | type[np.float64]) -> None:
+        self._dtype = dtype
+        self._stores = [Store(dtype) for _ in range(3)]
+        self._rest = np.empty(0, dtype)
+
+    def append(self, values: Values) -> None:
+        """Take the next values, shape (n,), of the builder's own type."""
+        if len(self._rest):
+            values = np.concatenate((self._rest, values))
+        whole = len(values) // BIN * BIN
+        self._take(values[:whole].reshape(-1, BIN))
+        self._rest = values[whole:].copy()
+
+    def _take(self, bins: Values) -> None:
+        if len(bins):
+            low, mean, high = self._stores
+            low.append(bins.min(axis=1))
+            mean.append(bins.mean(axis=1, dtype=np.float64).astype(self._dtype))
+            high.append(bins.max(axis=1))
+
+    def finish(self) -> tuple[Level, ...]:
+        """Return the levels, the finest first; none for fewer values than a bin has."""
+        if len(self._rest):
+            self._take(self._rest[None, :])
+        low, mean, high = (store.finish() for store in self._stores)
+        levels = []
+        width = BIN
+        while len(low):
+            levels.append(Level(width, low, mean, high))
+            if len(low) < FEW:
+                break
+            low = _runs(low, np.minimum)
+            high = _runs(high, np.maximum)
+            mean = (_runs(mean, np.add, np.float64) / RATIO).astype(self._dtype)
+            width *= RATIO
+        return tuple(levels)
+
+
+def _runs(values: Values, combine: np.ufunc, dtype: type[np.float64] | None = None) -> Values:
+    """Combine each run of RATIO values; the last is filled up with the last value."""
+    short = -len(values) % RATIO
+    if short:
+        values = np.concatenate((values, np.repeat(values[-1:], short)))
+    bins = values.reshape(-1, RATIO)
+    result: Values = combine.reduce(bins, axis=1, dtype=dtype)
+    return result
+
+
+def build_pyramid(values: Values) -> tuple[Level, ...]:
+    """Return the levels of values that are at hand (an array or a memory map)."""
+    builder = PyramidBuilder(np.float32 if values.dtype == np.float32 else np.float64)
+    for start in range(0, len(values), CHUNK):
+        builder.append(np.asarray(values[start : start + CHUNK]))
+    return builder.finish()

@@ -1,0 +1,1 @@
+"""How it feels and how it is moved: presets and gestures."""

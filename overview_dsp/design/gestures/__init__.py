@@ -1,0 +1,21 @@
+"""Gestures: scripts and takes in, control events out; opens no device."""
+
+from overview_dsp.design.gestures.model import SOURCES, Change, Gesture
+from overview_dsp.design.gestures.scripts import arm, flick, pause, scrub, sweep, tap
+from overview_dsp.design.gestures.spec import parse_gesture
+from overview_dsp.design.gestures.take import load_gesture, save_gesture
+
+__all__ = [
+    "SOURCES",
+    "Change",
+    "Gesture",
+    "arm",
+    "flick",
+    "load_gesture",
+    "parse_gesture",
+    "pause",
+    "save_gesture",
+    "scrub",
+    "sweep",
+    "tap",
+]

@@ -1,0 +1,159 @@
+"""Recorded takes: what a kernel applied, sample by sample, and what else changed meanwhile.
+
+Written while they are played: `growing_take.py`.
+
+The CSV has the columns of any take and `sample`, `sample_rate` and `source`; a JSON of the same
+name beside it holds the stamped parameter and surface changes::
+
+    {"overview_take": 2, "sample_rate": 48000.0, "seed": 0, "angle_map": 0.7, "title": "...",
+     "preset": "football",
+     "changes": [{"sample": 9600, "set": {"tactor.gain_db": -6.0}},
+                 {"sample": 24000, "window": [0.0, 2700.0]},
+                 {"sample": 48000, "preset": {...}},
+                 {"sample": 96000, "timeline": {..., "window": [0.0, 2700.0]}},
+                 {"sample": 144000, "pattern": {"kind": "goal", "weight": 1.0}}]}
+
+`timeline` is how one that grows has changed (`following.difference`) and which part of it is under
+the hand (null: all); with `ahead` (0 to 1) only what lies beyond there has (`surface.ahead`). The
+timeline at the take's beginning is in `NAME.timeline.json` beside it. `angle_map` is the preset's
+`surface.angle_map` at the take's beginning: by which map its angles were moments.
+
+| version | what is new |
+|---|---|
+| 1 | the first: a release let the disk go at once |
+| 2 | `angle_map`; after a release the disk arrives first |
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from overview_dsp.design.gestures.model import LONGEST_S, SOURCES, Change
+from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.files.atomic import whole_file
+
+COLUMNS = ("time_s", "theta2_rad", "touching", "sample", "sample_rate", "source")
+CHANGES = ("set", "preset", "window", "timeline", "pattern")
+VERSION = 2
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What the JSON beside a take says: its changes, and for one cut short how far it came, s."""
+
+    changes: tuple[Change, ...]
+    played_s: float | None
+
+
+def save_document(
+    path: Path,
+    sample_rate: float,
+    about: Mapping[str, Any],
+    changes: Iterable[tuple[int, Mapping[str, Any]]],
+) -> None:
+    """Write the JSON beside the take at `path`, whole or not at all; InputError, OutputError."""
+    document = {
+        "overview_take": VERSION,
+        "sample_rate": sample_rate,
+        **about,
+        "changes": [{"sample": sample, **what} for sample, what in changes],
+    }
+    with whole_file(path.with_suffix(".json")) as temporary:
+        text = json.dumps(document, ensure_ascii=False, allow_nan=False)
+        temporary.write_text(text, encoding="utf-8")
+
+
+def event_line(event: tuple[int, int, float, bool], sample_rate: float) -> str:
+    """An event (sample, source, theta2, touching) as a line of a recorded take."""
+    sample, source, theta2, touching = event
+    return (
+        f"{sample / sample_rate!r},{float(theta2)!r},{int(touching)},{sample},"
+        f"{float(sample_rate)!r},{SOURCES[source]}\n"
+    )
+
+
+def load_beside(path: Path) -> Beside:
+    """What lies beside a recorded take's CSV.
+
+    Raises
+    ------
+    InputError
+        No JSON there, or one that doesn't hold a take's changes: names the file and the place.
+    """
+    beside = path.with_suffix(".json")
+    try:
+        text = beside.read_bytes()
+    except FileNotFoundError:
+        raise InputError(
+            f"{path}: a recorded take, but {beside.name} with its parameter changes isn't beside "
+            "it; put it there, or delete the columns sample, sample_rate and source"
+        ) from None
+    except OSError as error:
+        raise InputError(f"{beside}: can't be read ({error.strerror})") from None
+    growing = False
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        document = _cut_short(text)
+        growing = document is not None
+        if document is None:
+            raise InputError(f"{beside}: broken JSON ({error})") from None
+    if not isinstance(document, dict) or document.get("overview_take") not in (1, VERSION):
+        raise InputError(f'{beside}: not a take\'s changes ("overview_take": {VERSION} is missing)')
+    if document["overview_take"] < VERSION:
+        warnings.warn(
+            f"{path}: of an older version, in which a release let the disk go at once; now the "
+            "disk arrives first, so what follows a release sounds otherwise",
+            OverviewWarning,
+            stacklevel=3,
+        )
+    rate = document.get("sample_rate")
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or not rate > 0.0:
+        raise InputError(f"{beside}: sample_rate is {rate!r}; it is a number above 0, Hz")
+    listed = document.get("changes", [])
+    if not isinstance(listed, list):
+        raise InputError(f"{beside}: changes isn't a list")
+    changes: list[Change] = []
+    played_s = None
+    before = 0.0
+    for index, entry in enumerate(listed):
+        place = f"{beside}: changes[{index}]"
+        if not isinstance(entry, dict) or (
+            len(entry.keys() & set(CHANGES)) != 1 and not (growing and entry.keys() == {"sample"})
+        ):
+            raise InputError(f"{place} isn't one of {', '.join(CHANGES)} with its sample")
+        before = _sample_s(entry, before, rate, place)
+        what = {key: value for key, value in entry.items() if key != "sample"}
+        if what:
+            changes.append(Change(before, what))
+        else:
+            played_s = before
+    return Beside(tuple(changes), played_s)
+
+
+def _sample_s(entry: Mapping[str, Any], before: float, rate: float, place: str) -> float:
+    sample = entry.get("sample")
+    if (
+        isinstance(sample, bool)
+        or not isinstance(sample, int)
+        or not before <= sample / rate <= LONGEST_S
+    ):
+        raise InputError(
+            f"{place}.sample is {sample!r}; samples count up, from 0 to {LONGEST_S:g} s"
+        )
+    return sample / rate
+
+
+def _cut_short(text: bytes) -> Any:
+    """The lines of a take that was cut short as the document they would have become, or None."""
+    *lines, _ = text.split(b"\n")  # after the last line's end there is nothing, or a part of one
+    try:
+        head, *entries = [json.loads(line) for line in lines]
+    except (ValueError, RecursionError):
+        return None
+    return {**head, "changes": entries} if isinstance(head, dict) else None

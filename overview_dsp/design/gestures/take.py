@@ -1,0 +1,219 @@
+"""Takes: gestures as CSV files with the columns time_s, theta2_rad, touching.
+
+A recorded one (`recorded_take.py`) has sample, sample_rate and source too.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import stat
+from array import array
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from overview_dsp import validation
+from overview_dsp.design.gestures.model import LONGEST_S, SOURCES, Gesture
+from overview_dsp.design.gestures.recorded_take import Beside, load_beside
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import whole_file
+
+COLUMNS = ("time_s", "theta2_rad", "touching")
+ROUNDED_RAD = 1e-5
+"""An angle so far outside was rounded: 3.141593 is pi to six decimals."""
+
+_TOUCH = {"1": True, "true": True, "0": False, "false": False}
+
+
+def load_gesture(path: str | Path) -> Gesture:
+    """Read a take: a CSV file with the columns time_s (s), theta2_rad (0 to pi), touching (0, 1).
+
+    A recorded take is replayed with the parameter and surface changes of the JSON beside it.
+
+    Parameters
+    ----------
+    path : str or path
+        The CSV file.
+
+    Returns
+    -------
+    Gesture
+        It ends with a release of every hand.
+
+    Raises
+    ------
+    InputError
+        Missing file, missing column, a word for a number, times that go back: names file and line.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.save_gesture(ov.tap(0.8), "take.csv")
+    >>> ov.load_gesture("take.csv").duration_s
+    0.05
+    """
+    path = validation.path(path, "a take")
+    try:
+        # a pipe or a device would be waited for
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise InputError(f"{path}: is not a file; a take is a CSV file")
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            return _read(file, path)
+    except OSError as error:
+        raise InputError(f"{path}: can't be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not UTF-8 text; a take is CSV") from None
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{str(path)!r}: can't be read ({error})") from None
+
+
+def _read(file: TextIO, path: Path) -> Gesture:
+    rows = csv.reader(file)
+    try:
+        header = [name.strip() for name in next(rows)]
+    except StopIteration:
+        raise InputError(f"{path}: empty; a take has the columns {', '.join(COLUMNS)}") from None
+    except csv.Error as error:
+        raise InputError(f"{path}:1: not CSV: {error}") from None
+    missing = [name for name in COLUMNS if name not in header]
+    if missing:
+        raise InputError(
+            f"{path}:1: no column {', '.join(missing)}; a take has {', '.join(COLUMNS)}"
+        )
+    at = [header.index(name) for name in COLUMNS]
+    by = header.index("source") if "source" in header else None
+    recorded = "sample" in header and "sample_rate" in header
+    # arrays: an hour's take in tuples would fill half a gigabyte
+    times, angles, touches, sources = array("d"), array("d"), array("b"), array("b")
+    event = (0.0, 0.0, False)
+    try:
+        for row in rows:
+            if not row or not any(cell.strip() for cell in row):
+                continue
+            place = f"{path}:{rows.line_num}"
+            try:
+                event = _event(row, at, event[0], place)
+                source = 0 if by is None else _source(row, by, place)
+            except InputError:
+                if recorded and _is_cut_short(path) and next(rows, None) is None:
+                    break  # a disk was full, or the machine went down, within its last line
+                raise
+            times.append(event[0])
+            angles.append(event[1])
+            touches.append(event[2])
+            sources.append(source)
+    except csv.Error as error:
+        raise InputError(f"{path}:{rows.line_num}: not CSV: {error}") from None
+    beside = load_beside(path) if recorded else Beside((), None)
+    if beside.played_s is not None and beside.played_s > (times[-1] if times else 0.0):
+        times.append(beside.played_s)
+        angles.append(angles[-1] if angles else 0.0)
+        touches.append(touches[-1] if touches else False)
+        sources.append(sources[-1] if sources else 0)
+    if not times:
+        raise InputError(f"{path}: no events; a take has one control event a line")
+    # a gesture ends with a release, of every hand
+    for source in sorted(set(sources)):
+        last = len(sources) - 1 - sources[::-1].index(source)
+        if touches[last]:
+            times.append(times[-1])
+            angles.append(angles[last])
+            touches.append(False)
+            sources.append(source)
+    return Gesture(
+        np.array(times),
+        np.array(angles),
+        np.array(touches, dtype=bool),
+        times[-1],
+        np.array(sources, dtype=np.int8),
+        beside.changes,
+    )
+
+
+def _is_cut_short(path: Path) -> bool:
+    """Whether the file's last line has no end."""
+    with open(path, "rb") as file:
+        file.seek(-1, os.SEEK_END)
+        return file.read(1) != b"\n"
+
+
+def _source(row: list[str], at: int, place: str) -> int:
+    name = row[at].strip() if at < len(row) else ""
+    if name not in SOURCES:
+        raise InputError(f"{place}: source = {name[:60]!r}; it is one of {', '.join(SOURCES)}")
+    return SOURCES.index(name)
+
+
+def _event(row: list[str], at: list[int], before: float, place: str) -> tuple[float, float, bool]:
+    if len(row) <= max(at):
+        raise InputError(f"{place}: {len(row)} cells; the header needs {max(at) + 1}")
+    time_s = _number(row[at[0]], f"{place}: time_s")
+    theta2 = _number(row[at[1]], f"{place}: theta2_rad")
+    touching = _TOUCH.get(row[at[2]].strip().lower())
+    if touching is None:
+        raise InputError(f"{place}: touching = {row[at[2]].strip()[:60]!r}; it is 0 or 1")
+    if time_s < 0.0:
+        raise InputError(f"{place}: time_s = {time_s:g} is negative; a take starts at 0")
+    if time_s > LONGEST_S:
+        raise InputError(
+            f"{place}: time_s = {time_s:g} is out of range; it is 0 to {LONGEST_S:g} s"
+        )
+    if time_s < before:
+        raise InputError(
+            f"{place}: time_s goes back, {time_s:g} after {before:g}; sort the take by time"
+        )
+    if not -ROUNDED_RAD <= theta2 <= math.pi + ROUNDED_RAD:
+        raise InputError(f"{place}: theta2_rad = {theta2:g} is out of range; it is 0 to pi")
+    return time_s, min(max(theta2, 0.0), math.pi), touching
+
+
+def _number(text: str, what: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(f"{what} = {text.strip()[:60]!r} is not a number") from None
+    if not math.isfinite(value):
+        raise InputError(f"{what} = {text.strip()} is not finite")
+    return value
+
+
+def save_gesture(gesture: Gesture, path: str | Path) -> None:
+    """Write a gesture as a take; numbers keep every bit.
+
+    A rest at the end is kept by a last line that repeats the state at the gesture's end.
+
+    Parameters
+    ----------
+    gesture : Gesture
+        What is written, without the changes of a recorded take.
+    path : str or path
+        The CSV file; whole or not at all.
+
+    Raises
+    ------
+    InputError
+        A place that can't be written.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.save_gesture(ov.sweep(1.0) + ov.pause(0.5), "sweep.csv")
+    """
+    path = validation.path(path, "a take")
+    validation.instance(gesture, Gesture, "gesture", "ov.sweep makes one")
+    events = list(zip(gesture.time_s, gesture.theta2, gesture.touching, strict=True))
+    _, theta2, touching = events[-1] if events else (0.0, 0.0, False)
+    if not events or events[-1][0] < gesture.duration_s:
+        events.append((np.float64(gesture.duration_s), theta2, touching))
+    with whole_file(path) as temporary, open(temporary, "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for time_s, theta2, touching in events:
+            writer.writerow([repr(float(time_s)), repr(float(theta2)), int(touching)])

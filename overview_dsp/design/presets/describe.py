@@ -1,0 +1,122 @@
+"""A preset in words: every parameter with its value, range and meaning."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.model import EventKind, Preset
+from overview_dsp.design.presets.parameter import is_close_default, value_text
+from overview_dsp.design.presets.parameters import PARAMETERS
+
+
+def character(preset: Preset) -> dict[str, float]:
+    """What the disk's numbers amount to on the bare surface.
+
+    Undamped frequency held and let go (Hz), damping ratios (1 = critical), and the time constant
+    of the recoil once it creeps (s).
+    """
+    number = preset.number
+    inertia, k1, k2 = number("disk.inertia"), number("disk.k1"), number("disk.k2")
+    b = number("surface.friction")
+    return {
+        "held_hz": math.sqrt((k1 + k2) / inertia) / (2.0 * math.pi),
+        "held_damping": b / (2.0 * math.sqrt((k1 + k2) * inertia)),
+        "free_hz": math.sqrt(k1 / inertia) / (2.0 * math.pi),
+        "free_damping": b / (2.0 * math.sqrt(k1 * inertia)),
+        "recoil_s": b / k1,
+    }
+
+
+def _kind_line(name: str, kind: EventKind) -> str:
+    width = f"{kind.width_percent:g} %" if kind.width_percent else f"{kind.width_ms:g} ms"
+    modes = ", ".join(f"{mode.frequency_hz:g} Hz {mode.decay_ms:g} ms" for mode in kind.modes)
+    also = f"; also {', '.join(kind.also)}" if kind.also else ""
+    if not modes and kind.material != "none":
+        modes = f"{kind.material} {kind.pitch_hz:g} Hz"
+    shape = f"{len(kind.points)} points" if kind.points else kind.shape
+    if kind.model != "viscous":
+        shape = f"{shape}, {kind.model}"
+    return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}{also}"
+
+
+def bristle_hold(preset: Preset) -> dict[str, float]:
+    """What the bare surface's bristles do to a disk that is pulled slowly, in % of the surface.
+
+    How far behind the finger it may stick, and how far it slips: the pull rises to the static
+    torque and swings as far below the sliding one.
+    """
+    number = preset.number
+    sliding = number("surface.grip") * number("surface.friction")
+    static = sliding * number("surface.static_ratio")
+    percent = 100.0 / (number("disk.k2") * math.pi)
+    return {
+        "held_within_percent": static * percent,
+        "slip_percent": 2.0 * (static - sliding) * percent,
+    }
+
+
+def _hold_lines(preset: Preset) -> list[str]:
+    if preset.values["surface.model"] != "bristle":
+        return []
+    hold = bristle_hold(preset)
+    return [
+        f"Its bristles hold the disk up to {hold['held_within_percent']:.2g} % of the surface from "
+        f"the finger; pulled slowly it slips {hold['slip_percent']:.2g} % at a time."
+    ]
+
+
+def _drawn_lines(preset: Preset) -> list[str]:
+    if not preset.points:
+        return []
+    return [f"The curve is felt through a map of {len(preset.points)} points, drawn by hand."]
+
+
+def describe(preset: Preset) -> str:
+    """The preset as a page of text; a star marks what differs from the default."""
+    lines = [f"{preset.name}: {preset.title}", preset.description, ""]
+    section = ""
+    for id, known in PARAMETERS.items():
+        if id.split(".")[0] != section:
+            section = id.split(".")[0]
+            lines.append(f"[{section}]")
+        value = preset.values[id]
+        star = " " if is_close_default(known, value) else "*"
+        shown = f"{value_text(value)} {known.unit}".strip()
+        lines.append(f" {star}{known.key:<18} {shown:<20} ({known.allowed}) {known.doc}")
+    facts = character(preset)
+    lines += [
+        "",
+        *_drawn_lines(preset),
+        *_hold_lines(preset),
+        f"On the bare surface: held {facts['held_hz']:.2f} Hz, damping {facts['held_damping']:.2f};"
+        f" let go {facts['free_hz']:.2f} Hz, damping {facts['free_damping']:.2f}, "
+        f"recoil {facts['recoil_s']:.2f} s.",
+        "",
+        "[kinds]        height     width  shape          click",
+        *(_kind_line(name, kind) for name, kind in preset.kinds.items()),
+    ]
+    return "\n".join(lines)
+
+
+def describe_json(preset: Preset) -> dict[str, Any]:
+    """The preset, its ranges and its character as plain data."""
+    return {
+        "name": preset.name,
+        "title": preset.title,
+        "description": preset.description,
+        "parameters": {
+            id: {
+                "value": preset.values[id],
+                "unit": known.unit,
+                "allowed": known.allowed,
+                "default": known.default,
+                "doc": known.doc,
+            }
+            for id, known in PARAMETERS.items()
+        },
+        "character": character(preset)
+        | (bristle_hold(preset) if preset.values["surface.model"] == "bristle" else {}),
+        **{key: preset_to_dict(preset)[key] for key in ("points", "kinds")},
+    }

@@ -1,0 +1,86 @@
+"""A preset as plain dicts, lists, texts and numbers: for JSON, and back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from overview_dsp.design.presets.migrations import migrated_values
+from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
+from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
+from overview_dsp.errors import InputError
+
+
+def preset_to_dict(preset: Preset) -> dict[str, Any]:
+    """A preset as plain dicts, lists, texts and numbers."""
+    return {
+        "name": preset.name,
+        "title": preset.title,
+        "description": preset.description,
+        "values": dict(preset.values),
+        "kinds": {
+            name: {
+                **vars(kind),
+                "points": list(kind.points),
+                "also": list(kind.also),
+                "modes": [vars(mode) for mode in kind.modes],
+            }
+            for name, kind in preset.kinds.items()
+        },
+        "tags": {**vars(preset.tags), "usage": list(preset.tags.usage)},
+        "authors": list(preset.authors),
+        "points": list(preset.points),
+    }
+
+
+def preset_from_dict(data: Any) -> Preset:
+    """The preset of `preset_to_dict`; InputError if it isn't one."""
+    try:
+        return _preset_of(data)
+    except InputError:
+        raise
+    except (ValueError, OverflowError) as error:
+        raise InputError(f"not a saved preset: {error}") from None
+    except (KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"not a saved preset: {type(error).__name__} {error}") from None
+
+
+def _preset_of(data: Any) -> Preset:
+    name, title, description = (data[key] for key in ("name", "title", "description"))
+    if not all(isinstance(text, str) for text in (name, title, description)):
+        raise InputError("not a saved state: name, title and description are texts")
+    return Preset(
+        name,
+        title,
+        description,
+        migrated_values(data["values"]),
+        {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
+        # states of before had none of these
+        Tags(**data.get("tags", {})),
+        tuple(data.get("authors", ())),
+        tuple(data.get("points", ())),
+    )
+
+
+def _kind_of(name: str, data: dict[str, Any]) -> EventKind:
+    values = {}
+    for key, known in KIND_PARAMETERS.items():
+        # a key that is newer than the state
+        value = data.get(key, known.default)
+        absent = value is None and key.startswith("width_")
+        values[key] = None if absent else replace(known, id=f"kinds.{name}.{key}").check(value)
+    modes = tuple(
+        ClickMode(
+            **{
+                key: replace(known, id=f"kinds.{name}.modes.{key}").check(mode[key])
+                for key, known in MODE_PARAMETERS.items()
+            }  # type: ignore[arg-type]
+        )
+        for mode in data["modes"]
+    )
+    return EventKind(
+        modes=modes,
+        points=tuple(data.get("points", ())),
+        also=tuple(data.get("also", ())),
+        **values,  # type: ignore[arg-type]
+    )

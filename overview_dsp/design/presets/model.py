@@ -1,0 +1,470 @@
+"""A preset: how a surface feels and sounds, and what each kind of event does to it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from overview_dsp import validation
+from overview_dsp.design.presets.page import preset_page
+from overview_dsp.design.presets.parameter import Value
+from overview_dsp.design.presets.parameters import (
+    KIND_PARAMETERS,
+    MAX_ALSO,
+    MAX_POINTS,
+    MODE_PARAMETERS,
+    PARAMETERS,
+    parameter,
+)
+from overview_dsp.errors import InputError
+from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
+from overview_dsp.public import changed_fields, counted, drawn, short
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DEFAULT_KIND = "default"
+
+
+def _default(key: str) -> float:
+    value = KIND_PARAMETERS[key].default
+    assert isinstance(value, float)
+    return value
+
+
+@dataclass(frozen=True)
+class ClickMode:
+    """A modal resonator of a click.
+
+    Parameters
+    ----------
+    frequency_hz : float
+        Hz, 20 to 20 000.
+    decay_ms : float
+        Time to fall by 60 dB, ms, 1 to 5000.
+    gain_db : float
+        Level, dB, -60 to 0.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.ClickMode(1180.0, 45.0, gain_db=-2.0)
+    ClickMode(frequency_hz=1180.0, decay_ms=45.0, gain_db=-2.0)
+    """
+
+    frequency_hz: float
+    decay_ms: float
+    gain_db: float = 0.0
+
+
+@dataclass(frozen=True)
+class EventKind:
+    """What a kind of event does to the surface, and how it clicks.
+
+    Exactly one of the two widths is given. Where there are no `modes`, `material`, `pitch_hz` and
+    `ring` make the click.
+
+    Parameters
+    ----------
+    height : float
+        In bare surfaces (x `surface.friction`).
+    width_percent : float or None
+        Width at half height, % of the timeline.
+    width_ms : float or None
+        Width at half height, ms of the data's time.
+    shape : str
+        The friction's course over the event.
+    points : tuple of float
+        A course of 2 to 256 numbers, 0 to 1, over two widths, in place of the shape's.
+    spacing_percent : float
+        Mean distance the kind's events need, %: denser ones are left out until a zoom spreads them.
+    gain_db : float
+        Level of the click, dB.
+    modes : tuple of ClickMode
+        The click's resonators.
+    also : tuple of str
+        Other event kinds that feel like this one.
+    model : {"viscous", "bristle", "detent", "end_stop"}
+        What friction it is.
+    stiffness, damping, static_ratio, stribeck_speed, break_away : float
+        What its bristles or its stop are like; `ov.presets.KIND_PARAMETERS` has units and ranges.
+    material : {"none", "glass", "wood", "metal", "plastic", "card"}
+        What the click sounds like, without `modes`.
+    pitch_hz : float
+        Lowest mode of the material, Hz.
+    ring : float
+        How long the material rings, as a ratio.
+
+    Raises
+    ------
+    InputError
+        A value out of range, both widths or neither.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.EventKind(height=40.0, width_percent=0.5, material="wood")
+    EventKind(height=40.0, width_percent=0.5, material='wood')
+    """
+
+    height: float
+    width_percent: float | None = None
+    width_ms: float | None = None
+    shape: str = "gaussian"
+    points: tuple[float, ...] = ()
+    spacing_percent: float = 0.0
+    gain_db: float = 0.0
+    modes: tuple[ClickMode, ...] = ()
+    also: tuple[str, ...] = ()
+    model: str = "viscous"
+    stiffness: float = _default("stiffness")
+    damping: float = _default("damping")
+    static_ratio: float = _default("static_ratio")
+    stribeck_speed: float = _default("stribeck_speed")
+    break_away: float = _default("break_away")
+    material: str = "none"
+    pitch_hz: float = _default("pitch_hz")
+    ring: float = _default("ring")
+
+    def __post_init__(self) -> None:
+        if (self.width_percent is None) == (self.width_ms is None):
+            raise InputError("give exactly one of width_percent and width_ms")
+        for key, known in KIND_PARAMETERS.items():
+            value = getattr(self, key)
+            if value is not None or not key.startswith("width_"):
+                object.__setattr__(self, key, known.check(value))
+        if len(self.modes) > MAX_MODES:
+            raise InputError(f"{len(self.modes)} modes; a kind has up to {MAX_MODES}")
+        for index, mode in enumerate(self.modes):
+            for key, known in MODE_PARAMETERS.items():
+                replace(known, id=f"modes.{index}.{key}").check(getattr(mode, key))
+        object.__setattr__(self, "modes", tuple(self.modes))
+        object.__setattr__(self, "also", tuple(self.also))
+        if not all(isinstance(name, str) and name for name in self.also):
+            raise InputError("also is a list of event kinds")
+        if len(self.also) > MAX_ALSO:
+            raise InputError(f"{len(self.also)} names in also; a kind stands for up to {MAX_ALSO}")
+        object.__setattr__(self, "points", _drawn(self.points))
+        if self.points and not any(self.points):
+            raise InputError("points are 0 to 1, and not all of them 0")
+
+    def __repr__(self) -> str:
+        return changed_fields(self, modes=f"<{len(self.modes)}>")
+
+
+def _drawn(points: Iterable[float]) -> tuple[float, ...]:
+    """What was drawn by hand, checked."""
+    found = tuple(float(point) for point in points)
+    if found and not 2 <= len(found) <= MAX_POINTS:
+        raise InputError(f"{len(found)} points; what is drawn has 2 to {MAX_POINTS}")
+    # written so that NaN fails
+    if not all(0.0 <= point <= 1.0 for point in found):
+        raise InputError("points are 0 to 1")
+    return found
+
+
+TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")
+"""What a preset feels like, on scales of 1 to 5 (after VibViz, Seifi, Zhang and MacLean 2015)."""
+
+
+@dataclass(frozen=True)
+class Tags:
+    """What a preset feels like, 1 (low) to 5 (high) or None, and what it is for.
+
+    Parameters
+    ----------
+    energy, roughness, tempo, pleasantness : float or None
+        1 to 5.
+    usage : tuple of str
+        Words.
+
+    Raises
+    ------
+    InputError
+        A number out of range.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.load_preset("football").tags.usage
+    ('football', 'matches')
+    """
+
+    energy: float | None = None
+    roughness: float | None = None
+    tempo: float | None = None
+    pleasantness: float | None = None
+    usage: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in TAG_SCALES:
+            value = getattr(self, name)
+            if value is not None and not 1.0 <= value <= 5.0:
+                raise InputError(f"tags.{name} = {value:g} is out of range; it is 1 to 5")
+        object.__setattr__(self, "usage", tuple(self.usage))
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named set of parameter values and event kinds; it never changes.
+
+    Parameters
+    ----------
+    name, title, description : str
+        What it is called (its file's name), in a few words, and what it feels like.
+    values : mapping of str to float, bool or str
+        By parameter id; what is left out gets the table's default, so that all are there.
+    kinds : mapping of str to EventKind
+        Always has `default`, which serves kinds the preset doesn't name.
+    tags : Tags
+        What it feels like and is for.
+    authors : tuple of str
+        Names.
+    points : tuple of float
+        The intensity map: of even steps of the timeline's curve, 2 to 256, the part of the ambience
+        that is felt there, 0 to 1; none is a straight line.
+
+    Raises
+    ------
+    InputError
+        No such parameter, a value out of range, too many kinds or no `default`.
+
+    See Also
+    --------
+    load_preset : Reads one.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> football = ov.load_preset("football")
+    >>> loud = football.with_changes({"surface.friction": 6e-4})
+    >>> loud.values["surface.friction"], football == loud
+    (0.0006, False)
+    """
+
+    name: str
+    title: str
+    description: str
+    values: Mapping[str, Value]
+    kinds: Mapping[str, EventKind] = field(default_factory=dict)
+    tags: Tags = field(default_factory=Tags)
+    authors: tuple[str, ...] = ()
+    points: tuple[float, ...] = ()
+    _served: Mapping[str, str] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        values: dict[str, Value] = {}
+        for id, known in PARAMETERS.items():
+            assert known.default is not None
+            values[id] = known.default
+        for id, value in self.values.items():
+            values[id] = parameter(id).check(value)
+        if len(self.kinds) > MAX_KINDS:
+            raise InputError(
+                f"preset {self.name!r} has {len(self.kinds)} event kinds; up to {MAX_KINDS}"
+            )
+        if DEFAULT_KIND not in self.kinds:
+            raise InputError(
+                f"preset {self.name!r} has no kinds.{DEFAULT_KIND}; "
+                "add it, for events of a kind it doesn't name"
+            )
+        object.__setattr__(self, "values", MappingProxyType(values))
+        object.__setattr__(self, "kinds", MappingProxyType(dict(self.kinds)))
+        object.__setattr__(self, "authors", tuple(self.authors))
+        object.__setattr__(self, "points", _drawn(self.points))
+        served = {name: kind for kind, members in self.kinds.items() for name in members.also}
+        for kind, members in self.kinds.items():
+            for name in members.also:
+                if served[name] != kind:
+                    raise InputError(
+                        f"preset {self.name!r}: {name!r} is in kinds.{kind}.also and in "
+                        f"kinds.{served[name]}.also; leave it in one"
+                    )
+        # a kind of that name comes before those that stand for it
+        object.__setattr__(self, "_served", served | {name: name for name in self.kinds})
+
+    def kind_for(self, event_kind: str) -> str | None:
+        """Look up the kind that serves a kind of event.
+
+        Parameters
+        ----------
+        event_kind : str
+            Of an event.
+
+        Returns
+        -------
+        str or None
+            A name of `kinds`; None where `default` serves it, for want of another.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> football.kind_for("goal"), football.kind_for("heartbeat")
+        ('goal', None)
+        """
+        return self._served.get(event_kind)
+
+    def number(self, id: str) -> float:
+        """Look up a numeric parameter.
+
+        Parameters
+        ----------
+        id : str
+            `tactor.frequency_hz`, say.
+
+        Returns
+        -------
+        float
+            In the parameter's unit.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.load_preset("football").number("tactor.frequency_hz")
+        250.0
+        """
+        value = self.values[id]
+        assert isinstance(value, float)
+        return value
+
+    def with_values(self, **changes: Value) -> Preset:
+        """Make a preset with other values, by parameter id with `__` for the dot.
+
+        Parameters
+        ----------
+        **changes : float, bool or str
+            In the parameters' units.
+
+        Returns
+        -------
+        Preset
+            This one but for them.
+
+        Raises
+        ------
+        InputError
+            No such parameter, or a value that is not allowed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> football.with_values(tactor__gain_db=-6.0).number("tactor.gain_db")
+        -6.0
+        """
+        return self.with_changes({id.replace("__", "."): value for id, value in changes.items()})
+
+    def with_changes(self, changes: Mapping[str, Value]) -> Preset:
+        """Make a preset with other values, by parameter id.
+
+        Parameters
+        ----------
+        changes : mapping of str to float, bool or str
+            In the parameters' units.
+
+        Returns
+        -------
+        Preset
+            This one but for them.
+
+        Raises
+        ------
+        InputError
+            No such parameter, or a value that is not allowed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> football.with_changes({"tactor.gain_db": -6.0}).number("tactor.gain_db")
+        -6.0
+        """
+        return replace(self, values={**self.values, **changes})
+
+    def with_value(self, id: str, value: object) -> Preset:
+        """Make a preset with another value of a parameter or of an event kind.
+
+        Parameters
+        ----------
+        id : str
+            `tactor.gain_db`, `kinds.goal.height`.
+        value : float, bool or str
+            In the parameter's unit.
+
+        Returns
+        -------
+        Preset
+            This one but for it.
+
+        Raises
+        ------
+        InputError
+            No such parameter, or a value that is not allowed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> football = ov.load_preset("football")
+        >>> football.with_value("kinds.goal.height", 90.0).kinds["goal"].height
+        90.0
+        """
+        validation.instance(id, str, "a parameter's id", "tactor.gain_db is one")
+        if not id.startswith("kinds."):
+            return self.with_changes({id: parameter(id).check(value)})
+        parts = id.split(".")
+        if len(parts) != 3 or parts[1] not in self.kinds:
+            raise InputError(
+                f"no parameter is called {id!r}; an event kind's is kinds.KIND.KEY, "
+                f"with KIND one of {', '.join(self.kinds)}"
+            )
+        _, name, key = parts
+        if key not in KIND_PARAMETERS:
+            raise InputError(
+                f"no parameter is called {id!r}; an event kind has {', '.join(KIND_PARAMETERS)}"
+            )
+        changes: dict[str, Any] = {key: replace(KIND_PARAMETERS[key], id=id).check(value)}
+        if key.startswith("width_"):
+            changes = {"width_percent": None, "width_ms": None, **changes}
+        return replace(self, kinds={**self.kinds, name: replace(self.kinds[name], **changes)})
+
+    def plot(self) -> Figure:
+        """Draw what is heard and felt of each kind of event, from a render of a sweep over them.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Click and vibration over time; a notebook shows it.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> ov.load_preset("plain").plot().savefig("plain.png")
+        """
+        return drawn("measure.pictures", "plot_preset", self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what it is like, and its kinds."""
+        return preset_page(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mappingproxy can't be pickled
+        return Preset, (
+            self.name,
+            self.title,
+            self.description,
+            dict(self.values),
+            dict(self.kinds),
+            self.tags,
+            self.authors,
+            self.points,
+        )
+
+    def __repr__(self) -> str:
+        changed = sum(value != PARAMETERS[id].default for id, value in self.values.items())
+        return (
+            f"<Preset {short(self.name)}: {counted(len(self.kinds), 'kind')}, "
+            f"{counted(changed, 'value')} other than the default>"
+        )

@@ -1,0 +1,121 @@
+"""The parameter reference and the editors' schema, both from the one parameter table."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from overview_dsp.design.presets.migrations import SCHEMA
+from overview_dsp.design.presets.model import TAG_SCALES
+from overview_dsp.design.presets.parameter import Parameter, value_text
+from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
+from overview_dsp.design.presets.validation import MAP_DOC, preset_model
+
+_HEAD = """# Preset parameters
+
+A preset is a TOML file. `schema = {schema}`, `title`, `description` and `[kinds.default]` must be
+there (or come from what it `extends`); everything else has a default.
+
+| key | what it is |
+|---|---|
+| `schema` | version of this format: {schema}; older ones are read too |
+| `extends` | a preset whose values hold where this file has none: a name, or a path from here |
+| `title`, `description` | what it is called, and what it feels like in a line |
+| `authors` | a list of names |
+| `[tags]` | {tags}: 1 (low) to 5 (high); `usage`: a list of words |
+| `[variables]` | numbers to use in values: `height = "$hard * 0.5"` (+ - * / and brackets) |
+"""
+
+
+def reference() -> str:
+    """The reference as Markdown."""
+    parts = [_HEAD.format(schema=SCHEMA, tags=", ".join(f"`{name}`" for name in TAG_SCALES))]
+    sections: dict[str, list[Parameter]] = {}
+    for id, known in PARAMETERS.items():
+        sections.setdefault(id.split(".")[0], []).append(known)
+    for section, members in sections.items():
+        parts.append(f"## [{section}]\n\n{_table(members)}")
+        if section == "surface":
+            drawn = MAP_DOC[0].lower() + MAP_DOC[1:]
+            parts.append(f"`points` (a list of 2 to 256 numbers): {drawn}\n")
+    parts.append(
+        "## [kinds.NAME]\n\nAn event kind's profile and click; exactly one of the two widths. "
+        "`kinds.default` serves\nevents of any other kind.\n\n" + _table(KIND_PARAMETERS.values())
+    )
+    parts.append(
+        "`points` (a list of 2 to 256 numbers, 0 to 1) is a course over two widths in place of the "
+        "shape's. `also` (a list of names) are other kinds of event that feel like this one,\n"
+        "unless the preset names them.\n"
+    )
+    parts.append(
+        "## kinds.NAME.modes\n\nA list of modal resonators, struck when the disk passes.\n\n"
+        + _table(MODE_PARAMETERS.values())
+    )
+    return "\n".join(parts)
+
+
+def _table(members: Any) -> str:
+    rows = ["| key | default | range | what it does |", "|---|---|---|---|"]
+    for known in members:
+        text = "must be given" if known.default is None else value_text(known.default)
+        rows.append(f"| `{known.key}` | {text} | {known.allowed} | {known.doc} |")
+    return "\n".join(rows) + "\n"
+
+
+def reference_json() -> list[dict[str, Any]]:
+    """The reference as data: a dict a parameter.
+
+    `choices` is empty for a number, which lies from `low` to `high`; `surface` as in `Parameter`.
+    """
+    groups = (
+        PARAMETERS.values(),
+        (replace(known, id=f"kinds.NAME.{known.id}") for known in KIND_PARAMETERS.values()),
+        (replace(known, id=f"kinds.NAME.modes.{known.id}") for known in MODE_PARAMETERS.values()),
+    )
+    return [
+        {
+            "id": known.id,
+            "default": known.default,
+            "allowed": known.allowed,
+            "low": known.low,
+            "high": known.high,
+            "choices": list(known.choices),
+            "surface": known.surface,
+            "unit": known.unit,
+            "scale": known.scale,
+            "doc": known.doc,
+        }
+        for members in groups
+        for known in members
+    ]
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of preset files, for completion and checks in TOML editors.
+
+    A number may also be an expression of variables there, as a text with a `$`.
+    """
+    schema: dict[str, Any] = _with_expressions(preset_model().model_json_schema(by_alias=True))
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    schema["title"] = "overView preset"
+    schema["properties"]["schema"] = {"enum": list(range(1, SCHEMA + 1))}
+    schema["properties"]["extends"] = {
+        "type": "string",
+        "description": "A preset whose values hold where this file has none.",
+    }
+    schema["required"] = ["schema"]  # the rest may come from what it extends
+    for definition in schema["$defs"].values():
+        definition.pop("required", None)
+    return schema
+
+
+def _with_expressions(node: Any) -> Any:
+    if isinstance(node, list):
+        return [_with_expressions(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    found = {key: _with_expressions(value) for key, value in node.items()}
+    if found.get("type") == "number":
+        kept = {key: found.pop(key) for key in ("description", "default", "unit") if key in found}
+        return {**kept, "anyOf": [found, {"type": "string", "pattern": r"\$"}]}
+    return found

@@ -1,0 +1,138 @@
+"""Preset to TOML: the same preset gives the same bytes, and reading them gives the preset again."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from overview_dsp import validation
+from overview_dsp.design.presets.migrations import SCHEMA
+from overview_dsp.design.presets.model import TAG_SCALES, EventKind, Preset
+from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
+from overview_dsp.files.atomic import whole_file
+
+
+def preset_toml(preset: Preset) -> str:
+    """The text of a preset file, with what differs from the parameter table's defaults."""
+    import tomli_w
+
+    data: dict[str, Any] = {
+        "schema": SCHEMA,
+        "title": preset.title,
+        "description": preset.description,
+    }
+    if preset.authors:
+        data["authors"] = list(preset.authors)
+    tags: dict[str, Any] = {
+        name: getattr(preset.tags, name)
+        for name in TAG_SCALES
+        if getattr(preset.tags, name) is not None
+    }
+    if preset.tags.usage:
+        tags["usage"] = list(preset.tags.usage)
+    if tags:
+        data["tags"] = tags
+    for id, known in PARAMETERS.items():
+        section, key = id.split(".")
+        if preset.values[id] != known.default:
+            data.setdefault(section, {})[key] = preset.values[id]
+    if preset.points:
+        data.setdefault("surface", {})["points"] = list(preset.points)
+    data["kinds"] = {name: _kind(kind) for name, kind in preset.kinds.items()}
+    return tomli_w.dumps(data)
+
+
+def _kind(kind: EventKind) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, known in KIND_PARAMETERS.items():
+        value = getattr(kind, key)
+        if value is not None and (key == "height" or value != known.default):
+            found[key] = value
+    if kind.also:
+        found["also"] = list(kind.also)
+    if kind.points:
+        found["points"] = list(kind.points)
+    found["modes"] = [{key: getattr(mode, key) for key in MODE_PARAMETERS} for mode in kind.modes]
+    return found
+
+
+def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
+    """Write a preset file, whole or not at all: what differs from the parameter table's defaults.
+
+    Parameters
+    ----------
+    preset : Preset
+        What is written.
+    path : str or path
+        The TOML file.
+
+    Returns
+    -------
+    path
+        The file.
+
+    Raises
+    ------
+    InputError
+        A place that can't be written.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> loud = ov.load_preset("football").with_changes({"surface.friction": 6e-4})
+    >>> path = ov.presets.save(loud, "loud.toml")
+    >>> ov.presets.load(path).values == loud.values
+    True
+    """
+    target = validation.path(path, "a preset's file")
+    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
+    with whole_file(target) as temporary:
+        temporary.write_text(preset_toml(preset), encoding="utf-8", newline="\n")
+    return target
+
+
+def started_from(extended: str, base: Preset, title: str) -> str:
+    """The text of a new preset that extends another one, with every value of that in a comment."""
+    lines = [
+        f"# {title}",
+        "#",
+        "# Feels like:",
+        "# Sounds like:",
+        "# For:",
+        f"schema = {SCHEMA}",
+        f"extends = {_plain(extended)}",
+        f"title = {_plain(title)}",
+        f"description = {_plain(f'made from {base.name}')}",
+        "",
+        f"# The values are {base.name}'s: take the # away from what is to differ, headings too.",
+    ]
+    section = ""
+    for id, known in PARAMETERS.items():
+        if id.split(".")[0] != section:
+            section = id.split(".")[0]
+            lines += ["", f"# [{section}]"]
+        lines.append(f"# {known.key} = {_plain(base.values[id])}  # {known.allowed}. {known.doc}")
+    for name, kind in base.kinds.items():
+        lines += ["", f"# [kinds.{_key(name)}]"]
+        lines += [
+            f"# {known.key} = {_plain(getattr(kind, key))}  # {known.allowed}"
+            for key, known in KIND_PARAMETERS.items()
+            if getattr(kind, key) is not None
+        ]
+    return "\n".join([*lines, ""])
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _plain(name)
+
+
+def _plain(value: object) -> str:
+    import json
+
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,1 @@
+"""Bytes and messages of sensors, controllers and motors, without any port."""

@@ -1,0 +1,116 @@
+"""When each sample was taken, in seconds that only go forward."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from overview_dsp.devices.sensors.reading import STAMPS, Counters, Reading
+
+UNITS_S = {"t_us": 1e-6, "t_ms": 1e-3, "t_s": 1.0}
+WRAP = 1 << 32
+"""A clock in micro- or milliseconds begins again at this count."""
+
+LONGEST_GAP_S = 10.0
+"""A longer step of a sensor's clock, or one back, is a device that began again."""
+
+LEARNING_S = 0.5
+LEARNING_SAMPLES = 8
+LOOP_HZ = 0.5
+"""Bandwidth of the loop that takes the jitter off times of arrival."""
+
+LATE_S = 0.25
+"""Samples that come so much later than expected were interrupted: no jitter."""
+
+
+class StampClock:
+    """The sensor's own clock, unwrapped.
+
+    A stamp a little earlier than the last one is a sample out of order, and dropped; one much
+    earlier, or much later, is a device that began again: its time goes on where it was.
+    """
+
+    def __init__(self, counters: Counters) -> None:
+        """Counts wraps, restarts and disorder in `counters`."""
+        self._counters = counters
+        self._last: float | None = None
+        self._time = 0.0
+
+    def times(self, readings: Sequence[Reading], arrival_s: float) -> list[float | None]:
+        """The time of each reading, s from the first; None for one to drop."""
+        return [self._next(reading) for reading in readings]
+
+    def _next(self, reading: Reading) -> float | None:
+        name = next((name for name in STAMPS if name in reading), None)
+        if name is None:  # a JSON line may leave it out
+            return None
+        raw, unit = reading[name], UNITS_S[name]
+        if self._last is None:
+            self._last = raw
+            return 0.0
+        step = raw - self._last
+        if name != "t_s" and step < -WRAP / 2:
+            step += WRAP
+            self._counters.clock_wraps += 1
+        seconds = step * unit
+        if seconds == 0.0:
+            self._counters.repeated += 1
+            return None
+        if -1.0 < seconds < 0.0 and raw > 1.0 / unit:
+            self._counters.disordered += 1
+            return None
+        self._last = raw
+        if not 0.0 < seconds <= LONGEST_GAP_S:
+            self._counters.clock_restarts += 1
+            seconds = 0.0
+        self._time = (
+            math.nextafter(self._time, math.inf) if seconds == 0.0 else self._time + seconds
+        )
+        return self._time
+
+
+class ArrivalClock:
+    """Times for samples without a stamp: a delay-locked loop on when they arrive.
+
+    Samples that arrive together were taken evenly. After half a second their rate is known, and a
+    second-order loop of 0.5 Hz follows it (F. Adriaensen, "Using a DLL to filter time", 2005).
+    """
+
+    def __init__(self) -> None:
+        """Nothing has come yet."""
+        self._first: float | None = None
+        self._count = 0
+        self._time = 0.0
+        self._period: float | None = None
+
+    def times(self, readings: Sequence[Reading], arrival_s: float) -> list[float | None]:
+        """The time of each reading, s of the clock that `arrival_s` is of."""
+        count = len(readings)
+        if not count:
+            return []
+        before = self._time
+        if self._first is None:
+            self._first = self._time = before = arrival_s
+        elif self._period is None:
+            self._count += count
+            self._time = max(arrival_s, before)
+            since = self._time - self._first
+            if since >= LEARNING_S and self._count >= LEARNING_SAMPLES:
+                self._period = since / self._count
+        else:
+            self._time = self._follow(count, arrival_s)
+            # samples that were held up were taken just before the last one
+            before = max(before, self._time - count * self._period)
+        step = (self._time - before) / count
+        return [min(before + step * n, self._time) for n in range(1, count + 1)]
+
+    def _follow(self, count: int, arrival_s: float) -> float:
+        assert self._period is not None
+        elapsed = count * self._period
+        expected = self._time + elapsed
+        error = arrival_s - expected
+        if abs(error) > LATE_S:
+            return max(arrival_s, self._time)
+        turn = min(2.0 * math.pi * LOOP_HZ * elapsed, 0.5)
+        self._period += turn * turn * error / count
+        return max(expected + math.sqrt(2.0) * turn * error, self._time + 0.1 * elapsed)

@@ -1,0 +1,63 @@
+"""The kit's firmware: a folder for each board, with wiring and commands in its sketch's head."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+from overview_dsp.errors import InputError, did_you_mean
+
+_PACKAGE = Path(__file__).resolve().parents[2]
+_HEAD = re.compile(r"/\* ?(.*?)\*/|((?:#[^\n]*\n)+)", re.S)
+
+
+def firmware_folder() -> Path:
+    """Where it is: in the installed package, or in the checkout."""
+    installed = _PACKAGE / "bundled" / "firmware"
+    return installed if installed.is_dir() else _PACKAGE.parent / "firmware"
+
+
+def firmware_names() -> tuple[str, ...]:
+    """What there is firmware for, sorted."""
+    return tuple(sorted(path.name for path in firmware_folder().iterdir() if path.is_dir()))
+
+
+def firmware_head(name: str) -> str:
+    """What it is, its wiring and commands: the head of its program.
+
+    Raises
+    ------
+    InputError
+        There is no firmware of that name.
+    """
+    found = _HEAD.match(_program(name).read_text(encoding="utf-8"))
+    assert found is not None
+    block, lines = found.groups()
+    return (block or re.sub(r"^# ?", "", lines, flags=re.M)).strip()
+
+
+def copy_firmware(name: str, folder: Path) -> Path:
+    """Copy it to a folder of its name in `folder`, as the Arduino IDE wants it; where it is then.
+
+    Raises
+    ------
+    InputError
+        There is no firmware of that name, or there is something already.
+    """
+    source, to = _program(name).parent, folder / name
+    if to.exists():
+        raise InputError(f"{to}: already there; move it away or give another folder (-o)")
+    try:
+        shutil.copytree(source, to)
+    except OSError as error:
+        raise InputError(f"{to}: can't be written ({error.strerror or error})") from None
+    return to
+
+
+def _program(name: str) -> Path:
+    names = firmware_names()
+    if name not in names:
+        raise InputError(f"no firmware is called {name!r}{did_you_mean(name, names)}")
+    folder = firmware_folder() / name
+    return next(path for path in (folder / f"{name}.ino", folder / "main.py") if path.is_file())

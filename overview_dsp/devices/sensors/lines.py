@@ -1,0 +1,69 @@
+"""Lines of text from bytes that come in any cuts, and readings from lines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from overview_dsp.devices.sensors.pieces import Pieces
+from overview_dsp.devices.sensors.reading import Counters, Reading
+
+LONGEST = 512
+"""Bytes of a line; a longer one is noise."""
+
+_SIGNS = ((b"\xc2\xb0", b"deg"), (b"\xc2\xb2", b"2"))
+"""Degrees and squares as UTF-8 writes them."""
+
+
+class LineSplitter:
+    """Splits at CR and LF. What comes before the first end of a line may be half of one."""
+
+    def __init__(self, counters: Counters, longest: int = LONGEST) -> None:
+        """What is wrong is counted in `counters`; `longest`: bytes of a line, more are noise."""
+        self._counters = counters
+        self._longest = longest
+        self._pieces = Pieces(longest)
+
+    def feed(self, data: bytes) -> list[str]:
+        """The lines that these bytes end, stripped; empty ones and comments (#) left out."""
+        return [line for line, _ in self.with_bytes(data)]
+
+    def with_bytes(self, data: bytes) -> list[tuple[str, bytes]]:
+        """As `feed`, each with the bytes it came as: signs are words in a line, and longer."""
+        self._counters.received_bytes += len(data)
+        lines = []
+        for piece, left_out, first in self._pieces.ended(data.replace(b"\r", b"\n"), b"\n"):
+            text = came = piece.strip()
+            for sign, word in _SIGNS:
+                text = text.replace(sign, word)
+            if first:
+                self._counters.fragments += bool(piece)
+            elif len(piece) > self._longest or not all(
+                32 <= byte < 127 or byte == 9 for byte in text
+            ):
+                self._counters.refuse(piece)
+                self._counters.noise_bytes += left_out
+            elif text and not text.startswith(b"#"):
+                lines.append((text.decode("ascii"), came))
+        return lines
+
+
+class LineDecoder:
+    """Readings from lines."""
+
+    def __init__(self, counters: Counters, reading_of: Callable[[str], Reading | None]) -> None:
+        """`reading_of` reads a line: None if it is none, empty if there is nothing in it."""
+        self._counters = counters
+        self._reading_of = reading_of
+        self._lines = LineSplitter(counters)
+
+    def feed(self, data: bytes) -> list[Reading]:
+        """The readings that these bytes complete."""
+        readings: list[Reading] = []
+        for line, came in self._lines.with_bytes(data):
+            reading = self._reading_of(line)
+            if reading is None:
+                self._counters.refuse(came)
+            elif reading:
+                readings.append(reading)
+        self._counters.readings += len(readings)
+        return readings

@@ -1,6 +1,0 @@
-"""The engine: prepare, control, process, reset; what it reports, saves and replays."""
-
-from overview_dsp.engine.engine import Engine
-from overview_dsp.engine.meters import EngineParameter, Meters, Strikes
-
-__all__ = ["Engine", "EngineParameter", "Meters", "Strikes"]

@@ -1,0 +1,76 @@
+"""C sources to shared libraries, where a compiler is there."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from overview_dsp.errors import OverviewError
+
+PEERS = Path(__file__).resolve().parents[3] / "tools" / "peers"
+"""The sources of the versions in other languages; a clone has them, an installed package hasn't."""
+
+
+class MissingError(OverviewError):
+    """A compiler, program or source that a contender needs isn't there."""
+
+
+def compiler() -> str:
+    """The C compiler's name.
+
+    Raises
+    ------
+    MissingError
+        None is installed.
+    """
+    for name in ("gcc", "cc", "clang"):
+        if shutil.which(name):
+            return name
+    raise MissingError("no C compiler (gcc, cc or clang)")
+
+
+def source(name: str) -> Path:
+    """A file of `tools/peers`.
+
+    Raises
+    ------
+    MissingError
+        This is not a clone of the project.
+    """
+    path = PEERS / name
+    if not path.is_file():
+        raise MissingError(f"tools/peers/{name} is not here: run from a clone of the project")
+    return path
+
+
+def built(path: Path, flags: tuple[str, ...], folder: Path | None = None) -> Path:
+    """Compile a C source to a shared library, once for each text and flags; its path.
+
+    `folder` is where it is kept; None = a folder of its own in the system's temporary one.
+
+    Raises
+    ------
+    MissingError
+        No compiler.
+    OverviewError
+        It doesn't compile.
+    """
+    name = compiler()
+    what = hashlib.sha256(path.read_bytes() + " ".join(flags).encode()).hexdigest()[:16]
+    folder = folder or Path(tempfile.mkdtemp(prefix="overview-bench-"))
+    target = folder / f"{path.stem}-{what}.so"
+    if not target.exists():
+        unit = target.with_suffix(".o")
+        # linked without the flags: those of fast arithmetic make a library that turns denormals off
+        # for whoever loads it, and this process measures and tests other things as well
+        for command in (
+            [name, *flags, "-fPIC", "-c", str(path), "-o", str(unit)],
+            [name, "-shared", str(unit), "-o", str(target), "-lm"],
+        ):
+            done = subprocess.run(command, capture_output=True, text=True)
+            if done.returncode:
+                raise OverviewError(f"{path.name}: {name} says: {done.stderr.strip()[:300]}")
+    return target

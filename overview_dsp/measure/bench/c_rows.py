@@ -1,0 +1,100 @@
+"""The model in C, as a textbook has it."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.kernels.layout import CELLS
+from overview_dsp.measure.bench.building import built, source
+from overview_dsp.measure.bench.plain_settings import Settings, plain_scene, plain_settings
+from overview_dsp.measure.bench.timing import DISK, VOICE, Contender, timed
+from overview_dsp.measure.bench.work import RATE, SECONDS, SWEEP_S, Disk, prepared, the_sweep
+
+PLAIN = ("-O3", "-march=native")
+
+
+def held_hand(frames: int) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+    """Angle (rad) and touching of the sweep at each sample: what its control events amount to."""
+    sweep = the_sweep()
+    latest = np.searchsorted(sweep.stamps(RATE), np.arange(frames), side="right") - 1
+    return sweep.theta2[latest], sweep.touching[latest].astype(np.uint8)
+
+
+class PlainC:
+    """plain_voice.c, built with some flags."""
+
+    def __init__(self, library: Path, disk: Disk, settings: Settings) -> None:
+        """`library` is the built source."""
+        self._c = ctypes.CDLL(str(library))
+        self._settings = settings
+        self._disk = disk
+        self._torque = np.empty(len(disk.hand))
+
+    def torque(self) -> NDArray[np.float64]:
+        """The torque (N m) of the disk alone."""
+        self._c.plain_disk(
+            ctypes.byref(self._settings),
+            pointer(self._disk.friction),
+            pointer(self._disk.hand),
+            pointer(self._torque),
+            ctypes.c_int64(len(self._torque)),
+        )
+        return self._torque
+
+    def voice(self, scene: Any, hand: NDArray[np.float64], touching: NDArray[np.uint8],
+              out: NDArray[np.float32]) -> None:  # fmt: skip
+        """The full voice into `out`, float32 (frames, 2)."""
+        self._c.plain_voice(
+            ctypes.byref(self._settings),
+            ctypes.byref(scene),
+            pointer(hand),
+            pointer(touching),
+            pointer(out),
+            ctypes.c_int64(len(out)),
+        )
+
+
+def pointer(array: NDArray[Any]) -> ctypes.c_void_p:
+    """An array's memory for C."""
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def contenders() -> list[Contender]:
+    """The C versions, built now.
+
+    Raises
+    ------
+    MissingError
+        No compiler, or not a clone.
+    """
+    folder = Path(tempfile.mkdtemp(prefix="overview-bench-"))
+    engine = prepared()
+    disk = Disk.of(engine)
+    out = np.zeros((round(SECONDS * RATE), 2), dtype=np.float32)
+    plain = PlainC(built(source("plain_voice.c"), PLAIN, folder), disk, plain_settings(engine))
+    scene = plain_scene(engine)
+    hand, touching = held_hand(len(out))
+    assert len(disk.friction) == CELLS + 1
+    return [
+        Contender(
+            VOICE,
+            f"a textbook version in C, {named(PLAIN)}",
+            lambda: timed(SECONDS, lambda: plain.voice(scene, hand, touching, out)),
+        ),
+        Contender(
+            DISK,
+            f"a textbook version in C, {named(PLAIN)}",
+            lambda: timed(SWEEP_S, plain.torque),
+        ),
+    ]
+
+
+def named(flags: tuple[str, ...]) -> str:
+    """Flags as a table shows them."""
+    return " ".join(flag for flag in flags if not flag.startswith("-march"))

@@ -1,0 +1,161 @@
+"""Control latency: from `engine.control` to the first changed sample, block size by block size.
+
+A tap is pushed at random moments on a disk at rest. Its first changed sample is the very sample at
+which the kernel applied it (the surface here is rough enough to sound at once), and that sample is
+known without a recorder: the tap passes the only event a fixed number of samples later, and the
+strike log says when, to a fraction of a sample.
+"""
+
+from __future__ import annotations
+
+import random
+import statistics
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.design.presets.library import load_preset
+from overview_dsp.errors import OverviewError
+from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.measure.bench.live.load import MAX_BLOCK, RATE, SETTLE_S, SILENT_S
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.units import HALF_TURN
+
+HOLD = 4800  # samples a tap is held
+BACK_S = 0.3  # within which the disk has returned to rest after a tap
+PLACE = 0.8
+
+
+def probe() -> Engine:
+    """An engine whose disk answers a tap within 25 ms, sounds from its first sample, and returns.
+
+    Prepared at `RATE`; one event, at the middle.
+    """
+    preset = load_preset("football").with_changes(
+        {
+            "clutch.max_speed_ratio": 0.0,
+            "disk.k1": 0.05,
+            "disk.k2": 0.05,
+            "surface.friction": 2e-3,
+            "tactor.threshold_db": -140.0,
+            "texture.gain_db": 0.0,
+        }
+    )
+    engine = Engine(preset, Timeline("one event", 10.0, (Event(5.0, "foul"),)))
+    engine.prepare(RATE, MAX_BLOCK)
+    return engine
+
+
+def strike_delay() -> float:
+    """Samples from a tap of the probe to its strike."""
+    engine = probe()
+    out = np.zeros((HOLD, 2), dtype=np.float32)
+    engine.process(out)
+    engine.control(PLACE * HALF_TURN, True, HOLD)
+    engine.process(out)
+    return float(engine.take_strikes().time_s[0]) * RATE - HOLD
+
+
+@dataclass(frozen=True)
+class Tap:
+    """One tap.
+
+    `before` and `after`: the engine's clock (samples) just before and just after it was pushed.
+    `applied`: its first changed sample. `wait_s`: from the push until the kernel had taken it.
+    """
+
+    before: int
+    after: int
+    applied: int
+    wait_s: float
+
+
+@dataclass(frozen=True)
+class LatencyResult:
+    """One block size.
+
+    `median_ms`, `worst_ms` (and the same in frames) over the `taps`: from `engine.control` until
+    the callback that makes the first changed sample. `beyond`: taps whose first changed sample was
+    more than a block after the engine's clock at the push (the claim is: none). `output_ms`: from
+    the callback to the ear, as PortAudio reports it.
+    """
+
+    block_size: int
+    taps: int
+    median_ms: float
+    worst_ms: float
+    median_frames: float
+    worst_frames: float
+    beyond: int
+    output_ms: float
+
+
+def tap_while_playing(engine: Engine, delay: float) -> Tap:
+    """Tap the resting probe that a stream plays, hold for `HOLD` samples, wait until it is back.
+
+    `delay` as `strike_delay` says.
+
+    Raises
+    ------
+    OverviewError
+        The stream stopped, or nothing was struck.
+    """
+    engine.take_strikes()
+    before = engine.sample_time
+    pushed = time.monotonic()
+    engine.control(PLACE * HALF_TURN, True)
+    after = engine.sample_time
+    until = pushed + SILENT_S
+    while not engine.meters.touching:
+        time.sleep(0)  # lets other threads in, and comes back at once
+        if time.monotonic() > until:
+            raise OverviewError(f"the output has not called for {SILENT_S:g} s")
+    taken = time.monotonic()
+    engine.control(PLACE * HALF_TURN, False, after + HOLD)
+    while engine.sample_time < after + HOLD + BACK_S * RATE:
+        if time.monotonic() > until + BACK_S:
+            raise OverviewError(f"the output has not called for {SILENT_S:g} s")
+        time.sleep(0.005)
+    strikes = engine.take_strikes()
+    if not len(strikes):
+        raise OverviewError("a tap was not heard: the output dropped it")
+    applied = round(float(strikes.time_s[0]) * RATE - delay)
+    return Tap(before, after, applied, taken - pushed)
+
+
+def measure_latency(
+    device: int | str | None, block_size: int, seconds: float, seed: int = 0
+) -> LatencyResult:
+    """Tap at random moments for about `seconds`, at least three times, native callback.
+
+    Raises
+    ------
+    InputError
+        No such device, or one that can't do this.
+    OverviewError
+        The device stopped calling.
+    """
+    chance = random.Random(seed)
+    delay = strike_delay()
+    engine = probe()
+    taps: list[Tap] = []
+    with OutputStream(engine, device=device, block_size=block_size) as stream:
+        time.sleep(SETTLE_S)
+        until = time.monotonic() + seconds
+        while len(taps) < 3 or time.monotonic() < until:
+            time.sleep(chance.uniform(0.0, 2.0 * block_size / RATE))
+            taps.append(tap_while_playing(engine, delay))
+        output_s = stream.meters.latency_s
+    waits = [tap.wait_s for tap in taps]
+    return LatencyResult(
+        block_size=block_size,
+        taps=len(taps),
+        median_ms=statistics.median(waits) * 1e3,
+        worst_ms=max(waits) * 1e3,
+        median_frames=statistics.median(waits) * RATE,
+        worst_frames=max(waits) * RATE,
+        beyond=sum(tap.applied > tap.after + block_size for tap in taps),
+        output_ms=output_s * 1e3,
+    )

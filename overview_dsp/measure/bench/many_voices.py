@@ -1,0 +1,82 @@
+"""Rows of many voices at once: side by side on a core, and on all cores."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+from overview_dsp.data.readers import bundled_timeline
+from overview_dsp.design.gestures import sweep
+from overview_dsp.design.presets.library import load_preset
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
+from overview_dsp.measure.bench.timing import BARE_CORES, CORES, VOICE, Contender, timed
+from overview_dsp.measure.bench.work import RATE, SECONDS, fed, prepared, the_sweep
+from overview_dsp.offline.rendering.many import render_jobs, render_many, usable_cores
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.engine.simd_batch import EngineBatch
+
+Lanes = tuple[EngineBatch, list[Engine | None]]
+
+BLOCK = 16384
+SEEDS = 256
+SWEEP_S = 1.5
+
+
+def feed_all(engines: list[Engine | None]) -> None:
+    """Give every lane's engine the whole work, which is Python's, not the kernel's."""
+    for engine in engines:
+        assert engine is not None
+        fed(engine, the_sweep())
+
+
+def play(lanes: EngineBatch, engines: list[Engine | None]) -> None:
+    """Process the whole work once in every lane."""
+    frames = round(SECONDS * RATE)
+    for start in range(0, frames, BLOCK):
+        lanes.process(engines, min(BLOCK, frames - start), False)
+
+
+def side_by_side(lanes: EngineBatch, engines: list[Engine | None]) -> float:
+    """The whole work once in every lane."""
+    feed_all(engines)
+    return timed(SIMD_WIDTH * SECONDS, lambda: play(lanes, engines))
+
+
+def rendered(threads: int) -> float:
+    """Voices by `render_many`; seconds of sound in one second of the wall clock."""
+    gesture = sweep(SWEEP_S)
+    made = render_jobs([bundled_timeline()], [load_preset("football")], [gesture], range(SEEDS))
+    started = time.perf_counter()
+    done = sum(1 for _ in render_many(list(made), RATE, tail="none", threads=threads))
+    return done * gesture.duration_s / (time.perf_counter() - started)
+
+
+def in_threads(full: list[Lanes]) -> float:
+    """The whole work once in each of these lanes, a thread each: what the cores themselves give."""
+    for _, engines in full:
+        feed_all(engines)
+    with ThreadPoolExecutor(len(full)) as pool:
+        started = time.perf_counter()
+        list(pool.map(lambda lanes: play(*lanes), full))
+        return len(full) * SIMD_WIDTH * SECONDS / (time.perf_counter() - started)
+
+
+def filled() -> Lanes:
+    """Lanes with an engine in each."""
+    lanes = EngineBatch(BLOCK)
+    return lanes, [prepared(frames=BLOCK, memory=lanes.memory(lane)) for lane in range(SIMD_WIDTH)]
+
+
+def contenders() -> list[Contender]:
+    """Rows of the full voice, and of several cores."""
+    cores = usable_cores()
+    full = [filled() for _ in range(cores)]
+    return [
+        Contender(
+            VOICE, f"overView, {SIMD_WIDTH} voices side by side", lambda: side_by_side(*full[0])
+        ),
+        Contender(CORES, "render_many, 1 thread", lambda: rendered(1)),
+        Contender(CORES, f"render_many, {cores} threads", lambda: rendered(cores)),
+        Contender(BARE_CORES, "side by side, 1 thread", lambda: in_threads(full[:1])),
+        Contender(BARE_CORES, f"side by side, {cores} threads", lambda: in_threads(full)),
+    ]

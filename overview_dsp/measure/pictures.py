@@ -1,0 +1,106 @@
+"""A preset as a picture: what each kind sounds and feels like, and how far it stands out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.offline.plots.style import (
+    BLUE,
+    GREY,
+    VERMILION,
+    extremes,
+    new_figure,
+    tidy,
+)
+from overview_dsp.offline.rendering.audition import audition
+from overview_dsp.offline.rendering.offline import Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from overview_dsp.measure.kind_feel import FeelReport
+
+
+def plot_preset(preset: Preset) -> Figure:
+    """Every kind of a preset, rendered and drawn as `plot_gallery` does."""
+    return plot_gallery(audition(preset), preset)
+
+
+def plot_gallery(result: Result, preset: Preset) -> Figure:
+    """What is heard and felt of each kind of event, in the order it is passed."""
+    figure = new_figure(11.0, 4.6)
+    heard, felt = figure.subplots(2, 1, sharex=True)
+    rate = result.sample_rate
+    trace = result.trace
+    # out only: the recoil is the same backwards, and slower
+    count = int(np.argmax(trace.engaged < 0.5)) or len(trace.time)
+    time = trace.time[:count]
+    heard.plot(*extremes(time, result.samples[:count, 0].astype(float)), color=BLUE, linewidth=0.7)
+    heard.set_ylabel("click")
+    level = 20.0 * np.log10(np.maximum(trace.envelope[:count], 1e-4))
+    felt.plot(*extremes(time, level), color=VERMILION, linewidth=1.0)
+    felt.set_ylabel("vibration, dB")
+    felt.set_ylim(-60.0, 3.0)
+    felt.set_xlabel("time, s")
+    seen: set[str] = set()
+    strikes = result.strikes.of_events()
+    for at, event in zip(strikes.time_s, strikes.event, strict=True):
+        if at * rate >= count:
+            continue
+        for axes in (heard, felt):
+            axes.axvline(at, color=GREY, linewidth=0.5, zorder=0)
+        kind = result.engine.timeline.events[event].kind
+        if kind not in seen:
+            seen.add(kind)
+            heard.annotate(
+                kind,
+                (at, 1.0),
+                xycoords=heard.get_xaxis_transform(),
+                xytext=(0, 3),
+                textcoords="offset points",
+                rotation=35.0,
+                fontsize=7,
+                va="bottom",
+            )
+    for axes in (heard, felt):
+        tidy(axes)
+    figure.suptitle(f"{preset.title}: {preset.description}", x=0.01, ha="left", fontsize=10)
+    figure.subplots_adjust(left=0.085, right=0.985, top=0.79, bottom=0.11, hspace=0.1)
+    figure.align_ylabels((heard, felt))
+    return figure
+
+
+def plot_feel(report: FeelReport) -> Figure:
+    """How far each kind stands out of the rest, stroke by stroke, with the steps of touch."""
+    kinds = list(dict.fromkeys(kind.kind for stroke in report.strokes for kind in stroke.kinds))
+    figure = new_figure(9.0, 1.4 + 0.36 * len(kinds))
+    axes = figure.subplots()
+    table = np.full((len(kinds), len(report.strokes)), np.nan)
+    for column, stroke in enumerate(report.strokes):
+        for kind in stroke.kinds:
+            table[kinds.index(kind.kind), column] = kind.contrast_db
+    shown = axes.imshow(table, aspect="auto", cmap="cividis", vmin=0.0, vmax=30.0)
+    for (row, column), value in np.ndenumerate(table):
+        if np.isfinite(value):
+            axes.text(
+                column,
+                row,
+                f"{value:.0f}",
+                ha="center",
+                va="center",
+                fontsize=8,
+                # a step of 2.3 dB is the least that is felt
+                color=VERMILION if value < 2.3 else "white" if value < 18.0 else "black",
+                fontweight="bold" if value < 2.3 else "normal",
+            )
+    axes.set_xticks(range(len(report.strokes)), [stroke.name for stroke in report.strokes])
+    axes.tick_params(axis="x", rotation=25, labelsize=8)
+    axes.set_yticks(range(len(kinds)), kinds)
+    axes.grid(visible=False)
+    figure.colorbar(shown, ax=axes, label="dB above the rest (red: masked)", pad=0.02)
+    axes.set_title(f"{report.preset} on {report.timeline or 'a timeline'}", loc="left", fontsize=10)
+    figure.tight_layout()
+    return figure

@@ -1,0 +1,1 @@
+"""What becomes files: renders, plots and exports."""

@@ -1,0 +1,197 @@
+"""What a plugin holds: images of timelines by preset, and `bundle.c`, which describes them."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import unicodedata
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import metadata
+
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.errors import OverviewWarning
+from overview_dsp.kernels import layout
+from overview_dsp.offline.export.browser_memory import encode_engine
+from overview_dsp.signal.engine.engine import Engine
+
+IMAGES = "images.bin"
+"""The file that `bundle.c` includes: all images, one behind the other."""
+
+_IMAGE_RATE = 48_000.0  # of no consequence: a voice goes to its own when it is prepared
+_UNIT_OF_KEY = re.compile(r"_(db|hz|ms|s|mnm)$")
+
+
+@dataclass(frozen=True)
+class Image:
+    """A timeline in a preset: the bytes, the tail in seconds, the parameters' values."""
+
+    data: bytes
+    tail_s: float
+    values: tuple[float, ...]
+
+    @property
+    def digest(self) -> str:
+        """SHA-256, in hexadecimal."""
+        return hashlib.sha256(self.data).hexdigest()
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """What a plugin is called, its timelines and presets by name, and an image for each pair.
+
+    The images of a timeline are in the presets' order, those of the next one behind them.
+    """
+
+    name: str
+    timelines: tuple[str, ...]
+    presets: tuple[str, ...]
+    images: tuple[Image, ...]
+
+    @property
+    def slug(self) -> str:
+        """The name as it is written in ids and files: of plain letters, or by its digest."""
+        plain = unicodedata.normalize("NFKD", self.name).encode("ascii", "ignore").decode()
+        digest = hashlib.sha256(self.name.encode()).hexdigest()
+        return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or f"timeline-{digest[:8]}"
+
+    @property
+    def id(self) -> str:
+        """What a project finds the plugin by, whatever data it holds."""
+        return f"org.overview-dsp.{self.slug}"
+
+    def of_preset(self, preset: int) -> tuple[Image, ...]:
+        """The images of a preset, by timeline."""
+        return self.images[preset :: len(self.presets)]
+
+    def uri(self, preset: int) -> str:
+        """Of a preset's LV2 plugin: of other data it is another plugin."""
+        digests = [image.digest for image in self.of_preset(preset)]
+        if len(digests) > 1:
+            digests = [hashlib.sha256("".join(digests).encode()).hexdigest()]
+        return f"urn:overview-dsp:{digests[0][:32]}"
+
+    @property
+    def data(self) -> bytes:
+        """The content of `images.bin`."""
+        return b"".join(image.data for image in self.images)
+
+
+def bundle_of(
+    name: str, timelines: Mapping[str, Timeline], presets: Sequence[Preset], seed: int
+) -> Bundle:
+    """The images of every timeline in every preset.
+
+    What is to be noted of them is warned of once, with the timelines and the preset that it is of.
+    """
+    images: list[Image] = []
+    noted: dict[tuple[str, str, type[Warning]], list[str]] = {}
+    for called, timeline in timelines.items():
+        for preset in presets:
+            with warnings.catch_warnings(record=True) as notes:
+                warnings.simplefilter("always", OverviewWarning)
+                images.append(_image_of(timeline, preset, seed))
+            for one in dict.fromkeys((str(note.message), note.category) for note in notes):
+                noted.setdefault((preset.name, *one), []).append(called)
+    for (preset_name, text, category), of in noted.items():
+        warnings.warn(f"{', '.join(of)} in {preset_name}: {text}", category, stacklevel=3)
+    return Bundle(name, tuple(timelines), tuple(preset.name for preset in presets), tuple(images))
+
+
+def _image_of(timeline: Timeline, preset: Preset, seed: int) -> Image:
+    engine = Engine(preset, timeline, seed=seed)
+    engine.prepare(_IMAGE_RATE)
+    data = encode_engine(engine)
+    values = engine.memory[layout.PARAMS : layout.PARAMS + layout.PARAMETERS]
+    return Image(data, engine.tail_seconds, tuple(map(float, values)))
+
+
+def _quoted(text: bytes) -> str:
+    """A C string of any bytes; always three digits, so that a digit may follow."""
+    return '"' + "".join(_ESCAPED[byte] for byte in text) + '"'
+
+
+_ESCAPED = [
+    chr(byte) if 32 <= byte < 127 and byte not in b'"\\?' else f"\\{byte:03o}"
+    for byte in range(256)
+]
+
+
+def parameter_ids() -> list[str]:
+    """The ids of what isn't the surface's, in the memory's order."""
+    columns = [name for name in vars(layout) if name.startswith("PARAM_")]
+    columns.sort(key=lambda name: getattr(layout, name))
+    ids = {id.upper().replace(".", "_"): id for id in PARAMETERS}
+    return [ids[name.removeprefix("PARAM_")] for name in columns]
+
+
+def label_of(id: str) -> tuple[str, str, tuple[str, ...]]:
+    """A parameter's name, its section, and the texts of its choices."""
+    section, _, key = id.partition(".")
+    known = PARAMETERS[id]
+    words = _UNIT_OF_KEY.sub("", key).replace("_", " ")
+    if isinstance(known.default, bool):
+        choices: tuple[str, ...] = ("off", "on")
+    else:
+        choices = tuple(map(str, known.choices))
+    return f"{section.capitalize()} {words}", section.capitalize(), choices
+
+
+_DATA = """
+#if defined __APPLE__
+__asm__(".const\\n.private_extern _bundle_data\\n.p2align 3\\n_bundle_data:\\n"
+        ".incbin \\"{file}\\"\\n.text\\n");
+#elif defined _WIN32
+__asm__(".section .rdata,\\"dr\\"\\n.globl bundle_data\\n.p2align 3\\nbundle_data:\\n"
+        ".incbin \\"{file}\\"\\n.text\\n");
+#else
+__asm__(".pushsection .rodata\\n.globl bundle_data\\n.hidden bundle_data\\n.p2align 3\\n"
+        "bundle_data:\\n.incbin \\"{file}\\"\\n.popsection\\n");
+#endif
+""".replace("{file}", IMAGES)
+
+
+def bundle_source(bundle: Bundle) -> Iterator[str]:
+    """The text of `bundle.c`, in pieces; it includes the file `images.bin` beside it."""
+
+    def text(value: str) -> str:
+        return _quoted(value.encode())
+
+    yield '#include "bundle.h"\n\n'
+    for what, value in (
+        ("id", bundle.id),
+        ("name", bundle.name),
+        ("version", metadata.version("overview-dsp")),
+        ("description", "A timeline under the hand: clicks to hear, a vibration to feel."),
+    ):
+        yield f"const char bundle_{what}[] = {text(value)};\n"
+    named = hashlib.sha256(f"{bundle.id} in VST3".encode()).hexdigest()
+    words = ", ".join(f"0x{named[at : at + 8]}" for at in range(0, 32, 8))
+    yield f"const uint32_t bundle_class[4] = {{{words}}};\n"
+    labels = []
+    for number, id in enumerate(parameter_ids()):
+        name, section, choices = label_of(id)
+        if choices:
+            yield f"static const char *const choices_{number}[] = "
+            yield f"{{{', '.join(map(text, choices))}}};\n"
+        listed = f"choices_{number}" if choices else "NULL"
+        labels.append(f"    {{{text(name)}, {text(section)}, {listed}}},\n")
+    yield "const bundle_label bundle_labels[OVERVIEW_PARAMETERS] = {\n"
+    yield "".join(labels) + "};\n"
+    yield f"const int bundle_timelines_count = {len(bundle.timelines)};\n"
+    yield f"const char *const bundle_timelines[] = {{{', '.join(map(text, bundle.timelines))}}};\n"
+    yield f"const int bundle_presets_count = {len(bundle.presets)};\n"
+    yield "const bundle_preset bundle_presets[] = {\n"
+    for number, preset in enumerate(bundle.presets):
+        values = ", ".join(value.hex() for value in bundle.of_preset(number)[0].values)
+        yield f"    {{{text(preset)}, {text(bundle.uri(number))},\n     {{{values}}}}},\n"
+    yield "};\nconst bundle_image bundle_images[] = {\n"
+    at = 0
+    for image in bundle.images:
+        size = len(image.data)
+        yield f"    {{{text(image.digest)}, {at}, {size}, {image.tail_s.hex()}}},\n"
+        at += size
+    yield "};\n" + _DATA

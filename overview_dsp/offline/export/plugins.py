@@ -1,0 +1,120 @@
+"""Audio plugins: the voice in C with images of timelines, compiled for digital workstations.
+
+`plugin/` holds the sources: `voice.h` is what every format shares, `bundle.h` what is written here.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.errors import InputError, shown
+from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.offline.export.c_folder import c_sources
+from overview_dsp.offline.export.plugin_bundle import IMAGES, bundle_of, bundle_source
+from overview_dsp.offline.export.plugin_compiler import compile_library, compiler_of, machine_of
+from overview_dsp.offline.export.plugin_folders import contents_of
+
+MOST_NAMES = 64
+"""Timelines in a plugin, and presets."""
+
+_SOURCES = ("bundle.h", "voice.h")
+_OWN_SOURCES = {
+    "clap": ("values.h", "state.h", "clap.h", "clap.c"),
+    "lv2": ("lv2.h", "lv2.c"),
+    "vst3": ("values.h", "state.h", "vst3.h", "vst3_controller.h", "vst3_events.h", "vst3.c"),
+}
+PLUGIN_FORMATS = tuple(_OWN_SOURCES)
+
+
+def build_plugin(
+    timeline: Timeline | Mapping[str, Timeline],
+    presets: Preset | Sequence[Preset],
+    to: str,
+    folder: str | os.PathLike[str],
+    *,
+    name: str | None = None,
+    seed: int = 0,
+    target: str | None = None,
+) -> Path:
+    """Compile timelines to an audio plugin, an instrument that any host of its format plays.
+
+    It needs no Python, and makes the samples of `render`, bit for bit, at any sample rate.
+
+    Parameters
+    ----------
+    timeline : Timeline or mapping of str to Timeline
+        The data under the hand; of several, by name, one is chosen in the host.
+    presets : Preset or sequence of Preset
+        How it is felt and heard; of several, up to 64, one is chosen in the host.
+    to : str
+        The format: `"clap"`, `"vst3"`, or `"lv2"`: a bundle with a plugin for each preset.
+    folder : str or path
+        Made, if need be; a plugin of this name in it is replaced, in a VST3 the library of the
+        same system.
+    name : str, optional
+        What it is called; the first timeline's title if it isn't given.
+    seed : int
+        Of the surface's grain.
+    target : str, optional
+        The machine it is for, with ziglang as the compiler: `"x86_64-linux"`,
+        `"aarch64-linux"`, `"x86_64-windows"`, `"x86_64-macos"` or `"aarch64-macos"`. Else it is
+        this one.
+
+    Returns
+    -------
+    Path
+        The plugin.
+
+    Raises
+    ------
+    InputError
+        No such format or target, no or too many presets or timelines, two presets of one name; a
+        folder that can't be written to.
+    OverviewError
+        There is no C compiler, or it fails.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> ov.export.build_plugin(match, football, "clap", "plugins", name="match").name
+    'match.clap'
+    """
+    if to not in PLUGIN_FORMATS:
+        raise InputError(f"no plugin format {shown(to)}; it is {' or '.join(PLUGIN_FORMATS)}")
+    chosen = (presets,) if isinstance(presets, Preset) else tuple(presets)
+    if isinstance(timeline, Timeline):
+        timelines: Mapping[str, Timeline] = {timeline.title or "timeline": timeline}
+    else:
+        timelines = timeline
+    for what, count in (("presets", len(chosen)), ("timelines", len(timelines))):
+        if not 1 <= count <= MOST_NAMES:
+            raise InputError(f"a plugin holds 1 to {MOST_NAMES} {what}, not {count}")
+    if len({preset.name for preset in chosen}) < len(chosen):
+        raise InputError("two presets of a plugin have the same name: name each once")
+    machine, compiler = machine_of(target), compiler_of(target)
+    called = name or next(iter(timelines.values())).title or next(iter(timelines))
+    bundle = bundle_of(called.strip(), timelines, chosen, seed)
+    made = make_folder(folder)
+    with tempfile.TemporaryDirectory() as scratch:
+        work = Path(scratch)
+        sources = resources.files("overview_dsp.offline.export") / "plugin"
+        for source in (*_SOURCES, *_OWN_SOURCES[to]):
+            (work / source).write_bytes((sources / source).read_bytes())
+        for source, content in c_sources("kernel.c", "operations.h", "overview.h").items():
+            (work / source).write_bytes(content)
+        (work / "bundle.c").write_text("".join(bundle_source(bundle)), encoding="ascii")
+        (work / IMAGES).write_bytes(bundle.data)
+        compile_library(compiler, machine, [f"{to}.c", "bundle.c", "kernel.c"], work, "plugin.bin")
+        library = (work / "plugin.bin").read_bytes()
+    for path, content in contents_of(to, bundle, machine, library).items():
+        make_folder((made / path).parent)
+        with whole_file(made / path) as file:
+            file.write_bytes(content)
+    return made / f"{bundle.slug}.{to}"

@@ -1,0 +1,57 @@
+"""The paper's figures 4, 5 and 6, drawn from this program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture, sweep, tap
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.files.atomic import make_folder
+from overview_dsp.offline.plots.saving import save_figure
+from overview_dsp.offline.plots.strokes import plot_strokes
+from overview_dsp.offline.plots.timeline import plot_timeline
+from overview_dsp.offline.rendering.offline import Result, render
+
+FAST_S, SLOW_S = 1.0, 4.0
+TAP_AT, TAP_HOLD_S = 1.0, 3.0
+
+
+def renders(timeline: Timeline, preset: Preset) -> dict[str, Result]:
+    """The three gestures of the paper: a fast sweep, a slow sweep and a tap."""
+    return {name: render(timeline, preset, hand) for name, hand in _hands().items()}
+
+
+def _hands() -> dict[str, Gesture]:
+    return {
+        "fast sweep": sweep(FAST_S),
+        "slow sweep": sweep(SLOW_S),
+        "tap": tap(TAP_AT, TAP_HOLD_S),
+    }
+
+
+def draw(timeline: Timeline, results: dict[str, Result], folder: str | Path) -> list[Path]:
+    """Draw figures 4, 5 and 6 into a folder, PNG and SVG; the files."""
+    out = make_folder(folder)
+    fast, slow = results["fast sweep"], results["slow sweep"]
+    hands = _hands()
+    sweeps = plot_strokes(
+        [
+            (f"fast sweep, {FAST_S:g} s", fast),
+            (f"slow sweep, {SLOW_S:g} s", slow),
+        ],
+        timeline,
+        f"{timeline.title}: sweeps and recoil",
+        [hands["fast sweep"], hands["slow sweep"]],
+    )
+    taps = plot_strokes(
+        [(f"tap at {TAP_AT:g}, held {TAP_HOLD_S:g} s", results["tap"])],
+        timeline,
+        f"{timeline.title}: a tap",
+        [hands["tap"]],
+    )
+    return [
+        *save_figure(plot_timeline(timeline, fast.engine.surface.angle_map), out / "figure-4"),
+        *save_figure(sweeps, out / "figure-5"),
+        *save_figure(taps, out / "figure-6"),
+    ]

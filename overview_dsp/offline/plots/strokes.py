@@ -1,0 +1,144 @@
+"""What the disk did in sweeps and taps (the paper's figures 5 and 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.offline.plots.style import (
+    BLACK,
+    BLUE,
+    GAP_HATCH,
+    GREEN,
+    GREY,
+    VERMILION,
+    extremes,
+    has_face,
+    new_figure,
+    styles_of,
+    tidy,
+)
+from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.units import HALF_TURN
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def plot_strokes(
+    results: list[tuple[str, Result]],
+    timeline: Timeline,
+    title: str,
+    hands: Sequence[Gesture] = (),
+) -> Figure:
+    """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6).
+
+    Where data is missing, the surface under disk 1 is hatched. With a slip clutch disk 2 pulls
+    from where the clutch stands, not from the finger; of `hands`, the gestures, the finger is
+    drawn beside it.
+    """
+    figure = new_figure(5.2 * len(results) + 0.6, 9.0)
+    grid: Any = figure.subplots(5, len(results), sharex="col", sharey="row", squeeze=False)
+    for column, (name, result) in enumerate(results):
+        trace = result.trace
+        # the last part of the recoil is all alike
+        shown = trace.time <= _end_of_interest(trace.time, trace.cursor)
+        time, touching = trace.time[shown], trace.touching[shown] > 0.5
+        axes: list[Axes] = list(grid[:, column])
+        rows = (
+            (trace.torque[shown] * 1e3, "(a) torque\nmN·m, logarithmic", BLUE),
+            (trace.torque[shown] * 1e3, "torque\nmN·m, linear", BLUE),
+            (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", VERMILION),
+            (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", BLACK),
+            (trace.theta2[shown] * trace.engaged[shown], "(d) disk 2\nrad", GREEN),
+        )
+        for ax, (values, label, colour) in zip(axes, rows, strict=True):
+            ax.plot(*extremes(time, values), color=colour, linewidth=1.0)
+            if column == 0:
+                ax.set_ylabel(label)
+            tidy(ax)
+            if touching.any() and not touching.all():
+                release = float(time[np.flatnonzero(touching)[-1]])
+                ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
+        if hands:
+            finger = _finger(hands[column], trace.time[shown], touching)
+            axes[4].plot(
+                *extremes(time, finger), color=GREY, linewidth=0.9, label="finger", zorder=1.5
+            )
+        _mark_strikes(axes[0], result, timeline, float(time[-1]))
+        for gap in timeline.gaps:
+            start, end = result.engine.surface.position_of(gap) * HALF_TURN
+            axes[3].axhspan(
+                start,
+                end,
+                facecolor="none",
+                edgecolor="#b0b0b0",
+                hatch=GAP_HATCH,
+                linewidth=0.0,
+            )
+        axes[0].set_title(name, fontsize=10, pad=14)
+        # logarithmic beyond 1 mN·m: the surface and its goals in one view; how far apart they are
+        # the linear panel shows
+        axes[0].set_yscale("symlog", linthresh=1.0)
+        # plain numbers: powers of ten would go through the slow setting of formulas
+        axes[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        axes[-1].set_xlabel("time, s (dashed: the finger releases)")
+    # margins by hand: finding them takes longer than drawing
+    inch = 1.0 / (5.2 * len(results) + 0.6)
+    figure.subplots_adjust(
+        left=0.95 * inch, right=1.0 - 0.15 * inch, top=0.89, bottom=0.1, wspace=0.06, hspace=0.12
+    )
+    figure.align_ylabels(grid[:, 0])
+    figure.suptitle(title, x=0.1 * inch, ha="left", fontsize=11)
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    if hands:
+        fingers, names = grid[4, 0].get_legend_handles_labels()
+        handles, labels = handles + fingers, labels + names
+    if handles:
+        figure.legend(handles, labels, loc="lower center", ncols=6, frameon=False, fontsize=8)
+    return figure
+
+
+def _finger(
+    hand: Gesture, time: NDArray[np.float64], touching: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    latest = np.searchsorted(hand.time_s, time, side="right") - 1
+    return np.where(touching & (latest >= 0), hand.theta2[np.maximum(latest, 0)], 0.0)
+
+
+def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> float:
+    away = np.flatnonzero(cursor > 0.01)
+    return float(time[away[-1]]) + 0.3 if len(away) else float(time[-1])
+
+
+def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) -> None:
+    # a row of marks just above the axes
+    above = axes.get_xaxis_transform()
+    strikes = result.strikes.of_events()
+    for kind, (marker, colour, words) in styles_of(timeline).items():
+        at = [
+            time
+            for time, event in zip(strikes.time_s, strikes.event, strict=True)
+            if timeline.events[event].kind == kind and time <= end
+        ]
+        if not at or kind in ("foul", "period", "touch", "shot"):
+            continue
+        axes.scatter(
+            at,
+            np.full(len(at), 1.03),
+            transform=above,
+            s=26,
+            marker=marker,
+            color=colour,
+            edgecolors=BLACK if has_face(marker) else None,
+            linewidths=0.5 if has_face(marker) else 1.2,
+            label=words,
+            clip_on=False,
+            zorder=4,
+        )

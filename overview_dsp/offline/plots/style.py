@@ -1,0 +1,136 @@
+"""Colours, markers and frames that all pictures share.
+
+Colours are Okabe and Ito's, which colour-blind eyes distinguish; event kinds differ in shape too.
+"""
+
+from __future__ import annotations
+
+import zlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.timeline import Timeline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+GREY = "#767676"
+
+Marker = Any
+"""A marker of matplotlib's: a letter, a number, or corners, style and turn."""
+
+Style = tuple[Marker, str, str]
+"""Marker, face colour, words."""
+
+# the paper's goals are blue, its cards yellow and red
+KIND_STYLE: dict[str, Style] = {
+    "goal": ("o", BLUE, "goal"),
+    "own_goal": ("h", SKY, "own goal"),
+    "near_miss": ("^", GREEN, "near miss"),
+    "yellow_card": ("s", YELLOW, "yellow card"),
+    "red_card": ("D", VERMILION, "red card"),
+    "foul": ("x", GREY, "foul"),
+    "period": ("|", BLACK, "start or end of a half"),
+    "shot": ("<", GREEN, "shot"),
+    "touch": ("+", GREY, "touch"),
+    # of series
+    "highest": ("*", VERMILION, "highest"),
+    "lowest": ((5, 1, 36), BLUE, "lowest"),
+    "record_high": ((4, 1, 0), ORANGE, "record high"),
+    "record_low": ((4, 1, 45), SKY, "record low"),
+    "peak": ("2", VERMILION, "peak"),
+    "trough": ("1", BLUE, "trough"),
+    "largest_rise": ((3, 1, 0), GREEN, "largest rise"),
+    "largest_fall": ((3, 1, 180), PURPLE, "largest fall"),
+    "crossing_up": (">", SKY, "crossing up"),
+    "crossing_down": ("v", ORANGE, "crossing down"),
+    "split": ("X", BLACK, "share split"),
+    # of the calendar and the clock
+    "year": ("d", BLACK, "year"),
+    "month": (2, BLACK, "month"),
+    "week": (3, GREY, "week"),
+    "day": (10, GREY, "day"),
+    "hour": (11, GREY, "hour"),
+    "minute": (1, GREY, "minute"),
+    "second": (0, GREY, "second"),
+    # of hearts
+    "beat": (".", GREY, "beat"),
+    "premature": ("H", ORANGE, "premature beat"),
+    "premature_atrial": ("p", SKY, "premature atrial"),
+    "premature_ventricular": ("P", VERMILION, "premature ventricular"),
+    "missed_beat": ((6, 2, 0), BLACK, "missed beat"),
+    "rhythm": ("8", PURPLE, "rhythm"),
+    # of crowds
+    "cheer": ((8, 1, 0), YELLOW, "cheer"),
+    "burst": ((7, 1, 0), ORANGE, "burst"),
+}
+# of kinds that have no style of their own: which one is told by the kind's name alone
+_OTHERS: tuple[tuple[Marker, str], ...] = tuple(
+    (marker, colour)
+    for marker, colour in zip(
+        (
+            *((6, 1, 0), (5, 0, 180), (7, 0, 0), (9, 1, 0), (10, 1, 0), (12, 1, 0), (4, 2, 0)),
+            *((5, 2, 0), (7, 2, 0), (8, 2, 0), (3, 0, 30), (3, 0, 90), (6, 1, 30), (9, 0, 0)),
+        ),
+        2 * (VERMILION, BLUE, YELLOW, SKY, GREEN, ORANGE, PURPLE),
+        strict=True,
+    )
+)
+GAP_HATCH = "////"
+_POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
+
+
+def has_face(marker: Marker) -> bool:
+    """Return whether a marker is an area, not lines."""
+    from matplotlib.markers import MarkerStyle
+
+    return bool(MarkerStyle(marker).is_filled()) and (isinstance(marker, str) or marker[1] != 2)
+
+
+def styles_of(timeline: Timeline) -> dict[str, Style]:
+    """The style of each kind of a timeline: a kind has the same one in all pictures.
+
+    Kinds without one of their own share a few by their names; two of one picture get different ones
+    as far as there are.
+    """
+    kinds = timeline.kinds()
+    found = {kind: style for kind, style in KIND_STYLE.items() if kind in kinds}
+    taken: set[int] = set()
+    for kind in sorted(set(kinds) - set(found)):
+        at = zlib.crc32(kind.encode()) % len(_OTHERS)
+        while at in taken and len(taken) < len(_OTHERS):
+            at = (at + 1) % len(_OTHERS)
+        taken.add(at)
+        found[kind] = (*_OTHERS[at], kind.replace("_", " "))
+    return found
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure, in inches, without a window."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height))
+
+
+def tidy(axes: Axes) -> None:
+    """A light grid behind the data; no frame at the top and the right."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def extremes(
+    x: NDArray[np.float64], y: NDArray[np.float64], points: int = _POINTS
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A curve with fewer points and the same extremes: the lowest and highest of each step."""
+    if len(x) <= 2 * points:
+        return x, y
+    edges = np.linspace(0, len(x), points + 1).astype(int)[:-1]
+    low, high = np.minimum.reduceat(y, edges), np.maximum.reduceat(y, edges)
+    return np.repeat(x[edges], 2), np.column_stack([low, high]).ravel()

@@ -1,0 +1,463 @@
+"""Many render jobs: each rendered as if alone, side by side and on all cores.
+
+A thread renders as many jobs at once as the kernels have lanes, without the interpreter's lock.
+What a job needs beside the kernel is kept small: memory and surfaces are used again.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import threading
+from collections import deque
+from collections.abc import Iterable, Iterator, Sized
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Generic, Literal, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp import validation
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.errors import InputError, shown
+from overview_dsp.files.sound import Sounding
+from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
+from overview_dsp.offline.rendering.growable_array import GrowableArray
+from overview_dsp.offline.rendering.offline import join_strikes
+from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, checked_tail
+from overview_dsp.offline.rendering.trace import Trace, Traced
+from overview_dsp.public import counted, short
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.engine.meters import Strikes
+from overview_dsp.signal.engine.simd_batch import EngineBatch
+from overview_dsp.signal.surface.cache import SurfaceCache
+from overview_dsp.signal.surface.model import Surface
+
+BLOCK = 65536
+"""Frames of each job rendered at a time: of eight, with their traces, 42 MB."""
+
+GROUP = 4 * SIMD_WIDTH
+"""Voices that a thread renders in one go: a lane that is free early gets another one."""
+
+GROUP_BYTES = 2**28
+"""Long jobs come in smaller groups: their results wait for each other in memory."""
+
+WAITING = 2
+"""Groups a thread that are rendered before their turn: memory stays bounded."""
+
+
+@dataclass(frozen=True)
+class RenderJob:
+    """One of many independent renders: the arguments of `render`.
+
+    Parameters
+    ----------
+    timeline : Timeline
+        What is felt.
+    preset : Preset
+        How it is felt and heard.
+    gesture : Gesture
+        What the hand does.
+    seed : int
+        Of the surface's grain.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> ov.RenderJob(match, football, ov.tap(0.8), seed=3).seed
+    3
+    """
+
+    timeline: Timeline
+    preset: Preset
+    gesture: Gesture
+    seed: int = 0
+
+    def __repr__(self) -> str:
+        return (
+            f"<RenderJob: {short(self.preset.name)} on {short(self.timeline.title)}, "
+            f"a gesture of {self.gesture.duration_s:g} s, seed {self.seed}>"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class RenderedJob(Sounding, Generic[Traced]):
+    """A rendered job.
+
+    Attributes
+    ----------
+    job : RenderJob
+        What was asked for.
+    surface : Surface
+        What the disk moved on.
+    samples : float32 (frames, 2)
+        Click, tactor; linear, full scale is 1.
+    sample_rate : float
+        Hz.
+    trace : Trace or None
+        What the disk did, one value a frame; None where it was rendered with `trace=False`.
+    strikes : Strikes
+        The events passed.
+
+    See Also
+    --------
+    render_many : Makes them.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = [ov.RenderJob(match, football, ov.tap(0.5))]
+    >>> (rendered,) = ov.render_many(jobs, sample_rate=8000, trace=True)
+    >>> rendered.trace.cursor.max() > 0.4
+    np.True_
+    """
+
+    job: RenderJob
+    surface: Surface
+    samples: NDArray[np.float32]
+    sample_rate: float
+    trace: Traced
+    strikes: Strikes
+
+    def __repr__(self) -> str:
+        seconds = len(self.samples) / self.sample_rate
+        return (
+            f"<RenderedJob: {seconds:.3f} s at {self.sample_rate:g} Hz, "
+            f"{counted(len(self.strikes), 'strike')}, {short(self.job.preset.name)} on "
+            f"{short(self.job.timeline.title)}, seed {self.job.seed}>"
+        )
+
+
+def render_jobs(
+    timelines: Iterable[Timeline],
+    presets: Iterable[Preset],
+    gestures: Iterable[Gesture],
+    seeds: Iterable[int] = (0,),
+) -> Iterator[RenderJob]:
+    """Make a job of every combination, seeds fastest, then gestures, presets, timelines.
+
+    Parameters
+    ----------
+    timelines : iterable of Timeline
+        What is felt.
+    presets : iterable of Preset
+        How it is felt and heard.
+    gestures : iterable of Gesture
+        What the hand does.
+    seeds : iterable of int
+        Of the surfaces' grain.
+
+    Yields
+    ------
+    RenderJob
+        One of the combinations.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.8), ov.sweep(2.0)], seeds=range(50))
+    >>> len(list(jobs))
+    100
+    """
+    if not isinstance(seeds, Iterable):
+        raise InputError(f"seeds is {shown(seeds)}; give a list of whole numbers, range(8) say")
+    parts = (
+        validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one"),
+        validation.instances(presets, Preset, "presets", "ov.load_preset gives one"),
+        validation.instances(gestures, Gesture, "gestures", "ov.sweep makes one"),
+    )
+    for timeline, preset, gesture, seed in itertools.product(*parts, seeds):
+        yield RenderJob(timeline, preset, gesture, validation.whole(seed, "a seed"))
+
+
+@dataclass(eq=False)
+class _Playing:
+    """A job in its lane."""
+
+    number: int
+    job: RenderJob
+    surface: Surface
+    play: GesturePlayer
+    samples: GrowableArray
+    trace: GrowableArray
+    strikes: list[Strikes] = field(default_factory=list)
+    logged: int = 0
+    """Frames whose strikes are in the engine's log alone: reading it often costs more than them."""
+
+    def read_log(self, engine: Engine) -> None:
+        """Take the strikes from the engine's log."""
+        self.strikes.append(engine.take_strikes())
+        self.logged = 0
+
+
+Rendered = RenderedJob[Trace | None] | Exception
+"""A job as rendered, or why it can't be."""
+
+
+class VoiceRenderer:
+    """Renders jobs side by side in one memory. One thread at a time."""
+
+    def __init__(self, sample_rate: float, surfaces: SurfaceCache) -> None:
+        """Nothing is allocated until the first job."""
+        self._rate = sample_rate
+        self._surfaces = surfaces
+        self._lanes: EngineBatch | None = None
+        self._engines: list[Engine | None] = [None] * SIMD_WIDTH
+
+    def render(
+        self, jobs: Iterable[tuple[int, RenderJob]], tail: Tail, trace: tuple[str, ...]
+    ) -> Iterator[tuple[int, Rendered]]:
+        """Render jobs, each with the bits of `render`; results come as jobs end.
+
+        Each job has a number, which its result has too; it is taken when a lane is free. `trace`
+        names the columns to keep, of `TRACE_COLUMNS`.
+        """
+        waiting = iter(jobs)
+        playing: list[_Playing | None] = [None] * SIMD_WIDTH
+        while True:
+            for lane in range(SIMD_WIDTH):
+                while playing[lane] is None:
+                    number, job = next(waiting, (-1, None))
+                    if job is None:
+                        break
+                    try:
+                        started = self._started(lane, number, job, tail, len(trace))
+                    except Exception as error:
+                        yield number, error
+                        continue
+                    if started.play.over:
+                        yield number, self._result(lane, started, trace)
+                    else:
+                        playing[lane] = started
+            if not any(playing):
+                return
+            yield from self._step(playing, trace)
+
+    def _started(
+        self, lane: int, number: int, job: RenderJob, tail: Tail, columns: int
+    ) -> _Playing:
+        surface = self._surfaces.surface(job.timeline, job.preset)
+        if self._lanes is None:
+            self._lanes = EngineBatch(BLOCK)
+        engine = self._engines[lane]
+        if engine is None:
+            engine = Engine(job.preset, job.timeline, seed=job.seed, surface=surface)
+            engine.prepare(self._rate, BLOCK, memory=self._lanes.memory(lane))
+            self._engines[lane] = engine
+        else:
+            engine.restart(job.preset, job.timeline, seed=job.seed, surface=surface)
+        play = GesturePlayer(engine, job.gesture, tail, BLOCK)
+        return _Playing(
+            number,
+            job,
+            surface,
+            play,
+            GrowableArray(SIGNALS, np.float32, play.least),
+            GrowableArray(columns, np.float64, play.least if columns else 0),
+        )
+
+    def _step(
+        self, playing: list[_Playing | None], trace: tuple[str, ...]
+    ) -> Iterator[tuple[int, Rendered]]:
+        """A block of every job; those that end with it, or can't go on."""
+        assert self._lanes is not None
+        frames = BLOCK
+        for lane, one in enumerate(playing):
+            if one is None:
+                continue
+            try:
+                frames = min(frames, one.play.feed())
+            except Exception as error:  # a change in a take that can't be made, say
+                playing[lane] = None
+                yield one.number, error
+        if not any(playing):
+            return
+        engines = [
+            engine if one is not None else None
+            for engine, one in zip(self._engines, playing, strict=True)
+        ]
+        whole = trace == TRACE_COLUMNS
+        columns = None if whole else [TRACE_COLUMNS.index(name) for name in trace]
+        for engine, one in zip(engines, playing, strict=True):
+            if engine is not None and one is not None and one.logged + frames > BLOCK:
+                one.read_log(engine)
+        samples, traces = self._lanes.process(engines, frames, bool(trace))
+        for lane, one in enumerate(playing):
+            engine = engines[lane]
+            if one is None or engine is None:
+                continue
+            kept = one.play.count(frames)
+            one.samples.add(samples[lane, :kept])
+            if traces is not None:
+                one.trace.add(traces[lane, :kept], columns)
+            one.logged += frames
+            # a change of surface says by which one a strike is read: one by one
+            if one.job.gesture.changes:
+                one.read_log(engine)
+            if one.play.over:
+                playing[lane] = None
+                yield one.number, self._result(lane, one, trace)
+
+    def _result(
+        self, lane: int, one: _Playing, trace: tuple[str, ...]
+    ) -> RenderedJob[Trace | None]:
+        engine = self._engines[lane]
+        assert engine is not None
+        one.read_log(engine)
+        return RenderedJob(
+            one.job,
+            one.surface,
+            one.samples.rows,
+            engine.sample_rate,
+            Trace(one.trace.rows, trace) if trace else None,
+            join_strikes(one.strikes),
+        )
+
+
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[False] = ...,
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[None]]: ...
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[True],
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[Trace]]: ...
+@overload
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = ...,
+    *,
+    tail: Tail = ...,
+    trace: bool,
+    threads: int | None = ...,
+) -> Iterator[RenderedJob[Trace | None]]: ...
+def render_many(
+    jobs: Iterable[RenderJob],
+    sample_rate: float = 48_000,
+    *,
+    tail: Tail = "rest",
+    trace: bool = False,
+    threads: int | None = None,
+) -> Iterator[RenderedJob[Trace | None]]:
+    """Render independent jobs, on all cores; results come in the order of the jobs.
+
+    Each has the bits of `render` with the same arguments, whatever the others are. Jobs are taken
+    and rendered as results are asked for, a few ahead, so memory stays bounded.
+
+    Parameters
+    ----------
+    jobs : iterable of RenderJob
+        May be endless.
+    sample_rate : float
+        Hz.
+    tail : {"rest", "none"} or float
+        As in `render`.
+    trace : bool
+        Whether to keep what the disk did.
+    threads : int or None
+        How many threads render; None is one a core.
+
+    Returns
+    -------
+    iterator of RenderedJob
+        One a job.
+
+    Raises
+    ------
+    InputError
+        A tail or a number of threads that isn't one, at once; as `render`, when a job's result is
+        asked for.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.8, 0.1)], seeds=range(3))
+    >>> [len(rendered.samples) for rendered in ov.render_many(jobs, 8000, tail="none")]
+    [801, 801, 801]
+    """
+    tail = checked_tail(tail)
+    if threads is None:
+        threads = usable_cores()
+    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+        raise InputError(f"threads = {threads!r}; it is a whole number from 1, or None: all cores")
+    most = GROUP
+    if isinstance(jobs, Sized):
+        # few jobs: some for each thread
+        most = min(most, max(1, math.ceil(len(jobs) / threads)))
+    frame = SIGNALS * np.dtype(np.float32).itemsize
+    if trace:
+        frame += len(TRACE_COLUMNS) * np.dtype(np.float64).itemsize
+    groups = _groups(jobs, most, GROUP_BYTES / (frame * sample_rate))
+    return _rendered(groups, sample_rate, tail, trace, threads)
+
+
+def _groups(jobs: Iterable[RenderJob], most: int, longest_s: float) -> Iterator[list[RenderJob]]:
+    """Voices that one thread renders: up to `most`, fewer if they last longer together."""
+    group: list[RenderJob] = []
+    seconds = 0.0
+    for job in jobs:
+        group.append(job)
+        seconds += job.gesture.duration_s
+        if len(group) >= most or seconds >= longest_s:
+            yield group
+            group, seconds = [], 0.0
+    if group:
+        yield group
+
+
+def _rendered(
+    groups: Iterator[list[RenderJob]], sample_rate: float, tail: Tail, trace: bool, threads: int
+) -> Iterator[RenderedJob[Trace | None]]:
+    surfaces = SurfaceCache()
+    own = threading.local()
+
+    def render_group(group: list[RenderJob]) -> list[Rendered]:
+        if not hasattr(own, "renderer"):
+            own.renderer = VoiceRenderer(sample_rate, surfaces)
+        renderer: VoiceRenderer = own.renderer
+        done = dict(renderer.render(enumerate(group), tail, TRACE_COLUMNS if trace else ()))
+        return [done[number] for number in range(len(group))]
+
+    def results(future: Future[list[Rendered]]) -> Iterator[RenderedJob[Trace | None]]:
+        for result in future.result():
+            if isinstance(result, Exception):
+                raise result
+            yield result
+
+    waiting: deque[Future[list[Rendered]]] = deque()
+    pool = ThreadPoolExecutor(threads, thread_name_prefix="jobs")
+    try:
+        for group in groups:
+            waiting.append(pool.submit(render_group, group))
+            if len(waiting) >= WAITING * threads:
+                yield from results(waiting.popleft())
+        while waiting:
+            yield from results(waiting.popleft())
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def usable_cores() -> int:
+    """Cores that this process may run on."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,504 @@
+"""Offline: a timeline, a preset and a gesture, block by block to arrays or to disk."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, Literal, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp import validation
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.errors import InputError
+from overview_dsp.files.sound import Sounding
+from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
+from overview_dsp.offline.rendering.arguments import (
+    AnyGesture,
+    AnyPreset,
+    AnyTimeline,
+    given_gesture,
+    given_preset,
+    given_timeline,
+)
+from overview_dsp.offline.rendering.notebook import Row, result_page
+from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, unreached
+from overview_dsp.offline.rendering.trace import Trace, Traced
+from overview_dsp.offline.rendering.transcript import transcript
+from overview_dsp.public import counted, drawn, short
+from overview_dsp.signal.actuators.model import Actuator
+from overview_dsp.signal.actuators.stage import ActuatorStage, Protected, warn_of_carrier
+from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.engine.meters import Strikes
+from overview_dsp.units import gain_to_db
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BLOCK = 4096
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Block:
+    """One rendered block: samples float32 (frames, 2), trace float64 (frames, 9) or None."""
+
+    samples: NDArray[np.float32]
+    trace: NDArray[np.float64] | None
+    strikes: Strikes
+
+
+@dataclass(frozen=True, eq=False)
+class Result(Sounding, Generic[Traced]):
+    """A rendered gesture. In a notebook it is a player and its curves.
+
+    Attributes
+    ----------
+    samples : float32 (frames, 2)
+        Click, tactor; linear, full scale is 1.
+    sample_rate : float
+        Hz.
+    trace : Trace or None
+        What the disk did, one value a frame; None where it was rendered with `trace=False`.
+    strikes : Strikes
+        The events passed.
+    engine : Engine
+        As it stands after the gesture: surface, meters, parameters.
+    protected : Protected or None
+        What an actuator's protection did; the tactor's samples are its drive then.
+    unreached : tuple of int
+        The timeline's events that the hand went over and the disk, there or back, never met.
+
+    See Also
+    --------
+    render : Makes it.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> clicks, vibration = result.samples.T
+    >>> len(result.trace.cursor) == len(clicks)
+    True
+    >>> result.engine.preset.name
+    'football'
+    """
+
+    samples: NDArray[np.float32]
+    sample_rate: float
+    trace: Traced
+    strikes: Strikes
+    engine: Engine
+    protected: Protected | None = None
+    unreached: tuple[int, ...] = ()
+
+    def plot(self) -> Figure:
+        """Draw what the disk did: torque, friction, disk and hand over time.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            As in the paper's figures 5 and 6; a notebook shows it.
+
+        Raises
+        ------
+        InputError
+            It was rendered without a trace.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
+        >>> result.plot().savefig("sweep.png")
+        """
+        if self.trace is None:
+            raise InputError("there is no trace to draw; render with trace=True")
+        title = f"{self.engine.timeline.title}, preset {self.engine.preset.name}"
+        return drawn(
+            "offline.plots.strokes", "plot_strokes", [("", self)], self.engine.timeline, title
+        )
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a player, the gesture's curves and a transcript."""
+        rows: list[Row] = []
+        if self.trace is not None:
+            rows = [
+                ("disk 2, rad", self.trace.theta2 * self.trace.engaged, "#009E73"),
+                ("cursor", self.trace.cursor, "#000000"),
+                ("torque, mN·m", 1e3 * self.trace.torque, "#0072B2"),
+                ("vibration", self.trace.envelope, "#D55E00"),
+            ]
+        timeline = self.engine.timeline
+        title = f"{timeline.title or 'timeline'}, preset {self.engine.preset.name}"
+        engaged = self.trace.engaged if self.trace is not None else None
+        spoken = transcript(self.strikes, timeline, engaged, self.sample_rate)
+        passed = len(self.strikes.of_events())
+        return result_page(title, self.samples, self.sample_rate, rows, spoken, passed)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Result: {len(self.samples) / self.sample_rate:.3f} s at {self.sample_rate:g} Hz, "
+            f"{counted(len(self.strikes), 'strike')}, {short(self.engine.preset.name)} on "
+            f"{short(self.engine.timeline.title)}>"
+        )
+
+
+def blocks(
+    engine: Engine,
+    gesture: Gesture,
+    tail: Tail = "rest",
+    trace: bool = True,
+    progress: Progress | None = None,
+    stage: ActuatorStage | None = None,
+    block: int | None = None,
+) -> Iterator[Block]:
+    """Play a gesture through a prepared engine, block by block, in constant memory.
+
+    `progress` receives the part done, 0 to 1. The blocks' arrays are their reader's to keep.
+    With an actuator's `stage`, the tactor's samples are its drive. A block has up to `block` frames
+    (None: `BLOCK`).
+    """
+    play = GesturePlayer(engine, gesture, tail, block or BLOCK)
+    while not play.over:
+        frames = play.feed()
+        samples = np.empty((frames, 2), dtype=np.float32)
+        table = np.empty((frames, len(TRACE_COLUMNS))) if trace else None
+        engine.process(samples, table)
+        if stage is not None:
+            stage.process(samples, TACTOR)
+        kept = play.count(frames, stage.silent_samples if stage is not None else None)
+        yield Block(
+            samples[:kept], table[:kept] if table is not None else None, engine.take_strikes()
+        )
+        if progress:
+            progress(play.part)
+
+
+@overload
+def render(
+    timeline: AnyTimeline,
+    preset: AnyPreset = ...,
+    gesture: AnyGesture = ...,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[True] = ...,
+    actuator: Actuator | None = ...,
+) -> Result[Trace]: ...
+@overload
+def render(
+    timeline: AnyTimeline,
+    preset: AnyPreset = ...,
+    gesture: AnyGesture = ...,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: Literal[False],
+    actuator: Actuator | None = ...,
+) -> Result[None]: ...
+@overload
+def render(
+    timeline: AnyTimeline,
+    preset: AnyPreset = ...,
+    gesture: AnyGesture = ...,
+    sample_rate: float = ...,
+    seed: int = ...,
+    *,
+    tail: Tail = ...,
+    trace: bool,
+    actuator: Actuator | None = ...,
+) -> Result[Trace | None]: ...
+def render(
+    timeline: AnyTimeline,
+    preset: AnyPreset = None,
+    gesture: AnyGesture = None,
+    sample_rate: float = 48_000,
+    seed: int = 0,
+    *,
+    tail: Tail = "rest",
+    trace: bool = True,
+    actuator: Actuator | None = None,
+) -> Result[Trace | None]:
+    """Render a gesture to arrays.
+
+    The same arguments give the same bits on every machine.
+
+    Parameters
+    ----------
+    timeline : Timeline, or what `load_timeline` takes
+        What is felt.
+    preset : Preset, str, path or None
+        How it is felt and heard; None is the bundled preset that fits the data.
+    gesture : Gesture, str, path or None
+        What the hand does: a SPEC (`"sweep:2"`) or a take too; None is `"sweep:4"`.
+    sample_rate : float
+        Hz, 1 000 to 768 000; the preset's carrier must stay below 0.45 of it.
+    seed : int
+        Of the surface's grain.
+    tail : {"rest", "none"} or float
+        How long to go on after the gesture: until the disk has come to rest (at most 30 s), not at
+        all, or seconds.
+    trace : bool
+        Whether to keep what the disk did, nine numbers a frame.
+    actuator : Actuator or None
+        With one, the tactor's channel is its drive, within what it may be given.
+
+    Returns
+    -------
+    Result
+        Samples, trace, strikes, and the engine as it stands after the gesture.
+
+    Raises
+    ------
+    InputError
+        A sample rate or a tail out of range, parameters that don't fit the rate; a timeline, a
+        preset or a gesture that can't be read.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000, tail="none")
+    >>> result.samples.shape
+    (4001, 2)
+    >>> result.trace.torque.max() > 0.0
+    np.True_
+    >>> days = {"2024-01-01": 7.5, "2024-01-02": 9.0, "2024-01-03": 8.0, "2024-01-04": 8.2}
+    >>> ov.render(days, "series", "sweep:1", sample_rate=8000).engine.preset.name
+    'series'
+    """
+    felt = given_timeline(timeline)
+    engine = Engine(given_preset(preset, felt), felt, seed=seed)
+    hand = given_gesture(gesture)
+    engine.prepare(sample_rate, BLOCK)
+    nothing = Block(
+        np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes()
+    )
+    stage = _stage(actuator, engine)
+    rendered = [nothing, *blocks(engine, hand, tail, trace, stage=stage)]
+    samples = np.concatenate([block.samples for block in rendered])
+    table = np.concatenate([b.trace for b in rendered if b.trace is not None])
+    strikes = join_strikes([block.strikes for block in rendered])
+    kept: Trace | None = Trace(table) if trace else None
+    protected = stage.protected if stage is not None else None
+    missed = unreached(engine.surface, hand, strikes.event)
+    return Result(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
+
+
+def _stage(actuator: Actuator | None, engine: Engine) -> ActuatorStage | None:
+    if actuator is None:
+        return None
+    warn_of_carrier(actuator, engine.preset.number("tactor.frequency_hz"))
+    return ActuatorStage(actuator, engine.sample_rate)
+
+
+def join_strikes(parts: list[Strikes]) -> Strikes:
+    """Strikes of consecutive blocks as one."""
+    return Strikes(
+        np.concatenate([part.time_s for part in parts]),
+        np.concatenate([part.event for part in parts]),
+        np.concatenate([part.torque for part in parts]),
+        np.concatenate([part.level for part in parts]),
+    )
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """What `render_to_file` wrote.
+
+    Attributes
+    ----------
+    duration_s : float
+        Length, s.
+    peaks : tuple of float
+        Of click and tactor, linear.
+    strikes : int
+        How many events were passed, and slips where bristles held the disk.
+    note : str
+        What the format made of the samples, for a person; may be empty.
+    engine : Engine
+        As it stands after the gesture.
+    protected : Protected or None
+        What an actuator's protection did, if there was one.
+    unreached : tuple of int
+        As in `Result`.
+    passed : Strikes or None
+        Those of events, one by one.
+    lufs : float or None
+        Loudness of the click channel as it was written (ITU-R BS.1770), where it was asked for;
+        None for silence too.
+    gain_db : float
+        What `normalize` turned the click up by, dB.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> ov.render_to_file(match, football, ov.sweep(0.5), "a.wav", 8000, tail="none").duration_s
+    0.500125
+    """
+
+    duration_s: float
+    peaks: tuple[float, ...]
+    strikes: int
+    note: str
+    engine: Engine
+    protected: Protected | None = None
+    unreached: tuple[int, ...] = ()
+    passed: Strikes | None = None
+    lufs: float | None = None
+    gain_db: float = 0.0
+
+    def __repr__(self) -> str:
+        return (
+            f"<Rendered: {self.duration_s:.3f} s, {counted(self.strikes, 'strike')}, "
+            f"peaks {self.peaks[0]:.3g} and {self.peaks[1]:.3g}>"
+        )
+
+
+def render_to_file(
+    timeline: AnyTimeline,
+    preset: AnyPreset,
+    gesture: AnyGesture,
+    path: str | os.PathLike[str],
+    sample_rate: float = 48_000,
+    seed: int = 0,
+    *,
+    tail: Tail = "rest",
+    subtype: str | None = None,
+    trace_path: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+    actuator: Actuator | None = None,
+    stems: bool = False,
+    loudness: bool = False,
+    normalize: float | None = None,
+) -> Rendered:
+    """Render a gesture to a sound file, and its trace to a .npz or .csv, in constant memory.
+
+    Both files are whole or absent.
+
+    Parameters
+    ----------
+    timeline : Timeline, or what `load_timeline` takes
+        What is felt.
+    preset : Preset, str, path or None
+        How it is felt and heard; None is the bundled preset that fits the data.
+    gesture : Gesture, str, path or None
+        What the hand does: a SPEC (`"sweep:2"`) or a take too; None is `"sweep:4"`.
+    path : str or path
+        The sound file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
+    sample_rate : float
+        Hz, a whole number.
+    seed : int
+        Of the surface's grain.
+    tail : {"rest", "none"} or float
+        As in `render`.
+    subtype : str or None
+        Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
+    trace_path : str or path or None
+        Where the trace goes, if anywhere.
+    progress : callable or None
+        Called with the part done, 0 to 1.
+    actuator : Actuator or None
+        As in `render`.
+    stems : bool
+        Whether to write the channels alone beside it, `OUT.click.wav` and `OUT.tactor.wav`, and
+        `OUT.trace.wav`: cursor, touching, torque and envelope as four channels of a float file.
+    loudness : bool
+        Whether to measure the click's loudness.
+    normalize : float or None
+        The loudness to bring the click channel to, LUFS, as far as -1 dBFS allows; the tactor
+        isn't changed. It is rendered twice for that.
+
+    Returns
+    -------
+    Rendered
+        What was written, in a few numbers.
+
+    Raises
+    ------
+    InputError
+        As `render`; an unknown format, a place that can't be written.
+    OutputError
+        A full disk.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> written = ov.render_to_file(match, football, ov.tap(0.8), "tap.flac", sample_rate=8000)
+    >>> written.strikes > 0
+    True
+    """
+    from overview_dsp.files.sound import SoundWriter
+    from overview_dsp.offline.rendering.click_loudness import (
+        ClickMeter,
+        loudness_of,
+        require_loudness,
+    )
+    from overview_dsp.offline.rendering.stems import StemWriter
+    from overview_dsp.offline.rendering.trace_file import TraceWriter
+
+    felt = given_timeline(timeline)
+    chosen, hand = given_preset(preset, felt), given_gesture(gesture)
+
+    def prepared() -> tuple[Engine, ActuatorStage | None]:
+        engine = Engine(chosen, felt, seed=seed)
+        engine.prepare(sample_rate, BLOCK)
+        return engine, _stage(actuator, engine)
+
+    target = validation.path(path, "path")
+    gain = 1.0
+    if normalize is not None:
+        require_loudness(normalize)
+        meter = ClickMeter(sample_rate)
+        engine, stage = prepared()
+        for block in blocks(engine, hand, tail, False, None, stage):
+            meter.feed(block.samples)
+        gain = meter.gain_to(normalize)
+    engine, stage = prepared()
+    heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
+    peaks = np.zeros(2)
+    strikes: list[Strikes] = [engine.take_strikes()]
+    full_torque = 1e-3 * chosen.number("tactor.full_torque_mnm")
+    with (
+        SoundWriter(target, engine.sample_rate, subtype) as sound,
+        TraceWriter(
+            None if trace_path is None else validation.path(trace_path, "trace_path")
+        ) as traced,
+        StemWriter(target, engine.sample_rate, subtype, full_torque, stems) as stemmed,
+    ):
+        for block in blocks(engine, hand, tail, trace_path is not None or stems, progress, stage):
+            if gain != 1.0:
+                block.samples[:, CLICK] *= np.float32(gain)
+            sound.write(block.samples)
+            stemmed.write(block.samples, block.trace)
+            if block.trace is not None and trace_path is not None:
+                traced.write(block.trace)
+            if heard is not None:
+                heard.feed(block.samples)
+            peaks = np.maximum(peaks, np.abs(block.samples).max(axis=0, initial=0.0))
+            strikes.append(block.strikes)
+        # all of them, before any appears: a full disk leaves none
+        sound.finish()
+        traced.finish()
+        stemmed.finish()
+        frames, note = sound.frames, sound.note
+    struck = join_strikes(strikes)
+    return Rendered(
+        frames / engine.sample_rate,
+        tuple(peaks.tolist()),
+        len(struck),
+        note,
+        engine,
+        stage.protected if stage is not None else None,
+        unreached(engine.surface, hand, struck.event),
+        struck.of_events(),
+        loudness_of(heard.steps()) if heard is not None else None,
+        gain_to_db(gain),
+    )

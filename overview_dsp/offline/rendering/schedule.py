@@ -1,0 +1,155 @@
+"""A gesture through a prepared engine, step by step: what to feed, how far to go, when to end."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.errors import InputError, shown
+from overview_dsp.signal.engine import Engine
+from overview_dsp.signal.engine.replay import apply_change
+from overview_dsp.signal.surface.model import Surface
+
+LONGEST_TAIL_S = 30.0
+MAX_TAIL_S = 24 * 3600.0
+FED_AHEAD = 4000
+"""Control events that may wait in the engine: its ring holds 4096."""
+
+REST_S = 0.05
+"""At rest: for so long the disk is where its springs want it and both channels are zero."""
+
+Tail = Literal["rest", "none"] | float
+
+
+def tail_of(text: str) -> Tail:
+    """The tail a person typed: rest, none, or seconds."""
+    if text == "rest":
+        return "rest"
+    if text == "none":
+        return "none"
+    try:
+        return checked_tail(float(text))
+    except ValueError:
+        raise _no_tail(text) from None
+
+
+def checked_tail(tail: Tail) -> Tail:
+    """The tail, if it is one; InputError otherwise."""
+    if isinstance(tail, str) and tail in ("rest", "none"):
+        return tail
+    # written so that NaN fails
+    if isinstance(tail, bool) or not isinstance(tail, int | float | np.integer | np.floating):
+        raise _no_tail(tail)
+    if not 0.0 <= tail <= MAX_TAIL_S:
+        raise _no_tail(tail)
+    return float(tail)
+
+
+def unreached(surface: Surface, gesture: Gesture, struck: NDArray[np.int64]) -> tuple[int, ...]:
+    """The timeline's events that the hand went over and the disk, there or back, never met.
+
+    `struck` has the events of all strikes. From rest at the start the hand pulls the disk as far as
+    its furthest touch. A take that changes the surface on its way isn't judged.
+    """
+    if any("set" not in change.what for change in gesture.changes):
+        return ()
+    furthest = gesture.theta2[gesture.touching].max(initial=0.0) / math.pi
+    crossed = surface.event[surface.edges[:, 0] <= furthest]
+    return tuple(int(event) for event in np.setdiff1d(crossed, struck))
+
+
+def _no_tail(given: object) -> InputError:
+    return InputError(
+        f"tail {shown(given)} is not understood; it is rest, none or seconds, 0 to {MAX_TAIL_S:g}"
+    )
+
+
+class GesturePlayer:
+    """A gesture through a prepared engine in steps: what to feed, how far to go, when it is over.
+
+    A step is `feed`, a block of as many frames or fewer processed by the engine, `count`.
+    """
+
+    def __init__(self, engine: Engine, gesture: Gesture, tail: Tail, block: int) -> None:
+        """From the engine's present sample on; steps have up to `block` frames."""
+        tail = checked_tail(tail)
+        rate = engine.sample_rate
+        self._engine, self._gesture, self._block = engine, gesture, block
+        self._stamps = stamps = gesture.stamps(rate)
+        length = max(round(gesture.duration_s * rate), int(stamps[-1]) + 1 if len(stamps) else 0)
+        self._to_rest = tail == "rest"
+        if tail == "none":
+            self._end = self._most = length
+        elif tail == "rest":
+            self._end, self._most = length, length + round(LONGEST_TAIL_S * rate)
+        else:
+            self._end = self._most = length + round(tail * rate)
+        self._quiet = round(REST_S * rate)
+        self._start = engine.sample_time
+        self._whole = engine.timeline
+        self._changes = [(round(change.time_s * rate), change.what) for change in gesture.changes]
+        self._done = self._fed = self._changed = 0
+        self._rested = False
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing left to process."""
+        return self._rested or self._done >= self._most
+
+    @property
+    def least(self) -> int:
+        """The frames that there will be, without the tail until rest."""
+        return self._end
+
+    @property
+    def part(self) -> float:
+        """The part done, 0 to 1; the tail until rest doesn't count."""
+        return min(1.0, self._done / max(1, self._end))
+
+    def feed(self) -> int:
+        """Give the engine the gesture's next events; the frames they last for."""
+        stamps, done = self._stamps, self._done
+        frames = min(self._block, self._most - done)
+        ahead = int(np.searchsorted(stamps, done + frames))
+        waiting = max(0, self._fed - int(np.searchsorted(stamps, done)))
+        # a denser take is fed in shorter blocks
+        if ahead - self._fed > FED_AHEAD - waiting:
+            ahead = self._fed + FED_AHEAD - waiting
+            frames = max(1, int(stamps[ahead]) - done)
+        changes = self._changes
+        while self._changed < len(changes) and changes[self._changed][0] <= done:
+            what = changes[self._changed][1]
+            self._whole = apply_change(self._engine, self._whole, what, self._start + done)
+            self._changed += 1
+        if self._changed < len(changes):
+            # a change is made when it is due: only two surfaces can wait
+            frames = min(frames, changes[self._changed][0] - done)
+            ahead = min(ahead, int(np.searchsorted(stamps, done + frames)))
+        if ahead > self._fed:
+            now = slice(self._fed, ahead)
+            self._engine.control_all(
+                self._gesture.theta2[now],
+                self._gesture.touching[now],
+                self._start + stamps[now],
+                self._gesture.source[now],
+            )
+            self._fed = ahead
+        return frames
+
+    def count(self, frames: int, silent_samples: int | None = None) -> int:
+        """Count frames as processed; how many of them belong to the gesture and its tail.
+
+        `silent_samples` is what a stage after the engine says of its own silence.
+        """
+        self._done += frames
+        meters = self._engine.meters
+        at_rest = min(meters.silent_samples, meters.still_samples, self._done - self._end)
+        if silent_samples is not None:
+            at_rest = min(at_rest, silent_samples)
+        self._rested = self._to_rest and at_rest >= self._quiet
+        # cut where rest was reached: the end doesn't depend on the blocks
+        return frames - (at_rest - self._quiet) if self._rested else frames

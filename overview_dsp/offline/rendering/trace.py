@@ -1,0 +1,130 @@
+"""What the disk did, column by column."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.timeline.dataframe import dataframe
+from overview_dsp.kernels.layout import TRACE_COLUMNS
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+
+class Trace(Mapping[str, NDArray[np.float64]]):
+    """What the disk did: columns of one value a frame, `trace.torque` or `trace["torque"]`.
+
+    Parameters
+    ----------
+    table : float64 (frames, columns)
+        The columns beside each other.
+    names : tuple of str
+        What they are, of the attributes below; all of them if left out.
+
+    Attributes
+    ----------
+    time : float64 (frames,)
+        The frame's end, s.
+    theta2 : float64 (frames,)
+        The input angle, smoothed, as it was used, rad.
+    touching : float64 (frames,)
+        1 while the hand holds on, else 0.
+    theta1, omega1 : float64 (frames,)
+        Angle (rad) and angular velocity (rad/s) of the disk at the frame's end.
+    cursor : float64 (frames,)
+        Where on the timeline the disk is, 0 to 1.
+    friction : float64 (frames,)
+        The B that was used, N m s/rad.
+    torque : float64 (frames,)
+        Friction times the step's mean omega1, and what bristles and detents add, N m.
+    envelope : float64 (frames,)
+        Amplitude of the tactor's carrier, linear.
+    engaged : float64 (frames,)
+        1 while shaft 2 is engaged: from a touch until the disk has arrived after its release.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> result.trace.cursor.max().round(2)
+    np.float64(1.0)
+    >>> list(result.trace)[:3]
+    ['time', 'theta2', 'touching']
+    """
+
+    time: NDArray[np.float64]
+    theta2: NDArray[np.float64]
+    touching: NDArray[np.float64]
+    theta1: NDArray[np.float64]
+    omega1: NDArray[np.float64]
+    cursor: NDArray[np.float64]
+    friction: NDArray[np.float64]
+    torque: NDArray[np.float64]
+    envelope: NDArray[np.float64]
+    engaged: NDArray[np.float64]
+
+    def __init__(self, table: NDArray[np.float64], names: tuple[str, ...] = TRACE_COLUMNS) -> None:
+        self._table = table
+        self._names = names
+
+    if not TYPE_CHECKING:  # a type checker knows the columns above, and no others
+
+        def __getattr__(self, name: str) -> NDArray[np.float64]:
+            # a column is made when it is first asked for
+            if name.startswith("_") or name not in self._names:
+                raise AttributeError(f"the trace has no column {name!r}")
+            column = np.ascontiguousarray(self._table[:, self._names.index(name)])
+            setattr(self, name, column)
+            return column
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """A column by its name."""
+        if name not in self._names:
+            raise KeyError(name)
+        column: NDArray[np.float64] = getattr(self, name)
+        return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def to_dataframe(self) -> DataFrame:
+        """Give the columns as a pandas DataFrame, a row a frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The columns above.
+
+        Raises
+        ------
+        InputError
+            pandas isn't installed.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
+        >>> result.trace.to_dataframe()["cursor"].max().round(2)
+        np.float64(1.0)
+        """
+        return dataframe({name: self[name] for name in self})
+
+    def __repr__(self) -> str:
+        return f"<Trace: {len(self._table)} frames of {', '.join(self._names)}>"
+
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar as DefaultTypeVar
+
+    Traced = DefaultTypeVar("Traced", bound=Trace | None, covariant=True, default=Trace)
+else:
+    Traced = TypeVar("Traced")
+"""What a render keeps of its trace: `Trace`, or `None` without one."""

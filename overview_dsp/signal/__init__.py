@@ -1,0 +1,1 @@
+"""The processor: a surface is prepared, the engine plays it, an actuator shapes its output."""

@@ -1,0 +1,71 @@
+"""An actuator in words: what its file says, what that amounts to, where its facts are from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from overview_dsp.files.toml import read_text
+from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, LOWEST_Q, Actuator
+from overview_dsp.units import gain_to_db
+
+_IN_DRIVE_UNITS = ("drive.rated_rms", "drive.peak", "drive.full_scale")
+
+
+def describe_json(actuator: Actuator) -> dict[str, Any]:
+    """Every value by its id, and what they amount to; levels in dBFS."""
+    sharpened = max(LOWEST_Q, actuator.q / actuator.number("shaping.sharpen"))
+    return {
+        "name": actuator.name,
+        "title": actuator.title,
+        "description": actuator.description,
+        "file": actuator.source,
+        "values": dict(actuator.values),
+        "q": round(actuator.q, 3),
+        "rise_ms": round(actuator.rise_ms, 3),
+        "sharpened_rise_ms": round(actuator.rise_ms * min(1.0, sharpened / actuator.q), 3),
+        "peak_dbfs": round(gain_to_db(actuator.peak), 2),
+        "nominal_dbfs": round(gain_to_db(actuator.nominal), 2),
+        "rms_limit_dbfs": round(0.5 * gain_to_db(actuator.mean_square), 2),
+        "rms_window_s": round(actuator.window_s, 3),
+        "calibration_db": round(actuator.gain_db, 2),
+    }
+
+
+def describe(actuator: Actuator) -> str:
+    """The actuator as a page of text."""
+    facts = describe_json(actuator)
+    lines = [f"{actuator.name}: {actuator.title}", actuator.description, ""]
+    section = ""
+    for id, known in ACTUATOR_PARAMETERS.items():
+        if id not in actuator.values:
+            continue
+        if id.split(".")[0] != section:
+            section = id.split(".")[0]
+            lines.append(f"[{section}]")
+        value = actuator.values[id]
+        unit = str(actuator.values["drive.unit"]) if id in _IN_DRIVE_UNITS else known.unit
+        text = str(value).lower() if isinstance(value, bool) else value
+        shown = f"{text:g} {unit}".strip() if isinstance(text, float) else str(text)
+        lines.append(f"  {known.key:<16} {shown:<16} {known.doc}")
+    lines += [
+        "",
+        f"A vibration rises in {facts['rise_ms']:.3g} ms (Q {facts['q']:.3g}), driven for it in "
+        f"down to {facts['sharpened_rise_ms']:.3g} ms, as far as the peak lets it.",
+        f"The tactor's full signal is a tone of {facts['nominal_dbfs']:.1f} dBFS; no sample passes "
+        f"{facts['peak_dbfs']:.1f} dBFS,",
+        f"and no RMS over {facts['rms_window_s']:g} s passes {facts['rms_limit_dbfs']:.1f} dBFS.",
+    ]
+    if actuator.gain_db:
+        lines.append(f"Calibrated: {actuator.gain_db:+.1f} dB.")
+    return "\n".join([*lines, "", *remarks(actuator)])
+
+
+def remarks(actuator: Actuator) -> list[str]:
+    """The comment its file begins with: where the facts are from, what is assumed."""
+    found = []
+    for line in read_text(Path(actuator.source)).splitlines():
+        if not line.startswith("#"):
+            break
+        found.append(line.lstrip("#").strip())
+    return found

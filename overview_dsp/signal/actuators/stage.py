@@ -1,0 +1,174 @@
+"""An actuator's drive offline, by the same compiled code as live, and what its protection did."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp import validation
+from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.device.actuator import drive_block
+from overview_dsp.public import counted
+from overview_dsp.signal.actuators.coefficients import write_actuator
+from overview_dsp.signal.actuators.model import Actuator
+from overview_dsp.signal.actuators.sensitivity import pacinian_db
+from overview_dsp.units import gain_to_db
+
+FAINT_DB = -12.0
+"""A carrier that is felt so much less than the resonance deserves a word."""
+
+
+def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
+    """Warn where a vibration of that frequency, made by the actuator, is hardly felt."""
+    validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
+    resonance_hz = actuator.resonance_hz
+    felt = (
+        actuator.response_db(frequency_hz) + pacinian_db(frequency_hz) - pacinian_db(resonance_hz)
+    )
+    if felt < FAINT_DB:
+        warnings.warn(
+            f"{actuator.name} is felt {-felt:.0f} dB less at tactor.frequency_hz = "
+            f"{frequency_hz:g} than at its resonance; set that to {resonance_hz:g} Hz",
+            OverviewWarning,
+            stacklevel=2,
+        )
+
+
+@dataclass(frozen=True)
+class Protected:
+    """What an actuator's protection did.
+
+    Attributes
+    ----------
+    taken_db : float
+        The most of the drive that was taken back against heat, dB.
+    at_peak : int
+        Samples held at the peak.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> ov.actuators.Protected(taken_db=0.0, at_peak=3).at_peak
+    3
+    """
+
+    taken_db: float
+    at_peak: int
+
+
+def protected_report(actuator: Actuator | None, protected: Protected | None) -> Any:
+    """An actuator and what its protection did, as plain values; None without one."""
+    if actuator is None or protected is None:
+        return None
+    return {
+        "name": actuator.name,
+        "calibration_db": actuator.gain_db,
+        "taken_back_db": round(protected.taken_db, 1),
+        "samples_at_peak": protected.at_peak,
+    }
+
+
+def read_protected(memory: NDArray[np.float64], at: int) -> Protected:
+    """What an actuator's protection did so far."""
+    left = math.sqrt(max(1e-12, 1.0 - float(memory[at + layout.ACT_MOST_TAKEN])))
+    held = int(memory.view(np.int64)[at + layout.ACT_AT_PEAK])
+    return Protected(0.0 - gain_to_db(left), held)
+
+
+class ActuatorStage:
+    """An actuator's drive, made in blocks of any size: the partition changes no bit.
+
+    For who runs an engine in a callback of their own. Thread: one.
+
+    Parameters
+    ----------
+    actuator : Actuator
+        What is driven.
+    sample_rate : float
+        Hz.
+
+    Raises
+    ------
+    InputError
+        A sample rate that is too low for the actuator.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import overview_dsp as ov
+    >>> c2 = ov.actuators.load("c2")
+    >>> stage = ov.actuators.ActuatorStage(c2, 8000)
+    >>> samples = np.ones((256, 2), dtype=np.float32)  # of engine.process
+    >>> stage.process(samples, channel=1)
+    >>> float(np.abs(samples[:, 1]).max()) <= c2.peak
+    True
+    """
+
+    def __init__(self, actuator: Actuator, sample_rate: float) -> None:
+        validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
+        sample_rate = validation.real(sample_rate, "sample_rate")
+        self._name = actuator.name
+        self._memory = np.zeros(layout.ACT_SIZE)
+        write_actuator(self._memory, 0, actuator, sample_rate)
+
+    def process(self, samples: NDArray[np.float32], channel: int) -> None:
+        """Turn one channel into the drive, in place.
+
+        Parameters
+        ----------
+        samples : float32 (frames, channels)
+            C-ordered and writable.
+        channel : int
+            From 0.
+
+        Raises
+        ------
+        InputError
+            An array of the wrong type, shape or order, or one without that channel.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> c2 = ov.actuators.load("c2")
+        >>> stage = ov.actuators.ActuatorStage(c2, 8000)
+        >>> stage.process(np.zeros((256, 2), dtype=np.float32), channel=1)
+        >>> stage.silent_samples
+        256
+        """
+        if (
+            not isinstance(samples, np.ndarray)
+            or samples.dtype != np.float32
+            or samples.ndim != 2
+            or not samples.flags.c_contiguous
+            or not samples.flags.writeable
+        ):
+            raise InputError(
+                "samples must be a writable, C-ordered float32 array (frames, channels)"
+            )
+        frames, channels = samples.shape
+        if not 0 <= channel < channels:
+            raise InputError(f"channel {channel} is not one of {channels}, counted from 0")
+        memory = self._memory
+        w = memory.view(np.int64)
+        drive_block(memory, w, 0, samples.reshape(-1), frames, channels, channel)
+
+    @property
+    def silent_samples(self) -> int:
+        """Samples since the drive was last other than zero."""
+        return int(self._memory.view(np.int64)[layout.ACT_SILENT])
+
+    @property
+    def protected(self) -> Protected:
+        """What protection did so far."""
+        return read_protected(self._memory, 0)
+
+    def __repr__(self) -> str:
+        at_peak = counted(self.protected.at_peak, "sample")
+        return f"<ActuatorStage: {self._name}, {at_peak} at the peak>"

@@ -1,0 +1,180 @@
+"""What the control thread passes to the audio thread: control events, changes, free surface slots.
+
+An event is written first and published last (`kernels.ordering`), so that the audio thread sees all
+of it or nothing; what doesn't fit is counted, never waited for. A ring is written by one thread at
+a time: a lock a source, which only those that write that source take, never the audio thread.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import warnings
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp import validation
+from overview_dsp.design.gestures import SOURCES
+from overview_dsp.errors import InputError, OverviewError, OverviewWarning, shown
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels.ordering import acquired, publish
+
+_RING_OF = {source: ring for ring, source in enumerate(SOURCES)}
+_AS_SOON_AS_POSSIBLE = -1
+
+
+class ControlQueues:
+    """The writing ends of a memory block's rings.
+
+    Thread: any for `control`, `control_all` and `dropped`; one control thread for the rest.
+    """
+
+    def __init__(self, memory: NDArray[np.float64]) -> None:
+        """`memory` is the block of `kernels.layout`."""
+        self._f64 = memory
+        self._i64 = memory.view(np.int64)
+        # between writers in Python; the audio thread takes none of them
+        self._writing = [threading.Lock() for _ in SOURCES]
+        self._dropped = [0 for _ in SOURCES]
+        _compile()
+
+    @property
+    def dropped(self) -> int:
+        """Control events that found their ring full, of all sources."""
+        return sum(self._dropped)
+
+    def clear_dropped(self) -> None:
+        """Count from 0 again."""
+        for ring, writing in enumerate(self._writing):
+            with writing:
+                self._dropped[ring] = 0
+
+    def control(self, theta2: float, touching: bool, stamp: int, source: str) -> None:
+        """Push a control event; a full ring drops it, counts it and warns the first time."""
+        ring = _RING_OF.get(source) if isinstance(source, str) else None
+        if ring is None:
+            raise InputError(f"no source is called {shown(source)}; known: {', '.join(SOURCES)}")
+        # of exact types: for any other, the compiler would make it anew
+        event = ring, stamp, validation.real(theta2, "theta2"), bool(touching)
+        with self._writing[ring]:
+            if push_control(self._f64, self._i64, *event):
+                return
+            self._dropped[ring] += 1
+            first = self._dropped[ring] == 1
+        if first:
+            warnings.warn(
+                f"control event dropped: {layout.RING} of source {source!r} wait already; "
+                "process a block first",
+                OverviewWarning,
+                stacklevel=3,
+            )
+
+    def control_all(
+        self,
+        theta2: NDArray[np.float64],
+        touching: NDArray[np.bool_],
+        stamps: NDArray[np.int64],
+        sources: NDArray[np.int8],
+    ) -> None:
+        """Push control events, in order: all, or none with OverviewError if a ring is full."""
+        rows = {"theta2": theta2, "touching": touching, "sample_times": stamps, "sources": sources}
+        for what, row in rows.items():
+            validation.floats(row, what)
+        validation.equally_long(", ".join(rows), *rows.values())
+        if len(sources) and not 0 <= sources.min() <= sources.max() < len(SOURCES):
+            raise InputError(
+                f"a source is an index of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
+            )
+        i64 = self._i64
+        of_ring = [
+            (ring, np.flatnonzero(sources == ring)) for ring in sorted(set(sources.tolist()))
+        ]
+        with contextlib.ExitStack() as writing:  # in the order of rings, so that none waits forever
+            for ring, _ in of_ring:
+                writing.enter_context(self._writing[ring])
+            for ring, events in of_ring:
+                waiting = int(i64[layout.RING_WRITTEN + ring]) - acquired(
+                    i64, layout.RING_READ + ring
+                )
+                if waiting + len(events) > layout.RING:
+                    raise OverviewError(
+                        f"{len(events)} control events of {SOURCES[ring]!r}, {waiting} wait "
+                        f"already; the queue holds {layout.RING}: process a block first"
+                    )
+            for ring, events in of_ring:
+                written = int(i64[layout.RING_WRITTEN + ring])
+                at = ring * layout.RING + (written + np.arange(len(events))) % layout.RING
+                i64[layout.RING_TIME + at] = stamps[events]
+                self._f64[layout.RING_THETA2 + at] = theta2[events]
+                i64[layout.RING_TOUCHING + at] = touching[events]
+                publish(i64, layout.RING_WRITTEN + ring, written + len(events))
+
+    def require_capacity(self, changes: int) -> None:
+        """Raise OverviewError unless so many parameter or surface changes can be pushed."""
+        waiting = int(self._i64[layout.HOST_WRITTEN]) - acquired(self._i64, layout.HOST_READ)
+        if waiting + changes > layout.HOST_RING:
+            raise OverviewError(
+                f"{waiting} parameter changes wait already; process a block, then set more"
+            )
+
+    def push(self, changes: list[tuple[int, float]], stamp: int) -> int:
+        """Push changes that belong together; their number, for `applied_at`."""
+        self.require_capacity(len(changes))
+        written = int(self._i64[layout.HOST_WRITTEN])
+        for index, (what, value) in enumerate(changes, written):
+            at = index % layout.HOST_RING
+            self._i64[layout.HOST_TIME + at] = stamp
+            self._i64[layout.HOST_WHAT + at] = what
+            self._f64[layout.HOST_VALUE + at] = value
+        publish(self._i64, layout.HOST_WRITTEN, written + len(changes))
+        return written
+
+    def applied_at(self, number: int) -> int | None:
+        """The sample at which a pushed change was applied; None while it waits.
+
+        OverviewError if so many came after it that its place was used again.
+        """
+        if int(self._i64[layout.HOST_WRITTEN]) - number > layout.HOST_RING:
+            raise OverviewError("parameters change faster than they are recorded; change fewer")
+        if acquired(self._i64, layout.HOST_READ) <= number:
+            return None
+        return int(self._i64[layout.HOST_TIME + number % layout.HOST_RING])
+
+    def free_slot(self) -> int:
+        """A surface slot that neither sounds, fades nor waits; OverviewError if there is none."""
+        # the audio thread may begin a waiting crossfade while we look; in this order, which is the
+        # reverse of its own, what waited then, sounded then or fades now is all that can be in use
+        i64 = self._i64
+        waiting = range(acquired(i64, layout.HOST_READ), int(i64[layout.HOST_WRITTEN]))
+        taken = {acquired(i64, layout.ACTIVE_SLOT)}
+        taken.add(acquired(i64, layout.FADING_SLOT))
+        for index in waiting:
+            at = index % layout.HOST_RING
+            if i64[layout.HOST_WHAT + at] == layout.COMMAND_SURFACE:
+                taken.add(int(self._f64[layout.HOST_VALUE + at]))
+        free = [slot for slot in range(layout.SLOTS) if slot not in taken]
+        if not free:
+            raise OverviewError("two surfaces wait or fade already; process a block, then set it")
+        return free[0]
+
+
+@cache
+def _compile() -> None:
+    """Compile what events are pushed with, so that the first one isn't late for it."""
+    scratch = np.zeros(layout.HOST_TIME)
+    push_control(scratch, scratch.view(np.int64), 0, 0, 0.0, False)
+    publish(scratch.view(np.int64), 0, acquired(scratch.view(np.int64), 0))
+
+
+def stamp_of(sample_time: int | None) -> int:
+    """The stamp of a sample time; None is as soon as possible. InputError if it is no sample."""
+    if sample_time is None:
+        return _AS_SOON_AS_POSSIBLE
+    if not 0.0 <= validation.real(sample_time, "sample_time") < 2.0**63:
+        raise InputError(
+            f"sample_time = {shown(sample_time)}; it counts samples since reset, from 0"
+        )
+    return int(sample_time)

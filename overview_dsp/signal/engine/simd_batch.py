@@ -1,0 +1,82 @@
+"""Engines side by side: one memory, a lane of the compiled loops for each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.compiling import runs_as_python
+from overview_dsp.kernels.simd import memory as lane_memory
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
+from overview_dsp.signal.engine.compile_notice import announce_compile
+from overview_dsp.signal.engine.engine import Engine
+
+
+class EngineBatch:
+    """Up to `SIMD_WIDTH` engines that are processed at once, with the bits they have alone.
+
+    An engine gets its lane with `prepare(..., memory=lanes.memory(lane))`. Their output has two
+    channels. Thread: one at a time.
+    """
+
+    def __init__(self, block: int) -> None:
+        """For blocks of up to `block` frames; nothing is compiled until several voices play."""
+        self._f64 = np.zeros(lane_memory.MEMORY)
+        self._i64 = self._f64.view(np.int64)
+        self._u64 = self._f64.view(np.uint64)
+        self._out = np.zeros(SIMD_WIDTH * block * layout.SIGNALS, np.float32)
+        self._trace = np.zeros(0)
+        self._block = block
+        self._announced = False
+
+    def memory(self, lane: int) -> NDArray[np.float64]:
+        """The memory of a lane's engine."""
+        start = lane_memory.SIZE + lane * layout.TOTAL
+        return self._f64[start : start + layout.TOTAL]
+
+    def process(
+        self, engines: Sequence[Engine | None], frames: int, trace: bool
+    ) -> tuple[NDArray[np.float32], NDArray[np.float64] | None]:
+        """The next frames of every engine (None: a lane without one).
+
+        Returns float32 (SIMD_WIDTH, frames, 2) and, if asked for, the traces, float64 (SIMD_WIDTH,
+        frames, 9); both are overwritten by the next call.
+        """
+        out = self._out[: SIMD_WIDTH * frames * layout.SIGNALS]
+        if trace and not len(self._trace):
+            self._trace = np.zeros(SIMD_WIDTH * self._block * layout.TRACE)
+        table = self._trace[: SIMD_WIDTH * frames * layout.TRACE]
+        samples = out.reshape(SIMD_WIDTH, frames, layout.SIGNALS)
+        traces = table.reshape(SIMD_WIDTH, frames, layout.TRACE) if trace else None
+        together = self._together(engines, out, frames, table, trace)
+        for lane, engine in enumerate(engines):
+            if engine is not None and not together[lane]:
+                engine.process(samples[lane], traces[lane] if traces is not None else None)
+        return samples, traces
+
+    def _together(
+        self,
+        engines: Sequence[Engine | None],
+        out: NDArray[np.float32],
+        frames: int,
+        table: NDArray[np.float64],
+        trace: bool,
+    ) -> Sequence[bool]:
+        """Process what goes through the lanes' loops; which engines that were."""
+        from overview_dsp.kernels.simd import block as lane_block
+
+        if sum(engine is not None for engine in engines) < lane_block.FEWEST or runs_as_python():
+            return [False] * SIMD_WIDTH
+        if not self._announced:
+            announce_compile("process_lanes")
+            self._announced = True
+        for lane, engine in enumerate(engines):
+            self._i64[lane_memory.WANTED + lane] = engine is not None
+        lane_block.process_lanes(
+            self._f64, self._i64, self._u64, SIMD_WIDTH, out, frames, table, trace
+        )
+        members: list[bool] = (self._i64[lane_memory.MEMBER :][:SIMD_WIDTH] == 1).tolist()
+        return members

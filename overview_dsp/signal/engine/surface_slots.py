@@ -1,0 +1,139 @@
+"""A surface into its slot of the memory block: where the kernel reads it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.kernels import layout
+from overview_dsp.kernels.derive import derive_clicks
+from overview_dsp.signal.surface.bristles import BARE, BristleField
+from overview_dsp.signal.surface.detents import DetentField
+from overview_dsp.signal.surface.model import Surface
+
+STEEP = 0.2
+"""From one cell to the next friction changes by more than this part of the bare surface's."""
+
+_STRIKES = {
+    "viscous": layout.STRIKE_BY_APPROACH,
+    "bristle": layout.STRIKE_BY_TORQUE,
+    "detent": layout.STRIKE_BY_SPEED,
+    "end_stop": layout.STRIKE_BY_TORQUE,
+}
+
+
+def write_surface(m: NDArray[np.float64], slot: int, surface: Surface) -> None:
+    """Write a surface's friction, events and clicks into slot 0, 1 or 2 of the block `m`.
+
+    The block has its sample rate already.
+    """
+    w = m.view(np.int64)
+    base = layout.SURFACES + slot * layout.SLOT_SIZE
+    table = m[base + layout.SLOT_TABLE :][: 2 * (layout.CELLS + 1)]
+    _write_table(table, surface.friction)
+    mean = 0.5 * (surface.friction[1:] + surface.friction[:-1])
+    m[base + layout.SLOT_INTEGRAL] = 0.0
+    m[base + layout.SLOT_INTEGRAL + 1 :][: layout.CELLS] = np.cumsum(mean)
+    w[base + layout.SLOT_STEEP :][: layout.CELLS // layout.STEEP_BLOCK + 1] = _steep(surface)
+    order = _strike_order(surface)
+    count = len(order)
+    w[base + layout.SLOT_EVENTS] = count
+    crests = surface.texture_strikes.position
+    edges = np.concatenate([surface.edges, np.stack([crests, crests], axis=1)])[order]
+    for side, edge, event in (
+        (0, layout.SLOT_LOWER, layout.SLOT_LOWER_EVENT),
+        (1, layout.SLOT_UPPER, layout.SLOT_UPPER_EVENT),
+    ):
+        ascending = np.argsort(edges[:, side], kind="stable")
+        m[base + edge :][:count] = edges[ascending, side] * layout.CELLS
+        w[base + event :][:count] = ascending
+    release = np.concatenate([surface.release, surface.texture_strikes.release])
+    m[base + layout.SLOT_RELEASE :][:count] = release[order]
+    own = np.full(len(surface.texture_strikes.position), layout.MAX_KINDS)
+    w[base + layout.SLOT_KIND :][:count] = np.concatenate([surface.kind, own])[order]
+    w[base + layout.SLOT_MODELS] = 0
+    m[base + layout.SLOT_HOLD] = 0.0
+    for bank, model in [*enumerate(surface.kind_models), (layout.MAX_KINDS, surface.own_model)]:
+        row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
+        w[row + layout.P_STRIKE] = _STRIKES[model]
+    if surface.detents is not None:
+        _write_detents(m, base, surface.detents)
+    if surface.bristles is not None:
+        rank = np.append(np.argsort(order), BARE)
+        _write_bristles(m, base, surface.bristles, rank)
+    _write_clicks(m, base, surface)
+    derive_clicks(m, w, base)
+
+
+def struck_event(surface: Surface, number: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The timeline's events by the kernel's numbers for them; -1 = the bare surface (as BARE)."""
+    own = np.full(len(surface.texture_strikes.position), BARE)
+    events = np.concatenate([surface.event, own])[_strike_order(surface)]
+    return np.append(events, BARE)[number]
+
+
+def _strike_order(surface: Surface) -> NDArray[np.int64]:
+    """The surface's events, then its texture strikes, in the order of their positions."""
+    position = np.concatenate([surface.position, surface.texture_strikes.position])
+    return np.argsort(position, kind="stable")
+
+
+def _steep(surface: Surface) -> NDArray[np.bool_]:
+    """Which blocks of cells have a steep edge in them or beside them, within a step's reach."""
+    friction = surface.friction
+    cells = np.flatnonzero(np.abs(np.diff(friction)) > STEEP * friction.min())
+    edges = np.zeros(layout.CELLS // layout.STEEP_BLOCK + 1, dtype=bool)
+    edges[cells // layout.STEEP_BLOCK] = True
+    found = edges.copy()
+    found[1:] |= edges[:-1]
+    found[:-1] |= edges[1:]
+    return found
+
+
+def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    """Values at the table's points and the slopes between them, interleaved."""
+    table[0::2] = values
+    table[1:-1:2] = np.diff(values)
+    table[-1] = 0.0
+
+
+def _write_clicks(m: NDArray[np.float64], base: int, surface: Surface) -> None:
+    """The clicks of each kind and of the bare surface, as the preset has them."""
+    w = m.view(np.int64)
+    w[base + layout.KIND_CLICK :][: layout.BANKS] = 0
+    for kind, modes in [*enumerate(surface.kind_modes), (layout.MAX_KINDS, surface.own_modes)]:
+        w[base + layout.KIND_CLICK + kind] = len(modes)
+        at = base + layout.CLICKS + kind * layout.MAX_MODES * layout.CLICK_SIZE
+        for mode in modes:
+            m[at + layout.CLICK_FREQUENCY_HZ] = mode.frequency_hz
+            m[at + layout.CLICK_DECAY_MS] = mode.decay_ms
+            m[at + layout.CLICK_GAIN_DB] = mode.gain_db
+            at += layout.CLICK_SIZE
+
+
+def _write_bristles(
+    m: NDArray[np.float64], base: int, field: BristleField, rank: NDArray[np.int64]
+) -> None:
+    w = m.view(np.int64)
+    w[base + layout.SLOT_MODELS] |= layout.HAS_BRISTLES
+    _write_table(m[base + layout.SLOT_SLIDING_TORQUE :][: 2 * (layout.CELLS + 1)], field.grip)
+    w[base + layout.SLOT_OWNER :][: layout.CELLS + 1] = rank[field.owner]
+    stuck = max(kind.static_ratio for kind in (*field.of_kind, field.bare))
+    m[base + layout.SLOT_HOLD] += float(field.grip.max()) * stuck
+    of_bank = [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]
+    for bank, bristles in of_bank:
+        row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
+        m[row + layout.P_STIFFNESS] = bristles.stiffness
+        m[row + layout.P_DAMPING] = bristles.damping
+        m[row + layout.P_STATIC] = bristles.static_ratio
+        m[row + layout.P_STRIBECK] = bristles.stribeck_speed
+        m[row + layout.P_BREAK_AWAY] = bristles.break_away
+
+
+def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> None:
+    m.view(np.int64)[base + layout.SLOT_MODELS] |= layout.HAS_DETENTS
+    _write_table(m[base + layout.SLOT_PULL :][: 2 * (layout.CELLS + 1)], field.pull)
+    m[base + layout.SLOT_DETENT_ENERGY :][: layout.CELLS + 1] = field.energy
+    m[base + layout.SLOT_END_STIFFNESS] = field.end_stiffness
+    m[base + layout.SLOT_END_DAMPING] = field.end_damping
+    m[base + layout.SLOT_HOLD] += float(np.abs(field.pull).max())

@@ -1,0 +1,170 @@
+"""Map between time and angle that keeps neighbouring events apart, and its inverse.
+
+Every conversion between a time of a timeline and a position of its surface (0 to 1, half a turn)
+goes through one `AngleMap`, which the surface holds. A window of a timeline has a map of its own.
+
+1. The times of the events to keep apart, sorted, cut the timeline of T seconds into n gaps.
+2. No gap may be narrower than `least = share * T / n`, or as many times that as it has events that
+   fill it up, with n the number of them all. Narrower gaps become that wide, and all others shrink
+   by one factor, so that the sum is T again.
+3. Positions are linear in time between these events. Events of one time keep their order, `least`
+   apart; the curve takes the position of the last one there. Events at the ends stay there.
+
+Events that fill a timeline up (touches, shots, ticks of the calendar) move with their surroundings
+and keep their room, but aren't kept apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from overview_dsp import validation
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.ticks import KINDS as TICKS
+from overview_dsp.design.presets.model import Preset
+
+FILL = frozenset((*TICKS, "touch", "shot"))
+"""Event kinds that aren't kept apart."""
+
+SHARE = "surface.angle_map"
+"""The preset's parameter: the narrowest gap between two events, relative to the mean gap."""
+
+BISECTIONS = 60
+"""Steps to find the factor of the wide gaps: to float64's precision."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class AngleMap:
+    """Monotonic map from time to position, piecewise linear.
+
+    Attributes
+    ----------
+    time_s : float64 (points,)
+        Ascending from 0 to the timeline's duration; equal where events lie at one time.
+    position : float64 (points,)
+        Position of each point, strictly ascending from 0 to 1.
+    events : float64 (events,)
+        Position of each of the timeline's events.
+    """
+
+    time_s: Array
+    position: Array
+    events: Array
+
+    @classmethod
+    def of(cls, timeline: Timeline, preset: Preset) -> AngleMap:
+        """Return the map of a timeline under a preset.
+
+        It is linear where all events lie apart, and while a timeline grows: no event that comes
+        moves the others then.
+        """
+        ends = np.array([0.0, timeline.duration_s])
+        made = cls(ends, np.array([0.0, 1.0]), np.zeros(0))
+        share = preset.number(SHARE)
+        if share > 0.0 and timeline.until_s is None:
+            times = [time_s for _, time_s in _apart(timeline)]
+            points = np.concatenate((ends[:1], times, ends[1:]))
+            gaps = np.diff(points)
+            places = 1.0 + _fill_between(timeline, points)
+            least = share * timeline.duration_s * places / places.sum()
+            if (gaps < least).any():
+                made = cls(points, _spread(gaps, least), made.events)
+        return made.on(timeline)
+
+    def on(self, timeline: Timeline) -> AngleMap:
+        """Return this map with the events of another timeline of the same duration."""
+        events = self.position_of([event.time_s for event in timeline.events])
+        before, turn = -1.0, 0
+        for i, time_s in () if self.is_linear else _apart(timeline):
+            turn = turn + 1 if time_s == before else 0
+            before = time_s
+            point = int(np.searchsorted(self.time_s, time_s)) + turn
+            if self.time_s[min(point, len(self.time_s) - 1)] == time_s:
+                events[i] = self.position[point]
+        return replace(self, events=events)
+
+    @property
+    def duration_s(self) -> float:
+        """Duration of the timeline, s."""
+        return float(self.time_s[-1])
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether positions are proportional to time."""
+        return len(self.time_s) == 2
+
+    def position_of(self, time_s: ArrayLike) -> Array:
+        """Return positions (0 to 1) of times (s), which are limited to the timeline."""
+        times = np.clip(validation.numbers(time_s, "time_s"), 0.0, self.duration_s)
+        return times / self.duration_s if self.is_linear else self._between(times, forward=True)
+
+    def time_at(self, position: ArrayLike) -> Array:
+        """Return times (s) at positions, which are limited to 0 to 1."""
+        positions = np.clip(validation.numbers(position, "position"), 0.0, 1.0)
+        return positions * self.duration_s if self.is_linear else self._between(positions)
+
+    def stretched(self) -> list[tuple[float, float]]:
+        """Return the parts, as positions, that are half as wide again as time is, or wider."""
+        wide = np.diff(self.position) >= 1.5 * np.diff(self.time_s) / self.duration_s
+        ends = zip(self.position[:-1], self.position[1:], strict=True)
+        return [(float(a), float(b)) for (a, b), one in zip(ends, wide, strict=True) if one]
+
+    def evened(self, time_s: ArrayLike) -> Array:
+        """Return times (s) that the linear map places where this one places `time_s`."""
+        times = validation.numbers(time_s, "time_s")
+        return times if self.is_linear else self.position_of(times) * self.duration_s
+
+    def at_even_positions(self, even: Array) -> Array:
+        """Return values at even positions, from those at as many even times, ends included."""
+        if self.is_linear:
+            return even
+        points = np.linspace(0.0, 1.0, len(even))
+        return np.interp(self.time_at(points) / self.duration_s, points, even)
+
+    def _between(self, at: Array, forward: bool = False) -> Array:
+        x, y = (self.time_s, self.position) if forward else (self.position, self.time_s)
+        # of equal times the last one counts
+        lower = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
+        width = x[lower + 1] - x[lower]
+        part = (at - x[lower]) / np.where(width > 0.0, width, 1.0)
+        # the upper point itself, since y0 + (y1 - y0) may round past it
+        found = np.where(part < 1.0, y[lower] + part * (y[lower + 1] - y[lower]), y[lower + 1])
+        return np.asarray(np.where(np.isnan(at), at, found))
+
+
+def without_map(preset: Preset) -> Preset:
+    """Return the preset with positions proportional to time (`--linear`)."""
+    return preset.with_value(SHARE, 0.0)
+
+
+def _apart(timeline: Timeline) -> Iterator[tuple[int, float]]:
+    """Give index and time of the events that are kept apart, by time."""
+    for i, event in enumerate(timeline.events):
+        if event.kind not in FILL and 0.0 < event.time_s < timeline.duration_s:
+            yield i, event.time_s
+
+
+def _fill_between(timeline: Timeline, points: Array) -> Array:
+    """Return how many events fill each gap between points."""
+    times = [event.time_s for event in timeline.events if event.kind in FILL]
+    return np.diff(np.searchsorted(times, points)).astype(np.float64)
+
+
+def _spread(gaps: Array, least: Array) -> Array:
+    """Return the positions of the ends of gaps, none of which is narrower than `least` then."""
+    total = float(gaps.sum())
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        factor = (low + high) / 2.0
+        if float(np.maximum(factor * gaps, least).sum()) > total:
+            high = factor
+        else:
+            low = factor
+    position = np.concatenate(([0.0], np.cumsum(np.maximum(low * gaps, least))))
+    return np.asarray(position / position[-1])

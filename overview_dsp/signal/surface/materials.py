@@ -1,0 +1,68 @@
+"""What named materials sound like when struck: modes from a pitch.
+
+A small solid rings at the ratios of its shape; each mode decays by the material's internal friction
+tan(phi), which is what listeners know materials by (Wildes and Richards 1988; Klatzky, Pai and
+Krotkov 2000):
+
+    decay to -60 dB = ln 1000 / (pi * frequency * tan(phi))
+
+| material | shape, its ratios | tan(phi) |
+|---|---|---|
+| glass | a wine glass, struck at its rim (Fletcher and Rossing 1998) | 0.003 |
+| wood | a free bar (Euler and Bernoulli) | 0.02 |
+| metal | a free round plate | 0.0012 |
+| plastic | a free bar, hollow: nearer together | 0.06 |
+| card | a sheet held at its edge: a membrane | 0.25 |
+
+The ratios are those of ideal shapes; card's tan(phi) is chosen by ear, below all plastics' ringing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from overview_dsp.design.presets.model import ClickMode
+from overview_dsp.design.presets.parameters import MODE_PARAMETERS
+
+
+@dataclass(frozen=True)
+class _Material:
+    ratios: tuple[float, ...]
+    loss: float
+    fall_db: float  # from one mode to the next: what a soft or hard surface lets through
+
+
+_MATERIALS = {
+    "glass": _Material((1.0, 2.32, 4.25, 6.63, 9.38), 0.003, -2.5),
+    "wood": _Material((1.0, 2.757, 5.404, 8.933), 0.02, -5.0),
+    "metal": _Material((1.0, 1.73, 2.33, 3.91, 4.11, 6.30), 0.0012, -1.5),
+    "plastic": _Material((1.0, 1.9, 3.2, 4.8), 0.06, -5.0),
+    "card": _Material((1.0, 1.594, 2.136, 2.653), 0.25, -3.0),
+}
+
+
+def modes_of(material: str, pitch_hz: float, ring: float = 1.0) -> tuple[ClickMode, ...]:
+    """The modes of a thing of some material whose lowest mode is `pitch_hz`; none for "none".
+
+    `ring` shortens the decays: a thing that is held loses more than the material alone.
+    """
+    made_of = _MATERIALS.get(material)
+    if made_of is None:
+        return ()
+    frequency, decay = MODE_PARAMETERS["frequency_hz"], MODE_PARAMETERS["decay_ms"]
+    found = []
+    for index, ratio in enumerate(made_of.ratios):
+        hz = pitch_hz * ratio
+        if hz <= frequency.high:
+            ms = ring * 1000.0 * math.log(1000.0) / (math.pi * hz * made_of.loss)
+            ms = min(max(ms, decay.low), decay.high)
+            found.append(ClickMode(hz, ms, made_of.fall_db * index))
+    return tuple(found)
+
+
+def louder(modes: tuple[ClickMode, ...], gain_db: float) -> tuple[ClickMode, ...]:
+    """Modes with their levels raised."""
+    return tuple(
+        ClickMode(mode.frequency_hz, mode.decay_ms, mode.gain_db + gain_db) for mode in modes
+    )

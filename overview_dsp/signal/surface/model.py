@@ -1,0 +1,224 @@
+"""The surface that a disk runs over: friction, events, and what lies beside friction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from overview_dsp.design.presets.model import ClickMode
+from overview_dsp.kernels.layout import CELLS
+from overview_dsp.public import counted
+from overview_dsp.signal.surface.angle_map import AngleMap
+from overview_dsp.signal.surface.bristles import BristleField
+from overview_dsp.signal.surface.detents import DetentField
+from overview_dsp.signal.surface.texture_strikes import NONE as NO_TEXTURE_STRIKES
+from overview_dsp.signal.surface.texture_strikes import TextureStrikes
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface with friction, ready for the engine.
+
+    Attributes
+    ----------
+    friction : float64 (cells + 1,)
+        B at equal steps of the surface angle phi from 0 to pi, N m s/rad; > 0.
+    position : float64 (events,)
+        Cursor (0..1) at which each event lies, ascending.
+    edges : float64 (events, 2)
+        Cursor at which the disk strikes it upwards and downwards: where its span is entered, if
+        its friction is viscous.
+    release : float64 (events,)
+        Friction that lets go there, N m s/rad.
+    kind : int64 (events,)
+        Index into `kind_names`.
+    event : int64 (events,)
+        Index into the timeline's events.
+    span : float64 (events, 2)
+        Cursor from and to: where the event's profile exceeds a tenth of its height; without end
+        (-inf, inf) where that reaches an end of the timeline.
+    kind_names : tuple of str
+        Event kinds.
+    kind_modes : tuple of tuple of ClickMode
+        Their clicks; a mode's gain includes its kind's.
+    angle_map : AngleMap
+        The one map between times and positions, for `position_of` and `time_at`.
+    left_out : mapping of str to int
+        Kinds whose events lie too densely to be felt one by one, and how many there are.
+    own_modes : tuple of ClickMode
+        What the bare surface sounds like.
+    texture_strikes : TextureStrikes
+        Where it is struck, besides events.
+    kind_models : tuple of str
+        What friction the kinds are.
+    own_model : str
+        What friction the bare surface is.
+    bristles : BristleField or None
+        Where bristles grip, if anywhere.
+    detents : DetentField or None
+        Where detents and stops pull, if anywhere.
+
+    See Also
+    --------
+    build_surface : Makes one of a timeline and a preset.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> surface = ov.build_surface(match, football)
+    >>> surface.kind_names[surface.kind[0]]
+    'period'
+    """
+
+    friction: NDArray[np.float64]
+    position: NDArray[np.float64]
+    edges: NDArray[np.float64]
+    release: NDArray[np.float64]
+    kind: NDArray[np.int64]
+    event: NDArray[np.int64]
+    span: NDArray[np.float64]
+    kind_names: tuple[str, ...]
+    kind_modes: tuple[tuple[ClickMode, ...], ...]
+    angle_map: AngleMap
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    own_modes: tuple[ClickMode, ...] = ()
+    texture_strikes: TextureStrikes = NO_TEXTURE_STRIKES
+    kind_models: tuple[str, ...] = ()
+    own_model: str = "viscous"
+    bristles: BristleField | None = None
+    detents: DetentField | None = None
+
+    @property
+    def resistance(self) -> NDArray[np.float64]:
+        """What a disk at 1 rad/s is held with at the table's points, by all models, N m s/rad.
+
+        Viscous friction, the bristles' sliding torque and the detents' pull, whichever way it goes.
+        """
+        total = self.friction
+        if self.bristles is not None:
+            total = total + self.bristles.grip
+        if self.detents is not None:
+            total = total + np.abs(self.detents.pull)
+        return total
+
+    def position_of(self, time_s: ArrayLike) -> NDArray[np.float64]:
+        """Convert times to positions.
+
+        Parameters
+        ----------
+        time_s : array_like
+            Seconds from the start of the timeline (of a window: from its start), any shape;
+            limited to the timeline.
+
+        Returns
+        -------
+        float64
+            Of that shape: the cursor, 0 to 1. At a time of several events that of the last one.
+
+        See Also
+        --------
+        time_at : The inverse.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> surface = ov.build_surface(match, football)
+        >>> surface.position_of([0.0, match.duration_s])
+        array([0., 1.])
+        """
+        return self.angle_map.position_of(time_s)
+
+    def time_at(self, position: ArrayLike) -> NDArray[np.float64]:
+        """Convert positions to times.
+
+        Parameters
+        ----------
+        position : array_like
+            Cursor, 0 to 1, any shape; limited to that range.
+
+        Returns
+        -------
+        float64
+            Of that shape: seconds from the start of the timeline (of a window: from its start).
+
+        See Also
+        --------
+        position_of : The inverse.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> surface = ov.build_surface(match, football)
+        >>> goal = match.event("goal", 1).time_s
+        >>> abs(surface.time_at(surface.position_of(goal)) - goal) < 1e-6
+        np.True_
+        """
+        return self.angle_map.time_at(position)
+
+    def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
+        """Look up B, linear between the table's points.
+
+        Parameters
+        ----------
+        phi : float64 or float
+            Surface angles, rad, clamped to [0, pi].
+
+        Returns
+        -------
+        float64
+            Of that shape, N m s/rad.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> surface = ov.build_surface(match, football)
+        >>> surface.friction_at(0.0) == surface.friction[0]
+        np.True_
+        """
+        x = np.asarray(phi, dtype=np.float64) / math.pi * CELLS
+        return np.interp(x, np.arange(CELLS + 1, dtype=np.float64), self.friction)
+
+    def in_span(
+        self, cursor: NDArray[np.float64], events: NDArray[np.bool_] | None = None
+    ) -> NDArray[np.bool_]:
+        """Find out whether each cursor lies in the span of an event.
+
+        Parameters
+        ----------
+        cursor : float64 (n,)
+            Places, 0 to 1.
+        events : bool (events,) or None
+            Which events of the surface count; None is all.
+
+        Returns
+        -------
+        bool (n,)
+            True in a span.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> surface = ov.build_surface(match, football)
+        >>> surface.in_span(surface.position[:2])
+        array([ True,  True])
+        """
+        spans = self.span if events is None else self.span[events]
+        inside = np.zeros(np.shape(cursor), dtype=bool)
+        for first, last in spans:
+            inside |= (cursor >= first) & (cursor <= last)
+        return inside
+
+    def __repr__(self) -> str:
+        return (
+            f"<Surface: friction {self.friction.min():.3g} to {self.friction.max():.3g} N·m·s/rad, "
+            f"{counted(len(self.event), 'event')} of {counted(len(self.kind_names), 'kind')}>"
+        )

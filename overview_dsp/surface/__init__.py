@@ -1,6 +1,0 @@
-"""Timeline + preset -> friction table and event table."""
-
-from overview_dsp.surface.build import build_surface
-from overview_dsp.surface.model import Surface
-
-__all__ = ["Surface", "build_surface"]

@@ -1,5 +1,0 @@
-"""The data model: events, an intensity curve, gaps; windows and what shows up as one zooms."""
-
-from overview_dsp.timeline.model import Event, Intensity, Timeline
-
-__all__ = ["Event", "Intensity", "Timeline"]

@@ -1,7 +1,0 @@
-"""The terminal application of `overview play`."""
-
-from __future__ import annotations
-
-from overview_dsp.tui.app import PlayApp, run
-
-__all__ = ["PlayApp", "run"]

@@ -1,0 +1,133 @@
+"""The feed's lines: what they say, and what is no line."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import overview_dsp as ov
+from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES, Lines, encode_line, take_line
+from tests.data.feeds.feeds import lines_of, tell
+
+HEADER = {"overview_feed": 1, "title": "A - B", "expect_s": 5700}
+
+
+def told(*lines):
+    live = ov.LiveTimeline()
+    for line in lines:
+        take_line(live, encode_line(line))
+    return live
+
+
+def test_each_kind_of_line_does_what_it_says():
+    live = told(
+        HEADER,
+        {"event": {"time_s": 60, "kind": "goal", "label": "1-0", "weight": 2}, "id": 7},
+        {"event": {"time_s": 70, "kind": "foul"}},
+        {"detail": {"time_s": 65, "kind": "touch"}},
+        {"sample": [0, 0.5]},
+        {"sample": [[10, 0.6], [20, 0.7]]},
+        {"gap": [30, 40], "reason": "no camera"},
+        {"retract": {"time_s": 70, "kind": "foul"}},
+        {"clock": 100},
+        {"subtitle": "of a later version"},
+    )
+    shown = live.snapshot()
+    assert shown.title == "A - B"
+    assert shown.events == (ov.Event(60.0, "goal", "1-0", 2.0),)
+    assert [event.kind for event in shown.details] == ["touch"]
+    assert shown.intensity.count == 3
+    assert (30.0, 40.0) in shown.gaps
+    assert (shown.duration_s, shown.until_s) == (5700.0, 100.0)
+    take_line(live, encode_line({"retract": 7}))
+    take_line(live, encode_line({"end": 90, "title": "A 0-0 B"}))
+    assert (live.snapshot().title, live.snapshot().duration_s) == ("A 0-0 B", 100.0)
+    assert live.snapshot().events == ()
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        (b"{", "JSON"),
+        (b"\xff\xfe", "JSON"),
+        (b"[1]", "object"),
+        (b'{"event": {"time_s": 1}}', "kind"),
+        (b'{"event": {"time_s": -1, "kind": "foul"}}', "before the start"),
+        (b'{"event": {"time_s": NaN, "kind": "foul"}}', "finite"),
+        (b'{"event": {"time_s": 1, "kind": "foul", "who": "x"}}', "who"),
+        (b'{"event": {"time_s": 1, "kind": "foul"}, "clock": 3}', "both"),
+        (b'{"clock": "90:00"}', "clock"),
+        (b'{"clock": 1e99}', "0 to"),
+        (b'{"sample": [1, 2, 3]}', "sample"),
+        (b'{"sample": [1, Infinity]}', "finite"),
+        (b'{"gap": [9, 3]}', "before it ends"),
+        (b'{"retract": null}', "object"),
+        (b'{"end": -3}', "above 0"),
+        (b'{"overview_feed": 2}', "version 1"),
+        (b'{"overview_feed": 1, "map": "half"}', "whole, so far"),
+        (b"[" * 100_000, "JSON"),
+    ],
+)
+def test_a_line_that_is_wrong_is_one_clear_line_and_changes_nothing(line, word):
+    live = told({"event": {"time_s": 5, "kind": "foul"}})
+    before = live.snapshot()
+    with pytest.raises(ov.InputError, match=word) as refused:
+        take_line(live, line)
+    assert "\n" not in str(refused.value)
+    assert live.snapshot() is before
+
+
+@given(st.binary(max_size=300) | st.text(max_size=100).map(json.dumps).map(str.encode))
+@settings(max_examples=150)
+def test_nonsense_is_refused_or_passed_over(line):
+    live = told({"event": {"time_s": 5, "kind": "foul"}})
+    before = live.snapshot()
+    for part in line.split(b"\n"):
+        with contextlib.suppress(ov.InputError):
+            assert take_line(live, part) in ("", "later")
+    assert live.snapshot() is before
+
+
+@given(st.data())
+@settings(max_examples=50)
+def test_however_the_bytes_come_the_lines_are_the_same(data):
+    lines = [b"a", b"", b"x" * MAX_LINE_BYTES, b"y" * (MAX_LINE_BYTES + 1), b"z" * 1_000_000, b"b"]
+    lines = data.draw(st.permutations(lines))
+    whole = b"\n".join(lines) + b"\nlast"
+    cuts = sorted(data.draw(st.lists(st.integers(0, len(whole)), max_size=8)))
+    splitter = Lines()
+    found = []
+    for start, end in zip([0, *cuts], [*cuts, len(whole)], strict=True):
+        found += splitter.cut(whole[start:end])
+    found += splitter.last()
+    assert found == [*(line for line in lines if len(line) <= MAX_LINE_BYTES), b"last"]
+    assert splitter.too_long == 2
+
+
+def test_a_line_without_end_is_never_kept_whole():
+    splitter = Lines()
+    for _ in range(200):
+        assert list(splitter.cut(b"x" * 10_000)) == []
+    assert len(splitter._rest) <= MAX_LINE_BYTES
+    assert list(splitter.cut(b"\n{}\n")) == [b"{}"]
+
+
+def test_a_listeners_choice_of_map_and_length_stands(match):
+    live = ov.LiveTimeline(expect_s=7000.0, map="so far")
+    take_line(live, encode_line({**HEADER, "map": "whole"}))
+    assert (live.expect_s, live.map) == (7000.0, "so far")
+
+
+def test_a_feed_says_no_score_before_its_end(match):
+    assert "4-2" in match.title
+    live = ov.LiveTimeline()
+    first, *_ = lines_of(match)
+    take_line(live, encode_line(first))
+    assert "4-2" not in live.snapshot().title
+    assert "France - Croatia" in live.snapshot().title
+    tell(live, match)
+    assert live.snapshot() == match

@@ -1,0 +1,331 @@
+"""Files that grow, streams, addresses: what comes from them is in the timeline, once."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import os
+import random
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.data.feeds import follower as follower_module
+from overview_dsp.data.feeds import net, sources
+from overview_dsp.data.feeds.feed_lines import encode_line, take_line
+from overview_dsp.data.feeds.follower import Follower
+from overview_dsp.live.follow_source import source_named
+from tests.data.feeds.feeds import lines_of
+from tests.data.feeds.servers import FeedServer, wait_until
+
+
+@pytest.fixture(autouse=True)
+def in_a_hurry(monkeypatch):
+    monkeypatch.setattr(net, "ASK_EVERY_S", 0.02)
+    monkeypatch.setattr(follower_module, "AGAIN_S", (0.005, 0.01))
+    monkeypatch.setattr(sources, "LOOK_EVERY_S", 0.005)
+    monkeypatch.setattr(sources, "READ_AGAIN_S", 0.005)
+
+
+@pytest.fixture
+def follow():
+    followers = []
+
+    def following(text, stdin=None, **live):
+        one = Follower(ov.LiveTimeline(**live), source_named(str(text), stdin))
+        followers.append(one)
+        return one.start()
+
+    yield following
+    for one in followers:
+        one.close()
+
+
+@pytest.fixture(scope="module")
+def told(match):
+    return [encode_line(line) for line in lines_of(match)]
+
+
+def test_a_feed_in_a_file_is_read_on_as_it_grows(follow, told, match, tmp_path):
+    path = tmp_path / "match.feed"
+    one = follow(path)
+    whole = "".join(told)
+    cuts = [0, 10, len(whole) // 3, len(whole) // 2, len(whole)]
+    for start, end in itertools.pairwise(cuts):
+        with open(path, "a", encoding="utf-8") as file:
+            file.write(whole[start:end])
+        whole_lines = whole[:end].count('"event"') - ('"event"' in whole[:end].split("\n")[-1])
+        assert wait_until(lambda n=whole_lines: len(one.live.snapshot().events) == n)
+    assert wait_until(lambda: one.live.ended)
+    assert one.live.snapshot() == match
+    assert one.words.startswith("the end, data until 1:38:00")
+
+
+def test_a_feed_that_begins_again_in_its_file_changes_nothing(follow, told, match, tmp_path):
+    path = tmp_path / "match.feed"
+    path.write_text("".join(told))
+    one = follow(path)
+    assert wait_until(lambda: one.live.ended)
+    revision = one.live.revision
+    other = tmp_path / "other"
+    other.write_text("".join(told[: len(told) // 2]))
+    os.replace(other, path)
+    with open(path, "a", encoding="utf-8") as file:
+        file.write('{"event": {"time_s": 5000.5, "kind": "foul", "label": "late"}}\n')
+    assert wait_until(lambda: one.live.snapshot().kinds().get("foul", 0) > match.kinds()["foul"])
+    # the header has the title without the score, and the end has the one with it
+    assert one.live.revision <= revision + 3
+
+
+@pytest.mark.parametrize(
+    ("name", "header", "rows"),
+    [
+        ("e.csv", "time_s,kind,label\n", [f"{60 * n},foul,{n}\n" for n in range(1, 9)]),
+        ("s.csv", "time,load\n", [f"2024-06-03 09:{n:02d},{n % 5}\n" for n in range(12)]),
+        ("s.jsonl", "", [f'{{"time_s": {n}, "value": {n * n}}}\n' for n in range(1, 12)]),
+    ],
+)
+def test_a_table_that_grows_is_what_its_reader_reads_at_every_step(
+    follow, tmp_path, name, header, rows
+):
+    path, whole = tmp_path / name, tmp_path / f"whole-{name}"
+    text = header + "".join(rows[:3])
+    path.write_text(text)
+    one = follow(path, map="so far")
+    for row in (*rows[3:], ""):
+        whole.write_text(text)
+        read = ov.load_timeline(whole)
+        # the text has no name, and so the timeline no title
+        assert wait_until(
+            lambda read=read: (
+                (now := one.live.snapshot()).events == read.events
+                and now.intensity == read.intensity
+                and now.duration_s == read.duration_s
+            )
+        ), (one.take_messages(), one.live.snapshot(), read)
+        with open(path, "a", encoding="utf-8") as file:
+            file.write(row[:4])  # a line that isn't whole yet
+            file.flush()
+            file.write(row[4:])
+        text += row
+    assert one.lost == one.refused == 0
+
+
+def test_standard_input_is_followed_to_its_end(follow, told, match):
+    reading, writing = os.pipe()
+    with os.fdopen(reading, "rb") as stdin, os.fdopen(writing, "wb") as out:
+        one = follow("-", stdin)
+        threading.Thread(target=lambda: (out.write("".join(told).encode()), out.close())).start()
+        assert wait_until(lambda: one.over)
+    assert one.live.snapshot() == match
+
+
+def test_an_address_is_asked_again_and_says_so_when_nothing_is_new(follow, told, match):
+    server = FeedServer().start()
+    server.lines = told
+    one = follow(f"{server.address}/feed")
+    for server.told in (1, 40, len(told) // 2, len(told)):
+        fresh = "".join(told[: server.told]).count('"event"')
+        assert wait_until(lambda n=fresh: len(one.live.snapshot().events) == n)
+        asked = len(server.asked)
+        assert wait_until(lambda n=asked: len(server.asked) > n + 2)
+    assert one.live.snapshot() == match
+    assert server.answers[-1] == 304
+    assert server.answers.count(200) < 12
+    server.kill()
+    assert wait_until(lambda: one.words.startswith(("feed lost", "the end")))
+
+
+def test_a_whole_document_at_an_address_is_read_anew(follow, match):
+    server = FeedServer().start()
+    rows = ["time_s,kind\n", "10,foul\n", "20,goal\n", "50,foul\n"]
+    server.lines, server.told = rows, 3
+    one = follow(f"{server.address}/events.csv", map="so far")
+    assert wait_until(lambda: one.live.snapshot().kinds() == {"foul": 1, "goal": 1})
+    revision = one.live.revision
+    server.told = 4
+    assert wait_until(lambda: one.live.now_s == 50.0)
+    assert [change.event.time_s for change in one.live.changes_since(revision)] == [50.0]
+    server.kill()
+
+
+def test_a_server_that_is_killed_twenty_times_loses_nothing_and_tells_nothing_twice(
+    follow, told, match
+):
+    random.seed(7)
+    server = FeedServer().start()
+    server.lines = told
+    one = follow(f"{server.address}/events")
+    stops = sorted(random.sample(range(1, len(told)), 20))
+    for stop in stops:
+        server.told = stop
+        until = "".join(told[:stop]).count('"event"')
+        if random.random() < 0.5:  # in the middle of what it says, or after
+            assert wait_until(lambda n=until: len(one.live.snapshot().events) >= n)
+        server.kill()
+        assert wait_until(lambda: one.words.startswith("feed lost"))
+        server.start()
+        assert wait_until(lambda: not one.words.startswith("feed lost"))
+    server.told = len(told)
+    assert wait_until(lambda: one.live.ended)
+    assert one.live.snapshot() == match
+    changes = one.live.changes_since(0)
+    assert len(changes) == len(match.events)
+    assert {change.event for change in changes} == set(match.events)
+    assert one.lost == 20
+    said = one.take_messages()
+    assert sum("is tried again" in line for line in said) == 20
+    assert sum("is back" in line for line in said) >= 19
+    server.kill()
+
+
+def test_an_event_that_is_cut_off_after_its_id_is_asked_for_again(follow, told, match):
+    """The server cuts every answer, each at another byte."""
+    lines = told[:40]
+    whole = [f"id: {n + 1}\ndata: {line.rstrip()}\n\n".encode() for n, line in enumerate(lines)]
+
+    class Cutting(BaseHTTPRequestHandler):
+        count = 0
+
+        def log_message(self, *arguments):
+            pass
+
+        def do_GET(self):
+            since = int(self.headers.get("Last-Event-ID", 0))
+            self.send_response(200)
+            self.send_header("Content-Type", "text/event-stream")
+            self.end_headers()
+            rest = b"".join(whole[since:])
+            Cutting.count += 1
+            self.wfile.write(rest[: 60 + 7 * Cutting.count])
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Cutting)
+    threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
+    one = follow(f"http://127.0.0.1:{server.server_port}/")
+    known = ov.LiveTimeline()
+    for line in lines:
+        take_line(known, line)
+    assert wait_until(lambda: one.live.felt() == known.felt())
+    server.shutdown()
+    server.server_close()
+
+
+def test_a_websocket_is_followed_through_messages_of_one_and_of_many_lines(follow, told, match):
+    serve = pytest.importorskip("websockets.sync.server").serve
+
+    def handler(socket):
+        socket.send(told[0])
+        socket.send("".join(told[1:2000]))
+        for line in told[2000:]:
+            socket.send(line.rstrip("\n"))
+
+    with serve(handler, "127.0.0.1", 0) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        port = server.socket.getsockname()[1]
+        one = follow(f"ws://127.0.0.1:{port}/")
+        assert wait_until(lambda: one.live.ended)
+        assert one.live.snapshot() == match
+        server.shutdown()
+
+
+def test_what_is_broken_is_one_line_each_and_the_rest_is_followed(follow, told, match):
+    lines = [*told]
+    rng = random.Random(1)
+    for junk in ("{", "x" * 1_000_000, '{"event": 3}', '{"clock": NaN}', "\x00\x01", '{"new": 1}'):
+        for _ in range(3):
+            lines.insert(rng.randrange(len(lines)), junk + "\n")
+    one = follow("-", io.BytesIO("".join(lines).encode()))
+    assert wait_until(lambda: one.over)
+    assert one.live.snapshot() == match
+    said = one.take_messages()
+    assert 5 <= len(said) <= 8
+    assert all(len(line) < 300 and "\n" not in line for line in said)
+    assert any("longer than 64 KB" in line for line in said)
+
+
+def test_ten_thousand_events_a_second_are_taken_and_kept_within_bounds(follow):
+    one = follow("-", io.BytesIO(b"".join(
+        b'{"event": {"time_s": %d, "kind": "foul", "label": "%d"}}\n' % (n // 10, n)
+        for n in range(50_000)
+    )))  # fmt: skip
+    assert wait_until(lambda: one.over)
+    assert len(one.live.snapshot().events) <= 20_000
+    assert one.live.now_s >= 4_998.0
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [("", "names a file"), ("pcm:abc", "pcm:RATE"), ("pcm:48000:2:3", "pcm:RATE")],
+)
+def test_a_source_that_cannot_be_is_one_line(text, word):
+    with pytest.raises(ov.InputError, match=word):
+        source_named(text, io.BytesIO())
+
+
+def test_a_source_that_cannot_be_read_says_so_and_ends(follow, tmp_path):
+    bad = tmp_path / "x.csv"
+    bad.write_text("this is no table\nof anything\n")
+    one = follow(bad)
+    assert wait_until(lambda: one.over)
+    (line,) = one.take_messages()
+    assert "nothing more is followed" in line
+    busy = FeedServer().start()
+    two = follow(f"{busy.address}/busy")
+    assert wait_until(lambda: two.lost == 1)
+    assert "503" in two.take_messages()[0]
+    busy.kill()
+
+
+def test_silence_is_said_once_and_how_far_the_data_reach(follow, monkeypatch, tmp_path):
+    monkeypatch.setattr(follower_module, "SILENT_S", 0.2)
+    path = tmp_path / "m.feed"
+    path.write_text('{"event": {"time_s": 3780, "kind": "foul"}}\n')
+    one = follow(path)
+    said = []
+    assert wait_until(lambda: bool(said.extend(one.take_messages()) or said))
+    for _ in range(5):
+        said += one.take_messages()
+    assert said == [f"{path}: silent; data until 1:03:00.0"]
+    with open(path, "a") as file:
+        file.write('{"end": 5700}\n')
+    assert wait_until(lambda: one.live.ended)
+    assert one.words == "the end, data until 1:03:00.0"
+
+
+@pytest.fixture(scope="module")
+def crowd_file(tmp_path_factory):
+    """A minute and a half of murmur with two cheers and a whistle."""
+    import soundfile
+
+    rng = np.random.default_rng(3)
+    rate = 8000
+    level = np.full(90 * rate, 0.01)
+    for start, end, gain in ((20, 26, 0.2), (41, 41.5, 0.3), (70, 78, 0.25)):
+        level[round(start * rate) : round(end * rate)] = gain
+    sound = (level * rng.standard_normal(len(level))).clip(-1.0, 1.0)
+    path = tmp_path_factory.mktemp("crowd") / "crowd.wav"
+    soundfile.write(path, sound, rate, subtype="PCM_16")
+    return path
+
+
+def test_a_crowd_that_is_heard_cheers_as_the_one_that_is_read(follow, crowd_file):
+    import soundfile
+
+    read = ov.load_timeline(crowd_file)
+    sound, rate = soundfile.read(crowd_file, dtype="int16")
+    reading, writing = os.pipe()
+    with os.fdopen(reading, "rb") as stdin, os.fdopen(writing, "wb") as out:
+        one = follow(f"pcm:{rate}", stdin, map="so far")
+        data = sound.tobytes()
+        for start in range(0, len(data), 9_999):  # any lengths, halves of samples too
+            out.write(data[start : start + 9_999])
+        out.close()
+        assert wait_until(lambda: one.over)
+    heard = one.live.snapshot()
+    assert heard.kinds() == read.kinds()
+    assert heard.events == read.events
+    assert heard.intensity == read.intensity
+    assert len(read.events) >= 3

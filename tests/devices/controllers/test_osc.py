@@ -1,0 +1,188 @@
+"""OSC, byte by byte; the bytes are made here, by the specification (OSC 1.0)."""
+
+from __future__ import annotations
+
+import math
+import struct
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from overview_dsp.data.timeline.event import Event
+from overview_dsp.devices.controllers.control_messages import Asked, LetGo, Touched, Turned
+from overview_dsp.devices.controllers.osc_messages import OscReader
+from overview_dsp.devices.controllers.osc_packets import encode_message, require_osc
+from overview_dsp.devices.controllers.osc_report import OscReport
+from tests.devices.controllers.osc_bytes import bundle, message
+
+
+def read(reader, *datagrams):
+    return [move for one in datagrams for move in reader.read(one, 0.0)]
+
+
+def test_a_message_is_the_specifications_bytes():
+    assert message("/oscillator/4/frequency", 440.0) == bytes.fromhex(
+        "2f6f7363696c6c61746f722f342f6672657175656e6379002c66000043dc0000"
+    )
+    assert encode_message("/oscillator/4/frequency", [440.0]) == message(
+        "/oscillator/4/frequency", 440.0
+    )
+
+
+def test_an_angle_alone_is_turned():
+    reader = OscReader()
+    moves = read(reader, message("/overview/theta2", 1.5), message("/overview/theta2", 2))
+    assert moves == [Turned("theta2", 1.5), Turned("theta2", 2.0)]
+    assert reader.counters.messages == 2
+
+
+def test_once_a_touch_was_said_it_decides_alone():
+    reader = OscReader()
+    moves = read(
+        reader,
+        message("/overview/touch", 0),
+        message("/overview/theta2", 1.5),
+        message("/overview/touch", True),
+        message("/overview/theta2", 2.0),
+        message("/overview/touch", 1.0),
+        message("/overview/touch", False),
+        message("/overview/touch", 0),
+        message("/overview/theta2", 2.5),
+    )
+    assert moves == [
+        LetGo("theta2"), Touched("theta2", 1.5), Touched("theta2", 2.0), LetGo("theta2")
+    ]  # fmt: skip
+
+
+def test_an_angle_and_a_touch_in_one_are_a_step_there():
+    reader = OscReader()
+    moves = read(
+        reader,
+        message("/overview/theta2", 0.5),
+        message("/overview/theta2", 2.0, 1),
+        message("/overview/theta2", 2.5, 1),
+        message("/overview/theta2", 2.6, 0),
+        message("/overview/theta2", 1.0, 1),
+    )
+    assert moves[1:] == [
+        Touched("theta2", 2.0), Touched("theta2", 2.5), LetGo("theta2"), Touched("theta2", 1.0)
+    ]  # fmt: skip
+
+
+def test_a_bundle_is_its_messages_whenever_they_are_due():
+    reader = OscReader()
+    inner = bundle(message("/overview/theta2", 1.0), seconds=0xFFFFFFFF)
+    moves = read(reader, bundle(inner, message("/overview/tactor/gain_db", -6.0)))
+    assert set(moves) == {Asked("tactor.gain_db", -6.0), Turned("theta2", 1.0)}
+    assert reader.counters.messages == 2
+
+
+def test_a_parameter_is_asked_for_by_its_id_with_dots_or_strokes():
+    reader = OscReader()
+    assert read(
+        reader,
+        message("/overview/tactor.gain_db", -6),
+        message("/overview/kinds/goal/height", 20.0),
+        message("/overview/disk/release", "return"),
+    ) == [
+        Asked("tactor.gain_db", -6),
+        Asked("kinds.goal.height", 20.0),
+        Asked("disk.release", "return"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("datagram", "word"),
+    [
+        (message("/overview/theta2", math.nan), "nan"),
+        (message("/overview/theta2", math.inf), "inf"),
+        (message("/overview/theta2", "up"), "number"),
+        (message("/overview/theta2", True), "number"),
+        (message("/overview/theta2"), "angle"),
+        (message("/overview/theta2", 1.0, 2), "0 or 1"),
+        (message("/overview/touch", 0.5), "0 or 1"),
+        (message("/overview/touch"), "one value"),
+        (message("/overview/tactor/gain_db", 1.0, 2.0), "one value"),
+        (b"", "no OSC"),
+        (b"GET / HTTP/1.1", "no OSC"),
+        (b"/overview/theta2\0\0\0\0,f\0\0\x3f", "no OSC"),
+    ],
+)
+def test_what_can_not_be_is_counted_and_the_first_one_said(datagram, word):
+    reader = OscReader()
+    assert read(reader, datagram, datagram) == []
+    assert reader.counters.refused == 2
+    (line,) = reader.take_messages()
+    assert word in line
+    assert "\n" not in line
+    assert reader.take_messages() == []
+
+
+def test_beyond_an_end_is_the_end_and_that_is_said_once():
+    reader = OscReader()
+    assert read(reader, message("/overview/theta2", math.pi)) == [Turned("theta2", math.pi)]
+    assert (reader.counters.clamped, reader.take_messages()) == (0, [])
+    assert read(reader, message("/overview/theta2", 4.0), message("/overview/theta2", -1.0)) == [
+        Turned("theta2", math.pi), Turned("theta2", 0.0)
+    ]  # fmt: skip
+    assert reader.counters.clamped == 2
+    assert len(reader.take_messages()) == 1
+
+
+def test_other_programs_addresses_are_left_alone():
+    reader = OscReader()
+    assert read(reader, message("/1/fader1", 0.5)) == []
+    assert reader.counters.unknown == 1
+    assert reader.take_messages() == []
+
+
+@given(st.binary(max_size=200))
+def test_no_bytes_break_the_reader(data):
+    read(OscReader(), data)
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 400), st.integers(0, 255)), min_size=1, max_size=5),
+    st.integers(0, 80),
+)
+def test_no_damage_breaks_the_reader(changes, cut):
+    whole = bundle(bundle(message("/overview/theta2", 1.0, 1)), message("/overview/a/b", "text", 3))
+    data = bytearray(whole[: max(1, len(whole) - cut)])
+    for at, byte in changes:
+        data[at % len(data)] = byte
+    for move in read(OscReader(), bytes(data)):
+        if isinstance(move, Turned | Touched):
+            assert 0.0 <= move.theta2 <= math.pi
+
+
+def test_bundles_in_bundles_without_end_break_nothing():
+    data = message("/overview/theta2", 1.0)
+    for _ in range(2000):
+        data = b"#bundle\0" + bytes(8) + struct.pack(">i", len(data)) + data
+    reader = OscReader()
+    read(reader, data)
+    assert reader.counters.refused == 1
+
+
+def test_a_type_nobody_knows_writes_nothing_to_the_terminal(capfd):
+    require_osc()
+    read(OscReader(), b"/overview/theta2\0\0\0\0,?f\0" + struct.pack(">f", 1.0))
+    assert capfd.readouterr().err == ""
+
+
+def test_the_report_says_what_is_new_and_now_and_then_that_it_is_there():
+    report = OscReport()
+    first = report.due(0.0, 0.25, 0.001, True, [])
+    assert first == [
+        message("/overview/cursor", 0.25),
+        message("/overview/torque", 0.001),
+        message("/overview/touching", 1),
+    ]
+    assert report.due(0.1, 0.25, 0.001, True, []) == []
+    assert report.due(0.2, 0.5, 0.001, True, [])[0] == message("/overview/cursor", 0.5)
+    assert len(report.due(0.8, 0.5, 0.001, True, [])) == 3
+    goal = Event(5340.0, "goal", "1-0 Müller")
+    assert report.due(0.81, 0.5, 0.001, True, [(goal, 0.5)]) == [
+        message("/overview/event", "goal", "1-0 Müller", 5340.0, 0.5)
+    ]

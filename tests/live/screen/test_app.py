@@ -1,0 +1,464 @@
+"""The terminal application, driven without a terminal over a real engine that nobody hears."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from textual.widgets import Static
+
+import overview_dsp as ov
+from overview_dsp.live.hand import Input
+from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.player import Player
+from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.screen import PlayApp, lines
+from overview_dsp.live.screen import app as app_module
+from overview_dsp.live.screen.meters_view import MetersView
+from overview_dsp.live.screen.terminal import TerminalWriter
+from overview_dsp.live.screen.timeline_view import TimelineView
+from overview_dsp.live.screen.trace_view import TraceView
+from overview_dsp.live.silent import SilentStream
+
+
+@pytest.fixture
+def player(match):
+    player = Player(
+        match,
+        PresetWatch("football"),
+        lambda engine, settings: SilentStream(engine, 256, settings),
+        OutputSettings(),
+        callback="python",
+    )
+    yield player
+    player.close()
+
+
+def run(coroutine):
+    """What a coroutine returns, in a thread: a browser's driver may keep this one's event loop."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, coroutine).result()
+
+
+def drive(player, script, size=(100, 30), **given):
+    """Run `script(app, pilot)` in the application; what it returns."""
+
+    async def inside():
+        app = PlayApp(player, **given)
+        async with app.run_test(size=size) as pilot:
+            await pilot.pause(0.2)
+            result = await script(app, pilot)
+        assert app.failure is None
+        return result
+
+    return run(inside())
+
+
+async def until(pilot, condition, seconds=15.0):
+    for _ in range(round(seconds / 0.05)):
+        await pilot.pause(0.05)
+        if condition():
+            return True
+    return False
+
+
+def applied(player):
+    """What the hand did so far: (touching, place) of each event the kernel applied."""
+    events, _ = player.engine.take_applied(0)
+    return [(bool(event["touching"]), event["theta2"] / np.pi) for event in events]
+
+
+def cursor(player):
+    return player.engine.meters.cursor
+
+
+def test_a_drag_pulls_the_disk_and_letting_go_recoils_it(player):
+    async def script(app, pilot):
+        await pilot.mouse_down(TimelineView, offset=(10, 5))
+        for x in range(10, 80, 5):
+            await pilot.hover(TimelineView, offset=(x, 5))
+        place = 75 / 99
+        assert await until(pilot, lambda: abs(cursor(player) - place) < 0.01)
+        assert player.engine.meters.touching
+        await pilot.pause(0.3)
+        await pilot.mouse_up(TimelineView, offset=(75, 5))
+        assert await until(pilot, lambda: cursor(player) < 0.3)
+        assert not player.engine.meters.touching
+
+    drive(player, script)
+
+
+def test_a_click_is_a_tap_that_goes_all_the_way(player):
+    async def script(app, pilot):
+        await pilot.click(TimelineView, offset=(50, 5))
+        assert await until(pilot, lambda: applied(player)[-1:] == [(False, pytest.approx(50 / 99))])
+        down, up = player.engine.take_applied(0)[0]
+        assert (bool(down["touching"]), bool(up["touching"])) == (True, False)
+        # however short it was, the disk goes all the way
+        assert await until(pilot, lambda: abs(cursor(player) - 50 / 99) < 0.01)
+        assert not player.engine.meters.touching
+        assert await until(pilot, lambda: cursor(player) < 0.2)
+
+    drive(player, script)
+
+
+def test_the_keys_move_tap_and_let_go(player):
+    async def script(app, pilot):
+        await pilot.press("end")
+        assert await until(pilot, lambda: cursor(player) > 0.99)
+        await pilot.press("shift+left", "left")
+        assert await until(pilot, lambda: abs(cursor(player) - 0.89) < 0.005)
+        await pilot.press("space")
+        assert await until(pilot, lambda: not player.engine.meters.touching)
+        before = len(applied(player))
+        await pilot.press("enter")
+        assert await until(pilot, lambda: (True, pytest.approx(0.89)) in applied(player)[before:])
+        await pilot.press("escape", "home")
+        assert await until(pilot, lambda: cursor(player) < 0.01)
+
+    drive(player, script)
+
+
+def test_keys_that_come_faster_than_the_screen_all_count(player):
+    async def script(app, pilot):
+        app.action_to(0.5)
+        for _ in range(10):
+            app.action_move(1)
+        assert await until(pilot, lambda: abs(cursor(player) - 0.6) < 0.002)
+
+    drive(player, script)
+
+
+def test_brackets_go_from_event_to_event(player):
+    async def script(app, pilot):
+        await pilot.press("right_square_bracket")
+        first = player.surface.position[0]
+        assert await until(pilot, lambda: abs(cursor(player) - first) < 0.002)
+        await pilot.press("right_square_bracket", "right_square_bracket")
+        await pilot.press("left_square_bracket")
+        second = player.surface.position[1]
+        assert await until(pilot, lambda: abs(cursor(player) - second) < 0.002)
+
+    drive(player, script)
+
+
+def test_zooming_keeps_the_moment_under_the_disk(player):
+    async def script(app, pilot):
+        player.touch(0.4)
+        assert await until(pilot, lambda: abs(cursor(player) - 0.4) < 0.0002)
+        moment = player.moment_s(cursor(player))
+        for _ in range(4):
+            await pilot.press("plus")
+            await pilot.pause(0.1)
+        start, end = player.window
+        assert end - start == pytest.approx(player.timeline.duration_s / 1.5**4)
+        # as near as the windows' own maps let it
+        assert abs(player.moment_s(cursor(player)) - moment) < 0.1 * (end - start)
+        assert len(player.surface.position) == len(player.shown.events)
+        goals = [event.label for event in player.shown.events if "goal" in event.kind]
+        assert 0 < len(goals) < 6
+        await pilot.press("0")
+        assert await until(pilot, lambda: player.window == (0.0, player.timeline.duration_s))
+
+    drive(player, script)
+
+
+def test_mutes_silence_what_they_name(player):
+    async def script(app, pilot):
+        await pilot.press("m", "t")
+        await pilot.pause(0.2)
+        assert (player.settings.click.mute, player.settings.tactor.mute) == (True, True)
+        player.poll()
+        player.touch(0.9)
+        await until(pilot, lambda: cursor(player) > 0.8)
+        assert app._status.peak_tactor == 0.0
+        assert app._status.peak_click == 0.0
+        assert "muted" in str(app.query_one("MetersView").render())
+        await pilot.press("t")
+
+        def felt():
+            player.touch(0.1 if player.finger > 0.5 else 0.9)
+            return app._status.peak_tactor > 0.1
+
+        assert await until(pilot, felt)
+
+    drive(player, script)
+
+
+@pytest.mark.parametrize("size", [(20, 8), (80, 24), (200, 50)])
+def test_it_fits_any_terminal_and_shows_the_finger_and_the_disk(player, size):
+    async def script(app, pilot):
+        player.touch(1.0)
+        await until(pilot, lambda: cursor(player) > 0.99)
+        await pilot.resize_terminal(*size)
+        await pilot.pause(0.2)
+        view = app.query_one(TimelineView)
+        lines = ["".join(s.text for s in view.render_line(y)) for y in range(view.size.height)]
+        assert all(len(line) == size[0] for line in lines)
+        assert "◉" in lines[-2]
+        player.release()
+        await until(pilot, lambda: not player.engine.meters.touching)
+
+    drive(player, script)
+
+
+def test_help_explains_the_keys_and_any_key_closes_it(player):
+    async def script(app, pilot):
+        await pilot.press("question_mark")
+        await pilot.pause(0.1)
+        assert "recoils" in str(app.screen.query_one("Static").render())
+        await pilot.press("x")
+        await pilot.pause(0.1)
+        assert app.screen is app.screen_stack[0]
+
+    drive(player, script)
+
+
+def test_the_output_line_names_the_actuator_and_what_is_taken_back(match):
+    player = Player(
+        match,
+        PresetWatch("football"),
+        lambda engine, settings: SilentStream(engine, 256, settings),
+        OutputSettings(actuator=ov.load_actuator("c2")),
+        callback="python",
+    )
+
+    async def script(app, pilot):
+        meters = app.query_one(MetersView)
+        assert await until(pilot, lambda: "latency" in meters._shown)
+        return meters._shown
+
+    try:
+        assert ", c2 -0.0 dB\n" in drive(player, script)
+    finally:
+        player.close()
+
+
+def test_the_address_for_a_phone_is_shown_and_its_picture_on_a_key(player):
+    async def script(app, pilot):
+        shown = app.query_one("#invitation", Static)
+        assert "open https://10.0.0.2:8765/#token=x" in str(shown.render())
+        await pilot.press("r")
+        assert "a QR code" in str(app.screen.query_one(Static).render())
+        await pilot.press("x")
+        assert len(app.screen_stack) == 1
+
+    drive(player, script, invitation="open https://10.0.0.2:8765/#token=x\na QR code")
+
+
+def test_without_a_server_there_is_no_address(player):
+    async def script(app, pilot):
+        assert not app.query("#invitation")
+        await pilot.press("r")
+        assert len(app.screen_stack) == 1
+
+    drive(player, script)
+
+
+class CountingHand(Input):
+    """A sensor that has counted something and has something to say."""
+
+    words = "serial:made: binary frames, 90°; 7 readings, 2 damaged"
+
+    def __init__(self):
+        self._messages = ["hold it still"]
+
+    def poll(self, engine):
+        pass
+
+    def is_over(self, engine):
+        return False
+
+    def take_messages(self):
+        said, self._messages = tuple(self._messages), []
+        return said
+
+
+def test_an_inputs_counters_and_messages_are_on_the_screen(player):
+    async def inside():
+        app = PlayApp(player, CountingHand())
+        async with app.run_test(size=(100, 30)) as pilot:
+            shown = app.query_one(MetersView)
+            assert await until(pilot, lambda: "2 damaged" in shown._shown)
+            assert "hold it still" in str(app.query_one("#messages").render())
+            assert await until(pilot, lambda: shown.size.height == 6)
+
+    run(inside())
+
+
+def test_a_message_goes_when_it_was_read(player, monkeypatch):
+    monkeypatch.setattr(app_module, "SHOWN_S", 0.5)
+
+    async def inside():
+        app = PlayApp(player, CountingHand())
+        async with app.run_test(size=(100, 30)) as pilot:
+            words = app.query_one("#messages")
+            assert await until(pilot, lambda: "hold it still" in str(words.render()))
+            assert await until(pilot, lambda: "hold it still" not in str(words.render()))
+
+    run(inside())
+
+
+def test_the_load_of_the_callbacks_is_on_the_screen(player):
+    async def script(app, pilot):
+        shown = app.query_one(MetersView)
+
+        def same():  # drawn a moment after it is asked for
+            status = app._status
+            return status and f"max {1e6 * status.longest_s:.0f} µs" in shown._shown
+
+        assert await until(pilot, same)
+        assert "DSP load" in shown._shown
+        assert 0.0 < app._status.load < 5.0
+
+    drive(player, script)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (200, 60)])
+def test_what_is_felt_goes_by_beside_the_timeline_and_the_marks_are_explained(player, size):
+    async def script(app, pilot):
+        trace = app.query_one(TraceView)
+
+        def rows():
+            return ["".join(s.text for s in trace.render_line(y)) for y in range(3)]
+
+        def felt():
+            player.touch(0.1 if player.finger > 0.5 else 0.9)
+            return all(row[8:].strip() for row in rows())
+
+        assert await until(pilot, felt)
+        assert all(len(row) == size[0] for row in rows())
+        assert rows()[0].startswith("torque")
+        legend = str(app.query_one("#legend").render())
+        assert "goal" in legend
+        assert app.query_one(TimelineView).size.height >= 8
+        assert app.query_one("Footer").region.bottom == size[1]
+        await pilot.press("question_mark")
+        await pilot.pause(0.1)
+        assert "goal" in str(app.screen.query_one("Static").render())
+
+    drive(player, script, size=size)
+
+
+def test_the_keys_of_takes_replays_and_presets(player, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    async def script(app, pilot):
+        await pilot.press("R")
+        assert await until(pilot, lambda: player.recording)
+        await pilot.press("end")
+        assert await until(pilot, lambda: cursor(player) > 0.9)
+        await pilot.press("R")
+        assert await until(pilot, lambda: not player.recording)
+        await pilot.press("p")
+        assert await until(pilot, lambda: player.replaying)
+        await pilot.press("1")
+        assert await until(pilot, lambda: "from the loop's start" in str(app._words.render()))
+        await pilot.press("p")
+        assert await until(pilot, lambda: not player.replaying)
+        assert len(list(tmp_path.glob("take-*.csv"))) == 1
+
+    drive(player, script)
+
+
+def test_a_command_may_be_typed_and_chosen(player):
+    async def script(app, pilot):
+        await pilot.press("c")
+        await pilot.pause(0.5)
+        await pilot.press(*"gain", "space", *"tactor", "space", "minus", "7")
+        await pilot.pause(0.5)
+        await pilot.press("down", "enter")
+        assert await until(pilot, lambda: player.settings.tactor.gain_db == -7.0)
+
+    drive(player, script)
+
+
+def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, monkeypatch):
+    goal = next(
+        place
+        for place, event in zip(player.surface.position, player.surface.event, strict=True)
+        if player.shown.events[event].kind == "goal"
+    )
+    keys = ["?", "m"]
+    said = []
+
+    def read():
+        if keys:
+            return keys.pop(0)
+        player.touch(float(goal))
+        time.sleep(0.02)
+        return "q" if any("goal" in line for line in said[2:]) else ""
+
+    @contextlib.contextmanager
+    def reading():
+        yield read
+
+    monkeypatch.setattr(lines, "_raw_keys", reading)
+    began = time.monotonic()
+    lines.run(player, None, lambda: time.monotonic() - began > 20.0, said.append)
+    assert said[0].startswith(player.timeline.title)
+    assert "drag" in said[1]
+    assert "clicks muted" in said
+    assert any("goal" in line for line in said[2:])
+    assert player.settings.click.mute
+
+
+@pytest.mark.parametrize(
+    ("text", "keys"),
+    [
+        ("\x1b[C\x1b[1;2D", ["right", "shift+left"]),
+        ("\x1b", ["escape"]),
+        ("R \r]", ["R", "space", "enter", "]"]),
+        ("\x1b[H\x1b[4~", ["home", "end"]),
+        ("\x03", ["q"]),
+    ],
+)
+def test_keys_are_told_from_what_a_terminal_sends(text, keys):
+    assert list(lines.keys_of(text)) == keys
+
+
+class Pipe:
+    """A terminal that reads nothing until it is let."""
+
+    def __init__(self):
+        self.reader, self.writer = os.pipe()
+
+    def fileno(self):
+        return self.writer
+
+
+def test_a_terminal_that_reads_nothing_holds_nobody_up_and_is_drawn_anew_later():
+    file = Pipe()
+    writer = TerminalWriter(file)
+    writer.start()
+    for _ in range(200):
+        writer.write("x" * 4096)  # a pipe holds 64 kB
+    writer.write("\x1b[?25h")
+    writer.stop()
+    assert writer.is_alive()
+    assert not writer.take_left_out()
+    read = b""
+    while not read.endswith(b"\x1b[?25h"):
+        read += os.read(file.reader, 65_536)
+    writer.join(10.0)
+    assert len(read) < 200 * 4096
+    assert writer.take_left_out()
+    os.close(file.reader)
+    os.close(file.writer)
+
+
+def test_a_terminal_that_has_gone_is_noticed():
+    file = Pipe()
+    os.close(file.reader)
+    writer = TerminalWriter(file)
+    writer.start()
+    writer.write("x")
+    writer.join(5.0)
+    assert writer.gone
+    writer.stop()
+    os.close(file.writer)

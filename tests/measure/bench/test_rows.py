@@ -1,0 +1,165 @@
+"""The other ways to do the same work do it: their results, and how they are timed and shown."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+
+from overview_dsp.design.presets.library import load_preset
+from overview_dsp.kernels import layout
+from overview_dsp.measure.bench import c_rows, overview_rows, programs, solvers
+from overview_dsp.measure.bench.building import MissingError, built, source
+from overview_dsp.measure.bench.picture import draw
+from overview_dsp.measure.bench.plain_settings import plain_scene, plain_settings
+from overview_dsp.measure.bench.report import Report, lines
+from overview_dsp.measure.bench.scaling import Cost, Memory
+from overview_dsp.measure.bench.table_sizes import TableOf
+from overview_dsp.measure.bench.timing import Contender, interleaved
+from overview_dsp.measure.bench.work import RATE, Disk, fed, prepared, the_sweep
+from tests.cli.running import overview, refused
+from tests.examples import preset_with
+
+NEAR = 1e-9
+"""Of the highest torque."""
+
+NEAR_GOALS = 1e-6
+"""The same: at the edge of a goal as narrow as football's two ways to round part a little."""
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return prepared()
+
+
+@pytest.fixture(scope="module")
+def disk(engine):
+    return Disk.of(engine)
+
+
+@pytest.fixture(scope="module")
+def torque(engine, disk):
+    return overview_rows.disk_alone(engine, disk)
+
+
+@pytest.fixture(scope="module")
+def wide():
+    """An engine on wide ridges, its disk and the disk's torque."""
+    engine = prepared(preset=preset_with(height=20.0, width=1.0))
+    disk = Disk.of(engine)
+    return engine, disk, overview_rows.disk_alone(engine, disk)
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    try:
+        return built(source("plain_voice.c"), c_rows.PLAIN, tmp_path_factory.mktemp("c"))
+    except MissingError as missing:
+        pytest.skip(f"needs a C compiler and a clone: {missing}")
+
+
+@pytest.fixture(scope="module")
+def plain(engine, disk, library):
+    return c_rows.PlainC(library, disk, plain_settings(engine))
+
+
+def test_the_disk_alone_is_the_disk_of_a_python_loop(disk, torque):
+    expected = solvers.plain_loop(disk, 5_000)
+    assert np.allclose(torque[:5_000], expected, rtol=1e-9, atol=1e-12)
+    assert np.abs(torque).max() > 0.01
+
+
+def test_the_disk_on_a_coarser_table_makes_the_same_movement(engine, disk, torque, wide):
+    assert np.array_equal(TableOf(layout.CELLS, engine, disk).torque(), torque)
+    # a goal of 11 cells is lost on a coarser table, what is wider is not
+    engine, disk, torque = wide
+    coarser = TableOf(16_384, engine, disk).torque()
+    assert (coarser - torque).std() < 1e-3 * torque.std()
+
+
+def test_the_textbook_disk_in_c_is_ours(plain, torque, wide, library):
+    assert np.abs(plain.torque() - torque).max() < NEAR_GOALS * np.abs(torque).max()
+    engine, disk, torque = wide
+    found = c_rows.PlainC(library, disk, plain_settings(engine)).torque()
+    assert np.abs(found - torque).max() < NEAR * np.abs(torque).max()
+
+
+def test_the_textbook_voice_in_c_sounds_like_ours(plain):
+    frames = 4 * RATE
+    ours_, theirs = np.zeros((2, frames, 2), dtype=np.float32)
+    # it has neither a clutch nor gains for slow hands and the recoil
+    without = ("clutch.max_speed_ratio", "tactor.slow_gain_exponent", "tactor.recoil_gain_exponent")
+    engine = prepared(preset=load_preset("football").with_changes(dict.fromkeys(without, 0.0)))
+    fed(engine, the_sweep()).process(ours_)
+    plain.voice(plain_scene(engine), *c_rows.held_hand(frames), theirs)
+    level = 20.0 * np.log10(theirs.std(axis=0) / ours_.std(axis=0))
+    assert np.abs(level).max() < 0.5
+    assert np.corrcoef(ours_[:, 1], theirs[:, 1])[0, 1] > 0.99
+
+
+@pytest.mark.parametrize("build", programs.BUILDS)
+def test_the_disk_in_faust_is_ours(wide, build):
+    if not shutil.which("faust"):
+        pytest.skip("needs Faust: apt-get install faust")
+    engine, disk, torque = wide
+    found = np.empty(len(torque))
+    programs.FaustPeer("disk_alone", programs.BUILDS[build], engine).run([disk.hand], [found])
+    assert np.abs(found - torque).max() < NEAR * np.abs(torque).max()
+
+
+def test_a_solver_comes_closer_the_tighter_it_is_held(disk):
+    reference = solvers.solved(disk, "DOP853", 1e-10)
+    loose, tight = (
+        solvers.error(solvers.solved(disk, "RK45", tolerance), reference)
+        for tolerance in (1e-4, 1e-8)
+    )
+    assert tight < 0.01 * loose
+    tolerance, error = solvers.loosest(disk, "RK45", reference, loose)
+    assert tolerance >= 1e-4
+    assert error <= loose
+
+
+def test_ratios_are_taken_round_by_round():
+    speeds = iter([0.0, 0.0, 100.0, 50.0, 10.0, 5.0, 20.0, 10.0])
+    contenders = [
+        Contender("a group", "ours", lambda: next(speeds)),
+        Contender("a group", "theirs", lambda: next(speeds)),
+    ]
+    first, second = interleaved(contenders, 3)
+    assert (first.speed, first.low, first.high) == (20.0, 10.0, 100.0)
+    assert (second.ratio, second.ratio_low, second.ratio_high) == (0.5, 0.5, 0.5)
+
+
+@pytest.fixture
+def report():
+    contenders = [Contender("a group", name, lambda: 2.0) for name in ("overView", "theirs")]
+    costs = [Cost("events", "100000 events", 1.5, 1.4, 1.6, 16_384)]
+    rows = interleaved(contenders, 2)
+    return Report(2, rows, costs, Memory(300.0, 60.0, 301.0), ["Faust is not installed"], 3.0)
+
+
+def test_the_table_says_what_was_merged_and_what_was_left_out(report):
+    text = "\n".join(lines(report))
+    assert "merged to 16384 strikes" in text
+    assert "left out: Faust is not installed" in text
+    assert "301 MB after a stream of 60 s" in text
+    json.dumps(asdict(report), allow_nan=False)
+
+
+def test_the_speeds_are_drawn(report, tmp_path):
+    draw(report, tmp_path / "speeds.png")
+    assert (tmp_path / "speeds.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_source_that_is_not_here_says_where_it_would_be():
+    with pytest.raises(MissingError, match="clone"):
+        source("no_such.c")
+
+
+def test_what_belongs_to_speeds_or_to_live_is_refused_elsewhere(tmp_path):
+    refused(overview("bench", "--device", "system"), "--live")
+    refused(overview("bench", "--live", "--plot", "x.png"), "--live")
+    refused(overview("bench", "--plot", str(tmp_path / "none" / "x.png")), "folder")

@@ -1,0 +1,339 @@
+"""The voice in C gives the kernels' bits, whoever compiles it, for whatever machine."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import subprocess
+import sys
+from importlib import metadata, resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+import overview_dsp as ov
+from overview_dsp.design.gestures import SOURCES
+from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.errors import OverviewError
+from overview_dsp.kernels import layout
+from tests.cli.running import MATCH, overview
+from tests.web.surfaces import preset_of
+
+ROOT = Path(__file__).resolve().parents[3]
+RUNNER = Path(__file__).with_name("c_runner.c")
+RATE = 48_000
+GESTURE = ov.sweep(0.7) + ov.pause(0.1) + ov.tap(0.95, 0.2) + ov.pause(0.2)
+PRESETS = {
+    "viscous": lambda: ov.load_preset("football"),
+    "bristles": lambda: preset_of("door"),
+    "wells": lambda: preset_of("dial"),
+}
+EVENT = np.dtype([(name, np.int64) for name in ("kind", "which", "sample", "touching")])
+EVENT = np.dtype([*EVENT.descr, ("value", np.float64), ("at", np.int64)])
+CHANGES = {9_000: ("tactor.gain_db", -7.5), 20_000: ("disk.k2", 6e-3), 30_000: ("click.mute", 1.0)}
+
+ZIG = (sys.executable, "-m", "ziglang")
+COMPILERS = {
+    "gcc-fma": ("gcc", "-std=gnu99", "-O3", "-march=x86-64-v3"),
+    "g++": ("g++", "-x", "c++", "-O2"),
+    "clang-fma": (*ZIG, "cc", "-O3", "-march=x86_64_v3"),
+    "tcc": ("tcc",),
+}
+FOREIGN = {
+    "aarch64": ("qemu-aarch64", "aarch64-linux-musl"),
+    "arm": ("qemu-arm", "arm-linux-musleabihf"),
+    "riscv64": ("qemu-riscv64", "riscv64-linux-musl"),
+}
+
+
+def available(command):
+    if command[:3] == ZIG:
+        return importlib.util.find_spec("ziglang") is not None
+    return shutil.which(command[0]) is not None
+
+
+def built(folder, compiler, target):
+    if not available(compiler):
+        pytest.skip(f"needs {' '.join(compiler[:3])}")
+    command = [*compiler, f"-I{folder}", str(RUNNER), str(folder / "kernel.c"), "-o", str(target)]
+    subprocess.run([*command, "-lm"], check=True, cwd=folder, timeout=1200)
+    return target
+
+
+@pytest.fixture(scope="module")
+def folders(match, tmp_path_factory):
+    """The exported C of each kind of friction."""
+    made = {}
+    for name, preset in PRESETS.items():
+        made[name] = tmp_path_factory.mktemp(name)
+        ov.export.export_c(match, preset(), made[name], seed=3)
+    return made
+
+
+@pytest.fixture(scope="module")
+def gcc(folders, tmp_path_factory):
+    return (
+        str(
+            built(folders["viscous"], COMPILERS["gcc-fma"], tmp_path_factory.mktemp("gcc") / "run")
+        ),
+    )
+
+
+def events_of(rate):
+    hands = np.zeros(len(GESTURE.theta2), EVENT)
+    hands["which"] = GESTURE.source
+    hands["sample"] = hands["at"] = GESTURE.stamps(rate)
+    hands["touching"], hands["value"] = GESTURE.touching, GESTURE.theta2
+    columns = sorted(name for name in vars(layout) if name.startswith("PARAM_"))
+    columns.sort(key=lambda name: getattr(layout, name))
+    numbers = {name.removeprefix("PARAM_"): i for i, name in enumerate(columns)}
+    rows = [
+        (1, numbers[id.upper().replace(".", "_")], at, 0, value, at)
+        for at, (id, value) in CHANGES.items()
+    ]
+    together = np.concatenate([hands, np.array(rows, EVENT)])
+    return together[np.argsort(together["at"], kind="stable")]
+
+
+def natively(preset, match, rate):
+    engine = ov.Engine(preset, match, seed=3)
+    frames = round(GESTURE.duration_s * rate)
+    engine.prepare(rate, frames)
+    engine.control_all(GESTURE.theta2, GESTURE.touching, GESTURE.stamps(rate), GESTURE.source)
+    for at, (id, value) in CHANGES.items():
+        engine.set(id, bool(value) if id.endswith("mute") else value, sample_time=at)
+    out = np.zeros((frames, 2), np.float32)
+    engine.process(out)
+    return out
+
+
+def in_c(program, folder, rate, block, frames):
+    events, out = folder / "events", folder / "out"
+    events.write_bytes(events_of(rate).tobytes())
+    arguments = [folder / "timeline.image", rate, block, frames, events, out]
+    subprocess.run([*program, *map(str, arguments)], check=True, timeout=1200)
+    return np.fromfile(out, np.float32).reshape(-1, 2)
+
+
+@pytest.fixture(scope="module")
+def native(match):
+    made = {}
+
+    def of(kind, rate=RATE):
+        if (kind, rate) not in made:
+            made[kind, rate] = natively(PRESETS[kind](), match, rate)
+        return made[kind, rate]
+
+    return of
+
+
+@pytest.mark.parametrize("kind", PRESETS)
+@pytest.mark.parametrize("block", [1, 17, 64, 4096])
+def test_no_block_size_changes_a_bit(folders, gcc, native, kind, block):
+    expected = native(kind)
+    assert np.abs(expected).max(axis=0).min() > 0.05
+    assert np.array_equal(in_c(gcc, folders[kind], RATE, block, len(expected)), expected)
+
+
+@pytest.mark.parametrize("rate", [8_000, 12_345.678, 44_100, 96_000])
+@pytest.mark.parametrize("kind", PRESETS)
+def test_one_image_serves_every_sample_rate(folders, gcc, native, kind, rate):
+    expected = native(kind, rate)
+    assert np.array_equal(in_c(gcc, folders[kind], rate, 512, len(expected)), expected)
+
+
+@pytest.mark.parametrize(
+    "name", ["tcc", *(pytest.param(name, marks=pytest.mark.soak) for name in ("g++", "clang-fma"))]
+)
+def test_every_compiler_gives_the_same_bits(folders, native, tmp_path, name):
+    program = (str(built(folders["viscous"], COMPILERS[name], tmp_path / "run")),)
+    for kind in PRESETS:
+        assert np.array_equal(
+            in_c(program, folders[kind], RATE, 256, len(native(kind))), native(kind)
+        ), kind
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", FOREIGN)
+def test_every_processor_gives_the_same_bits(folders, native, tmp_path, name):
+    emulator, target = FOREIGN[name]
+    if not shutil.which(emulator):
+        pytest.skip(f"needs {emulator}: apt-get install qemu-user")
+    compiler = (*ZIG, "cc", "-target", target, "-static", "-O2")
+    program = emulator, str(built(folders["viscous"], compiler, tmp_path / "run"))
+    for kind in PRESETS:
+        assert np.array_equal(
+            in_c(program, folders[kind], RATE, 256, len(native(kind))), native(kind)
+        ), kind
+
+
+def test_the_example_is_a_sweep_as_the_engine_plays_it(match, football, tmp_path):
+    done = overview("export", MATCH, "--to", "c", "-o", tmp_path / "voice")
+    assert done.code == 0, done.err
+    if not shutil.which("gcc"):
+        pytest.skip("needs gcc")
+    program = tmp_path / "voice" / "example"
+    sources = [program.with_name(name) for name in ("example.c", "kernel.c")]
+    flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wno-unused-label", "-Werror"]
+    subprocess.run(["gcc", *flags, *map(str, sources), "-o", str(program), "-lm"], check=True)
+    wav = tmp_path / "out.wav"
+    image = program.with_name("timeline.image")
+    subprocess.run([str(program), str(image), str(wav), "44100"], check=True)
+    samples, rate = soundfile.read(wav, dtype="float32")
+    engine = ov.Engine(football, match)
+    engine.prepare(rate, len(samples))
+    for event in range(401):
+        engine.control(np.pi * event / 400, event < 400, event * rate // 100)
+    expected = np.zeros_like(samples)
+    engine.process(expected)
+    assert rate == 44_100
+    assert np.array_equal(samples, expected)
+
+
+def in_memory(folder, library, image):
+    """What `overview_load` says of bytes, and whether it wrote any."""
+    import ctypes
+
+    voice = ctypes.CDLL(str(library))
+    voice.overview_load.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int64]
+    memory = np.zeros(layout.TOTAL)
+    said = voice.overview_load(memory.ctypes.data, image, len(image))
+    return said, memory
+
+
+@pytest.fixture(scope="module")
+def library(folders, tmp_path_factory):
+    if not shutil.which("gcc"):
+        pytest.skip("needs gcc")
+    target = tmp_path_factory.mktemp("library") / "voice.so"
+    command = ["gcc", "-O2", "-fPIC", "-shared", str(folders["viscous"] / "kernel.c")]
+    subprocess.run([*command, "-o", str(target), "-lm"], check=True)
+    return target
+
+
+@pytest.mark.parametrize("kind", PRESETS)
+def test_an_image_is_the_engines_memory(folders, library, match, kind):
+    engine = ov.Engine(PRESETS[kind](), match, seed=3)
+    engine.prepare(RATE)
+    ov.export.encode_engine(engine)  # connects it
+    said, memory = in_memory(
+        folders[kind], library, (folders[kind] / "timeline.image").read_bytes()
+    )
+    assert said == 0
+    assert np.array_equal(memory.view(np.int64), engine.memory.view(np.int64))
+
+
+def test_what_c_would_ignore_is_refused(tmp_path):
+    for option in (
+        ("--gesture", "tap:0.5"),
+        ("--zooms", "1"),
+        ("--actuator", "c2"),
+        ("--to", "web"),
+    ):
+        done = overview("export", MATCH, "--to", "c", "-o", tmp_path / "voice", *option)
+        assert done.code == 2
+        assert "--to c" in done.err
+    assert not (tmp_path / "voice").exists()
+
+
+def test_damaged_images_are_refused(folders, library):
+    image = (folders["bristles"] / "timeline.image").read_bytes()
+    random = np.random.default_rng(1)
+    damaged = [image[:n] for n in (0, 8, 40, 4096, len(image) // 16 * 8, len(image) - 8)]
+    damaged += [image + bytes(8), image[:-3], bytes(len(image))]
+    damaged += [b"\0" * 8 + image[8:]]  # of another layout
+    damaged += [random.bytes(len(image)), image[:40] + random.bytes(1 << 16)]
+    for bytes_ in damaged:
+        said, memory = in_memory(folders, library, bytes_)
+        assert said == -1
+        assert not memory.any()
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("SLOT_EVENTS", layout.MAX_EVENTS + 1),
+        ("SLOT_LOWER_EVENT", -1),
+        ("SLOT_UPPER_EVENT", 1 << 40),
+        ("SLOT_KIND", layout.BANKS),
+        ("SLOT_OWNER", 1 << 50),
+        ("KIND_CLICK", layout.MAX_MODES + 1),
+        ("SLOT_TABLE", np.float64(-1.0).view(np.int64)),
+        ("SLOT_TABLE", np.float64(np.nan).view(np.int64)),
+    ],
+)
+def test_an_image_that_would_lead_elsewhere_is_refused(match, library, column, value):
+    engine = ov.Engine(PRESETS["bristles"](), match)
+    engine.prepare(RATE)
+    engine.memory.view(np.int64)[layout.SURFACES + getattr(layout, column)] = value
+    said, memory = in_memory(None, library, ov.export.encode_engine(engine))
+    assert said == -1
+    assert not memory.any()
+
+
+def test_what_can_not_be_is_refused_and_changes_nothing(folders, library):
+    import ctypes
+
+    voice = ctypes.CDLL(str(library))
+    for name in ("overview_control", "overview_change", "overview_prepare"):
+        getattr(voice, name).restype = ctypes.c_int32
+    at, number = ctypes.c_void_p, ctypes.c_double
+    _, memory = in_memory(None, library, (folders["viscous"] / "timeline.image").read_bytes())
+    m = at(memory.ctypes.data)
+    for rate in (0.0, 999.0, 768_001.0, np.nan, np.inf, -48_000.0):
+        assert voice.overview_prepare(m, number(rate)) == -1
+    assert voice.overview_prepare(m, number(48_000.0)) == 0
+    before = memory.copy()
+    now = ctypes.c_int64(-1)
+    for source in (-1, len(SOURCES)):
+        assert voice.overview_control(m, source, now, number(1.0), 1) == -1
+    gain = layout.PARAM_TACTOR_GAIN_DB - layout.PARAMS
+    top = PARAMETERS["tactor.gain_db"].high
+    for which, value in ((-1, 0.0), (layout.PARAMETERS, 0.0), (gain, np.nan), (gain, top + 1.0)):
+        assert voice.overview_change(m, which, number(value), now) == -1
+    out = np.ones(8, np.float32)
+    assert voice.overview_process(m, at(out.ctypes.data), ctypes.c_int64(4), 1) == -1
+    assert np.array_equal(memory.view(np.int64), before.view(np.int64))
+    for _ in range(layout.RING):
+        assert voice.overview_control(m, 0, now, number(1.0), 1) == 0
+    assert voice.overview_control(m, 0, now, number(1.0), 1) == -1
+
+
+def test_source_of_other_kernels_is_refused(monkeypatch, match, football, tmp_path):
+    monkeypatch.setattr("overview_dsp.offline.export.c_folder.sources_digest", lambda: "0" * 16)
+    with pytest.raises(OverviewError, match=r"run python tools/build_c\.py"):
+        ov.export.export_c(match, football, tmp_path)
+
+
+@pytest.mark.soak
+def test_the_source_built_anew_is_the_one_in_the_package(tmp_path):
+    shipped = resources.files("overview_dsp.offline.export") / "c"
+    head = (shipped / "kernel.c").read_text(encoding="utf-8").splitlines()[:3]
+    for part in head[2].removesuffix(" */").split(","):
+        name, version = part.split()
+        if metadata.version(name) != version:
+            pytest.skip(f"the same bytes need the same tool-chain: pip install {name}=={version}")
+    subprocess.run([sys.executable, str(ROOT / "tools" / "build_c.py"), str(tmp_path)], check=True)
+    for name in ("kernel.c", "overview.h"):
+        assert (tmp_path / name).read_bytes() == (shipped / name).read_bytes(), name
+
+
+def test_the_header_names_every_parameter_with_its_range(folders, library):
+    import ctypes
+
+    class Row(ctypes.Structure):
+        _fields_ = [
+            ("id", ctypes.c_char_p), ("unit", ctypes.c_char_p),
+            ("lowest", ctypes.c_double), ("highest", ctypes.c_double),
+        ]  # fmt: skip
+
+    rows = (Row * layout.PARAMETERS).in_dll(ctypes.CDLL(str(library)), "overview_parameters")
+    for row in rows:
+        known = PARAMETERS[row.id.decode()]
+        assert row.unit.decode() == known.unit
+        if isinstance(known.default, float):
+            assert (row.lowest, row.highest) == (known.low, known.high)
+        else:
+            assert (row.lowest, row.highest) == (0.0, 1.0)

@@ -1,0 +1,235 @@
+"""The project's own checker: its exports are right, and every kind of damage is found."""
+
+from __future__ import annotations
+
+import copy
+import json
+
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.offline.export.writing import export
+from tests.cli.running import overview
+
+
+@pytest.fixture(scope="module")
+def written(match, football, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("clips")
+    result = ov.render(match, football, ov.sweep(1.0))
+    files = [
+        path
+        for to in ("ahap", "haptic", "hjif", "android")
+        for path in export(result, to, folder / f"clip.{'json' if to == 'android' else to}").files
+    ]
+    return {path.name.partition(".")[2]: path for path in files}
+
+
+@pytest.fixture(scope="module")
+def documents(written):
+    return {name: json.loads(path.read_text()) for name, path in written.items() if name != "xml"}
+
+
+@pytest.mark.parametrize("name", ["ahap", "strikes.ahap", "haptic", "hjif", "json", "xml"])
+def test_what_is_exported_has_no_fault(written, name):
+    assert ov.export.check_clip(written[name]) == []
+
+
+def curve(d):
+    return next(e["ParameterCurve"] for e in d["Pattern"] if "ParameterCurve" in e)
+
+
+def event(d):
+    return next(e["Event"] for e in d["Pattern"] if "Event" in e)
+
+
+def points(d):
+    return d["signals"]["continuous"]["envelopes"]["amplitude"]
+
+
+def pitches(d):
+    return d["signals"]["continuous"]["envelopes"]["frequency"]
+
+
+def emphasised(d):
+    return next(point for point in points(d) if "emphasis" in point)
+
+
+def perception(d):
+    return d["perceptions"][0]
+
+
+def band(d, channel=0):
+    return perception(d)["channels"][channel]["bands"][0]
+
+
+def frames(d):
+    return band(d)["effects"][0]["keyframes"]
+
+
+def friction(d):
+    return d["perceptions"][1]["channels"][0]["bands"][0]["effects"][0]
+
+
+def swap(found, key):
+    found[3][key], found[4][key] = found[4][key], found[3][key]
+
+
+DAMAGE = {
+    "ahap: no version": ("ahap", lambda d: d.pop("Version")),
+    "ahap: another version": ("ahap", lambda d: d.update(Version=2.0)),
+    "ahap: nothing in it": ("ahap", lambda d: d.update(Pattern=[])),
+    "ahap: an unknown event": ("ahap", lambda d: event(d).update(EventType="HapticBuzz")),
+    "ahap: a negative time": ("ahap", lambda d: event(d).update(Time=-0.1)),
+    "ahap: a time that is a text": ("ahap", lambda d: event(d).update(Time="0")),
+    "ahap: longer than 30 s": ("ahap", lambda d: event(d).update(EventDuration=30.5)),
+    "ahap: no duration": ("ahap", lambda d: event(d).pop("EventDuration")),
+    "ahap: cut short": ("ahap", lambda d: event(d).update(EventDuration=0.1)),
+    "ahap: intensity above 1": (
+        "strikes.ahap",
+        lambda d: event(d)["EventParameters"][0].update(ParameterValue=1.2),
+    ),
+    "ahap: an unknown parameter": (
+        "strikes.ahap",
+        lambda d: event(d)["EventParameters"][0].update(ParameterID="Intensity"),
+    ),
+    "ahap: no parameters": ("strikes.ahap", lambda d: event(d).pop("EventParameters")),
+    "ahap: a curve of nothing": ("ahap", lambda d: curve(d).update(ParameterCurveControlPoints=[])),
+    "ahap: a curve of another kind": (
+        "ahap",
+        lambda d: curve(d).update(ParameterID="HapticIntensity"),
+    ),
+    "ahap: control below 0": (
+        "ahap",
+        lambda d: curve(d)["ParameterCurveControlPoints"][2].update(ParameterValue=-0.1),
+    ),
+    "ahap: points in the wrong order": (
+        "ahap",
+        lambda d: swap(curve(d)["ParameterCurveControlPoints"], "Time"),
+    ),
+    "ahap: times counted from the clip": ("ahap", lambda d: curve(d).update(Time=5.0)),
+    "ahap: the vibration twice": (
+        "ahap",
+        lambda d: d["Pattern"].append(copy.deepcopy(d["Pattern"][0])),
+    ),
+    "haptic: another version": ("haptic", lambda d: d["version"].update(major=2)),
+    "haptic: no metadata": ("haptic", lambda d: d.pop("metadata")),
+    "haptic: one point": ("haptic", lambda d: points(d).__delitem__(slice(1, None))),
+    "haptic: begins late": ("haptic", lambda d: points(d)[0].update(time=0.0005)),
+    "haptic: a time goes back": ("haptic", lambda d: swap(points(d), "time")),
+    "haptic: amplitude above 1": ("haptic", lambda d: points(d)[5].update(amplitude=1.01)),
+    "haptic: an emphasis below the envelope": (
+        "haptic",
+        lambda d: emphasised(d).update(amplitude=0.9),
+    ),
+    "haptic: an emphasis without a pitch": (
+        "haptic",
+        lambda d: emphasised(d)["emphasis"].pop("frequency"),
+    ),
+    "haptic: a pitch after the end": ("haptic", lambda d: pitches(d)[-1].update(time=60.0)),
+    "haptic: the pitch begins late": ("haptic", lambda d: pitches(d)[0].update(time=0.01)),
+    "haptic: a misspelt key": ("haptic", lambda d: points(d)[3].update(emphasys={})),
+    "haptic: not a number": ("haptic", lambda d: points(d)[3].update(amplitude=float("nan"))),
+    "hjif: an old version": ("hjif", lambda d: d.update(version="2022")),
+    "hjif: no date": ("hjif", lambda d: d.update(date="yesterday")),
+    "hjif: another timescale": ("hjif", lambda d: d.update(timescale=48000)),
+    "hjif: no syncs": ("hjif", lambda d: d.pop("syncs")),
+    "hjif: an unknown profile": ("hjif", lambda d: d.update(profile="Baseline")),
+    "hjif: an unknown modality": (
+        "hjif",
+        lambda d: perception(d).update(perception_modality="Buzz"),
+    ),
+    "hjif: an id twice": ("hjif", lambda d: d["perceptions"][1].update(id=0)),
+    "hjif: no gain": ("hjif", lambda d: perception(d)["channels"][0].pop("gain")),
+    "hjif: a device that isn't there": (
+        "hjif",
+        lambda d: perception(d)["channels"][0].update(reference_device_id=7),
+    ),
+    "hjif: resonance above the highest": (
+        "hjif",
+        lambda d: perception(d)["reference_devices"][0].update(resonance_frequency=900.0),
+    ),
+    "hjif: limits the wrong way": ("hjif", lambda d: band(d).update(upper_frequency_limit=10)),
+    "hjif: an unknown band": ("hjif", lambda d: band(d).update(band_type="Wave")),
+    "hjif: a broken count": ("hjif", lambda d: frames(d)[2].update(relative_position=10.5)),
+    "hjif: keyframes go back": ("hjif", lambda d: swap(frames(d), "relative_position")),
+    "hjif: a loud keyframe": ("hjif", lambda d: frames(d)[2].update(amplitude_modulation=1.5)),
+    "hjif: a wave without a pitch": ("hjif", lambda d: frames(d)[2].pop("frequency_modulation")),
+    "hjif: a silent curve": (
+        "hjif",
+        lambda d: friction(d)["keyframes"].__delitem__(slice(2, None)),
+    ),
+    "hjif: a late curve": ("hjif", lambda d: friction(d).update(position=5)),
+    "android: a time is missing": ("json", lambda d: d["waveform"]["timings"].pop()),
+    "android: silence in the clip": (
+        "json",
+        lambda d: d["waveform"]["amplitudes"].__setitem__(3, 0),
+    ),
+    "android: above 255": ("json", lambda d: d["waveform"]["amplitudes"].__setitem__(3, 256)),
+    "android: it repeats": ("json", lambda d: d["waveform"].update(repeat=0)),
+    "android: a point too short": (
+        "json",
+        lambda d: d["envelopeEffects"][0]["controlPoints"][0].update(durationMs=10),
+    ),
+    "android: too many points": (
+        "json",
+        lambda d: d["envelopeEffects"][0].update(
+            controlPoints=d["envelopeEffects"][0]["controlPoints"] * 9
+        ),
+    ),
+    "android: effects overlap": ("json", lambda d: d["envelopeEffects"][1].update(startMs=5)),
+    "android: no pitch": (
+        "json",
+        lambda d: d["envelopeEffects"][0]["controlPoints"][0].update(frequencyHz=0),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_every_kind_of_damage_is_told_in_a_line(documents, tmp_path, name):
+    assert len(DAMAGE) >= 31
+    suffix, damage = DAMAGE[name]
+    document = copy.deepcopy(documents[suffix])
+    damage(document)
+    path = tmp_path / "clip.json"
+    path.write_text(json.dumps(document))
+    faults = ov.export.check_clip(path)
+    assert faults
+    assert not any("\n" in fault for fault in faults)
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ('amplitude="', 'amplitude="9'),
+        ('durationMs="', 'durationMs="-'),
+        ("waveform-entry", "entry"),
+        ("vibration-effect", "vibration"),
+        ("</vibration-effect>", ""),
+        ("<vibration-effect>", '<!DOCTYPE x [<!ENTITY a "b">]><vibration-effect>'),
+    ],
+)
+def test_damage_of_androids_xml_is_told(written, tmp_path, before, after):
+    path = tmp_path / "clip.xml"
+    path.write_text(written["xml"].read_text().replace(before, after))
+    assert ov.export.check_clip(path)
+
+
+def test_what_is_no_clip_is_said(tmp_path):
+    path = tmp_path / "clip.json"
+    path.write_text('{"a": 1}')
+    assert "neither AHAP" in ov.export.check_clip(path)[0]
+    path.write_text("{")
+    assert "not JSON" in ov.export.check_clip(path)[0]
+
+
+def test_the_command_checks_and_writes_nothing(written, documents, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = overview("presets", "import", str(written["ahap"]), "--check")
+    assert (done.code, done.out.split(": ")[-1].strip()) == (0, "valid")
+    document = copy.deepcopy(documents["haptic"])
+    points(document)[5]["amplitude"] = 7
+    (tmp_path / "bad.haptic").write_text(json.dumps(document))
+    done = overview("presets", "import", "bad.haptic", "--check")
+    assert done.code == 2
+    assert "amplitude[5].amplitude = 7; it is 0 to 1" in done.errors[0]
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.haptic"]

@@ -1,0 +1,113 @@
+"""A plugin is built by a command or a call, and what can't be built is one line."""
+
+from __future__ import annotations
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+import overview_dsp as ov
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.offline.export.plugin_bundle import bundle_of
+from tests.cli.running import MATCH, overview
+from tests.offline.export.plugin_playing import (
+    EARLIER,
+    VALUE,
+    Host,
+    built_host,
+    library_of,
+    natively,
+    score,
+)
+
+
+def test_the_command_builds_one_of_several_timelines(tmp_path):
+    timelines = (MATCH, "made-up-share")
+    given = ("--preset", "gravel", "--to", "vst3", "-o", tmp_path, "--name", "Two")
+    done = overview("plugin", "build", *timelines, *given)
+    assert done.code == 0, done.err
+    assert done.out.startswith(f"{tmp_path / 'two'}.vst3: {', '.join(timelines)} in gravel;")
+    library = library_of(tmp_path / "two.vst3")
+    host = Host("vst3", built_host("vst3", tmp_path), library)
+    listed = host.run("list")
+    assert listed.startswith("Instrument|Synth\tTwo\n")
+    row = next(line.split("\t") for line in listed.splitlines() if "\tTimeline\t" in line)
+    assert (row[4], row[-1].strip()) == ("1", MATCH)
+
+
+def test_a_note_comes_once_with_the_timelines_and_the_preset_it_is_of(match, football):
+    halves = {"first": match.window(0, 2700), "second": match.window(2700, 5600)}
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        bundle_of("both", halves, [football, ov.load_preset("stocks")], 0)
+    said = [str(note.message) for note in notes]
+    assert all(note.category is ov.OverviewWarning for note in notes)
+    assert len(said) == len(set(said)) > 0
+    assert all(
+        re.match("(first|second|first, second) in stocks: preset 'stocks'", it) for it in said
+    )
+    # the same of both is one
+    again = {"first": halves["first"], "once more": halves["first"]}
+    with pytest.warns(ov.OverviewWarning, match="^first, once more in stocks: ") as one:
+        bundle_of("both", again, [ov.load_preset("stocks")], 0)
+    assert len(one) == 1
+
+
+def test_a_name_of_any_letters_is_a_file_of_its_own(match, football):
+    def slug(name):
+        return bundle_of(name, {"match": match}, [football], 0).slug
+
+    assert slug("Zürich & Genève") == "zurich-geneve"
+    assert slug("決勝") != slug("準決勝")
+    assert slug("決勝").startswith("timeline-")
+
+
+@pytest.mark.soak
+def test_without_a_timeline_it_is_all_that_is_bundled(tmp_path):
+    given = ("--to", "clap", "--seed", "3", "-o", tmp_path)
+    done = overview("plugin", "build", *given)
+    assert done.code == 0, done.err
+    host = Host("clap", built_host("clap", tmp_path), tmp_path / "overview-dsp.clap")
+    timelines = [ov.load_timeline(name) for name in (MATCH, "made-up-share")]
+    names = ov.bundled_presets()
+    assert f": {MATCH}, made-up-share in {', '.join(names)};" in done.out
+    # that a preset for hearts names no goal is nothing to be told of
+    assert done.err == ""
+    for second, timeline in enumerate(timelines):
+        for number, name in enumerate(names):
+            chosen = [(VALUE, "timeline", EARLIER, second), (VALUE, "preset", EARLIER, number)]
+            heard, _ = host.play(tmp_path, [*chosen, *score()], frames=15_000)
+            expected = natively(timeline, ov.load_preset(name), 48_000, score(), 15_000)
+            assert np.array_equal(heard, expected), (second, name)
+
+
+def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatch):
+    build = ov.export.build_plugin
+    with pytest.raises(InputError, match="no plugin format 'au'; it is clap or lv2 or vst3"):
+        build(match, football, "au", tmp_path)
+    with pytest.raises(InputError, match="1 to 64 presets, not 0"):
+        build(match, [], "clap", tmp_path)
+    with pytest.raises(InputError, match="1 to 64 timelines, not 0"):
+        build({}, football, "clap", tmp_path)
+    with pytest.raises(InputError, match="the same name"):
+        build(match, [football, football], "clap", tmp_path)
+    with pytest.raises(InputError, match="no target 'amiga'; it is x86_64-linux, "):
+        build(match, football, "clap", tmp_path, target="amiga")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(OverviewError, match="no compiler 'no-such-compiler', which CC names"):
+        build(match, football, "clap", tmp_path)
+    monkeypatch.setenv("CC", "false")
+    with pytest.raises(OverviewError, match="the C compiler false failed"):
+        build(match, football, "clap", tmp_path)
+    monkeypatch.setenv("CC", "")
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(OverviewError, match="apt install gcc"):
+        build(match, football, "clap", tmp_path)
+    with pytest.raises(OverviewError, match="for aarch64-macos needs ziglang"):
+        build(match, football, "clap", tmp_path, target="aarch64-macos")
+    assert not [*tmp_path.iterdir()]
+    same = overview("plugin", "build", f"a/{MATCH}", f"b/{MATCH}", "--to", "clap")
+    assert same.code == 2

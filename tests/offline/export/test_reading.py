@@ -1,0 +1,315 @@
+"""Haptic clips read back: our own as written, others' by the formats' rules, broken ones."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import overview_dsp as ov
+from overview_dsp.design.presets.validation import parse_preset
+from overview_dsp.design.presets.writing import preset_toml
+from overview_dsp.errors import InputError
+from overview_dsp.offline.export.felt_error import felt_error
+from overview_dsp.offline.export.layers import course, modes, with_layer
+from overview_dsp.offline.export.reading import read_clip
+from overview_dsp.offline.export.rendered import clip_of
+from overview_dsp.offline.export.writing import export
+
+
+@pytest.fixture(scope="module")
+def result(match, football):
+    return ov.render(match, football, ov.sweep(3.0))
+
+
+def write(folder, document, name="clip.json"):
+    path = folder / name
+    path.write_text(document if isinstance(document, str) else json.dumps(document))
+    return path
+
+
+def continuous(*events, curve=()):
+    pattern = [
+        {
+            "Event": {
+                "EventType": "HapticContinuous",
+                "Time": start,
+                "EventDuration": length,
+                "EventParameters": [
+                    {"ParameterID": "HapticIntensity", "ParameterValue": intensity}
+                ],
+            }
+        }
+        for start, length, intensity in events
+    ]
+    if curve:
+        start, points = curve
+        pattern.append(
+            {
+                "ParameterCurve": {
+                    "ParameterID": "HapticIntensityControl",
+                    "Time": start,
+                    "ParameterCurveControlPoints": [
+                        {"Time": time, "ParameterValue": value} for time, value in points
+                    ],
+                }
+            }
+        )
+    return {"Version": 1.0, "Pattern": pattern}
+
+
+def test_an_exported_clip_comes_back_as_it_was(result, tmp_path):
+    files = export(result, "ahap", tmp_path / "clip.ahap").files
+    level = clip_of(result).level
+    assert felt_error(read_clip(files[0]).level, level).median_db < 0.8
+    strikes = read_clip(files[1]).transients
+    told = clip_of(result).transients
+    assert len(strikes) == len(told)
+    np.testing.assert_allclose(
+        [strike.amplitude for strike in strikes], [strike.amplitude for strike in told], atol=1e-3
+    )
+    haptic = read_clip(export(result, "haptic", tmp_path / "clip.haptic").files[0])
+    assert felt_error(haptic.level, level).median_db < 0.8
+    assert len(haptic.transients) == len(told)
+
+
+def test_curve_times_count_from_the_curve_and_intensity_multiplies(tmp_path):
+    document = continuous((0.5, 1.0, 0.8), curve=(1.0, [(0.0, 1.0), (0.5, 0.5)]))
+    level = read_clip(write(tmp_path, document)).level
+    assert level[100] == 0.0
+    assert level[700] == pytest.approx(0.64)
+    assert level[1000] == pytest.approx(0.64)
+    assert level[1250] == pytest.approx((0.8 * 0.75) ** 2)
+    assert level[1500] == pytest.approx(0.16)
+
+
+def test_a_clip_becomes_a_course_that_the_hand_plays(tmp_path, match, football):
+    rising = read_clip(
+        write(tmp_path, continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)])))
+    )
+    points = course(rising)
+    assert points[-1] == 1.0
+    assert list(points) == sorted(points)
+    football = football.with_values(surface__angle_map=0.0)
+    layered = with_layer(football, "goal", rising, "tactor")
+    assert layered.kinds["goal"].modes == football.kinds["goal"].modes
+    surface = ov.build_surface(match, layered)
+    goal = surface.position_of(match.event("goal", 1).time_s)
+    width = football.kinds["goal"].width_percent / 100.0
+    before, after = (surface.friction_at(np.pi * (goal + part * width)) for part in (-0.5, 0.5))
+    assert after > 2.0 * before
+    again = parse_preset(preset_toml(layered), "x", "x.toml")
+    assert again.kinds["goal"].points == points
+
+
+def test_strikes_become_modes_sharp_ones_high(tmp_path):
+    document = {
+        "Version": 1.0,
+        "Pattern": [
+            {
+                "Event": {
+                    "EventType": "HapticTransient",
+                    "Time": time,
+                    "EventParameters": [
+                        {"ParameterID": "HapticIntensity", "ParameterValue": intensity},
+                        {"ParameterID": "HapticSharpness", "ParameterValue": sharpness},
+                    ],
+                }
+            }
+            for time, intensity, sharpness in ((0.0, 1.0, 0.0), (0.1, 0.5, 1.0))
+        ],
+    }
+    dull, sharp = modes(read_clip(write(tmp_path, document)))
+    assert (dull.frequency_hz, sharp.frequency_hz) == (100.0, 6400.0)
+    assert dull.decay_ms > sharp.decay_ms
+    assert (dull.gain_db, sharp.gain_db) == (0.0, pytest.approx(-12.0, abs=0.1))
+
+
+GOOD = continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)]))
+
+
+@pytest.mark.parametrize(
+    ("document", "words"),
+    [
+        ("", "not JSON"),
+        ("[" * 100_000, "not JSON"),
+        ("[]", "neither AHAP"),
+        ({"Pattern": 3}, "Pattern isn't a list"),
+        ({"Pattern": [3]}, r"Pattern\[0\] isn't an object"),
+        ({"Pattern": []}, "vibrates at no time"),
+        (continuous((-1.0, 1.0, 1.0)), r"Pattern\[0\].Event.Time = -1 s"),
+        (continuous((0.0, 1e9, 1.0)), "EventDuration = 1e\\+09 s; it is 0 to 600"),
+        (continuous((0.0, 1.0, 7.0)), r"EventParameters\[0\].ParameterValue = 7; it is 0 to 1"),
+        ({"signals": {}}, "signals.continuous isn't an object"),
+        (
+            {"signals": {"continuous": {"envelopes": {"amplitude": []}}}},
+            "0 points; an envelope has two or more",
+        ),
+    ],
+)
+def test_a_broken_clip_is_one_line(tmp_path, document, words):
+    with pytest.raises(InputError, match=words) as caught:
+        read_clip(write(tmp_path, document))
+    assert "\n" not in str(caught.value)
+
+
+def test_garbage_is_refused_in_one_line(tmp_path):
+    path = tmp_path / "x.ahap"
+    for seed in range(3):
+        path.write_bytes(np.random.default_rng(seed).bytes(1_000_000))
+        with pytest.raises(InputError, match="not JSON"):
+            read_clip(path)
+        preset = tmp_path / "x.toml"
+        preset.write_bytes(path.read_bytes())
+        with pytest.raises(InputError) as caught:
+            ov.load_preset(preset)
+        assert "\n" not in str(caught.value)
+
+
+LEAVES = st.none() | st.booleans() | st.floats() | st.text(max_size=3) | st.integers()
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data())
+def test_any_change_of_a_clip_is_read_or_one_line(tmp_path, data):
+    document = json.loads(json.dumps(data.draw(st.sampled_from([GOOD, HAPTIC]))))
+    for _ in range(data.draw(st.integers(1, 3))):
+        node = document
+        while True:
+            keys = list(node) if isinstance(node, dict) else list(range(len(node)))
+            key = data.draw(st.sampled_from(keys))
+            if isinstance(node[key], dict | list) and node[key] and data.draw(st.booleans()):
+                node = node[key]
+                continue
+            node[key] = data.draw(LEAVES | st.just([]) | st.just({}))
+            break
+    caught = None
+    try:
+        read_clip(write(tmp_path, document))
+    except InputError as error:
+        caught = error
+    assert caught is None or "\n" not in str(caught)
+
+
+HAPTIC = {
+    "version": {"major": 1, "minor": 0, "patch": 0},
+    "signals": {
+        "continuous": {
+            "envelopes": {
+                "amplitude": [
+                    {"time": 0.0, "amplitude": 0.0},
+                    {
+                        "time": 0.5,
+                        "amplitude": 0.5,
+                        "emphasis": {"amplitude": 0.9, "frequency": 0.3},
+                    },
+                    {"time": 1.0, "amplitude": 0.0},
+                ],
+                "frequency": [],
+            }
+        }
+    },
+}
+
+
+def test_a_single_transient_is_a_clip(tmp_path, football):
+    document = {
+        "Version": 1.0,
+        "Pattern": [
+            {
+                "Event": {
+                    "EventType": "HapticTransient",
+                    "Time": 0.0,
+                    "EventParameters": [
+                        {"ParameterID": "HapticIntensity", "ParameterValue": 0.8},
+                        {"ParameterID": "HapticSharpness", "ParameterValue": 0.4},
+                    ],
+                }
+            }
+        ],
+    }
+    clip = read_clip(write(tmp_path, document))
+    assert clip.played == pytest.approx(0.64)
+    assert len(clip.played) == 12
+    layered = with_layer(football, "goal", clip, "both").kinds["goal"]
+    assert set(layered.points) == {1.0}
+    assert len(layered.modes) == 1
+
+
+@pytest.mark.parametrize("gesture", [ov.sweep(3.0), ov.tap(0.8, 1.5)], ids=["sweep", "tap"])
+@pytest.mark.parametrize("to", ["ahap", "haptic"])
+def test_what_was_exported_comes_back_within_a_step(match, football, tmp_path, gesture, to):
+    result = ov.render(match, football, gesture)
+    clip = clip_of(result)
+    for path in export(result, to, tmp_path / f"clip.{to}").files:
+        back = read_clip(path)
+        error = felt_error(back.played, clip.level)
+        assert error.median_db <= 0.5
+        assert error.within_percent >= 90.0
+        assert len(back.transients) == len(clip.transients)
+        for one, other in zip(back.transients, clip.transients, strict=True):
+            assert abs(one.time_s - other.time_s) <= 0.005
+            assert one.amplitude == pytest.approx(other.amplitude, rel=0.01)
+
+
+def test_a_folder_is_read_by_the_names_of_its_clips(tmp_path, result):
+    from tests.cli.running import overview
+
+    folder = tmp_path / "clips"
+    folder.mkdir()
+    export(result, "ahap", folder / "goal.ahap")
+    export(result, "haptic", folder / "foul.haptic")
+    (folder / "notes.txt").write_text("none")
+    out = tmp_path / "made.toml"
+    done = overview("presets", "import", str(folder), "-o", str(out))
+    assert done.code == 0, done.err
+    made = ov.load_preset(out)
+    for kind in ("goal", "foul"):
+        assert len(made.kinds[kind].points) == 64
+    refused = overview("presets", "import", str(folder), "--kind", "goal", "-o", str(out))
+    assert refused.code == 2
+    assert "2 clips for one kind" in refused.errors[0]
+    (folder / "foul.haptic").unlink()
+    done = overview("presets", "import", str(folder), "--kind", "red_card", "-o", str(out))
+    assert done.code == 0, done.err
+    assert len(ov.load_preset(out).kinds["red_card"].points) == 64
+    for empty in (tmp_path / "empty", tmp_path / "nowhere.ahap"):
+        refused = overview("presets", "import", str(empty), "-o", str(out))
+        assert refused.code == 2
+        assert len(refused.errors) == 1
+
+
+def test_200_mutated_clips_are_refused_in_one_line(tmp_path, result):
+    """Each is damaged where it matters: a value that no device could play, or a missing one."""
+    files = [*export(result, "ahap", tmp_path / "c.ahap").files]
+    files += export(result, "haptic", tmp_path / "c.haptic").files
+    documents = [json.loads(path.read_text()) for path in files]
+    rng = np.random.default_rng(0)
+    keys = ("Time", "ParameterValue", "time", "amplitude", "EventDuration", "frequency")
+    bad = (-1.0, 1e9, "1", None, True, [], {}, float("nan"))
+    for _ in range(200):
+        document = json.loads(json.dumps(documents[rng.integers(len(documents))]))
+        spots = [
+            (node, key)
+            for node in walked(document)
+            if isinstance(node, dict)
+            for key in keys
+            if key in node and not isinstance(node[key], list)
+        ]
+        node, key = spots[rng.integers(len(spots))]
+        node[key] = bad[rng.integers(len(bad))]
+        path = write(tmp_path, document, "mutated.json")
+        with pytest.raises(InputError) as caught:
+            read_clip(path)
+        assert "\n" not in str(caught.value)
+
+
+def walked(node):
+    yield node
+    for inner in (
+        node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    ):
+        yield from walked(inner)
