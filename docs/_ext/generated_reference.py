@@ -115,7 +115,7 @@ def api_pages(folder: Path) -> None:
     text += "".join(f"   {face}\n" for face in FACES)
     (folder / "index.rst").write_text(text, encoding="utf-8")
     for face, words in FACES.items():
-        module = importlib.import_module(f"overview_dsp.{face}")
+        module = getattr(ov, face)
         public = list(getattr(module, "__all__", ()))
         shared = [n for n in public if n in ov.__all__ and getattr(module, n) is getattr(ov, n)]
         own = [n for n in public if n not in shared]
