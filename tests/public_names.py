@@ -7,17 +7,23 @@ import inspect
 
 import overview_dsp as ov
 
-FACES = (ov, ov.actuators, ov.export, ov.live, ov.measure, ov.presets)
+FACES = {
+    "overview_dsp": ov,
+    **{
+        f"overview_dsp.{name}": getattr(ov, name)
+        for name in ("actuators", "export", "live", "measure", "presets")
+    },
+}
 
 
 def public_objects():
     """Functions and classes by the name a program uses (`ov.presets.morph`), each once."""
     found = {}
-    for face in FACES:
+    for prefix, face in FACES.items():
         for name in face.__all__:
             value = getattr(face, name)
             if (inspect.isclass(value) or inspect.isfunction(value)) and value not in found:
-                found[value] = f"{face.__name__}.{name}".replace("overview_dsp", "ov")
+                found[value] = f"{prefix}.{name}".replace("overview_dsp", "ov")
     return {name: value for value, name in found.items()}
 
 
@@ -39,7 +45,9 @@ def members(cls):
 
 def listed():
     """Every public name, one a line, as `tests/public_names.txt` keeps them."""
-    return "".join(f"{face.__name__}.{name}\n" for face in FACES for name in sorted(face.__all__))
+    return "".join(
+        f"{prefix}.{name}\n" for prefix, face in FACES.items() for name in sorted(face.__all__)
+    )
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from tests.public_names import FACES, members, public_objects
 
 
 def examples():
-    found = {face.__name__: face for face in FACES}
+    found = dict(FACES)
     for name, value in public_objects().items():
         found[name] = value
         if inspect.isclass(value):

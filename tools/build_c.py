@@ -16,7 +16,7 @@ from pathlib import Path
 from ir_to_c import translated
 from kernel_ir import ROOT, machine_for, module_for, unoptimised, written_out
 
-OUT = ROOT / "overview_dsp" / "export" / "c"
+OUT = ROOT / "overview_dsp" / "offline" / "export" / "c"
 SCALAR = {"cpu": "generic-rv64", "features": "+d"}
 
 HEADER = """\

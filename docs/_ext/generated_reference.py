@@ -6,7 +6,6 @@ reference can't fall behind: a public name that stands in no group below is list
 
 from __future__ import annotations
 
-import importlib
 import inspect
 import re
 import shutil
@@ -73,7 +72,7 @@ def _title(text: str, line: str = "=") -> str:
 
 def _summary(module: str, names: list[str], heading: str) -> str:
     """An autosummary of classes, functions and exceptions; data as their first lines."""
-    found = importlib.import_module(module)
+    found = getattr(ov, module.partition(".")[2]) if "." in module else ov
     objects = [
         n for n in names if inspect.isclass(getattr(found, n)) or callable(getattr(found, n))
     ]

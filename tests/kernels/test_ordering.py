@@ -72,7 +72,7 @@ def test_a_push_is_published_after_everything_else_is_written():
 
 def test_no_published_column_is_written_plainly():
     package = Path(overview_dsp.__file__).parent
-    for path in [*(package / "kernels").rglob("*.py"), package / "engine" / "queues.py"]:
+    for path in [*(package / "kernels").rglob("*.py"), package / "signal" / "engine" / "queues.py"]:
         for name in PUBLISHED:
             plain = re.search(
                 rf"i64\[layout\.{name}\b[^\]]*\] *[-+]?= ", path.read_text(encoding="utf-8")

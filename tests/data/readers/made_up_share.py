@@ -16,9 +16,7 @@ from overview_dsp.data.analysis.window_rules import rules_of
 from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
 
-BUNDLED_FILE = (
-    Path(__file__).parents[3] / "overview_dsp" / "readers" / "bundled" / "made_up_share.json"
-)
+BUNDLED_FILE = Path(__file__).parents[3] / "overview_dsp/data/readers/bundled/made_up_share.json"
 
 DAY_S = 86_400.0
 FIRST, LAST = date(2024, 1, 2), date(2024, 12, 31)

@@ -15,7 +15,7 @@ from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
 
 BUNDLED_FILE = (
-    Path(__file__).parents[3] / "overview_dsp" / "readers" / "bundled" / "world_cup_final_2018.json"
+    Path(__file__).parents[3] / "overview_dsp/data/readers/bundled/world_cup_final_2018.json"
 )
 
 FIRST_HALF_S = 48 * 60.0  # 45 + about 3 minutes

@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels 021353f589e56c15
+   kernels fa6d421b2ffd4eda
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 
