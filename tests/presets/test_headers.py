@@ -113,28 +113,24 @@ SENTENCES = {
         lowest(name, "goal") / lowest(name, "own_goal") == OCTAVE
         and longest(name, "own_goal") > 1.5 * longest(name, "goal")
     ),
-    ("football", "by touch, a goal from an own goal"): lambda name: (
-        np.mean(taken(name, "own_goal", "goal")) > 0.4
+    ("football", "by touch, every third own goal from a goal"): lambda name: (
+        np.mean(taken(name, "own_goal", "goal")) == pytest.approx(1 / 3, abs=0.06)
     ),
-    (
-        "football",
-        "every third red card from a yellow, in a second or the recoil every second one",
-    ): lambda name: (
-        np.mean(taken(name, "red_card", "yellow_card", "touch", ["2 s", "4 s", "6 s", "tap"]))
+    ("football", "in a second or the recoil, every third red card from a yellow"): lambda name: (
+        taken(name, "red_card", "yellow_card", "touch", ["1 s", "recoil"])
         == pytest.approx(1 / 3, abs=0.06)
-        and taken(name, "red_card", "yellow_card", "touch", ["1 s", "recoil"])
-        == pytest.approx(1 / 2, abs=0.06)
+        and np.mean(taken(name, "red_card", "yellow_card")) < 1 / 4
     ),
-    ("football", "a foul from a near miss"): lambda name: (
-        taken(name, "near_miss", "foul").min() > 0.1
+    ("football", "every fifth near miss from a foul"): lambda name: (
+        np.mean(taken(name, "near_miss", "foul")) == pytest.approx(1 / 5, abs=0.05)
     ),
     ("football", "the click tells"): lambda name: (
         np.mean(taken(name, "red_card", "yellow_card", "both")) < 0.1
         and np.mean(taken(name, "own_goal", "goal", "both")) < 0.1
     ),
-    ("football", "at 1 s three in four fouls, at 6 s one in three, go unnoticed"): lambda name: (
-        taken(name, "foul", "nothing", "touch", ["1 s", "6 s"])
-        == pytest.approx([3 / 4, 1 / 3], abs=0.05)
+    ("football", "at 1 s four in five fouls, at 2 s one in four, go unnoticed"): lambda name: (
+        taken(name, "foul", "nothing", "touch", ["1 s", "2 s"])
+        == pytest.approx([4 / 5, 1 / 4], abs=0.05)
     ),
     # --- its characters
     ("football-stadium", "the strongest of the three characters"): lambda name: all(
