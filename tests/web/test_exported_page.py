@@ -84,6 +84,28 @@ def test_a_drag_sounds_a_release_recoils_and_a_tap_steps(opened, starts):
     assert page.evaluate("furthest") < half_time + 0.005
 
 
+def test_an_event_that_keys_go_to_is_felt_and_the_disk_is_at_it(opened):
+    page = opened
+    page.evaluate("""() => {
+        window.felt = [];
+        const take = overview.take.bind(overview);
+        overview.take = (told) => {
+            felt.push(...told.struck.map(({ event }) => event));
+            take(told);
+        };
+    }""")
+    page.keyboard.press("Tab")
+    # fouls, a near miss, and the first goal: narrower than the backlash, which a move has
+    for number in range(1, 7):
+        page.keyboard.press("]")
+        until(page, f"felt.includes({number})")
+        assert page.evaluate(f"overview.view.events[{number}].place === overview.place")
+        until(page, "Math.abs(p.cursor - p.place) < 0.001")
+    page.keyboard.press("+")
+    until(page, "p.view.zoom === 1 && p.meters.changesWaiting === 0")
+    until(page, "Math.abs(p.cursor - p.place) < 0.001")
+
+
 def test_sound_comes_with_the_first_touch_alone(chromium, site):
     with opened_host(site) as host:
         context = chromium.new_context(viewport=PHONE)
