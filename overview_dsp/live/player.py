@@ -35,7 +35,7 @@ from overview_dsp.live.status import Status
 from overview_dsp.live.stream import OpenStream
 from overview_dsp.live.stream_meters import take_peaks
 from overview_dsp.live.takes import Takes, timeline_beside
-from overview_dsp.live.under_hand import UnderHand
+from overview_dsp.live.under_hand import NEAR, UnderHand
 from overview_dsp.signal.actuators.stage import read_protected
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.angle_map import SHARE
@@ -160,8 +160,13 @@ class Player:
         return self.under_hand.moment_s(position)
 
     def zoom(self, factor: float, about: float) -> None:
-        """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there."""
-        self.under_hand.zoom(factor, about)
+        """Show `factor` times as much detail about the moment under `about` (0 to 1).
+
+        A finger that holds stays on that moment: it goes along where no window has it at `about`.
+        """
+        place = self.under_hand.zoom(factor, about)
+        if self.holding and abs(place - about) > NEAR:
+            self._set_down(place)
 
     def show(self, start_s: float, end_s: float) -> None:
         """Put a part of the timeline under the hand; InputError if it isn't one."""
@@ -171,8 +176,12 @@ class Player:
         """Touch the event after (1) or before (-1) a position of the window, in it or beyond."""
         place = self.under_hand.event_beside(direction, position)
         if place is not None:
-            self.release()  # set down anew, the disk arrives: it isn't held back by the backlash
-            self.touch(place)
+            self._set_down(place)
+
+    def _set_down(self, place: float) -> None:
+        """Touch anew, so that the disk arrives: it isn't held back by the backlash."""
+        self.release()
+        self.touch(place)
 
     def use_preset(self, name: str) -> None:
         """Change to another preset, by name or path, and watch its file; InputError."""

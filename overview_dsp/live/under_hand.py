@@ -25,7 +25,7 @@ from overview_dsp.signal.surface.build import build_surface
 
 _NUMBER = re.compile(r"\d[\d.:e+-]*")
 
-TRIED = 8
+TRIED = 20
 """Windows tried at most for one in which a zoom's moment lies where it did."""
 
 NEAR = 1e-6
@@ -102,24 +102,29 @@ class UnderHand:
         self.put(timeline, (0.0, timeline.duration_s))
         return True
 
-    def zoom(self, factor: float, about: float) -> None:
-        """Show `factor` times as much detail; the moment under `about` (0 to 1) stays there.
+    def zoom(self, factor: float, about: float) -> float:
+        """Show `factor` times as much detail; return the position of the moment under `about` then.
 
-        With an angle map it stays as near as can be: which events a window has moves them all.
+        That is `about` (0 to 1) itself, unless an end of the timeline is in the way, or a step of
+        the angle map: an event that comes into the window or leaves it moves all others at once.
         """
         zoom = Zoom(self.timeline, *(self._wanted_window or self.window))
         shown = self.angle_map if self._wanted_window is None else self._map_of(zoom)
-        moment_s, at = zoom.start_s + float(shown.time_at(about)), about
-        nearest, wanted = math.inf, zoom
+        moment_s = zoom.start_s + float(shown.time_at(about))
+        best, place = zoom, math.inf
+        # the later a window starts, the further left the moment lies in it
+        at, low, high = about, 0.0, 1.0
         for _ in range(TRIED):
             tried = zoom.scaled(factor, moment_s, at)
-            away = about - self._position_in(tried, moment_s)
-            if abs(away) < nearest:
-                nearest, wanted = abs(away), tried
-            at = min(max(at + away, 0.0), 1.0)
-            if nearest < NEAR or tried == zoom.scaled(factor, moment_s, at):
+            there = self._position_in(tried, moment_s)
+            if abs(there - about) < abs(place - about):
+                best, place = tried, there
+            if abs(place - about) < NEAR:
                 break
-        self.show(*wanted.window)
+            low, high = (at, high) if there < about else (low, at)
+            at = (low + high) / 2.0
+        self.show(*best.window)
+        return place
 
     @property
     def angle_map(self) -> AngleMap:

@@ -14,6 +14,7 @@ from overview_dsp.live.output_settings import OutputSettings
 from overview_dsp.live.player import Player
 from overview_dsp.live.preset_watch import PresetWatch
 from overview_dsp.live.silent import SilentStream
+from overview_dsp.signal.surface.angle_map import AngleMap
 
 
 class Outputs:
@@ -127,16 +128,36 @@ def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):
         player.show(5.0, 1.0)
 
 
-def test_a_zoom_keeps_the_moment_as_near_as_the_windows_own_maps_let_it(make):
+@pytest.mark.parametrize("about", [0.2, 0.4, 0.5, 0.9])
+def test_a_zoom_keeps_the_moment_under_a_finger_whatever_events_the_window_has(make, about):
     player = make()
-    for about in (0.2, 0.5, 0.9):
-        player.show(0.0, player.timeline.duration_s)
-        for _ in range(8):
-            before, moment = player.window, player.moment_s(about)
-            player.zoom(1.5, about)
-            wait(player, lambda status, before=before: player.window != before)
-            start, end = player.window
-            assert abs(player.moment_s(about) - moment) < 0.2 * (end - start)
+    player.touch(about)
+    moment = player.moment_s(about)
+    for n in range(1, 9):
+        player.zoom(1.5, player.finger)
+        width = pytest.approx(player.timeline.duration_s / 1.5**n)
+        wait(player, lambda status, width=width: player.window[1] - player.window[0] == width)
+        assert abs(player.finger - about) < 0.06 * n
+        assert player.moment_s(player.finger) == pytest.approx(moment, abs=0.05)
+    wait(player, lambda status: abs(player.moment_s(status.cursor) - moment) < 5.0)
+
+
+@pytest.mark.parametrize("about", [0.2, 0.4, 0.5, 0.9])
+def test_no_window_of_its_length_has_the_moment_of_a_zoom_nearer(make, match, football, about):
+    player = make()
+
+    def away(start, end):
+        shown = AngleMap.of(match.window(start, end), football)
+        return abs(float(shown.position_of(moment - start)) - about)
+
+    for _ in range(5):
+        before, moment = player.window, player.moment_s(about)
+        player.zoom(1.5, about)
+        wait(player, lambda status, before=before: player.window != before)
+        start, end = player.window
+        width = end - start
+        starts = np.linspace(max(moment - width, 0.0), min(moment, match.duration_s - width), 40)
+        assert away(start, end) < min(away(one, one + width) for one in starts) + 1e-5
 
 
 def test_another_preset_moves_no_place_under_a_hand(make):

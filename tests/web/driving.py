@@ -25,23 +25,26 @@ def until(page: Any, condition: str) -> None:
         page.wait_for_timeout(20)
 
 
-def watch(page: Any, place: float) -> None:
+def watch(page: Any, place: float, starts: list[float]) -> None:
     """Keep how near the disk comes to a place, `nearest`, and its `furthest` from the start.
 
-    A tap may be over between two looks at the page.
+    A disk that arrives after a release recoils at once, between two looks at the page. No strike
+    is missed: the disk was where the event that it struck starts, at `starts`.
     """
     page.evaluate(
-        """(place) => {
+        """([place, starts]) => {
             window.nearest = 1;
             window.furthest = 0;
             const take = overview.take.bind(overview);
             overview.take = (told) => {
-                nearest = Math.min(nearest, Math.abs(told.cursor - place));
-                furthest = Math.max(furthest, told.cursor);
+                for (const at of [told.cursor, ...told.struck.map(({ event }) => starts[event])]) {
+                    nearest = Math.min(nearest, Math.abs(at - place));
+                    furthest = Math.max(furthest, at);
+                }
                 take(told);
             };
         }""",
-        place,
+        [place, starts],
     )
 
 

@@ -221,7 +221,7 @@ class PlayApp(App[None]):
     # --- the view and the output ------------------------------------------------------------------
 
     def action_zoom(self, direction: int) -> None:
-        """More or less detail about the cursor."""
+        """More or less detail about the finger, or the disk if no hand holds it."""
         self._moves.zoom(direction)
 
     def action_whole(self) -> None:

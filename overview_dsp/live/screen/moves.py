@@ -46,8 +46,8 @@ class Moves:
             self._player.tap(self._player.finger)
 
     def zoom(self, direction: int) -> None:
-        """More or less detail about the cursor."""
-        self._player.zoom(ZOOM if direction > 0 else 1.0 / ZOOM, self._cursor)
+        """More or less detail about the finger, or the disk if no hand holds it."""
+        self._player.zoom(ZOOM if direction > 0 else 1.0 / ZOOM, self.finger())
 
     def press(self, key: str, status: Status) -> None:
         """Do what a key is for; an unknown one does nothing."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 import unicodedata
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from importlib import metadata
 
 from overview_dsp.data.timeline import Timeline
@@ -27,11 +29,15 @@ _UNIT_OF_KEY = re.compile(r"_(db|hz|ms|s|mnm)$")
 
 @dataclass(frozen=True)
 class Image:
-    """A timeline in a preset: the bytes, the tail in seconds, the parameters' values."""
+    """A timeline in a preset: the bytes, the tail in seconds, the parameters' values, the map.
+
+    The map is of times (s) and their positions (0 to 1).
+    """
 
     data: bytes
     tail_s: float
     values: tuple[float, ...]
+    map: tuple[tuple[float, float], ...]
 
     @property
     def digest(self) -> str:
@@ -43,11 +49,13 @@ class Image:
 class Bundle:
     """What a plugin is called, its timelines and presets by name, and an image for each pair.
 
-    The images of a timeline are in the presets' order, those of the next one behind them.
+    The images of a timeline are in the presets' order, those of the next one behind them. The
+    timelines' starts are s since 1970 on their own clock, NaN where there is no calendar.
     """
 
     name: str
     timelines: tuple[str, ...]
+    starts_s: tuple[float, ...]
     presets: tuple[str, ...]
     images: tuple[Image, ...]
 
@@ -98,7 +106,15 @@ def bundle_of(
                 noted.setdefault((preset.name, *one), []).append(called)
     for (preset_name, text, category), of in noted.items():
         warnings.warn(f"{', '.join(of)} in {preset_name}: {text}", category, stacklevel=3)
-    return Bundle(name, tuple(timelines), tuple(preset.name for preset in presets), tuple(images))
+    starts = tuple(_start_of(timeline) for timeline in timelines.values())
+    names = tuple(preset.name for preset in presets)
+    return Bundle(name, tuple(timelines), starts, names, tuple(images))
+
+
+def _start_of(timeline: Timeline) -> float:
+    if timeline.start is None:
+        return math.nan
+    return (timeline.start.replace(tzinfo=None) - datetime(1970, 1, 1)) / timedelta(seconds=1)
 
 
 def _image_of(timeline: Timeline, preset: Preset, seed: int) -> Image:
@@ -106,7 +122,9 @@ def _image_of(timeline: Timeline, preset: Preset, seed: int) -> Image:
     engine.prepare(_IMAGE_RATE)
     data = encode_engine(engine)
     values = engine.memory[layout.PARAMS : layout.PARAMS + layout.PARAMETERS]
-    return Image(data, engine.tail_seconds, tuple(map(float, values)))
+    made = engine.surface.angle_map
+    points = zip(made.time_s.tolist(), made.position.tolist(), strict=True)
+    return Image(data, engine.tail_seconds, tuple(map(float, values)), tuple(points))
 
 
 def _quoted(text: bytes) -> str:
@@ -160,7 +178,7 @@ def bundle_source(bundle: Bundle) -> Iterator[str]:
     def text(value: str) -> str:
         return _quoted(value.encode())
 
-    yield '#include "bundle.h"\n\n'
+    yield '#include "bundle.h"\n\n#include <math.h>\n\n'
     for what, value in (
         ("id", bundle.id),
         ("name", bundle.name),
@@ -183,15 +201,21 @@ def bundle_source(bundle: Bundle) -> Iterator[str]:
     yield "".join(labels) + "};\n"
     yield f"const int bundle_timelines_count = {len(bundle.timelines)};\n"
     yield f"const char *const bundle_timelines[] = {{{', '.join(map(text, bundle.timelines))}}};\n"
+    starts = ", ".join("NAN" if start != start else start.hex() for start in bundle.starts_s)
+    yield f"const double bundle_starts[] = {{{starts}}};\n"
     yield f"const int bundle_presets_count = {len(bundle.presets)};\n"
     yield "const bundle_preset bundle_presets[] = {\n"
     for number, preset in enumerate(bundle.presets):
         values = ", ".join(value.hex() for value in bundle.of_preset(number)[0].values)
         yield f"    {{{text(preset)}, {text(bundle.uri(number))},\n     {{{values}}}}},\n"
-    yield "};\nconst bundle_image bundle_images[] = {\n"
+    yield "};\n"
+    for number, image in enumerate(bundle.images):
+        points = ", ".join(f"{{{time.hex()}, {place.hex()}}}" for time, place in image.map)
+        yield f"static const double map_{number}[][2] = {{{points}}};\n"
+    yield "const bundle_image bundle_images[] = {\n"
     at = 0
-    for image in bundle.images:
-        size = len(image.data)
-        yield f"    {{{text(image.digest)}, {at}, {size}, {image.tail_s.hex()}}},\n"
+    for number, image in enumerate(bundle.images):
+        size, points = len(image.data), f"map_{number}, {len(image.map)}"
+        yield f"    {{{text(image.digest)}, {at}, {size}, {image.tail_s.hex()}, {points}}},\n"
         at += size
     yield "};\n" + _DATA

@@ -59,6 +59,23 @@ export class Hand {
   }
 
   /**
+   * A source touches anew, so that the disk arrives at `place`: a move is held back by the backlash.
+   * @param {Source} source
+   * @param {number} place
+   */
+  setDown(source, place) {
+    if (this.holder !== source) {
+      this.hold(source, place);
+      return;
+    }
+    this.place = this.raw[source] = Math.min(Math.max(place, 0), 1);
+    this.gap = 0;
+    this.strokes.release(performance.now());
+    this.strokes.touch(this.place);
+    this.onchange();
+  }
+
+  /**
    * A source lets go: another that still holds goes on, or the disk, which arrives and recoils.
    * @param {Source} source
    */

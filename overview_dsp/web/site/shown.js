@@ -130,7 +130,7 @@ export class Shown {
       this.under = part;
       this.take(view);
       if (this.hand.holder === "keys") {
-        this.hand.hold("keys", placeAt(view, moment));
+        this.hand.setDown("keys", placeAt(view, moment));
       }
       this.tell();
       this.onfault("");

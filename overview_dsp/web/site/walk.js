@@ -31,12 +31,15 @@ export class Walk {
     const wanted = place + by;
     const side = Math.sign(by);
     if ((wanted > 1 && place === 1) || (wanted < 0 && place === 0)) this.shown.beside(side);
-    else this.to(wanted);
+    else {
+      this.hand.hold("keys", wanted);
+      this.sayPlace();
+    }
   }
 
   /** @param {number} place */
   to(place) {
-    this.hand.hold("keys", place);
+    this.hand.setDown("keys", place);
     this.sayPlace();
   }
 

@@ -114,6 +114,11 @@ static void host_close(void) {
     entry->deinit();
 }
 
+static bool host_text(unsigned number, const char *said, double *value, char text[256]) {
+    if (!params->text_to_value(plugins[0], number, said, value)) return false;
+    if (!params->value_to_text(plugins[0], number, *value, text, 256)) fail("no text");
+    return true;
+}
 static void host_list(void) {
     const clap_plugin_audio_ports_t *audio = plugins[0]->get_extension(plugins[0], CLAP_EXT_AUDIO_PORTS);
     clap_audio_port_info_t port;

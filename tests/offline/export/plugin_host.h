@@ -4,6 +4,7 @@
    HOST PLUGIN list
    HOST PLUGIN play RATE BLOCK FRAMES EVENTS OUT STATE_IN STATE_OUT WARM
    HOST PLUGIN load STATE...           says 1 for each that is taken, 0 for each refused
+   HOST PLUGIN texts STATE NUMBER TEXT...   the value of each text of a parameter, and its text again
    HOST PLUGIN probe                   calls every function with what it must refuse or bear
 
    PLUGIN: the library. BLOCK 0: of any size from 1 to 512. EVENTS: rows of kind (0 value, 1 key down,
@@ -72,6 +73,7 @@ static int64_t taken(memory_file *from, void *data, uint64_t size) {
 
 static void host_open(void *library, const char *path);
 static void host_list(void);
+static bool host_text(unsigned number, const char *said, double *value, char text[256]);
 static void host_probe(void);
 static void host_flush(int i, const list *events);
 static bool host_activate(int i, double rate);
@@ -180,6 +182,14 @@ int main(int count, char **given) {
     else if (!strcmp(given[2], "load")) {
         for (i = 3; i < count; i++) printf("%d", load(0, given[i]));
         printf("\n");
+    } else if (!strcmp(given[2], "texts") && count > 4) {
+        if (*given[3] == '/' && !load(0, given[3])) fail("state refused");
+        for (i = 5; i < count; i++) {
+            double value;
+            char text[256];
+            if (host_text((unsigned)strtoul(given[4], NULL, 10), given[i], &value, text)) printf("%.17g\t%s\n", value, text);
+            else printf("refused\n");
+        }
     } else if (count > 10) play_all(given);
     else fail("usage");
     host_close();

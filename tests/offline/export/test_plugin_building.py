@@ -19,6 +19,7 @@ from tests.offline.export.plugin_playing import (
     built_host,
     library_of,
     natively,
+    number_of,
     score,
 )
 
@@ -111,3 +112,15 @@ def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatc
     assert not [*tmp_path.iterdir()]
     same = overview("plugin", "build", f"a/{MATCH}", f"b/{MATCH}", "--to", "clap")
     assert same.code == 2
+
+
+def test_an_angle_of_a_timeline_with_a_calendar_is_told_as_a_date(tmp_path):
+    share, gravel = ov.load_timeline("made-up-share"), ov.load_preset("gravel")
+    plugin = ov.export.build_plugin(share, gravel, "clap", tmp_path, name="Share")
+    host = Host("clap", built_host("clap", tmp_path), library_of(plugin))
+    surface = ov.build_surface(share, gravel)
+    places = [*(n / 37 for n in range(38))]
+    said = host.run("texts", "-", number_of("theta2"), *places).splitlines()
+    for place, line in zip(places, said, strict=True):
+        moment = share.moment_text(float(surface.time_at(place)))
+        assert line.partition("\t")[2] == f"{place:.9g} ({moment})"

@@ -320,3 +320,25 @@ def test_the_host_is_told_every_parameter(host, presets):
             assert text.endswith(known.unit)
     assert rows[numbers["preset"]][-1].strip() == "viscous"
     assert rows[numbers["timeline"]][-1].strip() == "match"
+
+
+def test_an_angle_is_told_and_taken_as_a_moment_of_the_chosen_timeline(
+    host, timelines, presets, play, tmp_path
+):
+    number = number_of("theta2") & {"clap": 2**32 - 1, "vst3": 2**31 - 1}[host.to]
+    play([SECOND_HALF], frames=1, saved=tmp_path / "second")
+    places = (0.0, 0.1, 0.25, 0.52, 0.7176, 0.999, 1.0)
+    clocks = {"0:00": 0.0, "45:10": 2710.0, "0:45:10": 2710.0, "40:00.5": 2400.5}
+    wrong = ("2:00:00", "-0:30", "1:2:3:4", "45:", ":10", "45:x", "1.5", "kick-off")
+    for state, timeline in zip(("-", tmp_path / "second"), timelines.values(), strict=True):
+        surface = ov.build_surface(timeline, presets["viscous"])
+        assert not surface.angle_map.is_linear
+        said = host.run("texts", state, number, *places, *clocks, *wrong).splitlines()
+        for place, line in zip(places, said, strict=False):
+            moment = timeline.moment_text(float(surface.time_at(place)))
+            value, text = line.split("\t")
+            assert (float(value), text) == (place, f"{place:.9g} ({moment})")
+        for time_s, line in zip(clocks.values(), said[len(places) :], strict=False):
+            value = float(line.partition("\t")[0])
+            assert value == pytest.approx(float(surface.position_of(time_s)), abs=1e-12)
+        assert said[-len(wrong) :] == ["refused"] * len(wrong)

@@ -242,6 +242,17 @@ static const char *plain_text(const int16_t *text) {
     to[n] = 0;
     return to;
 }
+static bool host_text(unsigned number, const char *said, double *value, char text[256]) {
+    struct v3_edit_controller const **c = controllers[0];
+    v3_str_128 wide;
+    int n = 0;
+    do wide[n] = said[n];
+    while (said[n++]);
+    if ((*c)->get_parameter_value_for_string(c, number, wide, value)) return false;
+    if ((*c)->get_parameter_string_for_value(c, number, *value, wide)) fail("no text");
+    snprintf(text, 256, "%s", plain_text(wide));
+    return true;
+}
 static void host_list(void) {
     struct v3_edit_controller const **c = controllers[0];
     struct v3_bus_info bus;

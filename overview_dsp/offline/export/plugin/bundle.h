@@ -15,6 +15,8 @@ typedef struct {
     const char *digest; /* SHA-256 of the image */
     int64_t at, bytes; /* in bundle_data */
     double tail; /* s, from the last release to exact silence, with the preset's own values */
+    const double (*map)[2]; /* times, s, and their positions, 0 to 1; linear in between */
+    int points; /* of the map */
 } bundle_image;
 
 typedef struct {
@@ -26,6 +28,7 @@ extern const char bundle_id[], bundle_name[], bundle_version[], bundle_descripti
 extern const uint32_t bundle_class[4]; /* in VST3 */
 extern const int bundle_presets_count, bundle_timelines_count;
 extern const char *const bundle_timelines[];
+extern const double bundle_starts[]; /* of the timelines: s since 1970 on their own clock, or NaN */
 extern const bundle_preset bundle_presets[];
 extern const bundle_image bundle_images[]; /* a timeline's in every preset, then the next one's */
 extern const bundle_label bundle_labels[OVERVIEW_PARAMETERS];

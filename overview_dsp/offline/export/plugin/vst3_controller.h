@@ -133,7 +133,7 @@ static v3_result V3_API parameter_text(void *self, v3_param_id id, double normal
     return V3_OK;
 }
 static v3_result V3_API parameter_from_text(void *self, v3_param_id id, int16_t *text, double *normal) {
-    const voice *v = &OF(self, controller)->voice;
+    voice *v = &OF(self, controller)->voice;
     int which = parameter_of(id);
     char said[512];
     double plain;
