@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import re
 import shutil
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -115,6 +116,8 @@ def api_pages(folder: Path) -> None:
     (folder / "index.rst").write_text(text, encoding="utf-8")
     for face, words in FACES.items():
         module = getattr(ov, face)
+        # a name of `ov`, not a module's: autodoc imports what it documents
+        sys.modules.setdefault(f"overview_dsp.{face}", module)
         public = list(getattr(module, "__all__", ()))
         shared = [n for n in public if n in ov.__all__ and getattr(module, n) is getattr(ov, n)]
         own = [n for n in public if n not in shared]

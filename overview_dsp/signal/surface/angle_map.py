@@ -4,9 +4,10 @@ Every conversion between a time of a timeline and a position of its surface (0 t
 goes through one `AngleMap`, which the surface holds. A window of a timeline has a map of its own.
 
 1. The times of the events to keep apart, sorted, cut the timeline of T seconds into n gaps.
-2. No gap may be narrower than `least = share * T / n`, or as many times that as it has events that
-   fill it up, with n the number of them all. Narrower gaps become that wide, and all others shrink
-   by one factor, so that the sum is T again.
+2. No gap may be narrower than `least = share * T / n`: narrower gaps become that wide, and all
+   others shrink by one factor, so that the sum is T again. Where touches and shots lie between
+   them, these get `share * T`, by their numbers, and the gaps `BESIDE` of that besides, evenly; so
+   they are felt one by one about a goal, too.
 3. Positions are linear in time between these events. Events of one time keep their order, `least`
    apart; the curve takes the position of the last one there. Events at the ends stay there.
 
@@ -27,7 +28,13 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import Preset
 
-FILL = frozenset((*TICKS, "touch", "shot"))
+BETWEEN = frozenset(("touch", "shot"))
+"""Event kinds that lie between those that are kept apart, and need room there."""
+
+BESIDE = 0.3
+"""Room of the events that are kept apart, relative to that of what lies between them."""
+
+FILL = BETWEEN | frozenset(TICKS)
 """Event kinds that aren't kept apart."""
 
 SHARE = "surface.angle_map"
@@ -71,8 +78,7 @@ class AngleMap:
             times = [time_s for _, time_s in _apart(timeline)]
             points = np.concatenate((ends[:1], times, ends[1:]))
             gaps = np.diff(points)
-            places = 1.0 + _fill_between(timeline, points)
-            least = share * timeline.duration_s * places / places.sum()
+            least = _least_gaps(timeline, points, share)
             if (gaps < least).any():
                 made = cls(points, _spread(gaps, least), made.events)
         return made.on(timeline)
@@ -150,10 +156,15 @@ def _apart(timeline: Timeline) -> Iterator[tuple[int, float]]:
             yield i, event.time_s
 
 
-def _fill_between(timeline: Timeline, points: Array) -> Array:
-    """Return how many events fill each gap between points."""
-    times = [event.time_s for event in timeline.events if event.kind in FILL]
-    return np.diff(np.searchsorted(times, points)).astype(np.float64)
+def _least_gaps(timeline: Timeline, points: Array, share: float) -> Array:
+    """Return the narrowest that each gap between points may become, s."""
+    gaps = len(points) - 1
+    times = [event.time_s for event in timeline.events if event.kind in BETWEEN]
+    between = np.diff(np.searchsorted(times, points)).astype(np.float64)
+    if not between.any():
+        return np.full(gaps, share * timeline.duration_s / gaps)
+    room = BESIDE / gaps + between / between.sum()
+    return np.asarray(timeline.duration_s * min(share, 1.0 / (1.0 + BESIDE)) * room)
 
 
 def _spread(gaps: Array, least: Array) -> Array:

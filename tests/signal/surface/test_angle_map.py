@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.signal.surface.angle_map import FILL, AngleMap
+from overview_dsp.signal.surface.angle_map import BETWEEN, FILL, AngleMap
 from tests.data.timeline.strategies import timelines
 from tests.examples import preset_with, timeline_of
 
@@ -40,12 +40,14 @@ def apart(timeline):
     ]  # fmt: skip
 
 
-def places(timeline):
-    """What part of all room each gap is promised: one for itself, one for each that fills it up."""
+def least_gaps(timeline, share):
+    """The least width of each gap: even, or by the touches and shots that lie in it."""
     ends = [0.0, *(timeline.events[i].time_s for i in apart(timeline)), timeline.duration_s]
-    fill = [e.time_s for e in timeline.events if e.kind in FILL]
-    counts = np.array([1 + sum(a <= t < b for t in fill) for a, b in pairwise(ends)])
-    return counts / counts.sum()
+    between = [e.time_s for e in timeline.events if e.kind in BETWEEN]
+    counts = np.array([sum(a <= t < b for t in between) for a, b in pairwise(ends)])
+    if not counts.any():
+        return np.full(len(counts), share / len(counts))
+    return min(share, 1.0 / 1.3) * (counts / counts.sum() + 0.3 / len(counts))
 
 
 @given(timelines(), SHARES)
@@ -56,7 +58,7 @@ def test_the_map_is_monotonic_fixes_the_ends_and_keeps_neighbours_apart(timeline
     assert (np.diff(made.position) > 0.0).all()
     at = made.events[apart(timeline)]
     if len(at) and timeline.until_s is None:
-        least = share * places(timeline)
+        least = least_gaps(timeline, share)
         gaps = np.diff([0.0, *at, 1.0])
         assert (gaps >= least * (1.0 - 1e-9)).all()
         # what isn't widened shrinks by one factor
@@ -90,7 +92,7 @@ def test_events_of_one_time_keep_their_order_and_the_curve_takes_the_last_ones_p
     timeline = crowded()
     made = AngleMap.of(timeline, mapped(0.7))
     same = [i for i in apart(timeline) if timeline.events[i].time_s == 1020.0]
-    least = 0.7 * places(timeline).min()
+    least = least_gaps(timeline, 0.7).min()
     assert np.diff(made.events[same]) == pytest.approx([least, least])
     assert made.position_of(1020.0) == made.events[same[-1]]
     assert made.time_at(made.events[same]).tolist() == [1020.0] * 3
@@ -161,7 +163,7 @@ def test_a_window_has_a_map_of_its_own():
     window = timeline.window(990.0, 1100.0)
     surface = ov.build_surface(window, preset)
     assert surface.time_at([0.0, 1.0]).tolist() == [0.0, 110.0]
-    between_first_fouls = 0.7 * places(window)[1]
+    between_first_fouls = least_gaps(window, 0.7)[1]
     assert np.diff(surface.position_of([10.0, 15.0])) == pytest.approx(between_first_fouls)
 
 
