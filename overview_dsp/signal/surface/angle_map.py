@@ -5,9 +5,9 @@ goes through one `AngleMap`, which the surface holds. A window of a timeline has
 
 1. The times of the events to keep apart, sorted, cut the timeline of T seconds into n gaps.
 2. No gap may be narrower than `least = share * T / n`: narrower gaps become that wide, and all
-   others shrink by one factor, so that the sum is T again. Where touches and shots lie between
-   them, these get `share * T`, by their numbers, and the gaps `BESIDE` of that besides, evenly; so
-   they are felt one by one about a goal, too.
+   others shrink by one factor, so that the sum is T again. Touches and shots between them count in
+   n and give their gap as much room each, so that they are felt one by one about a goal, too; many
+   of them leave a gap `BESIDE` of the room that it has without any.
 3. Positions are linear in time between these events. Events of one time keep their order, `least`
    apart; the curve takes the position of the last one there. Events at the ends stay there.
 
@@ -32,7 +32,7 @@ BETWEEN = frozenset(("touch", "shot"))
 """Event kinds that lie between those that are kept apart, and need room there."""
 
 BESIDE = 0.3
-"""Room of the events that are kept apart, relative to that of what lies between them."""
+"""The least room of the events that are kept apart, relative to that with nothing between them."""
 
 FILL = BETWEEN | frozenset(TICKS)
 """Event kinds that aren't kept apart."""
@@ -161,10 +161,9 @@ def _least_gaps(timeline: Timeline, points: Array, share: float) -> Array:
     gaps = len(points) - 1
     times = [event.time_s for event in timeline.events if event.kind in BETWEEN]
     between = np.diff(np.searchsorted(times, points)).astype(np.float64)
-    if not between.any():
-        return np.full(gaps, share * timeline.duration_s / gaps)
-    room = BESIDE / gaps + between / between.sum()
-    return np.asarray(timeline.duration_s * min(share, 1.0 / (1.0 + BESIDE)) * room)
+    all_places = gaps + float(between.sum())
+    room = max(1.0 / all_places, BESIDE / gaps) + between / all_places
+    return np.asarray(timeline.duration_s * min(share, 1.0 / float(room.sum())) * room)
 
 
 def _spread(gaps: Array, least: Array) -> Array:

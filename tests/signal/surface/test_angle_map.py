@@ -41,13 +41,13 @@ def apart(timeline):
 
 
 def least_gaps(timeline, share):
-    """The least width of each gap: even, or by the touches and shots that lie in it."""
+    """The least width of each gap, by the touches and shots that lie in it."""
     ends = [0.0, *(timeline.events[i].time_s for i in apart(timeline)), timeline.duration_s]
     between = [e.time_s for e in timeline.events if e.kind in BETWEEN]
     counts = np.array([sum(a <= t < b for t in between) for a, b in pairwise(ends)])
-    if not counts.any():
-        return np.full(len(counts), share / len(counts))
-    return min(share, 1.0 / 1.3) * (counts / counts.sum() + 0.3 / len(counts))
+    own = max(1 / (len(counts) + counts.sum()), 0.3 / len(counts))
+    room = own + counts / (len(counts) + counts.sum())
+    return room * min(share, 1.0 / room.sum())
 
 
 @given(timelines(), SHARES)
