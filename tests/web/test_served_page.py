@@ -159,8 +159,12 @@ def test_a_browser_that_cant_open_the_socket_is_shown_what_it_needs(match, chrom
 # --- the page sounds by itself -------------------------------------------------------------------
 
 
-def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, springy_file, chromium):
+def test_a_served_page_sounds_by_itself_from_its_first_window_on(
+    match, springy_football, springy_file, chromium
+):
     first = (3000.0, 4500.0)
+    part = ov.build_surface(match.window(*first), springy_football)
+    goal = float(part.position_of(4050.0 - first[0]))
     with (
         served(match, plays=False, preset=str(springy_file), first=first) as server,
         page_of(server, chromium) as (tab, wrong),
@@ -177,9 +181,9 @@ def test_a_served_page_sounds_by_itself_from_its_first_window_on(match, springy_
         }""")
         tab.mouse.move(*at(tab, 0.1))
         tab.mouse.down()
-        tab.mouse.move(*at(tab, 0.7), steps=40)
+        tab.mouse.move(*at(tab, goal), steps=40)
         # the sound may still load
-        until(tab, "p.meters?.strikes > 5 && Math.abs(p.cursor - 0.7) < 0.01")
+        until(tab, f"p.meters?.strikes > 5 && Math.abs(p.cursor - {goal}) < 0.01")
         # the surface of that part, with details: the whole has fewer events
         assert tab.evaluate("Math.max(...struck)") > len(match.events)
         says(tab, "clock", "67:")  # drawn a frame after the disk is there
