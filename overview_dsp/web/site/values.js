@@ -39,12 +39,12 @@ export function valueText(value, { series }) {
  * @param {number} direction
  */
 export function extremeOf(view, direction) {
-  const [values, first, last, placeAt] = within(view);
+  const [values, first, last, placeOf] = within(view);
   let best = first;
   for (let i = first; i <= last; i += 1) {
     if ((values[i] - values[best]) * direction > 0) best = i;
   }
-  return Math.min(Math.max(placeAt(best), 0), 1);
+  return Math.min(Math.max(placeOf(best), 0), 1);
 }
 
 /**
