@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
 from overview_dsp.cli.common import print_json
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from overview_dsp.live.output_devices import OutputDevice
+
+_T = TypeVar("_T")
 
 
 @click.command(name="devices", epilog="Example: overview devices --json")
@@ -28,26 +32,27 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
     from overview_dsp.errors import OverviewError
     from overview_dsp.live.midi_port import midi_ports
     from overview_dsp.live.output_devices import devices, no_output_hint
-    from overview_dsp.live.pad_port import Pad, pads
+    from overview_dsp.live.pad_port import pads
     from overview_dsp.live.serial_port import PortInfo, ports
     from overview_dsp.live.serial_port import listen as hear
 
-    found = devices()
+    missing: dict[str, str] = {}
+
+    def listed(name: str, search: Callable[[], list[_T]]) -> list[_T]:
+        """What a search finds; nothing where it fails, with the reason in `missing`."""
+        try:
+            return search()
+        except OverviewError as error:
+            missing[name] = str(error)
+            return []
+
+    found = listed("outputs", devices)
     serial = ports()
     known = {port.device for port in serial}
     serial += [PortInfo(device, "", "") for device in more if device not in known]
     heard = hear([port.device for port in serial], listen, baud) if listen else {}
-    midi, why = [], ""
-    try:
-        midi = midi_ports()
-    except OverviewError as error:
-        why = str(error)
-    there: list[Pad] = []
-    why_no_pad = ""
-    try:
-        there = pads()
-    except OverviewError as error:
-        why_no_pad = str(error)
+    midi = listed("midi_ports", midi_ports)
+    there = listed("pads", pads)
     if as_json:
         print_json(
             {
@@ -57,11 +62,13 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
                 ],
                 "midi_ports": midi,
                 "pads": [{"kind": pad.kind, "name": pad.name} for pad in there],
+                "missing": missing,
             }
         )
         return
     if not found:
-        click.echo(f"PortAudio sees no output: {no_output_hint()}; rendering to files needs none")
+        why = missing.get("outputs") or f"PortAudio sees none: {no_output_hint()}"
+        click.echo(f"no audio output: {why}; rendering to files needs none")
     for output in found:
         star = "*" if output.default else " "
         click.echo(
@@ -80,11 +87,11 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
     for name in midi:
         click.echo(f"  midi:{name}")
     if not midi:
-        click.echo(f"no MIDI port: {why or 'no controller is plugged in'}")
+        click.echo(f"no MIDI port: {missing.get('midi_ports', 'no controller is plugged in')}")
     for pad in there:
         click.echo(f"  pad:{pad.kind} {pad.name}")
     if not there:
-        click.echo(f"no game pad: {why_no_pad or 'none is plugged in or paired'}")
+        click.echo(f"no game pad: {missing.get('pads', 'none is plugged in or paired')}")
 
 
 def _plays(output: OutputDevice) -> str | None:

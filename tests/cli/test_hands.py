@@ -13,6 +13,8 @@ import time
 import pytest
 
 from overview_dsp.devices.controllers.osc_map import load_osc_map
+from overview_dsp.errors import OverviewError
+from overview_dsp.live import midi_port, output_devices, pad_port
 from tests.cli.running import MATCH, ROOT, overview, refused
 from tests.devices.controllers.osc_bytes import message
 
@@ -135,10 +137,23 @@ def test_lines_and_osc_play_together_and_each_is_reported(tmp_path):
     assert {"twist", "osc"} <= sources, sources
 
 
-def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
-    pytest.importorskip("sounddevice", exc_type=OSError, reason="needs PortAudio")
-    from overview_dsp.live import midi_port, pad_port
+def test_devices_without_portaudio_lists_the_rest_and_says_what_is_missing(monkeypatch):
+    def no_library():
+        raise OverviewError("no PortAudio library: install it")
 
+    monkeypatch.setattr(output_devices, "devices", no_library)
+    monkeypatch.setattr(pad_port, "pads", lambda: [pad_port.Pad("joycon", "Joy-Con (L)", b"")])
+    lines = overview("devices", "--listen", 0)
+    assert lines.code == 0
+    assert "no audio output: no PortAudio library: install it" in lines.out
+    assert "pad:joycon Joy-Con (L)" in lines.out
+    report = json.loads(overview("devices", "--json", "--listen", 0).out)
+    assert report["missing"]["outputs"] == "no PortAudio library: install it"
+    assert report["outputs"] == []
+    assert [pad["kind"] for pad in report["pads"]] == ["joycon"]
+
+
+def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
     monkeypatch.setattr(midi_port, "midi_ports", lambda: ["nanoKONTROL2"])
     assert "midi:nanoKONTROL2" in overview("devices", "--listen", 0).out
     found = json.loads(overview("devices", "--listen", 0, "--json").out)
