@@ -15,7 +15,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.kernels.compiling import NUMBA
-from overview_dsp.live.portaudio_library import SOUNDDEVICE, import_sounddevice
+from overview_dsp.live.output.portaudio_library import SOUNDDEVICE, import_sounddevice
 
 ROOT = Path(__file__).resolve().parents[1]
 LATE = (
@@ -288,7 +288,7 @@ def test_a_wheel_has_what_the_page_loads(installed):
 def test_a_wheel_finds_its_sensors_from_any_folder(installed, tmp_path):
     code = """
 import json
-from overview_dsp.devices.sensors.profile_file import LIBRARY, load_sensor
+from overview_dsp.devices.sensors.profile import LIBRARY, load_sensor
 print(json.dumps([[name, load_sensor(name).source] for name in LIBRARY.bundled]))
 """
     found = json.loads(python(code, tmp_path, installed))

@@ -89,7 +89,7 @@ def test_a_name_that_never_was_is_an_attribute_error(module):
 
 def test_the_error_tree_is_drawn_as_it_is():
     from overview_dsp import errors
-    from overview_dsp.live.port_lost import PortLostError
+    from overview_dsp.live.ports.port import PortLostError
 
     drawn = dict(re.findall(r"── (\w+Error) .* (\d)$", errors.__doc__, re.M))
     classes = {"PortLostError": PortLostError, **vars(errors)}

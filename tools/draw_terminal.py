@@ -13,12 +13,12 @@ import sys
 from pathlib import Path
 
 import overview_dsp as ov
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.screen import PlayApp
 from overview_dsp.live.screen.timeline_view import TimelineView
-from overview_dsp.live.silent import SilentStream
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 
 OUT = Path(__file__).parent.parent / "docs" / "pictures" / "play.svg"
 SIZE = (110, 30)

@@ -18,7 +18,7 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.callback import native_callback
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.signal.engine.simd_batch import EngineBatch
 
 RATE = 48_000

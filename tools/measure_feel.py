@@ -32,7 +32,7 @@ import overview_dsp as ov  # noqa: E402
 from overview_dsp.design.gestures.scripts import CONTROL_RATE  # noqa: E402
 from overview_dsp.measure import arm  # noqa: E402
 from overview_dsp.measure.felt_events import FeltEvents, felt_events  # noqa: E402
-from overview_dsp.offline.rendering.click_loudness import ClickMeter, loudness_of  # noqa: E402
+from overview_dsp.offline.rendering.stems import ClickMeter, loudness_of  # noqa: E402
 from tests.feel import curves  # noqa: E402
 from tests.feel.whole_matches import CARDS, GOALS, real_files  # noqa: E402
 

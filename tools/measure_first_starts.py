@@ -115,18 +115,18 @@ def run(name: str) -> None:
 
 def mark_first_block() -> None:
     """Have the first block that an output without a device plays write `HEARD`."""
-    from overview_dsp.live import silent
+    from overview_dsp.live.output import silent_stream
 
-    play: Callable[..., bool] = silent.run_block
+    play: Callable[..., bool] = silent_stream.run_block
 
     def marked(engine: Any, out: Any) -> bool:
         over = play(engine, out)
         if len(out):
-            silent.run_block = play
+            silent_stream.run_block = play
             Path(HEARD).touch()
         return over
 
-    silent.run_block = marked
+    silent_stream.run_block = marked
 
 
 def hear_served(address: str) -> None:

@@ -29,8 +29,7 @@ from simulated_board import BoardMotor
 from simulated_motor import flick, jiggle
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors.profile import Sensor
-from overview_dsp.devices.sensors.profile_file import load_sensor
+from overview_dsp.devices.sensors.profile import Sensor, load_sensor
 
 DELAYS_MS = (0.0, 2.0, 5.0, 10.0, 20.0)
 SWEEPS_S = (1.0, 2.0, 3.0, 4.0, 6.0)

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 import overview_dsp as ov
 from overview_dsp.measure.observer import observing, strokes
 from overview_dsp.measure.observer.noticed import MODALITIES, PACE, Modality, Noticed, notice
-from overview_dsp.measure.observer.passages import Met, met, owners
 from overview_dsp.measure.observer.scoring import groups_of
+from overview_dsp.measure.observer.strokes import Met, met, owners
 
 ALPHAS = (0.0, 0.25, 0.5, 0.71)
 """0.71 is what football's compression leaves of a pace's level: all of it is taken off."""

@@ -38,7 +38,7 @@ def say(line: str) -> None:
 
 def announce_compile(*kernels: str) -> None:
     """Say so when the first use of the kernels on this machine is about to compile them."""
-    from overview_dsp.signal.engine.compile_notice import announce_compile
+    from overview_dsp.signal.engine.coefficients import announce_compile
 
     announce_compile("process", *kernels)
 

@@ -11,7 +11,7 @@ from overview_dsp.cli.common import print_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from overview_dsp.live.output_devices import OutputDevice
+    from overview_dsp.live.output.devices import OutputDevice
 
 _T = TypeVar("_T")
 
@@ -30,11 +30,11 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
     theirs is opened.
     """
     from overview_dsp.errors import OverviewError
-    from overview_dsp.live.midi_port import midi_ports
-    from overview_dsp.live.output_devices import devices, no_output_hint
-    from overview_dsp.live.pad_port import pads
-    from overview_dsp.live.serial_port import PortInfo, ports
-    from overview_dsp.live.serial_port import listen as hear
+    from overview_dsp.live.output.devices import devices, no_output_hint
+    from overview_dsp.live.ports.midi import midi_ports
+    from overview_dsp.live.ports.pads import pads
+    from overview_dsp.live.ports.serial import PortInfo, ports
+    from overview_dsp.live.ports.serial import listen as hear
 
     missing: dict[str, str] = {}
 
@@ -97,8 +97,8 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
 def _plays(output: OutputDevice) -> str | None:
     """What `play` gives an output where that isn't the usual: as remembered, or as a pad's."""
     from overview_dsp.errors import OverviewError
-    from overview_dsp.live.kept_settings import load_settings, remembered_actuator
-    from overview_dsp.live.output_settings import OutputSettings
+    from overview_dsp.live.output.saved_settings import load_settings, remembered_actuator
+    from overview_dsp.live.output.settings import OutputSettings
 
     try:
         settings = load_settings(output.full_name, output.channels)

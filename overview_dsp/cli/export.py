@@ -15,14 +15,14 @@ from overview_dsp.cli.common import (
     read_gesture,
     window_options,
 )
-from overview_dsp.cli.options.actuator import actuator_option, calibrated, drive_line
+from overview_dsp.cli.options.output import actuator_option, calibrated, drive_line
 from overview_dsp.cli.options.timeline import (
     open_part,
     preset_for,
     preset_option,
     timeline_options,
 )
-from overview_dsp.cli.options.transcript import (
+from overview_dsp.cli.render import (
     require_transcripts,
     transcript_option,
     write_transcripts,
@@ -135,7 +135,7 @@ def command(
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable
     from overview_dsp.offline.export.writing import export
-    from overview_dsp.offline.rendering.happened import happened
+    from overview_dsp.offline.rendering.event_log import happened
     from overview_dsp.offline.rendering.offline import render
     from overview_dsp.offline.rendering.schedule import tail_of
     from overview_dsp.signal.actuators.stage import protected_report

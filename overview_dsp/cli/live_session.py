@@ -1,4 +1,9 @@
-"""What commands that play live share: the device, the player, its end by a signal or in time."""
+"""What commands that play live share: the device, the player, its end by a signal or in time.
+
+Signals that ask a command to end: SIGTERM and SIGHUP are as Ctrl-C, so nothing stays behind.
+
+What plays live answers them in its own way (`live_session.ended_by_signals`).
+"""
 
 from __future__ import annotations
 
@@ -16,18 +21,54 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from overview_dsp.cli.common import announce_compile, note, say
-from overview_dsp.cli.options.actuator import actuator_option
-from overview_dsp.cli.options.output import output_options, output_settings
-from overview_dsp.cli.stopping import signals_that_end
+from overview_dsp.cli.options.output import actuator_option, output_options, output_settings
 from overview_dsp.files.atomic import remove_temporaries
-from overview_dsp.live.device_names import SILENT, device_named
+from overview_dsp.live.output.devices import SILENT, device_named
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
-    from overview_dsp.live.growing import Growth
-    from overview_dsp.live.hand import Input
-    from overview_dsp.live.headless import Passed
-    from overview_dsp.live.player import Player
+    from overview_dsp.live.inputs.input import Input
+    from overview_dsp.live.session.growing import Growth
+    from overview_dsp.live.session.headless import Passed
+    from overview_dsp.live.session.player import Player
+
+
+_received: list[int] = []
+
+
+def signals_that_end() -> list[int]:
+    """Those of this platform; one that is ignored stays so (nohup)."""
+    wanted = [
+        getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+    ]
+    return [number for number in wanted if signal.getsignal(number) is not signal.SIG_IGN]
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[None]:
+    """Raise KeyboardInterrupt for the first of them; what comes later disturbs no cleaning up."""
+    _received.clear()
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, _stop) for number in signals_that_end()}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _stop(number: int, frame: Any) -> None:
+    if not _received:
+        _received.append(number)
+        raise KeyboardInterrupt
+
+
+def stop_code() -> int:
+    """The exit code of a command that was stopped."""
+    return 128 + (_received[0] if _received else signal.SIGINT)
+
 
 END_WITHIN_S = 2.0
 
@@ -55,7 +96,7 @@ def live_options(function: Callable[..., Any]) -> Callable[..., Any]:
 def rate_given(context: Any, option: Any, rate: float | None) -> float | None:
     """A sample rate, refused here: the device would be asked for its own at 0."""
     from overview_dsp.errors import InputError
-    from overview_dsp.signal.engine.prepared import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
+    from overview_dsp.signal.engine.engine import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
 
     if rate is not None and not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
         raise InputError(
@@ -96,12 +137,12 @@ def opened_player(
         A device, file or value that can't be used.
     """
     from overview_dsp.files.atomic import require_writable
-    from overview_dsp.live.kept_settings import save_settings
-    from overview_dsp.live.kept_takes import take_cut_short
-    from overview_dsp.live.outputs import MAX_BLOCK, Outputs
-    from overview_dsp.live.pad_output import is_pad
-    from overview_dsp.live.player import Player
-    from overview_dsp.live.preset_watch import PresetWatch
+    from overview_dsp.live.output.saved_settings import save_settings
+    from overview_dsp.live.output.settings import is_pad
+    from overview_dsp.live.output.stream_opener import MAX_BLOCK, Outputs
+    from overview_dsp.live.session.player import Player
+    from overview_dsp.live.session.presets import PresetWatch
+    from overview_dsp.live.takes.recovery import take_cut_short
     from overview_dsp.signal.actuators.stage import warn_of_carrier
 
     live = dict(live)
@@ -162,7 +203,7 @@ def _device(device: str | None, sample_rate: float | None) -> tuple[str, float, 
     """The device's full name, the rate to play at, and how many channels it has."""
     if device == SILENT:
         return SILENT, sample_rate or 48_000.0, 0
-    from overview_dsp.live.output_devices import find_device
+    from overview_dsp.live.output.devices import find_device
 
     found = find_device(device_named(device))
     return found.full_name, sample_rate or found.sample_rate, found.channels
@@ -214,10 +255,10 @@ def print_lines(
     logged: bool = False,
 ) -> None:
     """Play with a line of JSON a second; the last one says what happened, unless it is `logged`."""
-    from overview_dsp.live.headless import run
+    from overview_dsp.live.session.headless import run
 
     def describe(passed: list[Passed]) -> dict[str, Any]:
-        from overview_dsp.offline.rendering.happened import as_records, of_events
+        from overview_dsp.offline.rendering.event_log import as_records, of_events
 
         times, events, levels = zip(*passed, strict=True) if passed else ((), (), ())
         timeline = player.engine.timeline

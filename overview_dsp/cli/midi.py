@@ -51,7 +51,7 @@ def learn(
         write_map,
     )
     from overview_dsp.files.atomic import require_writable
-    from overview_dsp.live.midi_port import MidiPort
+    from overview_dsp.live.ports.midi import MidiPort
 
     require_target(target, (THETA2, TOUCH, TAPS))
     stand_in = Control("keys", *KEYS) if target == TAPS else Control("cc", 1)

@@ -50,7 +50,7 @@ def learn(
         write_osc_map,
     )
     from overview_dsp.files.atomic import require_writable
-    from overview_dsp.live.osc_port import OscPort
+    from overview_dsp.live.ports.osc import OscPort
 
     require_target(target, (THETA2, TOUCH, DEVICE))
     to = "acceleration" if target == DEVICE else target

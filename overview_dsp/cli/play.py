@@ -123,7 +123,7 @@ def command(
         source = named.opened(player, stack.callback)
         invitation = ""
         if osc_out is not None:
-            from overview_dsp.live.osc_out import OscOut
+            from overview_dsp.live.ports.osc import OscOut
 
             stack.callback(OscOut(player.engine, osc_out, player.say).close)
         if remote:

@@ -1,9 +1,13 @@
-"""`overview render`: a gesture over a timeline, into a sound file."""
+"""`overview render`: a gesture over a timeline, into a sound file.
+
+The option --transcript: what happened when, into files or onto the terminal.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,7 +18,7 @@ from overview_dsp.cli.common import (
     read_gesture,
     window_options,
 )
-from overview_dsp.cli.options.actuator import actuator_option, calibrated, drive_line
+from overview_dsp.cli.options.output import actuator_option, calibrated, drive_line
 from overview_dsp.cli.options.timeline import (
     linear_option,
     open_part,
@@ -22,13 +26,59 @@ from overview_dsp.cli.options.timeline import (
     preset_option,
     timeline_options,
 )
-from overview_dsp.cli.options.transcript import (
-    require_transcripts,
-    require_wav,
-    transcript_option,
-    write_transcripts,
-)
 from overview_dsp.design.gestures.spec import DEFAULT, FORMS
+
+if TYPE_CHECKING:
+    from overview_dsp.offline.rendering.event_log import Happening
+
+
+TERMINAL = "-"
+
+transcript_option = click.option(
+    "--transcript",
+    "transcripts",
+    multiple=True,
+    metavar="FILE",
+    help="What happened when: .txt, .json, .vtt, .audacity.txt, .csv (REAPER), or - to print it. "
+    "May be given several times.",
+)
+
+
+def require_transcripts(paths: Sequence[str]) -> None:
+    """InputError, before any work, for a file that no transcript can be written to."""
+    from overview_dsp.files.atomic import require_writable
+    from overview_dsp.offline.rendering.event_log import writer_of
+
+    for path in paths:
+        if path != TERMINAL:
+            writer_of(path)
+            require_writable(Path(path))
+
+
+def require_wav(path: str) -> None:
+    """InputError if a sound file can't hold cue points."""
+    from overview_dsp.errors import InputError
+
+    if Path(path).suffix.lower() != ".wav":
+        raise InputError(f"{path}: --cues is for .wav files; give a --transcript for others")
+
+
+def write_transcripts(
+    paths: Sequence[str], passed: Sequence[Happening], as_json: bool
+) -> dict[str, Any]:
+    """Write or print what happened; what the JSON report says of it."""
+    from overview_dsp.offline.rendering.event_log import as_records, as_text, save_transcript
+
+    files = [path for path in paths if path != TERMINAL]
+    for path in files:
+        save_transcript(passed, path)
+        if not as_json:
+            click.echo(f"{path}: what happened when, {len(passed)} events")
+    if TERMINAL in paths and not as_json:
+        click.echo(as_text(passed), nl=False)
+    if not paths:
+        return {}
+    return {"transcripts": files, "happened": as_records(passed)}
 
 
 @click.command(
@@ -85,7 +135,7 @@ def command(
     """
     from overview_dsp.design.presets.library import load_preset
     from overview_dsp.files.cue_points import add_cues
-    from overview_dsp.offline.rendering.happened import happened
+    from overview_dsp.offline.rendering.event_log import happened
     from overview_dsp.offline.rendering.offline import render_to_file
     from overview_dsp.offline.rendering.schedule import tail_of
     from overview_dsp.offline.rendering.stems import stem_paths

@@ -34,7 +34,7 @@ def setup(port: str, path: str, baud: int, seconds: float, as_json: bool) -> Non
     from overview_dsp.devices.sensors.setup import Setup
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable, whole_file
-    from overview_dsp.live.serial_port import SerialPort
+    from overview_dsp.live.ports.serial import SerialPort
 
     require_writable(path)
     watched = Setup()
@@ -106,7 +106,7 @@ def profile(name: str | None, path: str | None, as_json: bool) -> None:
     """
     from pathlib import Path
 
-    from overview_dsp.devices.sensors.profile_file import LIBRARY, load_sensor
+    from overview_dsp.devices.sensors.profile import LIBRARY, load_sensor
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable, whole_file
 

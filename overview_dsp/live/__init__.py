@@ -21,11 +21,11 @@ from typing import TYPE_CHECKING
 from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
-    from overview_dsp.live.output_devices import OutputDevice, devices, find_device
-    from overview_dsp.live.output_settings import OutputSettings, SignalSettings
-    from overview_dsp.live.portaudio import OutputStream
-    from overview_dsp.live.silent import SilentStream
-    from overview_dsp.live.stream_meters import StreamMeters
+    from overview_dsp.live.output.devices import OutputDevice, devices, find_device
+    from overview_dsp.live.output.portaudio_stream import OutputStream
+    from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+    from overview_dsp.live.output.silent_stream import SilentStream
+    from overview_dsp.live.output.stream import StreamMeters
 
 __all__ = [
     "OutputDevice",
@@ -42,13 +42,13 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(
         __name__,
         {
-            "OutputDevice": "output_devices",
-            "OutputSettings": "output_settings",
-            "OutputStream": "portaudio",
-            "SignalSettings": "output_settings",
-            "SilentStream": "silent",
-            "StreamMeters": "stream_meters",
-            "devices": "output_devices",
-            "find_device": "output_devices",
+            "OutputDevice": "output.devices",
+            "OutputSettings": "output.settings",
+            "OutputStream": "output.portaudio_stream",
+            "SignalSettings": "output.settings",
+            "SilentStream": "output.silent_stream",
+            "StreamMeters": "output.stream",
+            "devices": "output.devices",
+            "find_device": "output.devices",
         },
     )

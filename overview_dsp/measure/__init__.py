@@ -20,14 +20,25 @@ from typing import TYPE_CHECKING
 from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
-    from overview_dsp.measure.apart import events_felt_apart
     from overview_dsp.measure.arm import ArmReport, ArmStroke, arm_report
     from overview_dsp.measure.character import Character, characters, level_matched_steps
     from overview_dsp.measure.comparing import character_steps, steps_apart
     from overview_dsp.measure.crowd import crowd_report
-    from overview_dsp.measure.crowd_kind import CrowdKind, CrowdReport, CrowdStroke
-    from overview_dsp.measure.felt import Stroke, event_levels, strokes, window_db
-    from overview_dsp.measure.kind_feel import FeelReport, KindFeel, StrokeReport
+    from overview_dsp.measure.feel_report import (
+        CrowdKind,
+        CrowdReport,
+        CrowdStroke,
+        FeelReport,
+        KindFeel,
+        StrokeReport,
+    )
+    from overview_dsp.measure.felt import (
+        Stroke,
+        event_levels,
+        events_felt_apart,
+        strokes,
+        window_db,
+    )
     from overview_dsp.measure.observer.observing import observe
     from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
     from overview_dsp.measure.observer.scoring import ObserverScores
@@ -95,17 +106,17 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "ArmReport": "arm",
             "ArmStroke": "arm",
             "Character": "character",
-            "CrowdKind": "crowd_kind",
-            "CrowdReport": "crowd_kind",
-            "CrowdStroke": "crowd_kind",
-            "FeelReport": "kind_feel",
-            "KindFeel": "kind_feel",
+            "CrowdKind": "feel_report",
+            "CrowdReport": "feel_report",
+            "CrowdStroke": "feel_report",
+            "FeelReport": "feel_report",
+            "KindFeel": "feel_report",
             "ObserverReport": "observer.report",
             "ObserverScores": "observer.scoring",
             "Onsets": "onset_detector",
             "SetScores": "observer.report",
             "Stroke": "felt",
-            "StrokeReport": "kind_feel",
+            "StrokeReport": "feel_report",
             "StrokeScores": "observer.report",
             "Tuned": "tuning.moves",
             "arm_report": "arm",
@@ -113,7 +124,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "characters": "character",
             "crowd_report": "crowd",
             "event_levels": "felt",
-            "events_felt_apart": "apart",
+            "events_felt_apart": "felt",
             "feel_report": "report",
             "level_matched_steps": "character",
             "observe": "observer.observing",

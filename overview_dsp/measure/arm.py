@@ -22,8 +22,8 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.measure.felt_events import FLOOR_DB, FeltEvents, felt_events
 from overview_dsp.measure.observer.noticed import APART_MS, TOUCH_WINDOW_S, levels, touch_pulses
-from overview_dsp.measure.observer.passages import AFTER_MS, BEFORE_MS
 from overview_dsp.measure.observer.scoring import GROUPS, MINOR
+from overview_dsp.measure.observer.strokes import AFTER_MS, BEFORE_MS
 from overview_dsp.measure.report_base import Report, cell
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.trace import Trace

@@ -28,9 +28,16 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CLICK, TACTOR
-from overview_dsp.measure.apart import HOP_S, knocks
-from overview_dsp.measure.felt import strokes, window_db
-from overview_dsp.measure.steps import FALL_DB, GESTURES, STEP_DURATION, STEP_SHARPNESS
+from overview_dsp.measure.felt import (
+    FALL_DB,
+    GESTURES,
+    KNOCK_HOP_S,
+    STEP_DURATION,
+    STEP_SHARPNESS,
+    knocks,
+    strokes,
+    window_db,
+)
 from overview_dsp.offline.rendering.offline import Result, render
 
 LEAST_DENSITY_HZ, LEAST_RHYTHM = 1.0, 0.2
@@ -180,21 +187,21 @@ def _differences(one: Character, other: Character) -> NDArray[np.float64]:
 
 def _character(result: Result, start: int, stop: int) -> Character:
     rate = result.sample_rate
-    level = window_db(result.samples[start:stop, TACTOR], rate, HOP_S)[1]
+    level = window_db(result.samples[start:stop, TACTOR], rate, KNOCK_HOP_S)[1]
     peaks = knocks(level)
     pauses = np.diff(peaks)
     rises, lasts = [], []
-    reach = round(RISE_S / HOP_S)
+    reach = round(RISE_S / KNOCK_HOP_S)
     for peak in peaks:
         before = level[max(0, peak - reach) : peak + 1]
         if len(before) > 1:
-            rises.append(np.diff(before).max() / HOP_S)
+            rises.append(np.diff(before).max() / KNOCK_HOP_S)
         low = high = int(peak)
         while low > 0 and level[low - 1] >= level[peak] - FALL_DB:
             low -= 1
         while high + 1 < len(level) and level[high + 1] >= level[peak] - FALL_DB:
             high += 1
-        lasts.append((high - low + 1) * HOP_S * 1000.0)
+        lasts.append((high - low + 1) * KNOCK_HOP_S * 1000.0)
     seconds = (stop - start) / rate
     brightness, ring = _timbre(result, start, stop)
     return Character(
@@ -223,12 +230,12 @@ def _timbre(result: Result, start: int, stop: int) -> tuple[float, float]:
     loud = total >= total.max() * 10.0 ** (-_LOUD_DB / 10.0)
     pitch = np.fft.rfftfreq(_FFT, 1.0 / rate)
     middle = (power[loud] @ pitch) / total[loud]
-    level = window_db(result.samples[start:stop, CLICK], rate, HOP_S)[1]
+    level = window_db(result.samples[start:stop, CLICK], rate, KNOCK_HOP_S)[1]
     rings = []
     for peak in knocks(level):
         if level[peak] < level.max() - _LOUD_DB:
             continue
         below = np.flatnonzero(level[peak:] <= level[peak] - _RING_DB)
         if len(below):
-            rings.append(below[0] * HOP_S * 1000.0)
+            rings.append(below[0] * KNOCK_HOP_S * 1000.0)
     return float(np.median(middle)), float(np.median(rings)) if rings else math.nan

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.measure.kind_feel import FeelReport, KindFeel, StrokeReport
-from overview_dsp.measure.steps import STEP_DB, STEP_DURATION, STEP_SHARPNESS, ratio_steps
+from overview_dsp.measure.feel_report import FeelReport, KindFeel, StrokeReport
+from overview_dsp.measure.felt import STEP_DB, STEP_DURATION, STEP_SHARPNESS, ratio_steps
 
 
 def character_steps(first: FeelReport, second: FeelReport) -> float:

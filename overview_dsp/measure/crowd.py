@@ -29,10 +29,10 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.derive import ARRIVAL_S
-from overview_dsp.measure.crowd_kind import CrowdKind, CrowdReport, CrowdStroke
+from overview_dsp.measure.feel_report import CrowdKind, CrowdReport, CrowdStroke
+from overview_dsp.measure.felt import GESTURES, MERGED_S, STEP_DB
 from overview_dsp.measure.felt_events import FeltEvents, felt_events
 from overview_dsp.measure.report import require_gestures
-from overview_dsp.measure.steps import GESTURES, MERGED_S, STEP_DB
 from overview_dsp.offline.rendering.many import RenderJob, render_many
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.signal.actuators.sensitivity import pacinian_db

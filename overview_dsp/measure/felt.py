@@ -6,11 +6,19 @@ or from there until it is back at the start (recoil). An event is felt while the
 span (where its profile exceeds a tenth of its height): its level is the highest of the windows that
 overlap that time. Windows that overlap no event's span are the event-free rest of the stroke; its
 level is their median.
+
+What is just noticeable, and the gestures that it is measured by.
+
+Events that are felt apart: how many knocks of its events a stroke gives a finger.
+
+A knock is a peak of the felt level that stands at least `KNOCK_DB` above its surroundings (its
+prominence), at least `APART_S` from any higher one. It counts where the disk is on an event then.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -18,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.errors import InputError, shown
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import FELT_WINDOW_S
@@ -320,3 +329,86 @@ def stroke_feel(
         )
         rise[i] = slope[start:stop][inside].max()
     return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)
+
+
+STEP_DB = 2.3
+STEP_DURATION = 1.25
+STEP_SHARPNESS = 2.0
+MERGED_S = 0.030
+FALL_DB = 6.0
+
+GESTURES: Mapping[str, Gesture] = {
+    "slow": sweep(6.0),
+    "medium": sweep(3.0),
+    "fast": sweep(1.0),
+    "tap": tap(1.0, 3.0),
+}
+"""Slow, medium and fast sweeps over all of the timeline, and a tap at its end."""
+
+
+def ratio_steps(first: float, second: float, step: float) -> float:
+    """How many times two figures are a ratio of `step` apart; NaN if one isn't above 0."""
+    if not (first > 0.0 and second > 0.0):
+        return math.nan
+    return abs(math.log(first / second)) / math.log(step)
+
+
+KNOCK_DB = 2.3
+"""A step of amplitude that the skin notices (Israr and Tan 2006: 2.2 to 2.5 dB)."""
+
+APART_S = 0.030
+"""Two knocks closer than this are felt as one."""
+
+KNOCK_HOP_S = 0.002
+
+
+def knocks(level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The indices of the knocks in a level (dB, `KNOCK_HOP_S` apart)."""
+    from scipy.signal import find_peaks
+
+    found, _ = find_peaks(level, prominence=KNOCK_DB, distance=round(APART_S / KNOCK_HOP_S))
+    return np.asarray(found, dtype=np.int64)
+
+
+def events_felt_apart(
+    stroke: Stroke,
+    surface: Surface,
+    columns: Mapping[str, NDArray[np.float64]],
+    tactor: NDArray[np.float32],
+    sample_rate: float,
+) -> int:
+    """Count the events of a surface that are felt one by one in a stroke.
+
+    Parameters
+    ----------
+    stroke : Stroke
+        Which part of the render.
+    surface : Surface
+        What the disk moved on.
+    columns : Trace or mapping
+        Its column `cursor` is used.
+    tactor : float32 (frames,)
+        The tactor's channel of the same render.
+    sample_rate : float
+        Hz.
+
+    Returns
+    -------
+    int
+        Knocks 30 ms apart or more, while the disk is on an event.
+
+    Examples
+    --------
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> trace, surface = result.trace, result.engine.surface
+    >>> stroke = ov.measure.strokes(trace.engaged, trace.cursor)[0]
+    >>> ov.measure.events_felt_apart(stroke, surface, trace, result.samples[:, 1], 8000) > 0
+    True
+    """
+    cursor = columns["cursor"][stroke.start : stroke.stop]
+    starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, KNOCK_HOP_S)
+    peaks = knocks(level)
+    middles = (starts[peaks] + FELT_WINDOW_S * sample_rate / 2.0).astype(np.int64)
+    return int(np.count_nonzero(surface.in_span(cursor[np.minimum(middles, len(cursor) - 1)])))

@@ -19,7 +19,7 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.kernels.layout import TACTOR
 from overview_dsp.measure.felt import Stroke, passages, strokes
 from overview_dsp.measure.observer.noticed import TOUCH_WINDOW_S, levels, touch_pulses
-from overview_dsp.measure.observer.passages import AFTER_MS, BEFORE_MS
+from overview_dsp.measure.observer.strokes import AFTER_MS, BEFORE_MS
 from overview_dsp.offline.rendering.many import RenderedJob
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.units import HALF_TURN

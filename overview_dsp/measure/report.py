@@ -31,11 +31,20 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, shown
 from overview_dsp.kernels.derive import ARRIVAL_S
-from overview_dsp.measure.apart import HOP_S, knocks
 from overview_dsp.measure.comparing import alike_pairs
-from overview_dsp.measure.felt import Stroke, stroke_feel, strokes, window_db
-from overview_dsp.measure.kind_feel import FeelReport, KindFeel, StrokeReport
-from overview_dsp.measure.steps import FALL_DB, GESTURES, MERGED_S, STEP_DB
+from overview_dsp.measure.feel_report import FeelReport, KindFeel, StrokeReport
+from overview_dsp.measure.felt import (
+    FALL_DB,
+    GESTURES,
+    KNOCK_HOP_S,
+    MERGED_S,
+    STEP_DB,
+    Stroke,
+    knocks,
+    stroke_feel,
+    strokes,
+    window_db,
+)
 from overview_dsp.offline.rendering.offline import Result, render
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.signal.actuators.sensitivity import pacinian_db
@@ -211,7 +220,7 @@ def _stroke_report(name: str, stroke: Stroke, result: Result) -> StrokeReport:
 def _character(stroke: Stroke, result: Result, weight: float) -> tuple[float, float, float]:
     """Level (dB), sharpness (N m/s) and density (a second) of all that is felt in a stroke."""
     trace, rate = result.trace, result.sample_rate
-    level = window_db(result.samples[stroke.start : stroke.stop, 1], rate, HOP_S)[1]
+    level = window_db(result.samples[stroke.start : stroke.stop, 1], rate, KNOCK_HOP_S)[1]
     if not len(level):
         return math.nan, math.nan, 0.0
     peaks = knocks(level)

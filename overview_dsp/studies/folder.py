@@ -29,7 +29,7 @@ from overview_dsp.studies.static_mapping import static_mapping
 from overview_dsp.web.assets import study_files
 from overview_dsp.web.site_content import RATES
 from overview_dsp.web.site_data import kind_looks, window_json
-from overview_dsp.web.site_sound import patch_of, whole_bytes
+from overview_dsp.web.sound_data import patch_of, whole_bytes
 
 MARK = "files.js"
 _MARK_HEAD = "self.FILES = "

@@ -12,8 +12,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import whole_folder
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.web.assets import START, page_files
-from overview_dsp.web.front_page import HEIGHT, PICTURE, WIDTH, sharing
-from overview_dsp.web.static_site import write_site
+from overview_dsp.web.static_site import HEIGHT, PICTURE, WIDTH, sharing, write_site
 
 MARK = "gallery.txt"
 """The file by which a folder is known as one of ours: its folders, a line each."""

@@ -40,9 +40,9 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import clock_text
-from overview_dsp.web.pulses import pulse_of
+from overview_dsp.web.preset_data import pulse_of
 from overview_dsp.web.site_data import kind_looks, window_json
-from overview_dsp.web.site_sound import patch_of, window_bytes
+from overview_dsp.web.sound_data import patch_of, window_bytes
 from overview_dsp.web.values import series_json
 
 LOOK_EVERY_S = 0.05

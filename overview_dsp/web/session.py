@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.live.hand import Input
-from overview_dsp.live.player import Player
+from overview_dsp.live.inputs.input import Input
+from overview_dsp.live.session.player import Player
 from overview_dsp.signal.engine.coefficients import check_carrier
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.build import build_surface

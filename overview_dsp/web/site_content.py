@@ -15,10 +15,9 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.packing import packed
-from overview_dsp.web.site_data import timeline_json, window_json
-from overview_dsp.web.site_sound import patch_of, whole_bytes, window_bytes
-from overview_dsp.web.site_windows import site_windows
+from overview_dsp.web.assets import packed
+from overview_dsp.web.site_data import site_windows, timeline_json, window_json
+from overview_dsp.web.sound_data import patch_of, whole_bytes, window_bytes
 from overview_dsp.web.values import all_points, has_values, points_json
 
 RATES = (48_000, 44_100)

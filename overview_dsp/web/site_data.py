@@ -28,10 +28,16 @@ What hasn't happened yet is drawn as a gap.
 
 Columns lie evenly, both ends included; each has what is felt nearest to it, and the largest
 resistance. A window's sound is beside it (`site_sound`).
+
+The parts that a page can zoom to: each level a third as long, half overlapping.
+
+A page can't make a surface; it is given those of these windows. Any moment lies in the middle half
+of one of each level, so that a zoom about it finds what led to it and what came of it.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -39,15 +45,43 @@ import numpy as np
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
+from overview_dsp.data.timeline.zooming import NARROWEST_S
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.pulses import pulse_of
-from overview_dsp.web.site_windows import Part
+from overview_dsp.web.preset_data import pulse_of
 from overview_dsp.web.values import series_json
+
+RATIO = 3
+
+
+@dataclass(frozen=True)
+class Part:
+    """A window (s) of a level; level 0 is the whole."""
+
+    level: int
+    start_s: float
+    end_s: float
+
+
+def site_windows(timeline: Timeline, levels: int) -> list[Part]:
+    """The whole, then the windows of each level in order of time."""
+    whole = timeline.duration_s
+    parts = [Part(0, 0.0, whole)]
+    for level in range(1, levels + 1):
+        width = whole / RATIO**level
+        if width < NARROWEST_S:
+            break
+        count = 2 * RATIO**level - 1
+        for i in range(count):
+            start = min(i * width / 2.0, whole - width)
+            end = whole if i == count - 1 else start + width
+            parts.append(Part(level, start, end))
+    return parts
+
 
 COLUMNS = 1025
 

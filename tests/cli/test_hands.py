@@ -14,7 +14,8 @@ import pytest
 
 from overview_dsp.devices.controllers.osc_map import load_osc_map
 from overview_dsp.errors import OverviewError
-from overview_dsp.live import midi_port, output_devices, pad_port
+from overview_dsp.live.output import devices
+from overview_dsp.live.ports import midi, pads
 from tests.cli.running import MATCH, ROOT, overview, refused
 from tests.devices.controllers.osc_bytes import message
 
@@ -141,8 +142,8 @@ def test_devices_without_portaudio_lists_the_rest_and_says_what_is_missing(monke
     def no_library():
         raise OverviewError("no PortAudio library: install it")
 
-    monkeypatch.setattr(output_devices, "devices", no_library)
-    monkeypatch.setattr(pad_port, "pads", lambda: [pad_port.Pad("joycon", "Joy-Con (L)", b"")])
+    monkeypatch.setattr(devices, "devices", no_library)
+    monkeypatch.setattr(pads, "pads", lambda: [pads.Pad("joycon", "Joy-Con (L)", b"")])
     lines = overview("devices", "--listen", 0)
     assert lines.code == 0
     assert "no audio output: no PortAudio library: install it" in lines.out
@@ -154,11 +155,11 @@ def test_devices_without_portaudio_lists_the_rest_and_says_what_is_missing(monke
 
 
 def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
-    monkeypatch.setattr(midi_port, "midi_ports", lambda: ["nanoKONTROL2"])
+    monkeypatch.setattr(midi, "midi_ports", lambda: ["nanoKONTROL2"])
     assert "midi:nanoKONTROL2" in overview("devices", "--listen", 0).out
     found = json.loads(overview("devices", "--listen", 0, "--json").out)
     assert found["midi_ports"] == ["nanoKONTROL2"]
-    monkeypatch.setattr(pad_port, "pads", lambda: [pad_port.Pad("joycon", "Joy-Con (L)", b"")])
+    monkeypatch.setattr(pads, "pads", lambda: [pads.Pad("joycon", "Joy-Con (L)", b"")])
     assert "pad:joycon Joy-Con (L)" in overview("devices", "--listen", 0).out
     monkeypatch.undo()
     for name in ("rtmidi", "rtmidi2", "hid", "hidraw"):

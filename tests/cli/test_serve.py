@@ -123,8 +123,8 @@ def test_beyond_this_machine_it_is_https_with_its_fingerprint_and_a_qr_code(tmp_
         with pytest.raises(httpx.HTTPError):  # not without TLS
             httpx.get(server.origin.replace("https", "http") + "/")
         _, err = server.end()
-    from overview_dsp.web.address import qr_text
     from overview_dsp.web.certificate import fingerprint
+    from overview_dsp.web.server import qr_text
 
     assert fingerprint(pem) in err
     assert qr_text(f"{server.origin}/#token={server.token}") in err

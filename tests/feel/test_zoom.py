@@ -9,8 +9,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.timeline.moments import zoom_window
-from overview_dsp.measure.apart import events_felt_apart
-from overview_dsp.measure.felt import stroke_feel, strokes
+from overview_dsp.measure.felt import events_felt_apart, stroke_feel, strokes
 from tests.data.timeline.strategies import without_ticks
 
 SLOW_S = 15.0

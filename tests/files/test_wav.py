@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from overview_dsp.files.wav import PACKED, with_samples
+from overview_dsp.files.sound import PACKED, with_samples
 
 
 def wav(samples, subtype):

@@ -163,7 +163,7 @@ def data_header(points, folder):
     import numpy as np
 
     from overview_dsp.devices.force_feedback.board_loop import BoardLoop
-    from overview_dsp.devices.sensors.profile_file import load_sensor
+    from overview_dsp.devices.sensors.profile import load_sensor
 
     football = ov.load_preset("football")
     surface = ov.build_surface(ov.load_timeline("world-cup-final-2018"), football)

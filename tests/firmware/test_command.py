@@ -7,7 +7,7 @@ import filecmp
 import pytest
 
 from overview_dsp.devices.sensors.firmware import firmware_head, firmware_names
-from overview_dsp.devices.sensors.profile_file import LIBRARY, load_sensor
+from overview_dsp.devices.sensors.profile import LIBRARY, load_sensor
 from tests.cli.running import overview, refused
 from tests.firmware.boards import FIRMWARE
 

@@ -9,7 +9,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.devices.force_feedback.board_loop import BoardLoop
 from overview_dsp.devices.sensors.frames import FrameDecoder, framed
-from overview_dsp.devices.sensors.profile_file import load_sensor
+from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
 from tests.firmware.boards import FIRMWARE, needs, run
 

@@ -14,7 +14,7 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.callback import record_busy_time
 from overview_dsp.kernels.device.output_stage import finish_block
-from overview_dsp.live.output_settings import MAX_DELAY_MS, OutputSettings
+from overview_dsp.live.output.settings import MAX_DELAY_MS, OutputSettings
 
 BLOCKS = (1, 7_000, 64, 20_000, 33)
 

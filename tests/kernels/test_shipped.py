@@ -29,8 +29,8 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.callback import native_callback
 from overview_dsp.kernels.shipped import usable
-from overview_dsp.live.output_settings import OutputSettings, SignalSettings
-from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+from overview_dsp.live.output.stream import connect, run_block
 
 match = ov.load_timeline("world-cup-final-2018")
 settings = OutputSettings(

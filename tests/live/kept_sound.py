@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.kernels import layout
-from overview_dsp.live.python_path import connect, run_block
-from overview_dsp.live.stream_meters import play_again, read_meters
+from overview_dsp.live.output.stream import connect, play_again, read_meters, run_block
 
 
 class KeptSound:

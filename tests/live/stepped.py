@@ -5,8 +5,8 @@ from __future__ import annotations
 import functools
 import threading
 
-from overview_dsp.live import motor_input, sensor_input, threaded_input
-from overview_dsp.live.port_lost import PortLostError
+from overview_dsp.live.inputs import motors, sensors, threaded
+from overview_dsp.live.ports.port import PortLostError
 
 
 class SteppedTime:
@@ -55,8 +55,8 @@ class SteppedPort:
 
 def use(clock, monkeypatch):
     """Have the inputs opened from now on live in this time."""
-    for module in (motor_input, sensor_input, threaded_input):
+    for module in (motors, sensors, threaded):
         monkeypatch.setattr(module, "time", clock)
-    timed = functools.partial(threaded_input.SourceWriter, now=clock.monotonic)
-    monkeypatch.setattr(threaded_input, "SourceWriter", timed)
-    monkeypatch.setattr(threaded_input, "RETRY_S", 0.01)  # a real wait
+    timed = functools.partial(threaded.SourceWriter, now=clock.monotonic)
+    monkeypatch.setattr(threaded, "SourceWriter", timed)
+    monkeypatch.setattr(threaded, "RETRY_S", 0.01)  # a real wait

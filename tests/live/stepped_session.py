@@ -8,11 +8,11 @@ import numpy as np
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.live import growing
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.live.stream_meters import read_meters
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import read_meters
+from overview_dsp.live.session import growing
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 
 RATE = 16_000
 BLOCK = 160

@@ -16,14 +16,14 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.devices.sensors.packets import WitDecoder, as_wit_packets, wit_columns
 from overview_dsp.devices.sensors.pads import framed
-from overview_dsp.devices.sensors.profile_file import load_sensor
+from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
-from overview_dsp.live.ble_port import UART, WITMOTION, BlePort
-from overview_dsp.live.pad_port import PadPort, find_pad
-from overview_dsp.live.phone_ports import PhyphoxPort, PostPort
-from overview_dsp.live.port_lost import PortLostError
-from overview_dsp.live.sensor_input import NamedInput
-from overview_dsp.live.silent import SilentStream
+from overview_dsp.live.inputs.sensors import NamedInput
+from overview_dsp.live.output.silent_stream import SilentStream
+from overview_dsp.live.ports.bluetooth import UART, WITMOTION, BlePort
+from overview_dsp.live.ports.pads import PadPort, find_pad
+from overview_dsp.live.ports.phones import PhyphoxPort, PostPort
+from overview_dsp.live.ports.port import PortLostError
 from tests.devices.sensors.shapes import RATE, STATES, logger, phyphox
 from tests.devices.sensors.test_pads import UNITS, dualsense
 

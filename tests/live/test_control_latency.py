@@ -18,7 +18,7 @@ from dataclasses import asdict
 import jack
 import numpy as np
 from overview_dsp.measure.bench.live.latency import probe, strike_delay, tap_while_playing
-from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.output.portaudio_stream import OutputStream
 
 path, block, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
 chance = random.Random(block)

@@ -15,17 +15,16 @@ from overview_dsp.design.gestures import SOURCES
 from overview_dsp.devices.controllers.midi_map import Control
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.live import osc_out
-from overview_dsp.live.controller_input import ControllerInput
-from overview_dsp.live.inputs import LineInput
-from overview_dsp.live.osc_out import OscOut
-from overview_dsp.live.osc_port import OscPort
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.port_lost import PortLostError
-from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.live.several_inputs import SeveralInputs
-from overview_dsp.live.silent import SilentStream
+from overview_dsp.live.inputs.controllers import ControllerInput
+from overview_dsp.live.inputs.input import SeveralInputs
+from overview_dsp.live.inputs.lines import LineInput
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.silent_stream import SilentStream
+from overview_dsp.live.ports import osc as osc_out
+from overview_dsp.live.ports.osc import OscOut, OscPort
+from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 from tests.devices.controllers.osc_bytes import message, messages
 
 

@@ -12,13 +12,17 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.live import kept_settings
-from overview_dsp.live.kept_settings import load_settings, remembered_actuator, save_settings
-from overview_dsp.live.output_settings import OutputSettings, SignalSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.live.python_path import compile_python_path, connect, run_block
-from overview_dsp.live.silent import SilentStream
+from overview_dsp.live.output import saved_settings
+from overview_dsp.live.output.saved_settings import (
+    load_settings,
+    remembered_actuator,
+    save_settings,
+)
+from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+from overview_dsp.live.output.silent_stream import SilentStream
+from overview_dsp.live.output.stream import compile_python_path, connect, run_block
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 from tests.profiles import share
 
 FRAMES = 24_000
@@ -134,7 +138,7 @@ def test_a_muted_tactor_is_braked_to_silence(match, football):
 
 def test_a_devices_actuator_is_remembered_by_what_finds_it_again(tmp_path, monkeypatch):
     path = tmp_path / "outputs.json"
-    monkeypatch.setattr(kept_settings, "settings_file", lambda: path)
+    monkeypatch.setattr(saved_settings, "settings_file", lambda: path)
     assert remembered_actuator("pad") is None
     save_settings("pad", OutputSettings(actuator=C2))
     assert remembered_actuator("pad") == "c2"

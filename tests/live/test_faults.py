@@ -31,9 +31,9 @@ PLAY = """
 import contextlib, json, os, subprocess, sys, threading, time
 import overview_dsp as ov
 from overview_dsp.live import source_writer
-from overview_dsp.live.event_clock import EventClock
-from overview_dsp.live.portaudio import OutputStream
-from overview_dsp.live.sensor_input import SensorInput
+from overview_dsp.live.inputs.threaded import EventClock
+from overview_dsp.live.output.portaudio_stream import OutputStream
+from overview_dsp.live.inputs.sensors import SensorInput
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.web.clocks import SampleClock
 

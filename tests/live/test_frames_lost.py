@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from overview_dsp.live.frames_lost import FramesLost
+from overview_dsp.live.output.reconnecting_stream import FramesLost
 
 RATE, BLOCK = 48_000, 256
 

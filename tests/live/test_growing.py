@@ -11,7 +11,7 @@ from scipy.signal import butter, sosfilt
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.kernels import layout
-from overview_dsp.live.takes import timeline_beside
+from overview_dsp.live.takes.takes import timeline_beside
 from tests.live.stepped_session import RATE, Session, event
 
 

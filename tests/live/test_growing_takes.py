@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live import kept_takes, recorder
-from overview_dsp.live.recorder import Recorder
+from overview_dsp.live.takes import recorder, recovery
+from overview_dsp.live.takes.recorder import Recorder
 from tests.cli.running import MATCH, environment, overview
 
 RATE = 8000
@@ -242,7 +242,7 @@ def test_after_a_kill_the_take_is_whole_and_the_next_start_says_where(tmp_path):
     assert process.stdout is not None
     reports = [json.loads(process.stdout.readline()) for _ in range(2)]
     # another session says nothing of one that still plays
-    assert kept_takes.take_cut_short() == []
+    assert recovery.take_cut_short() == []
     process.kill()
     process.wait()
     gesture = ov.load_gesture(take)

@@ -38,7 +38,7 @@ PLAY = """
 import json, os, random, sys, time
 import numpy as np
 import overview_dsp as ov
-from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.output.portaudio_stream import OutputStream
 
 seconds = float(sys.argv[1])
 rate, block = 48_000, 256

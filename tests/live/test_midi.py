@@ -51,9 +51,9 @@ PLAY = (
 import json
 import overview_dsp as ov
 from overview_dsp.devices.controllers.midi_messages import MidiReader
-from overview_dsp.live.controller_input import ControllerInput
-from overview_dsp.live.midi_port import MidiPort, midi_ports
-from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.inputs.controllers import ControllerInput
+from overview_dsp.live.ports.midi import MidiPort, midi_ports
+from overview_dsp.live.output.portaudio_stream import OutputStream
 
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)

@@ -9,11 +9,16 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.live import kept_settings, output_devices, pad_output
-from overview_dsp.live.kept_settings import load_settings, remembered_actuator, save_settings
-from overview_dsp.live.output_devices import find_device, no_stream
-from overview_dsp.live.output_settings import OutputSettings, SignalSettings, channels_in
-from overview_dsp.live.python_path import compile_python_path, connect, run_block
+from overview_dsp.live.output import devices, saved_settings
+from overview_dsp.live.output import settings as pad_output
+from overview_dsp.live.output.devices import find_device, no_stream
+from overview_dsp.live.output.saved_settings import (
+    load_settings,
+    remembered_actuator,
+    save_settings,
+)
+from overview_dsp.live.output.settings import OutputSettings, SignalSettings, channels_in
+from overview_dsp.live.output.stream import compile_python_path, connect, run_block
 
 
 @pytest.fixture
@@ -186,7 +191,7 @@ def test_channels_are_typed_as_numbers_joined_by_plus():
 
 @pytest.mark.parametrize("tactor", [4, (4, 6), 0])
 def test_settings_are_remembered_for_each_device(tmp_path, monkeypatch, tactor):
-    monkeypatch.setattr(kept_settings, "settings_file", lambda: tmp_path / "a" / "outputs.json")
+    monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "a" / "outputs.json")
     pad = OutputSettings(SignalSettings(3), SignalSettings(tactor, -3.0, True, 20.0, -6.0))
     assert load_settings("pad") == OutputSettings()
     save_settings("pad", pad)
@@ -199,7 +204,7 @@ def test_settings_are_remembered_for_each_device(tmp_path, monkeypatch, tactor):
 
 def test_settings_written_by_hand_or_by_an_earlier_version_are_taken(tmp_path, monkeypatch):
     path = tmp_path / "outputs.json"
-    monkeypatch.setattr(kept_settings, "settings_file", lambda: path)
+    monkeypatch.setattr(saved_settings, "settings_file", lambda: path)
     signal = '"gain_db": 0.0, "mute": false, "delay_ms": 0.0, "ceiling_db": 0.0}'
     path.write_text(
         f'{{"pad": {{"click": {{"channel": 1, {signal}, "tactor": {{"channel": [3, 4], {signal}}}}}'
@@ -220,7 +225,7 @@ def test_settings_written_by_hand_or_by_an_earlier_version_are_taken(tmp_path, m
 def test_a_pad_with_coils_plays_on_them_until_other_settings_are_remembered(
     tmp_path, monkeypatch, name, channels, is_pad
 ):
-    monkeypatch.setattr(kept_settings, "settings_file", lambda: tmp_path / "outputs.json")
+    monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "outputs.json")
     assert pad_output.is_pad(name, channels) == is_pad
     first = load_settings(name, channels)
     assert first.placed == (
@@ -238,7 +243,7 @@ def test_the_output_called_pad_is_one_with_coils_of_the_usual_host(monkeypatch):
             ov.live.OutputDevice(index, name, host, channels, 48_000.0, 0.01, index == 0)
             for index, (name, host, channels) in enumerate(outputs)
         ]
-        monkeypatch.setattr(output_devices, "devices", lambda: found)
+        monkeypatch.setattr(devices, "devices", lambda: found)
 
     usual = ("Built-in", "WASAPI", 2)
     there(usual, ("DualSense", "MME", 4), ("DualSense", "WASAPI", 4))
@@ -267,7 +272,7 @@ def test_an_output_that_has_lost_channels_is_refused_with_where_they_are_remembe
     tmp_path, monkeypatch
 ):
     path = tmp_path / "outputs.json"
-    monkeypatch.setattr(kept_settings, "settings_file", lambda: path)
+    monkeypatch.setattr(saved_settings, "settings_file", lambda: path)
     sounddevice = TwoChannels()
 
     def refusal():

@@ -9,11 +9,11 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
-from overview_dsp.live.inputs import LineInput, TakeInput, parse_line
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.live.silent import SilentStream
+from overview_dsp.live.inputs.lines import LineInput, TakeInput, parse_line
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.silent_stream import SilentStream
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.signal.surface.angle_map import AngleMap
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.replay import LONGEST_TAIL_S
+from overview_dsp.live.session.loop import LONGEST_TAIL_S
 from tests.live import jack_server
 
 pytestmark = [
@@ -22,9 +22,9 @@ import json, sys, time
 import jack
 import numpy as np
 import overview_dsp as ov
-from overview_dsp.live.output_settings import OutputSettings, SignalSettings, channels_in
-from overview_dsp.live.portaudio import OutputStream
-from overview_dsp.live.recorder import Recorder
+from overview_dsp.live.output.settings import OutputSettings, SignalSettings, channels_in
+from overview_dsp.live.output.portaudio_stream import OutputStream
+from overview_dsp.live.takes.recorder import Recorder
 
 path, block, kind, seconds = sys.argv[1], int(sys.argv[2]), sys.argv[3], float(sys.argv[4])
 ways = [SignalSettings(channels_in(one)) for one in sys.argv[5:]]
@@ -132,7 +132,7 @@ def test_a_signal_is_heard_on_all_its_channels_sample_for_sample(match, football
 HELD = """
 import ctypes, json, sys, time
 import overview_dsp as ov
-from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.output.portaudio_stream import OutputStream
 
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)
@@ -155,7 +155,7 @@ def test_blocks_go_on_while_a_c_call_holds_the_interpreter_for_two_seconds():
 OPEN_AND_CLOSE = """
 import gc, json, os, threading
 import overview_dsp as ov
-from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.output.portaudio_stream import OutputStream
 
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)
@@ -229,7 +229,7 @@ def test_devices_lists_the_server_with_its_channels():
 
 UNKNOWN = """
 import overview_dsp as ov
-from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.output.portaudio_stream import OutputStream
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 512)
 try:
@@ -249,11 +249,11 @@ def test_an_unknown_device_is_one_line():
 SERVER_KILLED = """
 import atexit, json, os, subprocess, sys, time
 import overview_dsp as ov
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.portaudio import OutputStream
-from overview_dsp.live.portaudio_library import rescan
-from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.output.portaudio_stream import OutputStream
+from overview_dsp.live.output.portaudio_library import rescan
+from overview_dsp.live.session.presets import PresetWatch
 
 servers = []
 # registered first, so after PortAudio's own end
@@ -315,10 +315,10 @@ import sys, time
 import jack
 import numpy as np
 import overview_dsp as ov
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.portaudio import OutputStream
-from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.output.portaudio_stream import OutputStream
+from overview_dsp.live.session.presets import PresetWatch
 
 path, block = sys.argv[1], int(sys.argv[2])
 player = Player(

@@ -11,13 +11,13 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
-from overview_dsp.live import preset_watch
-from overview_dsp.live.commands import COMMANDS
-from overview_dsp.live.inputs import parse_command
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.outputs import Outputs
-from overview_dsp.live.player import Player
-from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.inputs.lines import parse_command
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream_opener import Outputs
+from overview_dsp.live.session import presets
+from overview_dsp.live.session.commands import COMMANDS
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 from tests.live.kept_sound import KeptSound
 
 RATE = 48_000
@@ -124,7 +124,7 @@ def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
 def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
     session, match, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(preset_watch, "LOOK_EVERY_S", 0.0)
+    monkeypatch.setattr(presets, "LOOK_EVERY_S", 0.0)
     mine = tmp_path / "mine.toml"
     shutil.copy(preset_path("plain"), mine)
     player, sound = session(str(mine), record=tmp_path / "take.csv")

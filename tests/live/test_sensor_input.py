@@ -19,10 +19,10 @@ from overview_dsp.design.gestures import SOURCES
 from overview_dsp.devices.sensors.frames import decode_frame
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.kernels import layout
-from overview_dsp.live import serial_port
-from overview_dsp.live.event_clock import EventClock
-from overview_dsp.live.sensor_input import SensorInput
-from overview_dsp.live.serial_port import SerialPort
+from overview_dsp.live.inputs.sensors import SensorInput
+from overview_dsp.live.inputs.threaded import EventClock
+from overview_dsp.live.ports import serial
+from overview_dsp.live.ports.serial import SerialPort
 from tests.cli.running import overview
 from tests.live import stepped
 from tests.live.priority import urgently
@@ -239,9 +239,9 @@ def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(b
 
     def ports():
         looked.append(here.copy())
-        return [serial_port.PortInfo(a, "", b) for a, b in here.items()]
+        return [serial.PortInfo(a, "", b) for a, b in here.items()]
 
-    monkeypatch.setattr(serial_port, "ports", ports)
+    monkeypatch.setattr(serial, "ports", ports)
     bench.input._identity = "1:2:mine"
     here.clear()
     here["made"] = "1:2:another"
@@ -253,8 +253,8 @@ def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(b
     here["elsewhere"] = "1:2:mine"
     bench.until(lambda: bench.input.report()["connected"])
     assert bench.input.report()["port"] == "elsewhere"
-    assert serial_port.find_again("elsewhere", "1:2:mine") == "elsewhere"
-    assert serial_port.find_again("elsewhere", "") == "elsewhere"
+    assert serial.find_again("elsewhere", "1:2:mine") == "elsewhere"
+    assert serial.find_again("elsewhere", "") == "elsewhere"
 
 
 def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.kernels import layout
-from overview_dsp.live.stream_meters import read_meters, record_callback
+from overview_dsp.live.output.stream import read_meters, record_callback
 
 FIFTH = 2.0 ** (1 / layout.BINS_AN_OCTAVE)  # from one bin to the next
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output_settings import SignalSettings
-from overview_dsp.live.sample_output import SilentOutput
-from overview_dsp.live.threshold import Rise, felt_at
+from overview_dsp.live.output.sample_player import SilentOutput
+from overview_dsp.live.output.settings import SignalSettings
+from overview_dsp.live.output.threshold import Rise, felt_at
 from tests.live import jack_server
 
 RATE = 48_000
@@ -143,7 +143,7 @@ HEAR = """
 import sys, time
 import jack
 import numpy as np
-from overview_dsp.live.sample_output import SampleOutput
+from overview_dsp.live.output.sample_player import SampleOutput
 
 path, seconds = sys.argv[1], float(sys.argv[2])
 samples = np.zeros((48_000, 2), dtype=np.float32)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.apart import events_felt_apart
-from overview_dsp.measure.felt import Stroke
+from overview_dsp.measure.felt import Stroke, events_felt_apart
 from overview_dsp.signal.surface.build import build_surface
 from tests.examples import preset_with, timeline_of
 

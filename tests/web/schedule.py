@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 import overview_dsp as ov
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import connect, run_block
 
 RATE = 48_000
 BLOCK = 128

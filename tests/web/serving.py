@@ -11,10 +11,10 @@ from collections.abc import Iterator
 import httpx
 from websockets.sync.client import ClientConnection, connect
 
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.preset_watch import PresetWatch
-from overview_dsp.live.silent import SilentStream
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.silent_stream import SilentStream
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.web.app import make_app
 from overview_dsp.web.data import data_routes
 from overview_dsp.web.security.auth_token import Access

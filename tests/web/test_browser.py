@@ -10,8 +10,8 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
-from overview_dsp.live.output_settings import OutputSettings, SignalSettings
-from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+from overview_dsp.live.output.stream import connect, run_block
 from overview_dsp.offline.export.browser_memory import encode_change, encode_engine, event_numbers
 from overview_dsp.signal.engine.surface_slots import write_surface
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, engine, events, played

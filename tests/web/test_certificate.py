@@ -11,7 +11,7 @@ import segno
 from cryptography import x509
 
 import overview_dsp as ov
-from overview_dsp.web import address, certificate
+from overview_dsp.web import certificate, server
 
 
 @pytest.fixture
@@ -77,19 +77,19 @@ def test_a_certificate_that_cant_be_used_is_one_clear_line(folder, tmp_path):
 
 
 def test_addresses_of_all_and_of_one_network():
-    assert address.is_loopback("127.0.0.1")
-    assert address.is_loopback("localhost")
-    assert address.is_loopback("::1")
-    assert not address.is_loopback("0.0.0.0")
-    assert not address.is_loopback("laptop")
-    assert address.reached_at("0.0.0.0") != "0.0.0.0"
-    assert address.reached_at("192.168.1.5") == "192.168.1.5"
-    assert address.page_address("https", "::1", 80, "t") == "https://[::1]:80/#token=t"
+    assert server.is_loopback("127.0.0.1")
+    assert server.is_loopback("localhost")
+    assert server.is_loopback("::1")
+    assert not server.is_loopback("0.0.0.0")
+    assert not server.is_loopback("laptop")
+    assert server.reached_at("0.0.0.0") != "0.0.0.0"
+    assert server.reached_at("192.168.1.5") == "192.168.1.5"
+    assert server.page_address("https", "::1", 80, "t") == "https://[::1]:80/#token=t"
 
 
 def test_the_qr_code_is_that_of_the_address():
     where = "https://192.168.1.5:8765/#token=abcdefghijklmnopqrstuv"
-    text = address.qr_text(where)
+    text = server.qr_text(where)
     width = segno.make(where, error="l", micro=False).symbol_size()[0]
     lines = text.rstrip("\n").split("\n")
     assert max(map(len, lines)) == width

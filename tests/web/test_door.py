@@ -17,7 +17,7 @@ from overview_dsp.web.assets import served_paths
 from overview_dsp.web.media import open_media
 from overview_dsp.web.security import middleware
 from overview_dsp.web.security.auth_token import MAX_WRONG, WRONG_WITHIN_S, Access, Verdict
-from overview_dsp.web.security.origin_check import host_is_ours, origin_is_ours
+from overview_dsp.web.security.middleware import host_is_ours, origin_is_ours
 from tests.web.serving import served
 
 DATA = "/data/timeline.json"

@@ -15,11 +15,11 @@ import pytest
 from matplotlib.image import imread
 
 import overview_dsp as ov
-from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.live.output.stream import connect, run_block
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.packing import packed
-from overview_dsp.web.site_sound import patch_of, window_bytes
+from overview_dsp.web.assets import packed
+from overview_dsp.web.sound_data import patch_of, window_bytes
 from tests.web.driving import DESKTOP, PHONE, at, until, violations, watch
 from tests.web.exported import HELD, opened_host
 from tests.web.null_sink import null_sink

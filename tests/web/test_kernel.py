@@ -19,8 +19,8 @@ import overview_dsp as ov
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import sources_digest
-from overview_dsp.live.output_settings import OutputSettings, SignalSettings
-from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+from overview_dsp.live.output.stream import connect, run_block
 from tests.profiles import share
 from tests.web.schedule import BLOCK, FRAMES, RATE, RELEASE, change, engine, played
 from tests.web.surfaces import preset_of

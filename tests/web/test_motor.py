@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.python_path import connect, run_block
+from overview_dsp.live.output.stream import connect, run_block
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.pulses import SHORT, pulse_of
+from overview_dsp.web.preset_data import SHORT, pulse_of
 from tests.web.driving import at, until
 from tests.web.exported import opened_host
 

@@ -16,7 +16,7 @@ from overview_dsp.files.atomic import whole_folder
 from overview_dsp.offline.export.browser_memory import encode_change, encode_engine
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.assets import folder_files, page_files
-from overview_dsp.web.site_windows import site_windows
+from overview_dsp.web.site_data import site_windows
 from overview_dsp.web.static_site import write_site
 
 

@@ -15,14 +15,14 @@ import click
 
 from overview_dsp.cli.common import announce_compile, print_json
 from overview_dsp.cli.options.output import channels_given
-from overview_dsp.live.device_names import SILENT, device_named
+from overview_dsp.live.output.devices import SILENT, device_named
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from overview_dsp.live.output_settings import OutputSettings
-    from overview_dsp.live.sample_output import Playback
+    from overview_dsp.live.output.sample_player import Playback
+    from overview_dsp.live.output.settings import OutputSettings
     from overview_dsp.signal.actuators.model import Actuator
 
 TRIES = 3
@@ -118,7 +118,7 @@ def _answers(
 ) -> list[float]:
     """The levels at which a person pressed, dB of the nominal drive."""
     from overview_dsp.errors import InputError
-    from overview_dsp.live.threshold import SILENCE_S, Rise, felt_at
+    from overview_dsp.live.output.threshold import SILENCE_S, Rise, felt_at
 
     settings, name, rate, index = _output(device, channel)
     out, channels = settings.tactor, settings.channels
@@ -161,13 +161,13 @@ def _output(
 ) -> tuple[OutputSettings, str, float, int | None]:
     """The tactor's way out alone, and the device's name, rate (Hz) and index."""
     from overview_dsp.errors import InputError
-    from overview_dsp.live.kept_settings import load_settings
-    from overview_dsp.live.output_settings import OutputSettings, SignalSettings
+    from overview_dsp.live.output.saved_settings import load_settings
+    from overview_dsp.live.output.settings import OutputSettings, SignalSettings
 
     if device == SILENT:
         settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None
     else:
-        from overview_dsp.live.output_devices import find_device
+        from overview_dsp.live.output.devices import find_device
 
         found = find_device(device_named(device))
         name, rate, index = found.full_name, found.sample_rate, found.index
@@ -181,7 +181,7 @@ def _output(
 def _playback(
     device: str | None, index: int | None, samples: NDArray[np.float32], rate: float
 ) -> Playback:
-    from overview_dsp.live.sample_output import SampleOutput, SilentOutput
+    from overview_dsp.live.output.sample_player import SampleOutput, SilentOutput
 
     if device == SILENT:
         return SilentOutput(samples, rate)

@@ -15,7 +15,7 @@ from overview_dsp.cli.options.timeline import open_timeline
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
-    from overview_dsp.live.growing import Growth
+    from overview_dsp.live.session.growing import Growth
 
 FIRST_WITHIN_S = 3.0
 """So long something is waited for, as the preset is chosen by what it is."""
@@ -72,8 +72,8 @@ def followed(
     from overview_dsp.data.feeds.follower import Follower
     from overview_dsp.data.feeds.live_timeline import LiveTimeline
     from overview_dsp.data.feeds.sources import Sound
-    from overview_dsp.live.follow_source import expected_s, map_named, source_named
-    from overview_dsp.live.growing import Growth
+    from overview_dsp.live.inputs.feeds import expected_s, map_named, source_named
+    from overview_dsp.live.session.growing import Growth
 
     map = load.pop("map", None)
     for name in load:

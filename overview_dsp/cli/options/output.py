@@ -1,4 +1,7 @@
-"""The options about an output device: channels, gains, mutes, delays, ceilings, its actuator."""
+"""The options about an output device: channels, gains, mutes, delays, ceilings, its actuator.
+
+The option --actuator: what a tactor's signal is driven for, and how that is reported.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,36 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.options.actuator import calibrated
-
 if TYPE_CHECKING:
-    from overview_dsp.live.output_settings import OutputSettings
+    from overview_dsp.live.output.settings import OutputSettings
     from overview_dsp.signal.actuators.model import Actuator
+    from overview_dsp.signal.actuators.stage import Protected
+
+
+NONE = "none"
+
+
+def actuator_option(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The option --actuator."""
+    return click.option(
+        "--actuator", metavar="NAME", help="Drive this actuator, within what it bears; or none."
+    )(function)
+
+
+def calibrated(name: str | None) -> Actuator | None:
+    """The actuator of that name or file, with the gain it was calibrated to; None for none."""
+    from overview_dsp.signal.actuators.calibration import calibrated_actuator
+
+    return None if name is None or name == NONE else calibrated_actuator(name)
+
+
+def drive_line(actuator: Actuator, protected: Protected) -> str:
+    """An actuator and what its protection did, in a line."""
+    gain = f", calibrated {actuator.gain_db:+.1f} dB" if actuator.gain_db else ""
+    return (
+        f"driven for {actuator.title}{gain}: up to {protected.taken_db:.1f} dB taken back for its "
+        f"rating, {protected.at_peak} samples at its peak"
+    )
 
 
 def output_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -33,7 +61,7 @@ def output_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def channels_given(context: Any, option: Any, text: str | None) -> int | tuple[int, ...] | None:
     """Channels as they are typed: `3`, `3+4`, 0; InputError."""
-    from overview_dsp.live.output_settings import channels_in
+    from overview_dsp.live.output.settings import channels_in
 
     return None if text is None else channels_in(text)
 
@@ -64,8 +92,8 @@ def output_settings(
     InputError
         Out of range, or an actuator that can't be had.
     """
-    from overview_dsp.live.kept_settings import load_settings
-    from overview_dsp.live.output_settings import OutputSettings
+    from overview_dsp.live.output.saved_settings import load_settings
+    from overview_dsp.live.output.settings import OutputSettings
 
     kept = OutputSettings() if device is None else load_settings(device, has)
     keys = {"channel": "channel", "gain": "gain_db", "mute": "mute", "delay": "delay_ms",
@@ -86,7 +114,7 @@ def output_settings(
 def _actuator(device: str | None, given: str | None, has: int) -> tuple[Actuator | None, bool]:
     """The actuator given, else the device's own; whether it is another than that."""
     from overview_dsp.errors import InputError
-    from overview_dsp.live.kept_settings import remembered_actuator, settings_file
+    from overview_dsp.live.output.saved_settings import remembered_actuator, settings_file
     from overview_dsp.signal.actuators.library import reference
 
     remembered = None if device is None else remembered_actuator(device, has)

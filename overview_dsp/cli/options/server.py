@@ -111,7 +111,7 @@ def open_server(
         The address or the certificate can't be used.
     """
     from overview_dsp.errors import InputError
-    from overview_dsp.web import address
+    from overview_dsp.web import server as address
     from overview_dsp.web.app import make_app
     from overview_dsp.web.certificate import fingerprint, own_certificate, secure_context
     from overview_dsp.web.security.auth_token import Access, kept_token

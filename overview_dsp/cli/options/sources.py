@@ -12,10 +12,10 @@ import click
 from overview_dsp.cli.common import read_gesture
 
 if TYPE_CHECKING:
-    from overview_dsp.live.controller_input import Reader
-    from overview_dsp.live.hand import Input
-    from overview_dsp.live.inputs import LineInput
-    from overview_dsp.live.player import Player
+    from overview_dsp.live.inputs.controllers import Reader
+    from overview_dsp.live.inputs.input import Input
+    from overview_dsp.live.inputs.lines import LineInput
+    from overview_dsp.live.session.player import Player
 
 DEVICES = ("serial", "osc", "midi", "pad", "http", "post", "ble")
 SENSORS = {"serial", "pad", "http", "post", "ble"}
@@ -85,8 +85,8 @@ class Sources:
 
     def opened(self, player: Player, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
         """The sources, begun, as one; `closing` receives what closes each. InputError as they."""
-        from overview_dsp.live.inputs import LineInput
-        from overview_dsp.live.several_inputs import SeveralInputs
+        from overview_dsp.live.inputs.input import SeveralInputs
+        from overview_dsp.live.inputs.lines import LineInput
 
         inputs: dict[str, Input] = {}
         for name, open_one in self.openers.items():
@@ -152,13 +152,13 @@ def parse_sources(
 
 
 def _open_lines(player: Player) -> Input:
-    from overview_dsp.live.inputs import LineInput
+    from overview_dsp.live.inputs.lines import LineInput
 
     return LineInput(sys.stdin, player.engine, player.ask)
 
 
 def _take(source: str) -> Callable[[Player], Input]:
-    from overview_dsp.live.inputs import TakeInput
+    from overview_dsp.live.inputs.lines import TakeInput
 
     gesture = read_gesture(source)
     return lambda player: TakeInput(gesture)
@@ -168,10 +168,9 @@ def _serial(
     where: str, sensor: str | None, baud: int | None, force: bool
 ) -> Callable[[Player], Input]:
     from overview_dsp.devices.force_feedback.loop import require_motor
-    from overview_dsp.devices.sensors.profile import Sensor
-    from overview_dsp.devices.sensors.profile_file import load_sensor
-    from overview_dsp.live.motor_input import MotorInput
-    from overview_dsp.live.sensor_input import SensorInput
+    from overview_dsp.devices.sensors.profile import Sensor, load_sensor
+    from overview_dsp.live.inputs.motors import MotorInput
+    from overview_dsp.live.inputs.sensors import SensorInput
 
     profile = Sensor() if sensor is None else load_sensor(sensor)
     if force:
@@ -182,26 +181,26 @@ def _serial(
 
 def _named(kind: str, where: str, sensor: str | None) -> Callable[[Player], Input]:
     """A pad, a phone's app or a radio."""
-    from overview_dsp.devices.sensors.profile_file import load_sensor
-    from overview_dsp.live.sensor_input import SILENT_S, NamedInput, Port
+    from overview_dsp.devices.sensors.profile import load_sensor
+    from overview_dsp.live.inputs.sensors import SILENT_S, NamedInput, Port
 
     silent_s, usual = SILENT_S, "phone"
     open_port: Callable[[str], Port]
     if kind == "pad":
-        from overview_dsp.live.pad_port import PadPort as open_port  # noqa: N813
-        from overview_dsp.live.pad_port import find_pad
+        from overview_dsp.live.ports.pads import PadPort as open_port  # noqa: N813
+        from overview_dsp.live.ports.pads import find_pad
 
         usual = find_pad(where).kind
     elif kind == "ble":
-        from overview_dsp.live.ble_port import BlePort as open_port  # noqa: N813
+        from overview_dsp.live.ports.bluetooth import BlePort as open_port  # noqa: N813
 
         usual = "imu"
     elif kind == "post":
-        from overview_dsp.live.phone_ports import PostPort as open_port  # noqa: N813
+        from overview_dsp.live.ports.phones import PostPort as open_port  # noqa: N813
 
         silent_s = BATCHES_S
     else:
-        from overview_dsp.live.phone_ports import PhyphoxPort as open_port  # noqa: N813
+        from overview_dsp.live.ports.phones import PhyphoxPort as open_port  # noqa: N813
 
         kind, where = "phyphox", f"http:{where}"
     profile = load_sensor(usual if sensor is None else sensor)
@@ -212,8 +211,8 @@ def _osc(where: str, osc_map: str | None) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.osc_map import load_osc_map
     from overview_dsp.devices.controllers.osc_messages import OscReader
-    from overview_dsp.live.controller_input import ControllerInput
-    from overview_dsp.live.osc_port import OscPort, parse_address
+    from overview_dsp.live.inputs.controllers import ControllerInput
+    from overview_dsp.live.ports.osc import OscPort, parse_address
 
     parse_address(where)
     controls = () if osc_map is None else load_osc_map(osc_map)
@@ -231,8 +230,8 @@ def _midi(where: str, midi_map: str | None) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.midi_map import DEFAULT, load_map
     from overview_dsp.devices.controllers.midi_messages import MidiReader
     from overview_dsp.devices.controllers.parameters import require_parameters
-    from overview_dsp.live.controller_input import ControllerInput
-    from overview_dsp.live.midi_port import MidiPort
+    from overview_dsp.live.inputs.controllers import ControllerInput
+    from overview_dsp.live.ports.midi import MidiPort
 
     controls = DEFAULT if midi_map is None else load_map(midi_map)
 

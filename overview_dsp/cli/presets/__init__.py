@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.presets import create, import_clip, inspect, measure
+from overview_dsp.cli.presets import create, inspect, measure
 
 
 @click.group(name="presets", epilog="Example: overview presets show football")
@@ -21,7 +21,7 @@ for _one in (
     create.edit,
     create.morph,
     create.randomize,
-    import_clip.import_,
+    create.import_,
     measure.audition,
     measure.feel,
     measure.tune,

@@ -22,8 +22,14 @@ from overview_dsp.cli.common import list_profiles, print_json
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def list_(tags: tuple[str, ...], use: str | None, as_json: bool) -> None:
     """The bundled presets and your own, and what each is for."""
-    from overview_dsp.design.presets.library import LIBRARY, load_preset, preset_path
-    from overview_dsp.design.presets.tagged import require_tag, serves, tagged
+    from overview_dsp.design.presets.library import (
+        LIBRARY,
+        load_preset,
+        preset_path,
+        require_tag,
+        serves,
+        tagged,
+    )
 
     for tag in tags:
         require_tag(tag)

@@ -1,17 +1,89 @@
-"""An intensity curve over time."""
+"""An intensity curve over time, and which of its values are felt as 0 and as 1.
+
+Of a long curve, many points fall on one position of the surface. Their mean is felt, so that noise
+isn't taken for level. A peak that the mean would lose is kept, at its full height: where the
+largest value of a position stands out of the means around it by far more than is usual in the part
+shown (the median plus three times what the upper fiftieth lies above it), and by at least a
+fiftieth of what the part spans. It is widened to a thousandth of the surface, since nothing
+narrower is felt.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.timeline.curve_points import EXTREMES
-from overview_dsp.data.timeline.curve_scale import CurveScale
+from overview_dsp import validation
+from overview_dsp.data.timeline.curve_checks import (
+    as_given,
+    checked_percentiles,
+    float_points,
+    require_increasing,
+    require_values,
+)
+from overview_dsp.data.timeline.even_times import EvenTimes
 from overview_dsp.data.timeline.gaps import Gaps, in_gap
-from overview_dsp.data.timeline.peaks import with_peaks
+from overview_dsp.data.timeline.minmax_pyramid import CHUNK, Values
+from overview_dsp.data.timeline.samples import Points, Times
+from overview_dsp.errors import InputError
 from overview_dsp.public import counted
+
+EXTREMES = (0.0, 100.0)
+"""Percentiles of the smallest and the largest value."""
+
+
+def _same_times(one: Times, other: Times) -> bool:
+    if isinstance(one, EvenTimes) and isinstance(other, EvenTimes):
+        return one == other
+    return np.array_equal(one, other)
+
+
+SAMPLED = 1 << 14
+"""A long curve's percentiles are those of so many of its values, spread evenly and at random."""
+
+
+RARE = 0.98
+"""Peaks are fewer than this leaves: more would lie too close together to be felt apart."""
+
+STANDS_OUT = 3.0
+"""So many times further than the usual spread: noise of any common kind doesn't."""
+
+MATTERS = 0.02
+"""A peak stands out by at least this part of what the part shown spans."""
+
+SOME = 7
+"""What is usual is measured at every so many positions."""
+
+WIDENED = 1.0 / 2048.0
+"""Part of the positions on either side of a peak that get its height: a thousandth in all."""
+
+
+def with_peaks(mean: NDArray[np.float64], top: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What is felt at each position, shape (n,), of the means and the largest values there."""
+    around = mean.copy()
+    np.maximum(around[1:], mean[:-1], out=around[1:])
+    np.maximum(around[:-1], mean[1:], out=around[:-1])
+    excess = np.maximum(top - around, 0.0)
+    usual, rare = np.quantile(excess[::SOME], (0.5, RARE))
+    spans = float(top.max()) - float(mean.min())
+    peak = (excess > usual + STANDS_OUT * (rare - usual)) & (excess >= MATTERS * spans)
+    if not peak.any():
+        return mean
+    kept = np.where(peak, top, -np.inf)
+    reach, wanted = 0, round(WIDENED * len(mean))
+    while reach < wanted:  # the largest of 2 * reach + 1 positions, in few steps
+        step = min(reach + 1, wanted - reach)
+        wider = kept.copy()
+        np.maximum(wider[step:], kept[:-step], out=wider[step:])
+        np.maximum(wider[:-step], kept[step:], out=wider[:-step])
+        kept = wider
+        reach += step
+    return np.maximum(mean, kept)
+
 
 __all__ = ["EXTREMES", "LONG", "Intensity", "Part"]
 
@@ -20,7 +92,7 @@ LONG = 65_536
 
 
 @dataclass(frozen=True, eq=False)
-class Intensity(CurveScale):
+class Intensity:
     """A curve over time, straight between its points; a single point is a constant.
 
     Arrays are copied to float64 and made read-only. With `EvenTimes` the values are kept as they
@@ -52,6 +124,202 @@ class Intensity(CurveScale):
     >>> curve.at(np.array([5.0]))
     array([2.5])
     """
+
+    time_s: Times
+    value: Values
+    unit: str = ""
+    percentiles: tuple[float, float] = EXTREMES
+
+    def __post_init__(self) -> None:
+        if isinstance(self.time_s, EvenTimes):
+            time_s: Times = self.time_s
+            value = as_given(self.value, "intensity.value")
+        else:
+            time_s = float_points(self.time_s, "intensity.time_s")
+            value = float_points(self.value, "intensity.value")
+        validation.text(self.unit, "intensity.unit")
+        if len(time_s) != len(value):
+            raise InputError(
+                f"intensity.time_s has {len(time_s)} points and intensity.value {len(value)}; "
+                "give one value for each time"
+            )
+        if len(time_s) == 0:
+            raise InputError(
+                "intensity has no points; give two or more, or one for a constant, "
+                "or leave the intensity out"
+            )
+        if not isinstance(time_s, EvenTimes):
+            require_increasing(time_s)
+        for start in range(0, len(value), CHUNK):
+            require_values(np.asarray(value[start : start + CHUNK]), start)
+        object.__setattr__(self, "percentiles", checked_percentiles(self.percentiles))
+        object.__setattr__(self, "time_s", time_s)
+        object.__setattr__(self, "value", value)
+
+    @classmethod
+    def checked(
+        cls, points: Points, unit: str = "", percentiles: tuple[float, float] = EXTREMES
+    ) -> Self:
+        """Make a curve of points that were checked already, which are not copied.
+
+        Parameters
+        ----------
+        points : Points
+            Of another curve, or of a `CurveBuilder`.
+        unit : str
+            What the values are, for a person.
+        percentiles : (float, float)
+            As in the constructor.
+
+        Returns
+        -------
+        Intensity
+            The curve.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> ov.Intensity.checked(curve.points, unit="km/h").unit
+        'km/h'
+        """
+        curve = object.__new__(cls)
+        curve.__dict__.update(
+            time_s=points.time_s,
+            value=points.value,
+            unit=validation.text(unit, "intensity.unit"),
+            percentiles=checked_percentiles(percentiles),
+            points=points,
+        )
+        return curve
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Intensity):
+            return NotImplemented
+        return (
+            self.unit == other.unit
+            and self.percentiles == other.percentiles
+            and self.count == other.count
+            and _same_times(self.time_s, other.time_s)
+            and np.array_equal(self.value, other.value)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.unit, self.percentiles, self.count, self.first_s, self.last_s))
+
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        return len(self.value)
+
+    @property
+    def first_s(self) -> float:
+        """The first point's time, s."""
+        return float(self.time_s[0])
+
+    @property
+    def last_s(self) -> float:
+        """The last point's time, s."""
+        return float(self.time_s[-1])
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it is a curve of one point, which has that value at all times."""
+        return self.count == 1
+
+    @cached_property
+    def points(self) -> Points:
+        """The points, however many, with what was worked out of them."""
+        return Points(self.time_s, self.value)
+
+    @property
+    def _shift(self) -> float:
+        """What to add to a time of this curve for the time of its points."""
+        return 0.0
+
+    @property
+    def _between(self) -> tuple[int, int]:
+        """The first point's index and the last one's + 1."""
+        return 0, self.count
+
+    def scale(self, known: NDArray[np.bool_]) -> tuple[float, float]:
+        """Find the values that become 0 and 1: the percentiles of the known points.
+
+        Where those are equal (more than half of a rainfall is 0), the smallest and the largest.
+
+        Parameters
+        ----------
+        known : bool (n,)
+            Which points count.
+
+        Returns
+        -------
+        (float, float)
+            In the curve's unit.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> curve.scale(np.array([True, True]))
+        (0.0, 5.0)
+        """
+        value = self.value[known] if known.any() else self.value
+        if self.percentiles == EXTREMES:
+            return float(value.min()), float(value.max())
+        low, high = (float(edge) for edge in np.percentile(value, self.percentiles))
+        return (low, high) if low < high else (float(value.min()), float(value.max()))
+
+    def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
+        """Find the values that become 0 and 1 of a long curve, without looking at all points.
+
+        Parameters
+        ----------
+        gaps : tuple of (float, float)
+            Spans (start_s, end_s) whose points don't count, unless all points lie in them.
+
+        Returns
+        -------
+        (float, float)
+            In the curve's unit.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
+        >>> curve.scale_outside(((8.0, 10.5),))
+        (0.0, 0.0)
+        """
+        first, stop = self._known(gaps)
+        extremes = self.points.extremes(first, stop)
+        if self.percentiles == EXTREMES:
+            return extremes
+        random = np.random.default_rng(0)
+        behind = np.cumsum(stop - first)
+        step = behind[-1] / SAMPLED
+        place = ((np.arange(SAMPLED) + random.random(SAMPLED)) * step).astype(np.int64)
+        stretch = np.searchsorted(behind, place, side="right")
+        index = place - behind[stretch] + stop[stretch]
+        low, high = np.percentile(self._picked(index), self.percentiles)
+        return (float(low), float(high)) if low < high else extremes
+
+    def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        return self.points.picked(index)
+
+    def _known(self, gaps: Gaps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The stretches of points (first, stop) that lie in no gap; all, if there are none."""
+        first, stop = self._between
+        starts, ends = np.array(gaps, dtype=np.float64).reshape(-1, 2).T + self._shift
+        inside = np.clip(self.points.first_after(starts), first, stop)
+        behind = np.clip(self.points.first_from(ends), first, stop)
+        holding = inside < behind
+        firsts = np.concatenate(([first], behind[holding]))
+        stops = np.concatenate((inside[holding], [stop]))
+        some = firsts < stops
+        return (firsts[some], stops[some]) if some.any() else (np.array([first]), np.array([stop]))
 
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Look up the curve: straight between points, exact at them.

@@ -6,21 +6,20 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import dataclass
-from datetime import timedelta
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.curve_lookup import CurveLookup
 from overview_dsp.data.timeline.dataframe import dataframe, moments
-from overview_dsp.data.timeline.event import Event, cut_events
-from overview_dsp.data.timeline.fine_events import ranks, window_events
-from overview_dsp.data.timeline.gaps import cut_gaps, cut_until
-from overview_dsp.data.timeline.intensity import Intensity
+from overview_dsp.data.timeline.event import Event, cut_events, sorted_events
+from overview_dsp.data.timeline.fine_events import Rules, ranks, window_events
+from overview_dsp.data.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
+from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.data.timeline.match_minutes import Half, halves_of
 from overview_dsp.data.timeline.page import timeline_page
 from overview_dsp.data.timeline.ticks import part_ticks
@@ -32,11 +31,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
+
 __all__ = ["Event", "Intensity", "Timeline"]
 
 
 @dataclass(frozen=True)
-class Timeline(CurveLookup):
+class Timeline:
     """What happened, in order, and how intense it was. All values are checked on construction.
 
     Parameters
@@ -93,6 +93,236 @@ class Timeline(CurveLookup):
     >>> timeline.kinds()
     {'goal': 1}
     """
+
+    title: str
+    duration_s: float
+    events: tuple[Event, ...] = ()
+    intensity: Intensity | None = None
+    gaps: tuple[tuple[float, float], ...] = ()
+    provenance: str = ""
+    notes: tuple[str, ...] = ()
+    start: datetime | None = None
+    details: tuple[Event, ...] = ()
+    gap_reasons: tuple[str, ...] = ()
+    rules: Rules | None = field(default=None, compare=False, repr=False)
+    signal: Intensity | None = field(default=None, compare=False, repr=False)
+    until_s: float | None = None
+
+    def __post_init__(self) -> None:
+        validation.text(self.title, "title")
+        validation.text(self.provenance, "provenance")
+        duration_s = validation.positive(
+            self.duration_s, "duration_s", "a duration is a finite number of seconds above 0"
+        )
+        object.__setattr__(self, "duration_s", duration_s)
+        notes = tuple(validation.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
+        object.__setattr__(self, "notes", notes)
+        validation.moment(self.start, duration_s)
+        object.__setattr__(self, "until_s", validation.until(self.until_s, duration_s))
+        object.__setattr__(self, "events", sorted_events(self.events, duration_s))
+        with validation.located("details: "):
+            object.__setattr__(self, "details", sorted_events(self.details, duration_s))
+        gaps = sorted_gaps(self.gaps, duration_s)
+        object.__setattr__(self, "gap_reasons", sorted_reasons(self.gap_reasons, self.gaps))
+        object.__setattr__(self, "gaps", gaps)
+        if self.intensity is not None:
+            hint = "give times and values: ov.Intensity(time_s, value, unit)"
+            validation.instance(self.intensity, Intensity, "intensity", hint)
+        if self.intensity is not None and self.intensity.last_s > duration_s:
+            last = self.intensity.count - 1
+            raise InputError(
+                f"intensity.time_s[{last}] is {self.intensity.last_s!r}, after the "
+                f"end of the timeline (duration_s {duration_s!r}); {validation.TIME_HINT}"
+            )
+        if not self.events and self.intensity is None:
+            raise InputError(
+                "the timeline has neither events nor an intensity; give one of them or both"
+            )
+
+    def kinds(self) -> dict[str, int]:
+        """Count the events of each kind.
+
+        Returns
+        -------
+        dict of str to int
+            In order of first appearance.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.kinds()["goal"]
+        5
+        """
+        counts: dict[str, int] = {}
+        for event in self.events:
+            counts[event.kind] = counts.get(event.kind, 0) + 1
+        return counts
+
+    def event(self, kind: str, number: int) -> Event:
+        """Find the n-th event of a kind.
+
+        Parameters
+        ----------
+        kind : str
+            Of the event.
+        number : int
+            From 1, in time order.
+
+        Returns
+        -------
+        Event
+            That one.
+
+        Raises
+        ------
+        InputError
+            No event of that kind, or not so many; the line says which and how many there are.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.event("goal", 2).time_s > match.event("goal", 1).time_s
+        True
+        """
+        validation.instance(kind, str, "kind", "'goal' is one")
+        found = [event for event in self.events if event.kind == kind]
+        if not found:
+            there = ", ".join(self.kinds()) or "no events at all"
+            raise InputError(f"the timeline has no event of kind {shown(kind)}; it has {there}")
+        number = validation.whole(number, "number")
+        if not 1 <= number <= len(found):
+            raise InputError(
+                f"there is no {kind} number {shown(number)}; the timeline has {len(found)}: "
+                f"give 1 to {len(found)}"
+            )
+        return found[number - 1]
+
+    @cached_property
+    def scale(self) -> tuple[float, float]:
+        """The value of the curve that is felt as 0, and how much above it as 1."""
+        if self.intensity is None:
+            return 0.0, 0.0
+        curve = self.intensity
+        if curve.count > LONG:
+            low, high = curve.scale_outside(self.gaps)
+        else:
+            times = np.asarray(curve.time_s)
+            known = np.ones(1, np.bool_) if curve.is_constant else self._has_data(times)
+            low, high = curve.scale(known)
+        as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
+        return (0.0, 1.0) if as_is else (low, high - low)
+
+    def intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Look up the curve, straight between its points and exact at them.
+
+        Parameters
+        ----------
+        times : array_like
+            Seconds, any shape.
+
+        Returns
+        -------
+        float64
+            Of that shape, in the curve's unit. 0 where there is no curve: before the first point
+            and after the last, inside a gap (its ends excluded), for a timeline without intensity,
+            and for NaN. A curve of one point has that value over the whole timeline.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.intensity_at([-1.0, 1e9])
+        array([0., 0.])
+        """
+        at = validation.numbers(times, "times")
+        flat = at.reshape(-1)  # a scalar too: boolean indexing needs an axis
+        return np.where(self._has_data(flat), self._curve_at(flat), 0.0).reshape(at.shape)
+
+    def normalised_intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Look up the curve on a scale of 0 to 1.
+
+        If all points (outside gaps) lie within [0, 1] already, values are taken as they are, a
+        constant too. Otherwise the smallest becomes 0 and the largest 1, and a constant curve 0. A
+        curve with percentiles of its own is scaled by these, always, and clipped beyond them.
+
+        Parameters
+        ----------
+        times : array_like
+            Seconds, any shape.
+
+        Returns
+        -------
+        float64
+            Of that shape, 0 to 1; 0 where there is no curve, as `intensity_at`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import overview_dsp as ov
+        >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([-5.0, 5.0]))
+        >>> ov.Timeline("rising", 10.0, (), curve).normalised_intensity_at([5.0, 10.0])
+        array([0.5, 1. ])
+        """
+        at = np.asarray(times, dtype=np.float64)
+        flat = at.reshape(-1)
+        low, span = self.scale
+        if span == 0.0:
+            return np.zeros(at.shape, dtype=np.float64)
+        # clipped first: a span may be so small that what lies beyond it overflows
+        scaled = np.clip(self._curve_at(flat) - low, 0.0, span) / span
+        return np.where(self._has_data(flat), scaled, 0.0).reshape(at.shape)
+
+    def normalised_levels(self, steps: int) -> NDArray[np.float64]:
+        """Look up the curve on a scale of 0 to 1 at even moments from the start to the end.
+
+        For a surface: each moment stands for those nearest to it. Where the curve has few points
+        this is `normalised_intensity_at`; where many points fall on one moment, what is felt of
+        them.
+
+        Parameters
+        ----------
+        steps : int
+            Into how many equal parts the timeline is cut.
+
+        Returns
+        -------
+        float64 (steps + 1,)
+            0 to 1; anything in between inside a gap.
+
+        Examples
+        --------
+        >>> import overview_dsp as ov
+        >>> match = ov.load_timeline("world-cup-final-2018")
+        >>> match.normalised_levels(100).shape
+        (101,)
+        """
+        at = np.arange(steps + 1, dtype=np.float64) * (self.duration_s / steps)
+        low, span = self.scale
+        curve = self.intensity
+        if curve is None or span == 0.0:
+            return np.zeros(steps + 1)
+        levels = curve.along(at) - low
+        np.clip(levels, 0.0, span, out=levels)
+        levels /= span
+        if not curve.is_constant:
+            levels[: np.searchsorted(at, curve.first_s)] = 0.0
+            levels[np.searchsorted(at, curve.last_s, side="right") :] = 0.0
+        return levels
+
+    def _curve_at(self, at: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.zeros(at.shape) if self.intensity is None else self.intensity.at(at)
+
+    def _has_data(self, at: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return where the curve covers `at`, shape (n,)."""
+        if self.intensity is None:
+            return np.zeros(at.shape, dtype=np.bool_)
+        first, last = self.intensity.first_s, self.intensity.last_s
+        if self.intensity.is_constant:
+            first, last = 0.0, self.duration_s
+        covered = (at >= first) & (at <= last) & ~in_gap(self.gaps, at)
+        return np.asarray(covered, dtype=np.bool_)
 
     def window(self, start_s: float, end_s: float) -> Timeline:
         """Cut out a part as a timeline of its own, which starts at 0.

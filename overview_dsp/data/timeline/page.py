@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import html
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from overview_dsp.data.timeline.curve_lookup import CurveLookup
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.public import counted
 from overview_dsp.units import span_text
+
+if TYPE_CHECKING:
+    from overview_dsp.data.timeline.model import Timeline
 
 WIDTH, HEIGHT = 480, 84
 _KINDS = 8
 
 
-def timeline_page(timeline: CurveLookup, begin: str) -> str:
+def timeline_page(timeline: Timeline, begin: str) -> str:
     """Write the title, contents and a picture as HTML; every text of the data is escaped.
 
     `begin` is the date and time of its start, `""` where there is no calendar.
@@ -35,11 +38,11 @@ def timeline_page(timeline: CurveLookup, begin: str) -> str:
     )
 
 
-def _x(timeline: CurveLookup, time_s: float) -> float:
+def _x(timeline: Timeline, time_s: float) -> float:
     return time_s / timeline.duration_s * WIDTH
 
 
-def _gaps(timeline: CurveLookup) -> str:
+def _gaps(timeline: Timeline) -> str:
     """Gaps as grey areas, one a pixel at most."""
     spans = {
         (round(_x(timeline, start)), round(_x(timeline, end)) or 1) for start, end in timeline.gaps
@@ -51,14 +54,14 @@ def _gaps(timeline: CurveLookup) -> str:
     )
 
 
-def _events(timeline: CurveLookup) -> str:
+def _events(timeline: Timeline) -> str:
     """Events as ticks along the bottom, one a pixel at most."""
     at = sorted({round(_x(timeline, event.time_s)) for event in timeline.events})
     marks = "".join(f"M{x},{HEIGHT - 12}v8" for x in at)
     return f'<path d="{marks}" stroke="#0072B2"/>' if marks else ""
 
 
-def _curve(timeline: CurveLookup) -> str:
+def _curve(timeline: Timeline) -> str:
     """The curve, broken where there is no data, with its lowest and highest in its unit."""
     curve = timeline.intensity
     if curve is None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from overview_dsp.design.presets.migrations import migrated_values
 from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
+from overview_dsp.design.presets.validation import migrated_values
 from overview_dsp.errors import InputError
 
 

@@ -1,14 +1,19 @@
-"""Where presets are: the bundled ones and a person's own by name, any other by its path."""
+"""Where presets are: the bundled ones and a person's own by name, any other by its path.
+
+Which presets are like a tag, or for a use.
+"""
 
 from __future__ import annotations
 
+import operator
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
-from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.model import TAG_SCALES, Preset
 from overview_dsp.design.presets.validation import parse_preset
 from overview_dsp.errors import InputError
 from overview_dsp.files.library import Library
@@ -147,3 +152,37 @@ def _base(name: str, source: str) -> tuple[str, str]:
     is_file = beside.suffix == SUFFIX and os.path.isfile(beside)
     path = beside if is_file else preset_path(name)
     return str(path), read_text(path)
+
+
+_COMPARED = {"=": operator.eq, "<": operator.lt, ">": operator.gt}
+_SCALE = re.compile(r"(?P<name>\w+)\s*(?P<sign>[=<>])\s*(?P<value>[1-5])")
+WAYS = f"a use (football), or {', '.join(TAG_SCALES)} with =, < or > and 1 to 5 (energy=4, tempo<3)"
+
+
+def require_tag(tag: str) -> None:
+    """InputError for a scale that there isn't, or a value that no scale has."""
+    if any(sign in tag for sign in _COMPARED):
+        found = _SCALE.fullmatch(tag.strip())
+        if not found or found["name"] not in TAG_SCALES:
+            raise InputError(f"--tag {tag!r} is none; it is {WAYS}")
+
+
+def tagged(preset: Preset, tag: str) -> bool:
+    """Whether a preset has a tag, as `require_tag` allows it."""
+    found = _SCALE.fullmatch(tag.strip())
+    if found is None:
+        return serves(preset, tag)
+    value = getattr(preset.tags, found["name"])
+    return value is not None and bool(_COMPARED[found["sign"]](value, int(found["value"])))
+
+
+def serves(preset: Preset, use: str) -> bool:
+    """Whether a preset is for a use: its name, or a word or all of one of its uses, says so."""
+    wanted = use.strip().casefold()
+    names = [preset.name, *preset.tags.usage]
+    words = {word.casefold() for name in names for word in re.findall(r"\w+", name)}
+    return bool(wanted) and (
+        wanted in words
+        or wanted.removesuffix("s") in words
+        or any(wanted == name.casefold() for name in names)
+    )

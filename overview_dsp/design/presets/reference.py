@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from overview_dsp.design.presets.migrations import SCHEMA
 from overview_dsp.design.presets.model import TAG_SCALES
 from overview_dsp.design.presets.parameter import Parameter, value_text
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
-from overview_dsp.design.presets.validation import MAP_DOC, preset_model
+from overview_dsp.design.presets.validation import MAP_DOC, SCHEMA, preset_model
 
 _HEAD = """# Preset parameters
 

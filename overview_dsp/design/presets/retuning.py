@@ -9,8 +9,8 @@ from typing import Any
 
 from overview_dsp.design.presets.expressions import is_expression
 from overview_dsp.design.presets.library import load_preset, parse_own, preset_path
-from overview_dsp.design.presets.migrations import SCHEMA, migrated
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.validation import SCHEMA, migrated
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.toml import SUFFIX, read_text

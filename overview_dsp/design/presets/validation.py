@@ -1,19 +1,35 @@
 """A preset file's text to Preset: a pydantic model made from the parameter table checks it.
 
 Errors name file and line, also where the value stands in a file that the preset extends.
+
+A preset file and those it extends, as one.
+
+`extends = "football"` takes everything from that preset (a bundled or own name, or a path from the
+file's folder) and changes what is written here: single keys, kinds, variables. A list of modes is
+taken whole. Variables of the base may be set anew, and what is worked out from them follows.
+
+Preset files of older schema versions, brought up to the present one.
+
+| version | what is new |
+|---|---|
+| 1 | the first |
+| 2 | `extends`, `authors`, `[tags]`, `[variables]`, `kinds.*.spacing_percent` |
+| 3 | `[clutch]`: `max_speed_ratio` was `disk.catch_up`, `tap_duration_s` was `disk.unfold_s` |
+
+In version 2 a tap took `unfold_s / catch_up`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, Literal
 
 import pydantic
 
 from overview_dsp.design.presets.expressions import FaultyValueError, work_out
-from overview_dsp.design.presets.layers import Find, Layer, layer_of, merged, read_layers
-from overview_dsp.design.presets.migrations import SCHEMA
 from overview_dsp.design.presets.model import (
     DEFAULT_KIND,
     TAG_SCALES,
@@ -33,6 +49,142 @@ from overview_dsp.design.presets.parameters import (
 from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.files.toml import line_of
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
+
+SCHEMA = 3
+
+
+def _one_to_two(data: dict[str, Any]) -> dict[str, Any]:
+    # nothing was renamed: what is new has defaults
+    return {**data, "schema": 2}
+
+
+def _two_to_three(data: dict[str, Any]) -> dict[str, Any]:
+    disk = data.get("disk")
+    if not isinstance(disk, dict):
+        return {**data, "schema": 3}
+    values = migrated_values({f"disk.{key}": value for key, value in disk.items()})
+    found = {**data, "schema": 3, "disk": {}}
+    for id, value in values.items():
+        section, _, key = id.partition(".")
+        found[section] = {**found.get(section, {}), key: value}
+    return found
+
+
+def migrated_values(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by parameter id, with the ids and meanings of the present schema."""
+    found = dict(values)
+    ratio = found.pop("disk.catch_up", None)
+    tap_s = found.pop("disk.unfold_s", None)
+    if ratio is not None:
+        found["clutch.max_speed_ratio"] = ratio
+    if tap_s is not None:
+        known = all(isinstance(value, int | float) for value in (ratio, tap_s))
+        found["clutch.tap_duration_s"] = min(tap_s / ratio, 10.0) if known and ratio else tap_s
+    return found
+
+
+_STEPS: dict[int, Callable[[dict[str, Any]], dict[str, Any]]] = {1: _one_to_two, 2: _two_to_three}
+
+
+def migrated(data: dict[str, Any]) -> dict[str, Any]:
+    """A file's data in the present schema; what has no known version is left for the check."""
+    version = data.get("schema")
+    while type(version) is int and version in _STEPS:
+        data = _STEPS[version](data)
+        version = data["schema"]
+    return data
+
+
+MAX_LAYERS = 8
+
+Find = Callable[[str, str], tuple[str, str]]
+"""From (what `extends` says, the file that says it) to (the base's file, its text)."""
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One file: where it is, its text, and its data in the present schema."""
+
+    source: str
+    text: str
+    data: dict[str, Any]
+
+
+def read_layers(source: str, text: str, find: Find) -> list[Layer]:
+    """The file and its bases, the file first.
+
+    Raises
+    ------
+    InputError
+        Not TOML; a base that isn't there, is no name, or extends what extends it.
+    """
+    layers = [_layer(source, text)]
+    while (base := layers[-1].data.get("extends")) is not None:
+        here = layers[-1]
+        if not isinstance(base, str):
+            raise InputError(f"{here.source}: extends = {shown(base)}; it is a preset's name")
+        if len(layers) == MAX_LAYERS:
+            raise InputError(f"{source}: more than {MAX_LAYERS} presets extend each other")
+        try:
+            found = find(base, here.source)
+        except InputError as error:
+            raise InputError(f"{here.source}: extends: {error}") from None
+        if any(found[0] == layer.source for layer in layers):
+            raise InputError(f"{here.source}: extends {base!r}, which extends it in turn")
+        layers.append(_layer(*found))
+    return layers
+
+
+def _layer(source: str, text: str) -> Layer:
+    try:
+        data = tomllib.loads(text)
+    # ValueError: not TOML, and an integer of thousands of digits
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{source}: not TOML: {error}") from None
+    return Layer(source, text, migrated(data))
+
+
+def merged(layers: list[Layer]) -> dict[str, Any]:
+    """The data of all layers as one, the first layer's last word."""
+    found: dict[str, Any] = {}
+    for layer in reversed(layers):
+        own = {key: value for key, value in layer.data.items() if key != "extends"}
+        found = _over(found, own)
+    return found
+
+
+def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    found = dict(base)
+    for key, value in own.items():
+        below = found.get(key)
+        if not (isinstance(below, dict) and isinstance(value, dict)):
+            found[key] = value
+            continue
+        found[key] = _over(below, value)
+        # an event's width is given in one of two ways: the file's own is meant
+        _one_width(found[key], value)
+    return found
+
+
+def _one_width(found: dict[str, Any], own: dict[str, Any]) -> None:
+    for given, other in (("width_percent", "width_ms"), ("width_ms", "width_percent")):
+        if given in own and other not in own:
+            found.pop(other, None)
+
+
+def layer_of(layers: list[Layer], path: tuple[str | int, ...]) -> Layer:
+    """The layer that says a value: the first one that has it, else the file itself."""
+    for layer in layers:
+        value: Any = layer.data
+        for part in path:
+            try:
+                value = value[part]
+            except (KeyError, IndexError, TypeError):
+                break
+        else:
+            return layer
+    return layers[0]
+
 
 HEADER_KEYS = ("schema", "extends", "title", "description", "authors", "tags", "variables")
 MAP_DOC = (

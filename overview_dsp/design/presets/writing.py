@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp import validation
-from overview_dsp.design.presets.migrations import SCHEMA
 from overview_dsp.design.presets.model import TAG_SCALES, EventKind, Preset
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
+from overview_dsp.design.presets.validation import SCHEMA
 from overview_dsp.files.atomic import whole_file
 
 

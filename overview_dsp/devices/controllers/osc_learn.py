@@ -7,7 +7,7 @@ from typing import Any
 
 from overview_dsp.devices.controllers.midi_map import TOUCH
 from overview_dsp.devices.controllers.osc_map import PHONE, OscControl
-from overview_dsp.devices.controllers.osc_packets import decode_packet
+from overview_dsp.devices.controllers.osc_messages import decode_packet
 from overview_dsp.errors import InputError
 
 DEVICE = "device"

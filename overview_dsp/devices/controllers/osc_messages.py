@@ -10,10 +10,15 @@
 /overview/window 0 2700      show a part of the timeline, s
 
 Other addresses are those of a list (`osc_map`), or nothing.
+
+A device in the hand whose app says how it lies, message by message, as a control that turns.
+
+OSC datagrams to messages and back, by python-osc, which is imported here alone, and late.
 """
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -25,14 +30,117 @@ from overview_dsp.devices.controllers.control_messages import (
     Dialled,
     Move,
     PositionControl,
+    Turned,
     theta2_at,
 )
 from overview_dsp.devices.controllers.midi_map import THETA2, TOUCH
-from overview_dsp.devices.controllers.osc_device import OscDevice
-from overview_dsp.devices.controllers.osc_map import SENSED, OscControl
-from overview_dsp.devices.controllers.osc_packets import decode_packet
-from overview_dsp.errors import InputError
+from overview_dsp.devices.controllers.osc_map import SENSED, OscControl, sensor_of
+from overview_dsp.devices.sensors.angles import Angle, angle_of
+from overview_dsp.devices.sensors.reading import ACCELERATION
+from overview_dsp.devices.sensors.reading import Counters as SensorCounters
+from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.units import HALF_TURN
+
+NAME = "device"
+
+
+class OscDevice:
+    """Values of messages in, turns out; it begins lying still, face up.
+
+    Attributes
+    ----------
+    words : str
+        How it stands, for a person.
+    """
+
+    def __init__(self, controls: tuple[OscControl, ...]) -> None:
+        """`controls`: those of a list that are sensed; the first but angular velocity leads."""
+        leads = [one for one in controls if one.to != "angular_velocity"]
+        self._leads = leads[0] if leads else None
+        self._reading: dict[str, float] = {}
+        self._angle: Angle | None = None
+        self._counters = SensorCounters()
+        self._sign = 0.0
+        self.words = ""
+
+    def step(self, control: OscControl, values: list[float], time_s: float) -> list[Turned]:
+        """The turns of a control's values; InputError if they are none, or can't be used."""
+        columns = SENSED[control.to]
+        if len(values) < len(columns):
+            raise InputError(f"{control.to} is {len(columns)} numbers; {len(values)} came")
+        numbers = [one * control.scale for one in values[: len(columns)]]
+        if not all(math.isfinite(one) and abs(one) < 1e9 for one in numbers):
+            raise InputError(f"{control.to} is of finite numbers")
+        if control.to == "quaternion" and control.order == "xyzw":
+            numbers = [numbers[3], *numbers[:3]]
+        self._reading.update(zip(columns, numbers, strict=True))
+        if self._leads is None or control.address != self._leads.address:
+            return []
+        if control.to == "acceleration":
+            # the two makers of phones don't agree which way gravity points; face up it is up
+            self._sign = self._sign or math.copysign(1.0, numbers[2])
+            self._reading.update((name, self._reading[name] * self._sign) for name in ACCELERATION)
+        if self._angle is None:
+            self._angle = angle_of(sensor_of(control), False, self._reading, self._counters)
+            assert self._angle is not None
+        turn = self._angle.step(time_s, dict(self._reading))
+        self.words = self._angle.words
+        return [] if turn is None else [Turned(NAME, turn.theta2)]
+
+
+HINT = "OSC needs python-osc: pip install 'overview-dsp[osc]'"
+
+
+def require_osc() -> None:
+    """Raise OverviewError, which says what to install, if there is no python-osc.
+
+    From here on it is also kept from writing to the terminal about each type it doesn't know.
+    """
+    try:
+        import pythonosc  # noqa: F401
+    except ImportError:
+        raise OverviewError(HINT) from None
+    root = logging.getLogger()
+    if _is_ours not in root.filters:
+        root.addFilter(_is_ours)
+
+
+def _is_ours(record: logging.LogRecord) -> bool:
+    return "pythonosc" not in record.pathname
+
+
+def decode_packet(data: bytes) -> list[tuple[str, Sequence[Any]]]:
+    """The messages (address, values) of a datagram, those of its bundles in order of their times.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    from pythonosc.osc_packet import OscPacket
+
+    if len(data) % 4:  # python-osc fills a cut number up with zeros
+        raise InputError(f"{len(data)} bytes that are no OSC (its packets are whole fours)")
+    try:
+        return [(one.message.address, one.message.params) for one in OscPacket(data).messages]
+    # what else a damaged one makes of the decoder: of texts, of nested bundles, of sizes
+    except Exception as error:
+        raise InputError(f"{len(data)} bytes that are no OSC ({_first_line(error)})") from None
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0][:80]
+
+
+def encode_message(address: str, values: Sequence[bool | int | float | str]) -> bytes:
+    """A datagram with one message: numbers in single precision, texts in UTF-8."""
+    from pythonosc.osc_message_builder import OscMessageBuilder
+
+    builder = OscMessageBuilder(address=address)
+    for value in values:
+        builder.add_arg(value)
+    return bytes(builder.build().dgram)
+
 
 PREFIX = "/overview/"
 COMMANDS = ("record", "replay", "preset", "window")

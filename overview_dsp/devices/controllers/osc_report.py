@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from overview_dsp.data.timeline.event import Event
-from overview_dsp.devices.controllers.osc_packets import encode_message
+from overview_dsp.devices.controllers.osc_messages import encode_message
 
 STILL_EVERY_S = 0.5
 """How often it is said while nothing changes."""

@@ -1,22 +1,195 @@
-"""The motor's loop: reports and the disk's torque in, commands out; opens no device."""
+"""The motor's loop: reports and the disk's torque in, commands out; opens no device.
+
+SimpleFOC's Commander: a line a command, `M` (or another letter) for the motor.
+
+| sent | means |
+|---|---|
+| `@0` | answer nothing: at 500 targets a second answers would fill the wire |
+| `MC0` | motion control: torque |
+| `M0` | target 0 |
+| `MMS1000001` | report the target and the shaft's angle |
+| `MMD10` | at every tenth call of `motor.monitor()` |
+| `ME1`, `ME0` | enable, disable the motor |
+| `M-0.0123` | target: A, or V in voltage mode |
+
+Reports are lines of the target and the angle (rad), with a tab between. No command has more than
+the 19 characters and the end of a line that its buffer holds.
+
+Source: https://docs.simplefoc.com/commander_motor, src/communication/Commander.cpp and commands.h
+of https://github.com/simplefoc/Arduino-FOC (library versions 2.1 and later).
+
+How long a torque takes to be applied and reported: measured by the device's own reports.
+
+What a motor can't have done: a line of text has no check, a wrong digit is another number.
+"""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Iterable
 from typing import Any
 
-from overview_dsp.devices.force_feedback.commander import TARGET_STEP, Commander
-from overview_dsp.devices.force_feedback.delay import LoopDelay
-from overview_dsp.devices.force_feedback.ledger import EnergyLedger
-from overview_dsp.devices.force_feedback.motion import Motion, SpeedEstimator
-from overview_dsp.devices.force_feedback.passivity import PassivityController
-from overview_dsp.devices.force_feedback.rate import Rate
-from overview_dsp.devices.force_feedback.report_check import ReportCheck
+from overview_dsp.devices.force_feedback.motion import Motion, Rate, SpeedEstimator
+from overview_dsp.devices.force_feedback.passivity import EnergyLedger, PassivityController
 from overview_dsp.devices.force_feedback.watchdog import Watchdog
 from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor
 from overview_dsp.devices.sensors.stream import Sample
 from overview_dsp.errors import InputError
+
+DECIMALS = 4
+"""Of a reported number (`monitor_decimals`), and so of a target sent."""
+
+TARGET_STEP = 10.0**-DECIMALS
+
+
+class Commander:
+    """Lines for one motor."""
+
+    def __init__(self, letter: str, downsample: int) -> None:
+        """The motor's `letter`, and at which of its calls it reports."""
+        self._letter = letter
+        self._downsample = downsample
+
+    def begin(self) -> bytes:
+        """Torque control at 0, reports, and power."""
+        letter = self._letter
+        lines = ("@0", f"{letter}C0", f"{letter}0", f"{letter}MS1000001",
+                 f"{letter}MD{self._downsample}", f"{letter}E1")  # fmt: skip
+        return "".join(line + "\n" for line in lines).encode()
+
+    def target(self, value: float) -> bytes:
+        """A target, to 4 decimals."""
+        # adding 0 turns -0 into 0
+        return f"{self._letter}{round(value, DECIMALS) + 0.0:.{DECIMALS}f}\n".encode()
+
+    def end(self) -> bytes:
+        """No torque and no power."""
+        return f"{self._letter}0\n{self._letter}E0\n".encode()
+
+
+UNKNOWN_S = 0.05
+"""Before anything was measured."""
+
+FORGOTTEN_S = 0.5
+"""A torque that wasn't reported for so long was lost on the wire."""
+
+EASE = 0.01
+"""Of a shorter delay than the one held, how much counts: a longer one counts at once."""
+
+
+class LoopDelay:
+    """Targets sent and reported in, the loop's delay out.
+
+    Attributes
+    ----------
+    measured : bool
+        Whether any delay was.
+    """
+
+    def __init__(self, resolution: float) -> None:
+        """`resolution`: reported targets are right to this."""
+        self.measured = False
+        self._held = UNKNOWN_S
+        self._resolution = resolution
+        self._waiting: deque[tuple[float, float]] = deque()
+        self._sent = self._applied = 0.0
+
+    def sent(self, now_s: float, target: float) -> None:
+        """`target` was sent."""
+        if abs(target - self._sent) > self._resolution:
+            self._waiting.append((now_s, target))
+            self._sent = target
+        while self._waiting and now_s - self._waiting[0][0] > FORGOTTEN_S:
+            self._waiting.popleft()
+
+    def reported(self, now_s: float, target: float) -> None:
+        """The device says that it applies `target`."""
+        if abs(target - self._applied) <= self._resolution:
+            return
+        self._applied = target
+        for index, (sent_at, waiting) in enumerate(self._waiting):
+            if abs(waiting - target) <= self._resolution:
+                for _ in range(index + 1):
+                    self._waiting.popleft()
+                took = now_s - sent_at
+                if not self.measured or took > self._held:
+                    self._held, self.measured = took, True
+                else:
+                    self._held += EASE * (took - self._held)
+                return
+
+    @property
+    def waits(self) -> bool:
+        """Whether a target is under way."""
+        return bool(self._waiting)
+
+    def seconds(self, now_s: float) -> float:
+        """From sending a target to hearing that it is applied, s: about the longest of late.
+
+        At least how long the oldest target that wasn't reported has waited.
+        """
+        waited = now_s - self._waiting[0][0] if self._waiting else 0.0
+        return max(self._held, waited)
+
+
+FASTEST = 150.0
+"""rad/s: no hand turns a knob so fast."""
+
+SLACK_S = 0.01
+"""Reports may come so much closer together than they were made."""
+
+IN_A_ROW = 5
+"""So many jumped reports that agree with each other are a device that began again."""
+
+
+class ReportCheck:
+    """Reports in, whether to believe them out.
+
+    Attributes
+    ----------
+    refused : int
+        Reports that weren't believed.
+    restarted : bool
+        Whether the latest one believed is the first of a device that began again.
+    """
+
+    def __init__(self, highest: float) -> None:
+        """`highest` target that is ever sent."""
+        self.refused = 0
+        self.restarted = False
+        self._highest = highest
+        self._last: tuple[float, float] | None = None
+        self._other: tuple[float, float] | None = None
+        self._agreeing = 0
+
+    def forget(self) -> None:
+        """The device is gone: the next angle is a first one."""
+        self._last = self._other = None
+
+    def plausible(self, time_s: float, target: float, angle: float) -> bool:
+        """Whether `target` was ever asked for, and the angle (rad) be reached by `time_s`."""
+        self.restarted = False
+        if abs(target) > self._highest:
+            self.refused += 1
+            return False
+        here = (time_s, angle)
+        if self._last is None or _reached(self._last, here):
+            self._last, self._other = here, None
+            return True
+        near = self._other is not None and _reached(self._other, here)
+        self._agreeing = self._agreeing + 1 if near else 1
+        self._other = here
+        if self._agreeing < IN_A_ROW:
+            self.refused += 1
+            return False
+        self._last, self._other, self.restarted = here, None, True
+        return True
+
+
+def _reached(before: tuple[float, float], after: tuple[float, float]) -> bool:
+    return abs(after[1] - before[1]) <= FASTEST * (after[0] - before[0] + SLACK_S)
+
 
 PERIOD_S = 0.002
 """Between commands: 500 a second."""

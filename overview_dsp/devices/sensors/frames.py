@@ -26,16 +26,70 @@ a frame's end included, is never taken for a sample. Within a frame the check is
 they are sent (over the payload, one wrong bit could move a zero and spread through all of it); the
 fixed length refuses whatever a lost or an invented zero makes. After the last wrong byte at most
 one frame is lost.
+
+Consistent Overhead Byte Stuffing: bytes without a zero, so that a zero ends a frame.
+
+Each zero is replaced by the distance to the next one, and the first distance goes before.
+Source: S. Cheshire, M. Baker, "Consistent Overhead Byte Stuffing", IEEE/ACM Trans. Networking 7(2),
+1999.
+
+CRC-16/X-25 (the frame check of HDLC and PPP, RFC 1662 appendix C.2).
+
+Polynomial x^16 + x^12 + x^5 + 1, least significant bit first, start and final XOR 0xFFFF; its check
+value of b"123456789" is 0x906E. A polynomial of degree 16 with a constant term divides no burst of
+up to 16 bits. Least significant bit first is the order in which a UART sends, so that a burst on
+the wire is a burst in the code: a CRC the other way round sees up to 24 bits of it.
 """
 
 from __future__ import annotations
 
 import struct
 
-from overview_dsp.devices.sensors import cobs
-from overview_dsp.devices.sensors.crc import crc16
-from overview_dsp.devices.sensors.pieces import Pieces
+from overview_dsp.devices.sensors.lines import Pieces
 from overview_dsp.devices.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters, Reading
+
+LONGEST = 253
+"""Bytes of a frame here: one code block, one byte of overhead."""
+
+
+def encode(data: bytes) -> bytes:
+    """`data` (at most 253 bytes) without zeros, one byte longer."""
+    assert len(data) <= LONGEST
+    return b"".join(bytes([len(run) + 1]) + run for run in data.split(b"\0"))
+
+
+def decode(encoded: bytes | bytearray) -> bytes | None:
+    """The bytes that were encoded; None if these never were."""
+    runs = []
+    at = 0
+    while at < len(encoded):
+        code = encoded[at]
+        if code == 0 or at + code > len(encoded):
+            return None
+        runs.append(bytes(encoded[at + 1 : at + code]))
+        at += code
+    return b"\0".join(runs) if runs else None
+
+
+POLYNOMIAL = 0x8408  # bit-reversed 0x1021
+
+
+def _step(value: int) -> int:
+    for _ in range(8):
+        value = value >> 1 ^ (POLYNOMIAL if value & 1 else 0)
+    return value
+
+
+_TABLE = tuple(_step(value) for value in range(256))
+
+
+def crc16(data: bytes | bytearray) -> int:
+    """The check of `data`, 0 to 65535."""
+    register = 0xFFFF
+    for byte in data:
+        register = register >> 8 ^ _TABLE[(register ^ byte) & 0xFF]
+    return register ^ 0xFFFF
+
 
 PAYLOAD = 19
 FRAME = PAYLOAD + 1 + 3
@@ -79,7 +133,7 @@ def encode_frame(kind: int, sequence: int, stamp_us: int, values: tuple[int, ...
 
 def framed(payload: bytes) -> bytes:
     """At most 253 bytes as a frame with its zero."""
-    encoded = cobs.encode(payload)
+    encoded = encode(payload)
     check = crc16(encoded)
     return encoded + bytes(0x80 | check >> shift & 0x7F for shift in (0, 7, 14)) + b"\0"
 
@@ -92,7 +146,7 @@ def decode_frame(frame: bytes | bytearray) -> Reading | None:
     for at, shift in ((-3, 0), (-2, 7), (-1, 14)):
         if frame[at] != 0x80 | check >> shift & 0x7F:
             return None
-    payload = cobs.decode(frame[:-3])
+    payload = decode(frame[:-3])
     if payload is None or len(payload) != PAYLOAD or payload[0] not in _LAYOUTS:
         return None
     columns, packing, units = _LAYOUTS[payload[0]]

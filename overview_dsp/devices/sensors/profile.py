@@ -1,6 +1,8 @@
 """What a sensor is: its format, units and axes, and how it lies on what is turned.
 
 Everything a file may say stands in `parameters.toml`, as with presets.
+
+A sensor's file to its profile, and where such files are; errors name file, line, key, range.
 """
 
 from __future__ import annotations
@@ -12,7 +14,17 @@ from types import MappingProxyType
 
 from overview_dsp.design.presets.parameter import Parameter, Value, read_parameters
 from overview_dsp.devices.sensors.reading import COLUMNS, SKIPPED
-from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.files.library import Library
+from overview_dsp.files.toml import (
+    TEXTS,
+    check_head,
+    faults_at_their_line,
+    parse_toml,
+    read_text,
+    sections_of,
+    values_in,
+)
 
 DETECT = "told"
 """The value of a key whose setting is detected from the data, as profiles write it."""
@@ -121,3 +133,37 @@ class Sensor:
         for _, one in self.axes:
             sign *= int(one)
         return sign
+
+
+SCHEMA = 1
+LIBRARY = Library("sensors", "a sensor")
+_COLUMNS = "stream.columns"
+
+
+def load_sensor(name: str | Path) -> Sensor:
+    """A sensor: a bundled name (`potentiometer`) or the path of a TOML file.
+
+    Raises
+    ------
+    InputError
+        No such profile, or one that is not valid: names file, line, key and range.
+    """
+    path = LIBRARY.path(name)
+    return parse_sensor(read_text(path), path.stem, str(path))
+
+
+def parse_sensor(text: str, name: str, source: str) -> Sensor:
+    """A sensor from a file's text; InputError as `load_sensor`."""
+    data = parse_toml(text, source)
+    with faults_at_their_line(text, source):
+        check_head(data, sections_of(SENSOR_PARAMETERS), SCHEMA, needs_texts=False)
+        values = values_in(data, (*SENSOR_PARAMETERS, _COLUMNS))
+        columns = _columns(values.pop(_COLUMNS)) if _COLUMNS in values else ()
+        title, description = (data.get(key, "") for key in TEXTS)
+        return Sensor(name, title, description, values, columns, source)
+
+
+def _columns(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list) or not value or not all(isinstance(one, str) for one in value):
+        raise InputError(f'stream.columns = {shown(value)} is not allowed; it is a list: ["ax", …]')
+    return tuple(value)

@@ -7,8 +7,7 @@ import statistics
 
 from overview_dsp.devices.sensors.orientation import unit
 from overview_dsp.devices.sensors.orientation_angles import up_of
-from overview_dsp.devices.sensors.profile import Sensor
-from overview_dsp.devices.sensors.profile_file import SCHEMA, parse_sensor
+from overview_dsp.devices.sensors.profile import SCHEMA, Sensor, parse_sensor
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
     ANGLES,

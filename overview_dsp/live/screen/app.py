@@ -1,29 +1,103 @@
-"""The application: keys and mouse to the player, the player's status to the screen."""
+"""The application: keys and mouse to the player, the player's status to the screen.
+
+The command palette: everything that may be changed while it plays, by a few letters.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import ClassVar
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar
 
 from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
+from textual.command import DiscoveryHit, Hit, Hits, Provider
 from textual.widgets import Footer, Static
 
-from overview_dsp.live.hand import Input
-from overview_dsp.live.player import Player
+from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.help_screen import TextScreen
-from overview_dsp.live.screen.meters_view import MetersView
 from overview_dsp.live.screen.moves import Moves, help_text
-from overview_dsp.live.screen.palette import Changes
-from overview_dsp.live.screen.place import marks, place_words
 from overview_dsp.live.screen.terminal import has_hung_up, patient
-from overview_dsp.live.screen.timeline_view import TimelineView
-from overview_dsp.live.screen.trace_view import TraceView
-from overview_dsp.live.status import Status
+from overview_dsp.live.screen.timeline_view import TimelineView, marks, place_words
+from overview_dsp.live.screen.trace_view import MetersView, TraceView
+from overview_dsp.live.session.commands import FORMS
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.status import Status
 from overview_dsp.signal.surface.model import Surface
+
+if TYPE_CHECKING:
+    from overview_dsp.live.session.player import Player
+
+
+def choices(player: Player) -> Iterator[tuple[str, ...]]:
+    """Commands with their words, as far as these can be listed."""
+    from overview_dsp.design.presets.library import bundled_presets, own_names
+    from overview_dsp.errors import OverviewError
+    from overview_dsp.live.output.devices import devices
+    from overview_dsp.signal.actuators.library import actuator_names
+
+    yield ("record",)
+    yield ("replay",)
+    for name in ("1", "2", *bundled_presets(), *own_names()):
+        yield "preset", name
+    for signal in ("click", "tactor"):
+        yield "mute", signal
+        for gain in range(-24, 7, 6):
+            yield "gain", signal, str(gain)
+    yield "window", "0", f"{player.timeline.duration_s:g}"
+    try:
+        found = devices()
+    except OverviewError:
+        found = []
+    for device in found:
+        yield "device", str(device.index), device.name
+    yield "device", "none"
+    for frames in (64, 128, 256, 512, 1024):
+        yield "block-size", str(frames)
+    for rate in (44_100, 48_000, 96_000):
+        yield "rate", str(rate)
+    for channels in (("1", "2"), ("2", "1"), ("3", "4"), ("1+2", "3+4")):
+        yield "channels", *channels
+    for name in ("none", *actuator_names()):
+        yield "actuator", name
+
+
+class Changes(Provider):
+    """Commands to choose from; what is typed as a whole command is offered first."""
+
+    @property
+    def _player(self) -> Player:
+        player: Player = self.app._player  # type: ignore[attr-defined]
+        return player
+
+    async def startup(self) -> None:
+        """Look for presets and devices once."""
+        self._choices = list(choices(self._player))
+
+    async def search(self, query: str) -> Hits:
+        """What matches; a whole command as it is typed."""
+        words = tuple(query.split())
+        if words and words[0] in FORMS and words not in self._choices:
+            yield Hit(1.0, query, partial(self._player.ask, *words), help=FORMS[words[0]])
+        matcher = self.matcher(query)
+        for choice in self._choices:
+            text = " ".join(choice)
+            if (score := matcher.match(text)) > 0.0:
+                yield Hit(score, matcher.highlight(text), self._asking(choice))
+
+    async def discover(self) -> Hits:
+        """Everything that can be listed."""
+        for choice in self._choices:
+            yield DiscoveryHit(" ".join(choice), self._asking(choice))
+
+    def _asking(self, choice: tuple[str, ...]) -> partial[None]:
+        # a device's name behind its number is for the person
+        words = choice[:2] if choice[0] == "device" else choice
+        return partial(self._player.ask, *words)
+
 
 POLLS_A_SECOND = 30
 VIEW_EVERY, METERS_EVERY = 3, 6

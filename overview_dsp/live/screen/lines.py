@@ -13,11 +13,11 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 
-from overview_dsp.live.hand import Input
-from overview_dsp.live.player import Player
+from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.moves import Moves
-from overview_dsp.live.screen.place import place_words
-from overview_dsp.live.status import Status
+from overview_dsp.live.screen.timeline_view import place_words
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.status import Status
 
 LOOK_EVERY_S = 0.03
 RESTED_S = 0.25

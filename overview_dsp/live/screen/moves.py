@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from overview_dsp.live.player import Player
 from overview_dsp.live.screen.help_screen import HELP
-from overview_dsp.live.screen.place import marks
-from overview_dsp.live.screen.timeline_view import STRETCHED
-from overview_dsp.live.status import Status
+from overview_dsp.live.screen.timeline_view import STRETCHED, marks
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.status import Status
 
 STEP = 0.01
 ZOOM = 1.5

@@ -2,6 +2,8 @@
 
 The finger is where the hand is, the cursor where the disk is: it sticks where friction is high, and
 the spring between the two is drawn (the paper's pseudo-haptic effect).
+
+Where the disk is, in words, and which mark stands for which kind of event.
 """
 
 from __future__ import annotations
@@ -18,8 +20,8 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from overview_dsp.live.player import Player
-from overview_dsp.live.status import Status
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.status import Status
 from overview_dsp.units import clock_text
 
 BLOCKS = " ▁▂▃▄▅▆▇█"
@@ -230,3 +232,28 @@ def axis_text(player: Player, time_s: float) -> str:
     moment = start + timedelta(seconds=time_s)
     long = player.window[1] - player.window[0] > 3 * 86_400
     return moment.strftime("%Y-%m-%d" if long else "%m-%d %H:%M")
+
+
+def place_words(player: Player, cursor: float) -> str:
+    """The moment under the cursor (0 to 1), and the event whose surface it is on."""
+    words = axis_text(player, player.moment_s(cursor))
+    surface = player.surface
+    for span, event in zip(surface.span, surface.event, strict=True):
+        if span[0] <= cursor <= span[1]:
+            there = player.shown.events[event]
+            return f"{words}  {there.kind} {there.words}".rstrip()
+    return words
+
+
+def marks(player: Player) -> list[tuple[str, str, str]]:
+    """Mark, colour and kind of the events that are shown, in the order of the marks."""
+    surface = player.surface
+    kinds = {
+        int(kind): player.shown.events[event].kind
+        for kind, event in zip(surface.kind, surface.event, strict=True)
+        if event < len(player.shown.events)
+    }
+    return [
+        (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)], kinds[kind].replace("_", " "))
+        for kind in sorted(kinds)
+    ]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.layout import TRACE_COLUMNS
-from overview_dsp.live.output_settings import OutputSettings
+from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.measure.bench.timing import DISK, VOICE, Contender, timed
 from overview_dsp.measure.bench.work import RATE, SECONDS, SWEEP_S, Disk, fed, prepared, the_sweep
 from overview_dsp.signal.engine.engine import Engine

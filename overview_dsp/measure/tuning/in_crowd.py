@@ -19,7 +19,7 @@ from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.measure.crowd import crowd_report
-from overview_dsp.measure.steps import STEP_DB
+from overview_dsp.measure.felt import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.measure.tuning.ordering import WANTED_STEPS, check_target
 

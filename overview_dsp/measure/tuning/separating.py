@@ -19,9 +19,9 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, sweep
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.comparing import steps_apart
-from overview_dsp.measure.kind_feel import KindFeel
+from overview_dsp.measure.feel_report import KindFeel
+from overview_dsp.measure.felt import STEP_DB
 from overview_dsp.measure.report import feel_report
-from overview_dsp.measure.steps import STEP_DB
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
 from overview_dsp.measure.tuning.ordering import check_target
 from overview_dsp.offline.rendering.audition import pages

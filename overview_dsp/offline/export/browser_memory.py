@@ -42,8 +42,8 @@ from overview_dsp.kernels.image import (
     TABLE,
     WHOLE,
 )
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.python_path import connect
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import connect
 from overview_dsp.signal.engine.coefficients import changes, check_carrier
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.queues import stamp_of

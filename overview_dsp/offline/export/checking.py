@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.offline.export.checks import ahap, android, haptic, hjif
+from overview_dsp.offline.export import ahap, android, haptic, hjif
 from overview_dsp.offline.export.reading import load_document
 
 _CHECKS = {

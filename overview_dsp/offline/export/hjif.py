@@ -8,6 +8,15 @@
 The timescale is 1000 and every count a whole number: the reference reader drops others, and takes a
 millisecond a tick whatever the timescale says. A Transient band is 22 ms at 91 Hz there, whatever
 is asked of it; so strikes are waves, under which the vibration's is silent.
+
+What is wrong with an HJIF document: the reference parser's checks, and what it won't play.
+
+The MPEG haptics reference decoder (ISO/IEC 23090-31), for what HJIF documents hold.
+
+Channels and effects are summed as signals: what has one frequency adds by its phase, which counts
+from the effect's position; different frequencies add in energy. A wave's amplitude is linear
+between keyframes. A transient is 22 ms of 90.9 Hz (two cycles), whatever is asked of it. Gains
+multiply.
 """
 
 from __future__ import annotations
@@ -16,9 +25,20 @@ import datetime
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.offline.export.breakpoints import breakpoints
+from overview_dsp.offline.export.breakpoints import (
+    Shape,
+    ascending,
+    breakpoints,
+    many,
+    number,
+    one_of,
+    record,
+    text,
+    whole,
+)
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
 
 STRIKE_MS = 12
@@ -164,3 +184,193 @@ def _c2(hz: int) -> dict[str, Any]:
         "resonance_frequency": float(hz),
         "maximum_frequency": float(_HIGH_HZ),
     }
+
+
+_ANY = number()
+MODALITIES = (
+    *("Other", "Pressure", "Acceleration", "Velocity", "Position", "Temperature", "Vibrotactile"),
+    *("Water", "Wind", "Force", "Vibrotactile Texture", "Stiffness", "Friction", "Electrotactile"),
+)
+_KEYFRAME = record(
+    {"relative_position": whole(0), "amplitude_modulation": number(-1.0, 1.0)},
+    {"frequency_modulation": whole(0)},
+)
+_EFFECT = record(
+    {
+        "effect_type": one_of("Basis", "Reference", "Composite"),
+        "position": whole(0),
+        "phase": _ANY,
+        "base_signal": one_of("Sine", "Square", "Triangle", "SawToothUp", "SawToothDown"),
+        "keyframes": many(_KEYFRAME, 1),
+    },
+    {"id": whole(0)},
+)
+_BAND = record(
+    {
+        "band_type": one_of("Transient", "Curve", "VectorialWave", "WaveletWave"),
+        "lower_frequency_limit": whole(0),
+        "upper_frequency_limit": whole(0),
+        "effects": many(_EFFECT, 1),
+    },
+    {"curve_type": one_of("Linear", "Cubic", "Akima", "Bezier", "Bspline", "Unknown")},
+)
+_CHANNEL = record(
+    {
+        "id": whole(0),
+        "description": text(),
+        "gain": _ANY,
+        "mixing_coefficient": _ANY,
+        "body_part_mask": whole(0),
+        "bands": many(_BAND, 1, 7),
+    },
+    {"reference_device_id": whole(0)},
+)
+_DEVICE = record(
+    {"id": whole(0), "name": text()},
+    {
+        "type": one_of("Unknown", "LRA", "VCA", "ERM", "Piezo"),
+        "minimum_frequency": number(0.0),
+        "resonance_frequency": number(0.0),
+        "maximum_frequency": number(0.0),
+    },
+)
+_PERCEPTION = record(
+    {
+        "id": whole(0),
+        "avatar_id": whole(0),
+        "description": text(),
+        "perception_modality": one_of(*MODALITIES),
+        "channels": many(_CHANNEL, 1, 127),
+        "effect_library": many(record({})),
+    },
+    {"reference_devices": many(_DEVICE)},
+)
+
+
+def _date(value: Any, place: str, faults: list[str]) -> None:
+    try:
+        datetime.date.fromisoformat(value)
+    except (TypeError, ValueError):
+        faults.append(f"{place} isn't a date like 2026-07-01")
+
+
+_DOCUMENT: Shape = record(
+    {
+        "version": text(r"(202[3-9]|20[3-9][0-9]|2[1-9][0-9]{2}|[3-9][0-9]{3})(-[0-9])?"),
+        "profile": one_of("Main", "Simple Parametric"),
+        "level": one_of(1, 2),
+        "date": _date,
+        "description": text(),
+        # others play with the wrong phase
+        "timescale": one_of(1000),
+        "perceptions": many(_PERCEPTION, 1),
+        "avatars": many(record({})),
+        "syncs": many(record({})),
+    }
+)
+
+
+def faults_of(document: Any) -> list[str]:
+    """Every fault of an HJIF document, a line each."""
+    faults: list[str] = []
+    _DOCUMENT(document, "", faults)
+    if faults:
+        return faults
+    perceptions = document["perceptions"]
+    _unique([one["id"] for one in perceptions], "perceptions", faults)
+    channels = [channel for one in perceptions for channel in one["channels"]]
+    _unique([one["id"] for one in channels], "channels", faults)
+    for p, perception in enumerate(perceptions):
+        place = f"perceptions[{p}]"
+        devices = perception.get("reference_devices", [])
+        for k, device in enumerate(devices):
+            _device(device, f"{place}.reference_devices[{k}]", faults)
+        for c, channel in enumerate(perception["channels"]):
+            here = f"{place}.channels[{c}]"
+            wanted = channel.get("reference_device_id")
+            if wanted is not None and wanted not in [device["id"] for device in devices]:
+                faults.append(f"{here}.reference_device_id = {wanted} names no device")
+            for b, band in enumerate(channel["bands"]):
+                _band(band, f"{here}.bands[{b}]", faults)
+    return faults
+
+
+def _unique(ids: list[int], place: str, faults: list[str]) -> None:
+    if len(set(ids)) < len(ids):
+        faults.append(f"{place}: an id is there twice")
+
+
+def _device(device: dict[str, Any], place: str, faults: list[str]) -> None:
+    names = ("minimum_frequency", "resonance_frequency", "maximum_frequency")
+    given = [device[name] for name in names if name in device]
+    if given != sorted(given):
+        faults.append(f"{place}: minimum, resonance and maximum frequency aren't in this order")
+
+
+def _band(band: dict[str, Any], place: str, faults: list[str]) -> None:
+    if band["upper_frequency_limit"] < band["lower_frequency_limit"]:
+        faults.append(f"{place}: its upper frequency limit is below the lower one")
+    curve = band["band_type"] == "Curve"
+    if curve and "curve_type" not in band:
+        faults.append(f"{place}.curve_type is missing")
+    for e, effect in enumerate(band["effects"]):
+        here = f"{place}.effects[{e}]"
+        frames = effect["keyframes"]
+        ascending([frame["relative_position"] for frame in frames], f"{here}.keyframes", faults)
+        if curve and (len(frames) < 3 or effect["position"]):
+            faults.append(f"{here}: a curve has 3 keyframes or more and begins at 0, or is silent")
+        if band["band_type"] == "VectorialWave":
+            faults += [
+                f"{here}.keyframes[{k}].frequency_modulation is missing"
+                for k, frame in enumerate(frames)
+                if "frequency_modulation" not in frame
+            ]
+    ascending([effect["position"] for effect in band["effects"]], f"{place}.effects", faults)
+
+
+TRANSIENT_MS, TRANSIENT_HZ = 22, 1000.0 / 11.0
+
+
+def played(hjif: dict[str, Any]) -> NDArray[np.float64]:
+    """The amplitude of a document's vibrotactile perceptions; a tick is a millisecond."""
+    parts = [
+        part
+        for perception in hjif["perceptions"]
+        if perception["perception_modality"] == "Vibrotactile"
+        for channel in perception["channels"]
+        for band in channel["bands"]
+        for effect in band["effects"]
+        for part in _parts(band["band_type"], effect, channel["gain"])
+    ]
+    count = max((start + len(amplitude) for start, amplitude, _, _ in parts), default=1)
+    phasors: dict[float, NDArray[np.complex128]] = {}
+    for start, amplitude, hz, phase in parts:
+        summed = phasors.setdefault(hz, np.zeros(count, np.complex128))
+        turn = phase - 2.0 * np.pi * hz * start / LEVELS_PER_S
+        summed[start : start + len(amplitude)] += amplitude * np.exp(1j * turn)
+    energy = np.zeros(count)
+    for summed in phasors.values():
+        energy += np.abs(summed) ** 2
+    return np.asarray(np.sqrt(energy))
+
+
+def _parts(
+    band: str, effect: dict[str, Any], gain: float
+) -> list[tuple[int, NDArray[np.float64], float, float]]:
+    """(start, amplitude at each millisecond, Hz, phase) of an effect's waves."""
+    frames, position = effect["keyframes"], effect["position"]
+    if band == "Transient":
+        return [
+            (
+                position + frame["relative_position"],
+                np.full(TRANSIENT_MS, gain * frame["amplitude_modulation"]),
+                TRANSIENT_HZ,
+                0.0,
+            )
+            for frame in frames
+        ]
+    at = [frame["relative_position"] for frame in frames]
+    amplitude = np.interp(
+        np.arange(at[-1] + 1), at, [gain * frame["amplitude_modulation"] for frame in frames]
+    )
+    return [(position, amplitude, frames[0]["frequency_modulation"], effect["phase"])]

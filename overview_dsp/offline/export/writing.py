@@ -1,8 +1,15 @@
-"""The formats a gesture can be baked to, and the files each one writes."""
+"""The formats a gesture can be baked to, and the files each one writes.
+
+A rendered gesture as a clip: its vibration by the millisecond, and its strikes.
+
+Both are what the engine rendered, so a clip has the physics in it: the speed of the hand, the
+recoil, the event that lets go late.
+"""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -18,14 +25,60 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.offline.export import ahap, android, haptic, hjif
-from overview_dsp.offline.export.clip import Clip
+from overview_dsp.offline.export import android as android_player
+from overview_dsp.offline.export.clip import FLOOR, LEVELS_PER_S, MAX_CLIP_S, Clip, felt_level
 from overview_dsp.offline.export.felt_error import FeltError, felt_error
-from overview_dsp.offline.export.players import android as android_player
-from overview_dsp.offline.export.players import core_haptics, meta, mpeg
-from overview_dsp.offline.export.rendered import clip_of
+from overview_dsp.offline.export.strikes import strikes_of
 from overview_dsp.offline.rendering.offline import Result
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
+
+
+def clip_of(result: Result[Trace | None]) -> Clip:
+    """Make a clip of a rendered gesture, up to where its vibration has died away.
+
+    Raises
+    ------
+    InputError
+        It was rendered without a trace, nothing vibrates, or it is longer than ten minutes.
+    """
+    if result.trace is None:
+        raise InputError("rendered without a trace: its envelope is needed, render with trace=True")
+    if len(result.samples) > MAX_CLIP_S * result.sample_rate:
+        raise InputError(
+            f"{len(result.samples) / result.sample_rate:.0f} s of vibration; a clip holds up to "
+            f"{MAX_CLIP_S:g} s, use a shorter gesture"
+        )
+    preset = result.engine.preset
+    level = np.minimum(_by_millisecond(result.trace.envelope, result.sample_rate), 1.0)
+    if preset.values["tactor.mute"]:
+        level[:] = 0.0
+    felt = np.flatnonzero(level > FLOOR)
+    if not len(felt):
+        raise InputError(
+            "nothing vibrates in this gesture; use a longer sweep or unmute the tactor"
+        )
+    level = np.append(level[: felt[-1] + 1], 0.0)
+    return Clip(
+        result.engine.timeline.title,
+        level,
+        preset.number("tactor.frequency_hz"),
+        strikes_of(result, felt_level(level)),
+        result.engine.surface,
+    )
+
+
+def _by_millisecond(envelope: NDArray[np.float64], sample_rate: float) -> NDArray[np.float64]:
+    """RMS of the envelope around each millisecond."""
+    energy = np.concatenate([[0.0], np.cumsum(envelope * envelope)])
+    frames = np.arange(len(energy), dtype=np.float64)
+    count = math.ceil(len(envelope) / sample_rate * LEVELS_PER_S) + 1
+    edges = (np.arange(count + 1) - 0.5) / LEVELS_PER_S * sample_rate
+    edges = np.clip(edges, 0.0, len(envelope))
+    width = np.maximum(np.diff(edges), 1e-9)
+    mean = np.diff(np.interp(edges, frames, energy)) / width
+    return np.asarray(np.sqrt(np.maximum(mean, 0.0)))
+
 
 POINTS_PER_S = 50.0
 """Amplitude points a second by default (Meta's studio has 40; a sweep of a second needs more)."""
@@ -95,8 +148,8 @@ def _ahap(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     if clip.transients:
         files[".strikes.ahap"] = _text(strikes)
     played = {
-        f"Core Haptics, strikes of {length} ms": core_haptics.played(vibration, strikes, length)
-        for length in core_haptics.TRANSIENTS_MS
+        f"Core Haptics, strikes of {length} ms": ahap.played(vibration, strikes, length)
+        for length in ahap.TRANSIENTS_MS
     }
     return files, played, points
 
@@ -104,13 +157,13 @@ def _ahap(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
 def _haptic(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     made = haptic.document(clip, budget)
     points = len(made["signals"]["continuous"]["envelopes"]["amplitude"])
-    return {".haptic": _text(made)}, {"Quest": meta.played(made)}, points
+    return {".haptic": _text(made)}, {"Quest": haptic.played(made)}, points
 
 
 def _hjif(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     made = hjif.document(clip, budget)
     points = len(made["perceptions"][0]["channels"][0]["bands"][0]["effects"][0]["keyframes"])
-    return {".hjif": _text(made)}, {"MPEG reference": mpeg.played(made)}, points
+    return {".hjif": _text(made)}, {"MPEG reference": hjif.played(made)}, points
 
 
 def _android(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:

@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.growable_array import GrowableArray
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, shown
 from overview_dsp.files.sound import Sounding
 from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.offline.rendering.growable_array import GrowableArray
 from overview_dsp.offline.rendering.offline import join_strikes
 from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, checked_tail
 from overview_dsp.offline.rendering.trace import Trace, Traced

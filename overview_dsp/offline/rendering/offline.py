@@ -1,4 +1,7 @@
-"""Offline: a timeline, a preset and a gesture, block by block to arrays or to disk."""
+"""Offline: a timeline, a preset and a gesture, block by block to arrays or to disk.
+
+What a render may be given: objects, or what a person would type for them.
+"""
 
 from __future__ import annotations
 
@@ -11,22 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.data.readers.memory_data import TimelineData
+from overview_dsp.data.readers.registry import load_timeline
+from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.design.gestures import Gesture
+from overview_dsp.design.gestures.spec import DEFAULT, parse_gesture
+from overview_dsp.design.gestures.take import load_gesture
+from overview_dsp.design.presets.library import fitting_preset, load_preset
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.files.sound import Sounding
 from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
-from overview_dsp.offline.rendering.arguments import (
-    AnyGesture,
-    AnyPreset,
-    AnyTimeline,
-    given_gesture,
-    given_preset,
-    given_timeline,
-)
+from overview_dsp.offline.rendering.event_log import transcript
 from overview_dsp.offline.rendering.notebook import Row, result_page
 from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, unreached
 from overview_dsp.offline.rendering.trace import Trace, Traced
-from overview_dsp.offline.rendering.transcript import transcript
 from overview_dsp.public import counted, drawn, short
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.actuators.stage import ActuatorStage, Protected, warn_of_carrier
@@ -36,6 +38,40 @@ from overview_dsp.units import gain_to_db
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+AnyTimeline = Timeline | TimelineData
+"""A Timeline, or whatever `load_timeline` takes."""
+
+AnyPreset = Preset | str | os.PathLike[str] | None
+"""A Preset, a name, a path; None is the one that fits the data."""
+
+AnyGesture = Gesture | str | os.PathLike[str] | None
+"""A Gesture, a SPEC, a take's path; None is `gestures.spec.DEFAULT`."""
+
+
+def given_timeline(timeline: AnyTimeline) -> Timeline:
+    """Return what is felt; errors as `load_timeline`."""
+    return load_timeline(timeline)
+
+
+def given_preset(preset: AnyPreset, timeline: Timeline) -> Preset:
+    """Return how it is felt, as asked or as fits the data; errors as `load_preset`."""
+    if isinstance(preset, Preset):
+        return preset
+    return load_preset(
+        fitting_preset(timeline) if preset is None else validation.path(preset, "preset")
+    )
+
+
+def given_gesture(gesture: AnyGesture) -> Gesture:
+    """Return what the hand does; errors as `parse_gesture` and `load_gesture`."""
+    if isinstance(gesture, Gesture):
+        return gesture
+    if gesture is None or isinstance(gesture, str):
+        return parse_gesture(DEFAULT if gesture is None else gesture)
+    return load_gesture(validation.path(gesture, "gesture"))
+
 
 BLOCK = 4096
 Progress = Callable[[float], None]
@@ -436,12 +472,12 @@ def render_to_file(
     True
     """
     from overview_dsp.files.sound import SoundWriter
-    from overview_dsp.offline.rendering.click_loudness import (
+    from overview_dsp.offline.rendering.stems import (
         ClickMeter,
+        StemWriter,
         loudness_of,
         require_loudness,
     )
-    from overview_dsp.offline.rendering.stems import StemWriter
     from overview_dsp.offline.rendering.trace_file import TraceWriter
 
     felt = given_timeline(timeline)

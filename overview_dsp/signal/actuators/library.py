@@ -1,4 +1,7 @@
-"""Where actuator profiles are: bundled ones and a person's own by name, any other by its path."""
+"""Where actuator profiles are: bundled ones and a person's own by name, any other by its path.
+
+An actuator file's text to an Actuator; errors name file, line, key and range.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,34 @@ from pathlib import Path
 
 from overview_dsp import validation
 from overview_dsp.files.library import Library
-from overview_dsp.files.toml import read_text
-from overview_dsp.signal.actuators.model import Actuator
-from overview_dsp.signal.actuators.validation import parse_actuator
+from overview_dsp.files.toml import (
+    check_head,
+    faults_at_their_line,
+    parse_toml,
+    read_text,
+    sections_of,
+    values_in,
+)
+from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, Actuator
+
+SCHEMA = 1
+
+
+def parse_actuator(text: str, name: str, source: str) -> Actuator:
+    """An actuator from a file's text.
+
+    Raises
+    ------
+    InputError
+        Not TOML, an unknown key, a wrong type, a value out of range or one that doesn't fit the
+        others: names file, line, key and range.
+    """
+    data = parse_toml(text, source)
+    with faults_at_their_line(text, source):
+        check_head(data, sections_of(ACTUATOR_PARAMETERS), SCHEMA, needs_texts=True)
+        values = values_in(data, ACTUATOR_PARAMETERS)
+        return Actuator(name, data["title"], data["description"], values, source)
+
 
 LIBRARY = Library("actuators", "an actuator", "OVERVIEW_ACTUATORS")
 

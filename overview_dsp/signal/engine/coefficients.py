@@ -1,7 +1,11 @@
-"""A preset's parameters into the memory block, and the coefficients the kernels make of them."""
+"""A preset's parameters into the memory block, and the coefficients the kernels make of them.
+
+Say so, once, before kernels are compiled: the first use on a machine takes a while.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,7 +15,9 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.errors import InputError
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.derive import CARRIER_LIMIT, derive
+from overview_dsp.kernels.shipped import is_outdated
 
 _CHOSEN = {"disk.release": "return"}
 """Of a parameter with two choices, the one that counts as 1."""
@@ -82,3 +88,16 @@ def check_carrier(preset: Preset, sample_rate: float) -> None:
             f"tactor.frequency_hz = {frequency:g} is too high for {sample_rate:g} Hz; "
             f"it must stay below {CARRIER_LIMIT * sample_rate:g} Hz"
         )
+
+
+_announced: set[str] = set()
+
+
+def announce_compile(*kernels: str) -> None:
+    """A line on stderr if the first use of kernels (by name) on this machine will compile them."""
+    new = set(kernels) - _announced
+    if all(is_compiled(kernel) for kernel in new):
+        return
+    _announced.update(new)
+    why = ", as its sources have changed (see tools/build_kernels.py)" if is_outdated() else ""
+    print(f"compiling the engine for this machine (once, 10 to 40 s){why} ...", file=sys.stderr)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.data.feeds.difference import applied
-from overview_dsp.data.feeds.pattern import pattern_of
+from overview_dsp.data.feeds.difference import applied, pattern_of
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.dicts import preset_from_dict
-from overview_dsp.design.presets.migrations import migrated_values
+from overview_dsp.design.presets.validation import migrated_values
 from overview_dsp.errors import InputError
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.ahead import joined

@@ -23,10 +23,9 @@ from overview_dsp.design.presets.model import ClickMode, Preset
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.detents import impedance
 from overview_dsp.signal.surface.future import heaviness, rise
-from overview_dsp.signal.surface.gaps import ribs
+from overview_dsp.signal.surface.gaps import pattern, ribs
 from overview_dsp.signal.surface.lockup import warn_of_lockup
 from overview_dsp.signal.surface.materials import louder, modes_of
-from overview_dsp.signal.surface.patterns import pattern
 from overview_dsp.signal.surface.rank import known_levels, mixed_with_rank
 from overview_dsp.signal.surface.texture_strikes import NONE, TextureStrikes, crests_of, troughs_of
 

@@ -14,6 +14,8 @@ it begins there; one of bristles, a detent or a stop at its position, where that
 which rises in both signals, at its top. An event's position is its time's, or half its width from
 an end of the timeline that is nearer than that; where its span reaches an end, the disk that starts
 from there strikes it at its position.
+
+More events than a surface holds: the strongest of those that fall together strikes for all.
 """
 
 from __future__ import annotations
@@ -46,7 +48,41 @@ from overview_dsp.signal.surface.detents import (
 from overview_dsp.signal.surface.materials import louder, modes_of
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.signal.surface.profiles import bumps, entries, profile, span
-from overview_dsp.signal.surface.thinning import thin_events
+
+
+def thin_events(
+    position: NDArray[np.float64], release: NDArray[np.float64], most: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The events to keep, at most `most` (1 or more) of them, in the order of their positions.
+
+    Events fall together that lie in one cell; if that leaves too many, in one of twice the width,
+    and so on. Of equally strong ones the first stays.
+
+    Parameters
+    ----------
+    position : float64 (events,)
+        Where each strikes, cells.
+    release : float64 (events,)
+        How strong it is.
+
+    Returns
+    -------
+    kept : int64 (kept,)
+        Indices of events.
+    stands_for : int64 (events,)
+        For each event the number, in `kept`, of the one that strikes for it.
+    """
+    order = np.argsort(position, kind="stable")
+    cell = np.floor(position[order]).astype(np.int64)
+    while len(np.unique(cell)) > most:
+        cell >>= 1
+    group = np.unique(cell, return_inverse=True)[1]
+    strongest = np.lexsort((np.arange(len(order)), -release[order], group))
+    first = np.flatnonzero(np.diff(group[strongest], prepend=-1))
+    stands_for = np.empty(len(order), dtype=np.int64)
+    stands_for[order] = group
+    return order[strongest[first]], stands_for
+
 
 MAX_FRICTION = 1e6
 """No event is higher, N m s/rad, however great its weight: ten million bare surfaces' friction."""

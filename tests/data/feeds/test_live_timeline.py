@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.data.feeds import kept_events, kept_samples
+from overview_dsp.data.feeds import feed_history
 from overview_dsp.data.feeds.feed_lines import encode_line, take_line
 from tests.data.feeds.feeds import MATCHES, lines_of, read_prefix
 
@@ -213,7 +213,7 @@ def test_what_is_wrong_is_refused_whole():
 
 
 def test_too_many_events_leave_out_the_commonest_and_never_the_goal(monkeypatch):
-    monkeypatch.setattr(kept_events, "MAX_EVENTS", 100)
+    monkeypatch.setattr(feed_history, "MAX_EVENTS", 100)
     live = ov.LiveTimeline()
     live.append(events=[ov.Event(5.5, "goal")])
     for n in range(1000):
@@ -227,7 +227,7 @@ def test_too_many_events_leave_out_the_commonest_and_never_the_goal(monkeypatch)
 
 
 def test_too_many_samples_are_merged_two_by_two_and_the_loudest_stays(monkeypatch):
-    monkeypatch.setattr(kept_samples, "MAX_SAMPLES", 64)
+    monkeypatch.setattr(feed_history, "MAX_SAMPLES", 64)
     live = ov.LiveTimeline(silence_s=1e6)
     for n in range(10_000):
         live.append(intensity=[(float(n), 9.0 if n == 777 else 1.0)])

@@ -21,9 +21,9 @@ def hour_of(live, hour):
 
 def test_ten_hours_of_a_feed_leave_memory_flat(monkeypatch):
     # a fiftieth of what comes and of what is kept: ten hours in seconds
-    monkeypatch.setattr("overview_dsp.data.feeds.kept_samples.MAX_SAMPLES", 1_310)
-    monkeypatch.setattr("overview_dsp.data.feeds.kept_events.MAX_EVENTS", 400)
-    monkeypatch.setattr("overview_dsp.data.feeds.kept_events.MAX_TAKEN_BACK", 100)
+    monkeypatch.setattr("overview_dsp.data.feeds.feed_history.MAX_SAMPLES", 1_310)
+    monkeypatch.setattr("overview_dsp.data.feeds.feed_history.MAX_EVENTS", 400)
+    monkeypatch.setattr("overview_dsp.data.feeds.feed_history.MAX_TAKEN_BACK", 100)
     live = ov.LiveTimeline(expect_s=5700.0)
     tracemalloc.start()
     held = []

@@ -20,9 +20,8 @@ from overview_dsp.data.timeline import growable_array as store_module
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.even_times import EvenTimes
 from overview_dsp.data.timeline.growable_array import Store
-from overview_dsp.data.timeline.intensity import LONG, Part
+from overview_dsp.data.timeline.intensity import LONG, WIDENED, Part, with_peaks
 from overview_dsp.data.timeline.minmax_pyramid import BIN, RATIO, build_pyramid
-from overview_dsp.data.timeline.peaks import WIDENED, with_peaks
 from overview_dsp.data.timeline.samples import Points
 from overview_dsp.errors import InputError, OutputError
 from overview_dsp.kernels.layout import CELLS

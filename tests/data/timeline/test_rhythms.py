@@ -6,8 +6,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.timeline.describe import describe, describe_json
-from overview_dsp.offline.rendering.happened import as_records, as_text, happened
-from overview_dsp.offline.rendering.transcript import transcript
+from overview_dsp.offline.rendering.event_log import as_records, as_text, happened, transcript
 from overview_dsp.web.site_data import window_json
 
 LABELS = ("rhythm (N", "rhythm (AFIB", "rhythm (XYZ", "rhythm", "rhythm (N and more")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.presets.tagged import serves, tagged
+from overview_dsp.design.presets.library import serves, tagged
 from overview_dsp.measure.character import characters, level_matched_steps
 from tests.cli.running import overview
 

@@ -15,7 +15,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets import library
-from overview_dsp.measure.steps import STEP_DB
+from overview_dsp.measure.felt import STEP_DB
 from tests.feel.curves import steps_of
 
 FOLDER = library.LIBRARY.bundled_folder

@@ -19,7 +19,7 @@ from overview_dsp.design.presets.reference import json_schema, reference
 from overview_dsp.design.presets.validation import parse_preset
 from overview_dsp.design.presets.writing import preset_toml, save_preset, started_from
 from overview_dsp.errors import InputError
-from overview_dsp.signal.engine.state import decode_state, encode_state
+from overview_dsp.signal.engine.engine import decode_state, encode_state
 from tests.design.presets.strategies import presets
 
 

@@ -31,7 +31,7 @@ from overview_dsp.devices.controllers.midi_map import (
     write_map,
 )
 from overview_dsp.devices.controllers.midi_messages import MidiReader
-from overview_dsp.live.midi_port import MidiPort, midi_ports
+from overview_dsp.live.ports.midi import MidiPort, midi_ports
 
 
 def read(reader, *messages, at=0.0):

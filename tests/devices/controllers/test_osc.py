@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.devices.controllers.control_messages import Asked, LetGo, Touched, Turned
-from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.devices.controllers.osc_packets import encode_message, require_osc
+from overview_dsp.devices.controllers.osc_messages import OscReader, encode_message, require_osc
 from overview_dsp.devices.controllers.osc_report import OscReport
 from tests.devices.controllers.osc_bytes import bundle, message
 

@@ -10,7 +10,7 @@ import numpy as np
 
 import overview_dsp as ov
 from overview_dsp.devices.force_feedback.loop import MotorLoop
-from overview_dsp.devices.force_feedback.mean_torque import MeanTorque
+from overview_dsp.devices.force_feedback.motion import MeanTorque
 from overview_dsp.devices.sensors.source import SensorSource
 from overview_dsp.devices.sensors.touching import TouchRules
 

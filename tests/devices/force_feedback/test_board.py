@@ -12,10 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.force_feedback.board_loop import AGAIN_S, PERIOD_S, BoardLoop
-from overview_dsp.devices.force_feedback.board_table import board_table
+from overview_dsp.devices.force_feedback.board_loop import AGAIN_S, PERIOD_S, BoardLoop, board_table
 from overview_dsp.devices.sensors.frames import FrameDecoder, framed
-from overview_dsp.devices.sensors.profile_file import load_sensor
+from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
 from tests.devices.force_feedback.simulation import ROOT
 from tests.profiles import share

@@ -11,18 +11,30 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.force_feedback.commander import Commander
-from overview_dsp.devices.force_feedback.delay import FORGOTTEN_S, UNKNOWN_S, LoopDelay
-from overview_dsp.devices.force_feedback.ledger import ENOUGH_J, EnergyLedger
-from overview_dsp.devices.force_feedback.loop import MotorLoop
-from overview_dsp.devices.force_feedback.mean_torque import STALE_S, MeanTorque
-from overview_dsp.devices.force_feedback.motion import LONGEST_S, Motion, SpeedEstimator
-from overview_dsp.devices.force_feedback.passivity import PassivityController
-from overview_dsp.devices.force_feedback.rate import Rate
-from overview_dsp.devices.force_feedback.report_check import IN_A_ROW, ReportCheck
+from overview_dsp.devices.force_feedback.loop import (
+    FORGOTTEN_S,
+    IN_A_ROW,
+    UNKNOWN_S,
+    Commander,
+    LoopDelay,
+    MotorLoop,
+    ReportCheck,
+)
+from overview_dsp.devices.force_feedback.motion import (
+    LONGEST_S,
+    STALE_S,
+    MeanTorque,
+    Motion,
+    Rate,
+    SpeedEstimator,
+)
+from overview_dsp.devices.force_feedback.passivity import (
+    ENOUGH_J,
+    EnergyLedger,
+    PassivityController,
+)
 from overview_dsp.devices.force_feedback.watchdog import SILENT_S, Watchdog
-from overview_dsp.devices.sensors.profile import Sensor
-from overview_dsp.devices.sensors.profile_file import load_sensor, parse_sensor
+from overview_dsp.devices.sensors.profile import Sensor, load_sensor, parse_sensor
 from tests.devices.force_feedback.simulation import sim
 
 STEP = 2.0 * math.pi / 4096

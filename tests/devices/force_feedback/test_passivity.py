@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from overview_dsp.devices.force_feedback.ledger import ENOUGH_J
-from overview_dsp.devices.sensors.profile_file import load_sensor
+from overview_dsp.devices.force_feedback.passivity import ENOUGH_J
+from overview_dsp.devices.sensors.profile import load_sensor
 from tests.devices.force_feedback.simulation import sim, simulate
 from tests.profiles import share
 

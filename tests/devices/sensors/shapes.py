@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from overview_dsp.devices.sensors.detect_format import DetectedFormat
+from overview_dsp.devices.sensors.decoders import DetectedFormat
 from tests.devices.sensors.moving import course, hand, turning
 
 RATE = 100.0

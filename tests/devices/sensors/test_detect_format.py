@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from overview_dsp.devices.sensors.detect_format import ENOUGH, DetectedFormat, detect
+from overview_dsp.devices.sensors.decoders import ENOUGH, DetectedFormat, detect
 from overview_dsp.devices.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters
-from overview_dsp.devices.sensors.sequence import SequenceCheck
+from overview_dsp.devices.sensors.stream import SequenceCheck
 from tests.devices.sensors.streams import frame_stream
 
 

@@ -6,9 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.devices.sensors import cobs
-from overview_dsp.devices.sensors.crc import crc16
-from overview_dsp.devices.sensors.frames import FRAME, FrameDecoder, decode_frame, encode_frame
+from overview_dsp.devices.sensors import frames as cobs
+from overview_dsp.devices.sensors.frames import (
+    FRAME,
+    FrameDecoder,
+    crc16,
+    decode_frame,
+    encode_frame,
+)
 from overview_dsp.devices.sensors.reading import Counters
 from tests.devices.sensors.streams import (
     cut,

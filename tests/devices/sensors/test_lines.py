@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from overview_dsp.devices.sensors.json_lines import reading_of
+from overview_dsp.devices.sensors.app_json import reading_of
 from overview_dsp.devices.sensors.lines import LONGEST, LineDecoder, LineSplitter
 from overview_dsp.devices.sensors.reading import Counters
 from overview_dsp.devices.sensors.text_lines import columns_of, numbers_of

@@ -18,7 +18,7 @@ from overview_dsp.devices.sensors.pads import (
     dualsense_units,
     framed,
 )
-from overview_dsp.devices.sensors.profile_file import load_sensor
+from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
 from overview_dsp.devices.sensors.source import SensorSource
 from tests.devices.sensors.moving import RULES

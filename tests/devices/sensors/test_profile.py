@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors.profile import SENSOR_PARAMETERS, Sensor
-from overview_dsp.devices.sensors.profile_file import LIBRARY, load_sensor, parse_sensor
+from overview_dsp.devices.sensors.profile import (
+    LIBRARY,
+    SENSOR_PARAMETERS,
+    Sensor,
+    load_sensor,
+    parse_sensor,
+)
 from overview_dsp.devices.sensors.units import units_of
 
 HEAD = "schema = 1\n"

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.devices.sensors.roll import JOIN_RAD_S, Roll
+from overview_dsp.devices.sensors.orientation_angles import JOIN_RAD_S, Roll
 from overview_dsp.devices.sensors.units import GRAVITY
 from tests.devices.sensors.moving import course, fed, frames, hand, lines, turning
 

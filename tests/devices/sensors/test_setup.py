@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors.profile_file import parse_sensor
+from overview_dsp.devices.sensors.profile import parse_sensor
 from overview_dsp.devices.sensors.setup import Setup
 from overview_dsp.devices.sensors.source import SensorSource
 from tests.cli.running import overview

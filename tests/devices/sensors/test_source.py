@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.devices.sensors.clock import WRAP
 from overview_dsp.devices.sensors.frames import encode_frame
-from overview_dsp.devices.sensors.profile_file import load_sensor
+from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.source import SensorSource
 from overview_dsp.devices.sensors.touching import TouchRules
 from tests.devices.sensors.moving import course, fed, frames, hand, lines, turning

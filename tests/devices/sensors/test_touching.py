@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors.angles import Turn
-from overview_dsp.devices.sensors.taps import TapTap
+from overview_dsp.devices.sensors.angles import TapTap, Turn
 from overview_dsp.devices.sensors.touching import TouchRules, TwistTouch
 from tests.devices.sensors.moving import RULES, course, fed, hand, lines
 

@@ -13,17 +13,16 @@ import pytest
 from textual.widgets import Static
 
 import overview_dsp as ov
-from overview_dsp.live.hand import Input
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.inputs.input import Input
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.screen import PlayApp, lines
 from overview_dsp.live.screen import app as app_module
-from overview_dsp.live.screen.meters_view import MetersView
 from overview_dsp.live.screen.terminal import TerminalWriter
 from overview_dsp.live.screen.timeline_view import TimelineView
-from overview_dsp.live.screen.trace_view import TraceView
-from overview_dsp.live.silent import SilentStream
+from overview_dsp.live.screen.trace_view import MetersView, TraceView
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 
 
 @pytest.fixture

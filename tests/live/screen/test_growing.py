@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import overview_dsp as ov
-from overview_dsp.live.growing import Growth
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.player import Player
-from overview_dsp.live.preset_watch import PresetWatch
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.screen.app import PlayApp
-from overview_dsp.live.silent import SilentStream
+from overview_dsp.live.session.growing import Growth
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
 from tests.live.screen.test_app import run
 
 

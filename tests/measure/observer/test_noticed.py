@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.observer.human_limits import blurred
 from overview_dsp.measure.observer.noticed import (
     SOUND_FEATURES,
     TOUCH_FEATURES,
     notice,
     touch_pulses,
 )
+from overview_dsp.measure.observer.observing import blurred
 
 RATE = 16_000
 SECONDS = 1.5

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.measure.observer.passages import Met, met, owners
 from overview_dsp.measure.observer.scoring import Tally, groups_of
+from overview_dsp.measure.observer.strokes import Met, met, owners
 
 GOAL, CARD, FOUL, NOTHING = range(4)
 KINDS = ("goal", "yellow_card", "foul")

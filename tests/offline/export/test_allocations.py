@@ -21,8 +21,8 @@ import numpy as np
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.callback import native_callback
-from overview_dsp.live.output_settings import OutputSettings
-from overview_dsp.live.python_path import connect
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import connect
 from tests.web.surfaces import preset_of
 
 counter, voice = ctypes.CDLL(sys.argv[1]), ctypes.CDLL(sys.argv[2])

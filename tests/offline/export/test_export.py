@@ -13,8 +13,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.offline.export.rendered import clip_of
-from overview_dsp.offline.export.writing import FORMATS, export
+from overview_dsp.offline.export.writing import FORMATS, clip_of, export
 from tests.offline.export import schemas
 
 SCHEMAS = {

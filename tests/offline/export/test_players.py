@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.offline.export.players import android, core_haptics, meta, mpeg
+from overview_dsp.offline.export import ahap, android
+from overview_dsp.offline.export import haptic as meta
+from overview_dsp.offline.export import hjif as mpeg
 
 
 def haptic(*points):
@@ -99,9 +101,9 @@ def test_the_mpeg_reference_multiplies_by_a_channels_gain_and_adds_other_pitches
     assert level[10] == pytest.approx(np.hypot(0.3, 0.8))
 
 
-@pytest.mark.parametrize("length", core_haptics.TRANSIENTS_MS)
+@pytest.mark.parametrize("length", ahap.TRANSIENTS_MS)
 def test_a_core_haptics_transient_is_a_burst_that_adds_in_energy(length):
-    level = core_haptics.with_transients(np.full(100, 0.3), [(0.05, 0.4)], length)
+    level = ahap.with_transients(np.full(100, 0.3), [(0.05, 0.4)], length)
     np.testing.assert_allclose(level[50 : 50 + length], 0.5)
     np.testing.assert_allclose(np.delete(level, np.arange(50, 50 + length)), 0.3)
 

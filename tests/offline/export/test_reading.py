@@ -14,10 +14,8 @@ from overview_dsp.design.presets.validation import parse_preset
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.offline.export.felt_error import felt_error
-from overview_dsp.offline.export.layers import course, modes, with_layer
-from overview_dsp.offline.export.reading import read_clip
-from overview_dsp.offline.export.rendered import clip_of
-from overview_dsp.offline.export.writing import export
+from overview_dsp.offline.export.reading import course, modes, read_clip, with_layer
+from overview_dsp.offline.export.writing import clip_of, export
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.offline.export.rendered import clip_of
-from overview_dsp.offline.export.writing import export
+from overview_dsp.offline.export.writing import clip_of, export
 
 MATCHES = {
     "bundled": None,

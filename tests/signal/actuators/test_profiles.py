@@ -14,9 +14,9 @@ from overview_dsp.signal.actuators.library import (
     LIBRARY,
     actuator_names,
     load_actuator,
+    parse_actuator,
 )
 from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS
-from overview_dsp.signal.actuators.validation import parse_actuator
 from tests.design.presets.strategies import toml_value
 from tests.signal.actuators.strategies import actuators
 

@@ -11,7 +11,7 @@ import overview_dsp as ov
 from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.derive import FADE_S, GLIDE_S
-from overview_dsp.signal.engine import compile_notice
+from overview_dsp.signal.engine import coefficients
 from tests.examples import plain_preset, preset_with, timeline_of, with_friction
 from tests.signal.engine.test_engine import prepared, run
 
@@ -223,7 +223,7 @@ def test_a_given_memory_is_the_engines_own():
 def test_kernels_that_are_compiled_already_are_not_announced(capsys, monkeypatch):
     run(prepared(plain_preset(), BARE, RATE), 1)
     capsys.readouterr()
-    monkeypatch.setattr(compile_notice, "_announced", set())
+    monkeypatch.setattr(coefficients, "_announced", set())
     prepared(plain_preset(), BARE, RATE)
     assert capsys.readouterr() == ("", "")
 

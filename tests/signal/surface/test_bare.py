@@ -12,8 +12,8 @@ import overview_dsp as ov
 from overview_dsp.signal.surface import bare as bare_module
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.detents import impedance
+from overview_dsp.signal.surface.gaps import pattern
 from overview_dsp.signal.surface.materials import modes_of
-from overview_dsp.signal.surface.patterns import pattern
 from tests.examples import plain_preset, timeline_of
 
 CELLS = 2000

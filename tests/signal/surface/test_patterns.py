@@ -12,7 +12,7 @@ from overview_dsp.design.presets.parameters import PATTERNS
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.measure.comparing import character_steps
 from overview_dsp.measure.report import feel_report
-from overview_dsp.signal.surface.patterns import pattern
+from overview_dsp.signal.surface.gaps import pattern
 from tests.examples import plain_preset, timeline_of
 
 PERIOD_PERCENT = 2.0

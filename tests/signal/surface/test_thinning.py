@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.kernels.layout import MAX_EVENTS
-from overview_dsp.signal.surface.build import build_surface
-from overview_dsp.signal.surface.thinning import thin_events
+from overview_dsp.signal.surface.build import build_surface, thin_events
 from tests.examples import preset_with, timeline_of
 
 EVENTS = st.lists(st.tuples(st.floats(0.0, 65_536.0), st.integers(0, 5)), min_size=1, max_size=300)

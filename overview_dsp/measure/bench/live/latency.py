@@ -18,7 +18,7 @@ import numpy as np
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.errors import OverviewError
-from overview_dsp.live.portaudio import OutputStream
+from overview_dsp.live.output.portaudio_stream import OutputStream
 from overview_dsp.measure.bench.live.load import MAX_BLOCK, RATE, SETTLE_S, SILENT_S
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN

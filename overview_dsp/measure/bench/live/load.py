@@ -21,7 +21,7 @@ import numpy as np
 from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.errors import OverviewError
-from overview_dsp.live.portaudio import CallbackKind, OutputStream
+from overview_dsp.live.output.portaudio_stream import CallbackKind, OutputStream
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 

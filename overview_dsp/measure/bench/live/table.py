@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.output_devices import devices
+from overview_dsp.live.output.devices import devices
 from overview_dsp.measure.bench.live.latency import LatencyResult, measure_latency, probe
 from overview_dsp.measure.bench.live.load import RATE, LoadResult, measure_load
 from overview_dsp.measure.bench.live.session import (

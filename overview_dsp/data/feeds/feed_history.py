@@ -1,0 +1,200 @@
+"""The events of a feed, each once, in bounded memory; what was taken back stays away.
+
+The samples of a feed, in order, in bounded memory.
+"""
+
+from __future__ import annotations
+
+from array import array
+from bisect import bisect_left
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.timeline.event import Event
+
+Key = tuple[float, str, str]
+What = Literal["added", "retracted"]
+
+MAX_EVENTS = 20_000
+"""Most events (and most details) that are kept; more than a surface holds."""
+
+MAX_TAKEN_BACK = 10_000
+"""So many retractions are remembered, for events that come late or again."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """An event that came or was taken back."""
+
+    revision: int
+    what: What
+    event: Event
+
+
+class KeptEvents:
+    """Events and details by time, kind and label, and by the names that a feed gives them.
+
+    What a call changes is told as pairs of `"added"` or `"retracted"` and the event; of a detail
+    there are none.
+    """
+
+    def __init__(self) -> None:
+        self.events: dict[Key, Event] = {}
+        self.details: dict[Key, Event] = {}
+        self.left_out = 0
+        self._ids: OrderedDict[str, Key] = OrderedDict()
+        self._taken_back: OrderedDict[Key | str | tuple[str, Key], None] = OrderedDict()
+        self._last_s: float | None = 0.0  # None is to be looked up
+
+    @property
+    def last_s(self) -> float:
+        """The latest event's or detail's time, s; 0 of none."""
+        if self._last_s is None:
+            both = (*self.events, *self.details)
+            self._last_s = max((key[0] for key in both), default=0.0)
+        return self._last_s
+
+    def put(self, event: Event, name: str | None) -> list[tuple[What, Event]] | None:
+        """Keep an event under the feed's name for it; what changes, None if it isn't new."""
+        key = event_key(event)
+        if not self._taken_back.keys().isdisjoint((key, name, (name, key))):
+            return None
+        corrected = self._named(name, key) if name is not None else None
+        there = self.events.get(key)
+        if there is not None and there.weight >= event.weight and corrected is None:
+            return None
+        self.events[key] = event
+        self._reaches(event.time_s)
+        changes: list[tuple[What, Event]] = []
+        if corrected is not None:
+            changes.append(("retracted", corrected))
+        if there is None:
+            changes.append(("added", event))
+        self._keep_within(self.events)
+        return changes
+
+    def put_detail(self, event: Event) -> bool:
+        """Keep a detail; whether it is new."""
+        key = event_key(event)
+        if key in self.details or key in self._taken_back:
+            return False
+        self.details[key] = event
+        self._reaches(event.time_s)
+        self._keep_within(self.details)
+        return True
+
+    def retract(self, event: Event | str) -> list[tuple[What, Event]] | None:
+        """Take back an event or what a feed names so; what changes, None if it wasn't there."""
+        key = self._ids.get(event) if isinstance(event, str) else event_key(event)
+        self._take_back(event if isinstance(event, str) else event_key(event))
+        if key is None:
+            return None
+        self._last_s = None
+        if key in self.events:
+            return [("retracted", self.events.pop(key))]
+        return None if self.details.pop(key, None) is None else []
+
+    def _named(self, name: str, key: Key) -> Event | None:
+        """Give an event a name; the event that had it until now, which is gone."""
+        earlier = self._ids.get(name)
+        self._ids[name] = key
+        if len(self._ids) > MAX_EVENTS:
+            self._ids.popitem(last=False)
+        if earlier is None or earlier == key:
+            return None
+        self._take_back((name, earlier))  # a feed that begins again doesn't bring it back
+        self._last_s = None
+        return self.events.pop(earlier, None)
+
+    def _take_back(self, key: Key | str | tuple[str, Key]) -> None:
+        self._taken_back[key] = None
+        while len(self._taken_back) > MAX_TAKEN_BACK:
+            self._taken_back.popitem(last=False)
+
+    def _reaches(self, time_s: float) -> None:
+        if self._last_s is not None:
+            self._last_s = max(self._last_s, time_s)
+
+    def _keep_within(self, events: dict[Key, Event]) -> None:
+        if len(events) > MAX_EVENTS:
+            self.left_out += _thin(events)
+            self._last_s = None
+
+
+def event_key(event: Event) -> Key:
+    """What makes an event another one."""
+    return event.time_s, event.kind, event.label
+
+
+def _thin(events: dict[Key, Event]) -> int:
+    """Leave out every second event of the commonest kind; how many."""
+    counts: dict[str, int] = {}
+    for _, kind, _ in events:
+        counts[kind] = counts.get(kind, 0) + 1
+    common = max(counts, key=lambda kind: (counts[kind], kind))
+    gone = sorted(key for key in events if key[1] == common)[1::2]
+    for key in gone:
+        del events[key]
+    return len(gone)
+
+
+MAX_SAMPLES = 65_536
+"""Most samples that are kept: nine minutes' worth more than a match's at ten a second, and as many
+as a surface looks at one by one. When there are more, each two become one."""
+
+
+class KeptSamples:
+    """A curve's points; one that comes again for a time takes the place of the first.
+
+    Where they are too many, each two next to each other become the larger one: a cheer stays as
+    high as it was.
+    """
+
+    def __init__(self) -> None:
+        self._time_s = array("d")
+        self._value = array("d")
+
+    def __len__(self) -> int:
+        return len(self._time_s)
+
+    @property
+    def last_s(self) -> float:
+        """The latest sample's time, s."""
+        return self._time_s[-1]
+
+    def put(self, time_s: float, value: float) -> bool:
+        """Keep a sample; whether it is new."""
+        times = self._time_s
+        if not times or time_s > times[-1]:
+            times.append(time_s)
+            self._value.append(value)
+        else:
+            place = bisect_left(times, time_s)
+            if times[place] == time_s:
+                if self._value[place] == value:
+                    return False
+                self._value[place] = value
+                return True
+            times.insert(place, time_s)
+            self._value.insert(place, value)
+        if len(times) > MAX_SAMPLES:
+            self._halve()
+        return True
+
+    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Copies of the times (s) and the values."""
+        return np.array(self._time_s, np.float64), np.array(self._value, np.float64)
+
+    def _halve(self) -> None:
+        times, values = self.arrays()
+        count = len(times) // 2 * 2
+        pair = values[:count].reshape(-1, 2)
+        kept = np.arange(0, count, 2) + np.argmax(pair, axis=1)
+        # the newest stays, so that the curve still reaches to where it did
+        kept = np.unique(np.append(kept, len(times) - 1))
+        self._time_s = array("d", times[kept])
+        self._value = array("d", values[kept])

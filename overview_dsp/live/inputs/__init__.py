@@ -1,0 +1,1 @@
+"""What moves the hand of a session: lines, sensors, controllers, motors, feeds."""

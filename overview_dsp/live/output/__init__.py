@@ -1,0 +1,1 @@
+"""Audio outputs: devices, their settings, and the streams that run an engine on them."""

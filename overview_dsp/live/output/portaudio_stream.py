@@ -1,0 +1,282 @@
+"""An audio output that runs the engine: PortAudio with the native callback, or a Python one.
+
+The native callback (the default) is machine code that never waits for the interpreter; the Python
+callback is the fallback for platforms where that can't run, chosen by name and never silently.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp import validation
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.kernels import layout
+from overview_dsp.live.output.devices import PAD, find_device, first_line, no_stream
+from overview_dsp.live.output.portaudio_library import import_sounddevice
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import (
+    StreamMeters,
+    compile_python_path,
+    connect,
+    play_again,
+    read_meters,
+    run_block,
+)
+from overview_dsp.public import short
+from overview_dsp.signal.engine.engine import Engine
+
+CallbackKind = Literal["native", "python"]
+FADE_WITHIN_S = 0.5
+"""How long closing waits for the fade: a device that has stopped calling never ends it."""
+
+# A running stream must outlive every other reference to it: PortAudio goes on calling.
+_RUNNING: set[OutputStream] = set()
+
+
+class OutputStream:
+    """A stream that plays an engine through PortAudio, at the engine's sample rate.
+
+    While it is open its audio thread owns the engine's `process`; the control thread may go on
+    calling `control`, `set`, `set_surface` and reading meters. As a context it starts and closes.
+
+    Thread: main.
+
+    Parameters
+    ----------
+    engine : Engine
+        Prepared.
+    device : int, str or None
+        As `find_device` takes it.
+    block_size : int
+        Frames; 0 lets the device choose, at most the engine's prepared size.
+    settings : OutputSettings or None
+        Channels, gains, delays, ceilings and actuator; left out, the engine's channels and the
+        signals as they are.
+    callback : {"native", "python"}
+        `native` is machine code that never waits for the interpreter; `python` is the fallback.
+    latency : float, "low" or "high"
+        What is asked of PortAudio, s.
+
+    Raises
+    ------
+    InputError
+        No such device, or one that can't do this.
+    OverviewError
+        There is no PortAudio library; how to install it.
+    NotPreparedError
+        The engine isn't prepared.
+
+    Examples
+    --------
+    This needs an output:
+
+    >>> import overview_dsp as ov
+    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+    >>> engine = ov.Engine(football, match)
+    >>> engine.prepare(sample_rate=8000, max_block_size=256)
+    >>> with ov.live.OutputStream(engine) as stream:  # doctest: +SKIP
+    ...     engine.control(theta2=1.2, touching=True)
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        device: int | str | None = None,
+        block_size: int = 256,
+        settings: OutputSettings | None = None,
+        callback: CallbackKind = "native",
+        latency: float | Literal["low", "high"] = "low",
+    ) -> None:
+        sounddevice = import_sounddevice()
+        engine.sample_time  # noqa: B018 - raises NotPreparedError
+        if callback not in ("native", "python"):
+            raise InputError(f"callback {callback!r} is not known; it is native or python")
+        self._sounddevice = sounddevice
+        self._engine = engine
+        self._memory = engine.memory
+        self._w = self._memory.view(np.int64)
+        self.callback: CallbackKind = callback
+        self.block_size = validation.whole(block_size, "block_size", least=0)
+        self._started = False
+        if device == PAD:
+            device = find_device(device).index
+        channels = connect(engine, settings)
+        if callback == "python":
+            compile_python_path(engine)
+        keywords = {
+            "samplerate": engine.sample_rate,
+            "blocksize": block_size,
+            "device": device,
+            "channels": channels,
+            "dtype": "float32",
+            "latency": latency,
+        }
+        try:
+            found = sounddevice.query_devices(device, "output")
+            self.name = str(found["name"])
+            self._host = str(sounddevice.query_hostapis(found["hostapi"])["name"])
+            self._stream = (
+                self._native_stream(sounddevice, keywords)
+                if callback == "native"
+                else sounddevice.OutputStream(callback=self._python_callback, **keywords)
+            )
+        except (sounddevice.PortAudioError, ValueError) as error:
+            raise no_stream(sounddevice, device, channels, engine.sample_rate, error) from None
+        _RUNNING.add(self)
+
+    def _native_stream(self, sounddevice: Any, keywords: dict[str, Any]) -> Any:
+        from overview_dsp.kernels.device.callback import native_callback
+
+        compiled = native_callback()
+        ffi = sounddevice._ffi
+
+        class NativeStream(sounddevice._StreamBase):  # type: ignore[misc]
+            """A stream with a C callback, as sounddevice provides for library authors."""
+
+            def __init__(stream) -> None:  # noqa: N805
+                super().__init__(
+                    kind="output",
+                    wrap_callback=None,
+                    callback=ffi.cast("PaStreamCallback*", compiled.address),
+                    userdata=ffi.cast("void*", self._memory.ctypes.data),
+                    **keywords,
+                )
+
+        self._compiled = compiled  # the machine code must outlive the stream
+        return NativeStream()
+
+    def _python_callback(
+        self, out: NDArray[np.float32], frames: int, when: Any, status: Any
+    ) -> None:
+        if run_block(self._engine, out, bool(status.output_underflow)):
+            raise self._sounddevice.CallbackStop
+
+    def set(self, settings: OutputSettings) -> None:
+        """Change gains, mutes, delays and ceilings while it plays; channels and actuator stay.
+
+        Parameters
+        ----------
+        settings : OutputSettings
+            It glides to these.
+
+        Examples
+        --------
+        This needs an output:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
+        >>> stream.set(ov.live.OutputSettings().changed(click={"mute": True}))  # doctest: +SKIP
+        """
+        settings.write(self._memory, self._engine.sample_rate)
+
+    def start(self) -> None:
+        """Begin to play.
+
+        Examples
+        --------
+        This needs an output:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
+        >>> stream.start()  # doctest: +SKIP
+        """
+        self._stream.start()
+        self._started = True
+
+    def restart(self, begin: Callable[[], None]) -> None:
+        """Fade out, call `begin` while nothing runs the engine, and play on.
+
+        Parameters
+        ----------
+        begin : callable
+            May call what needs the engine to itself: `reset`, `restart`.
+
+        Raises
+        ------
+        OverviewError
+            The device doesn't answer any more; `begin` wasn't called.
+
+        Examples
+        --------
+        This needs an output:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
+        >>> stream.restart(engine.reset)  # doctest: +SKIP
+        """
+        self._fade_out()
+        if self._stream.active:
+            raise OverviewError(f"output {self.name} doesn't answer")
+        try:
+            self._stream.stop()
+            begin()
+            play_again(self._memory)
+            self._stream.start()
+        except self._sounddevice.PortAudioError as error:
+            raise OverviewError(f"output {self.name}: {first_line(error)}") from None
+
+    def _fade_out(self) -> None:
+        self._w[layout.L_STOP] = 1
+        until = time.monotonic() + FADE_WITHIN_S
+        while self._stream.active and time.monotonic() < until:
+            time.sleep(0.002)
+
+    def close(self) -> None:
+        """Fade out, end playing and give the device back; may be called twice.
+
+        Examples
+        --------
+        This needs an output:
+
+        >>> import overview_dsp as ov
+        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
+        >>> stream.close()  # doctest: +SKIP
+        """
+        if self not in _RUNNING:
+            return
+        self._fade_out()
+        faded = self._w[layout.L_FADED] >= self._w[layout.S_GLIDE]
+        if "JACK" in self._host and self._started and not faded:
+            # its server has died: closing would wait for it for ten minutes, and terminating
+            # PortAudio at exit would abort; the stream stays open, and in _RUNNING
+            self._sounddevice._initialized = 0
+            return
+        self._stream.close()
+        _RUNNING.discard(self)
+
+    @property
+    def active(self) -> bool:
+        """Whether the device is calling."""
+        return bool(self._stream.active)
+
+    @property
+    def meters(self) -> StreamMeters:
+        """Counters and callback times (s) so far."""
+        return read_meters(self._memory, float(self._stream.latency))
+
+    def __enter__(self) -> OutputStream:
+        self.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<OutputStream: {short(self.name)}, {self.callback} callback>"

@@ -1,0 +1,138 @@
+"""An audio output that plays samples made before, and says how much of them has been heard.
+
+For test tones: the engine has outputs of its own.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.live.output.devices import no_stream
+from overview_dsp.live.output.portaudio_library import import_sounddevice
+from overview_dsp.live.output.portaudio_stream import FADE_WITHIN_S
+
+FADE_S = 0.02
+
+
+class Playback(Protocol):
+    """Samples on their way to a person."""
+
+    def start(self) -> None:
+        """Begin to play."""
+
+    def close(self) -> None:
+        """Fade out and end; may be called twice."""
+
+    @property
+    def heard_s(self) -> float:
+        """How much of them has been heard, s."""
+
+    @property
+    def over(self) -> bool:
+        """Whether all of them have been heard."""
+
+
+class SampleOutput:
+    """Plays float32 (frames, channels) on an output device.
+
+    Thread: main.
+    """
+
+    def __init__(
+        self, samples: NDArray[np.float32], sample_rate: float, device: int | str | None = None
+    ) -> None:
+        """Open a device (None = the default); InputError if it can't play this."""
+        self._sounddevice = import_sounddevice()
+        self._samples = samples
+        self._rate = sample_rate
+        self._at = 0
+        self._called = 0.0
+        self._stopping = False
+        fade = round(FADE_S * sample_rate)
+        self._fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, fade + 1) / fade)
+        channels = samples.shape[1]
+        try:
+            self._stream: Any = self._sounddevice.OutputStream(
+                samplerate=sample_rate,
+                device=device,
+                channels=channels,
+                dtype="float32",
+                latency="low",
+                callback=self._callback,
+            )
+        except (self._sounddevice.PortAudioError, ValueError) as error:
+            raise no_stream(self._sounddevice, device, channels, sample_rate, error) from None
+
+    def _callback(self, out: NDArray[np.float32], frames: int, when: Any, status: Any) -> None:
+        part = self._samples[self._at : self._at + frames]
+        out[: len(part)] = part
+        out[len(part) :] = 0.0
+        if self._stopping:
+            gain, self._fade = self._fade[:frames], self._fade[frames:]
+            out[: len(gain)] *= gain[:, None].astype(np.float32)
+            out[len(gain) :] = 0.0
+        self._at += frames
+        self._called = time.monotonic()
+        if not len(part) or not len(self._fade):
+            raise self._sounddevice.CallbackStop
+
+    def start(self) -> None:
+        """Begin to play."""
+        self._stream.start()
+
+    def close(self) -> None:
+        """Fade out and give the device back; may be called twice."""
+        if self._stream is None:
+            return
+        self._stopping = True
+        until = time.monotonic() + FADE_WITHIN_S
+        while self._stream.active and time.monotonic() < until:
+            time.sleep(0.002)
+        self._stream.close()
+        self._stream = None
+
+    @property
+    def heard_s(self) -> float:
+        """How much of the samples has been heard, s: delivered, less the output's latency."""
+        if self._stream is None or not self._called:
+            return 0.0
+        since = time.monotonic() - self._called
+        return max(0.0, self._at / self._rate + since - float(self._stream.latency))
+
+    @property
+    def over(self) -> bool:
+        """Whether all of the samples have been heard."""
+        return self.heard_s * self._rate >= len(self._samples)
+
+
+class SilentOutput:
+    """Plays samples to nobody, in time.
+
+    Thread: main.
+    """
+
+    def __init__(self, samples: NDArray[np.float32], sample_rate: float) -> None:
+        """Ready to `start`."""
+        self._seconds = len(samples) / sample_rate
+        self._started = 0.0
+
+    def start(self) -> None:
+        """Begin."""
+        self._started = time.monotonic()
+
+    def close(self) -> None:
+        """End."""
+
+    @property
+    def heard_s(self) -> float:
+        """How much would have been heard, s."""
+        return time.monotonic() - self._started
+
+    @property
+    def over(self) -> bool:
+        """Whether all would have been heard."""
+        return self.heard_s >= self._seconds

@@ -1,0 +1,135 @@
+"""Game pads by USB and Bluetooth: found, opened, read. hidapi is imported here alone, and late."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from overview_dsp.devices.sensors.pads import LENGTHS, TRUE_UNITS, framed
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.live.ports.port import PortLostError
+
+HINT = "game pads need hidapi: pip install 'overview-dsp[pads]'"
+WAIT_MS = 50
+LONGEST = 512
+AT_MOST = 64
+"""Reports of a read."""
+
+MADE = {
+    (0x054C, 0x0CE6): "dualsense",
+    (0x054C, 0x0DF2): "dualsense",
+    (0x057E, 0x2006): "joycon",
+    (0x057E, 0x2007): "joycon-right",
+    (0x057E, 0x2009): "joycon",
+}
+"""Pads by vendor and product, and what they are."""
+
+_STILL = bytes.fromhex("0001404000014040")  # both motors of a Joy-Con off
+_MOTION_ON, _FULL_REPORTS = b"\x40\x01", b"\x03\x30"
+
+
+@dataclass(frozen=True)
+class Pad:
+    """A pad that is there: what it is, what it calls itself, where it is opened."""
+
+    kind: str
+    name: str
+    path: bytes
+
+
+def _import_hid() -> Any:
+    try:
+        import hidraw  # of the same package, on Linux: Bluetooth too, and nothing is taken away
+    except ImportError:
+        try:
+            import hid
+        except ImportError:
+            raise OverviewError(HINT) from None
+        return hid
+    return hidraw
+
+
+def pads(hid: Any = None) -> list[Pad]:
+    """The pads of this machine; OverviewError without hidapi."""
+    hid = _import_hid() if hid is None else hid
+    return [
+        Pad(MADE[one["vendor_id"], one["product_id"]], one["product_string"] or "", one["path"])
+        for one in hid.enumerate()
+        if (one["vendor_id"], one["product_id"]) in MADE
+    ]
+
+
+def find_pad(wanted: str, hid: Any = None) -> Pad:
+    """The pad of that kind or of a name with that in it; "" is whichever there is.
+
+    Raises
+    ------
+    InputError
+        None, or several.
+    OverviewError
+        hidapi isn't installed.
+    """
+    there = pads(hid)
+    word = wanted.casefold()
+    found = [one for one in there if word in one.name.casefold() or word in one.kind]
+    if len(found) == 1:
+        return found[0]
+    known = ", ".join(f"{one.kind} ({one.name})" for one in found or there)
+    what = "several are called so" if found else "no such pad; there are"
+    raise InputError(f"pad:{wanted}: {what}: {known or 'none'}")
+
+
+class PadPort:
+    """An open pad."""
+
+    waiting = 0
+    """All that came is read at once."""
+
+    def __init__(self, wanted: str, hid: Any = None) -> None:
+        """Open the pad of that name, as `find_pad`, and have it send how it moves.
+
+        Raises
+        ------
+        InputError
+            None or several, no permission, held by another program.
+        OverviewError
+            hidapi isn't installed.
+        """
+        hid = _import_hid() if hid is None else hid
+        pad = find_pad(wanted, hid)
+        self.device = wanted
+        self._first = b""
+        self._pad = hid.device()
+        try:
+            self._pad.open_path(pad.path)
+            self._pad.set_nonblocking(True)
+            if pad.kind == "dualsense":
+                # that it is asked for makes it send all by Bluetooth too
+                units = self._pad.get_feature_report(TRUE_UNITS, LENGTHS[TRUE_UNITS])
+                self._first = framed(bytes(units))
+            else:
+                for number, order in enumerate((_MOTION_ON, _FULL_REPORTS)):
+                    self._pad.write(bytes([1, number]) + _STILL + order)
+        except (OSError, ValueError) as error:
+            self._pad.close()
+            raise InputError(
+                f"pad:{wanted}: can't be opened ({error}); is it held by another program? On Linux "
+                "a udev rule may have to allow it (docs/guide/sensors.md)"
+            ) from None
+
+    def read(self) -> bytes:
+        """The reports that have come, each behind its length; PortLostError if it is gone."""
+        first, self._first = self._first, b""
+        parts = [first]
+        try:
+            report = self._pad.read(LONGEST, WAIT_MS)
+            while report and len(parts) < AT_MOST:
+                parts.append(framed(bytes(report)))
+                report = self._pad.read(LONGEST, 0) if len(parts) < AT_MOST else b""
+        except (OSError, ValueError) as error:
+            raise PortLostError(f"pad:{self.device}: {error}") from None
+        return b"".join(parts)
+
+    def close(self) -> None:
+        """Give it back."""
+        self._pad.close()

@@ -1,0 +1,166 @@
+"""Phones whose apps give what they measure by HTTP: asked (phyphox), or sending (Sensor Logger)."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import queue
+import re
+import threading
+import time
+import urllib.parse
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+from overview_dsp.devices.sensors.app_json import LONGEST
+from overview_dsp.errors import InputError
+from overview_dsp.live.ports.osc import parse_address
+from overview_dsp.live.ports.port import PortLostError
+
+ANSWER_WITHIN_S = 2.0
+ASK_EVERY_S = 0.01
+"""How often phyphox is asked, if it answers so fast."""
+
+MAX_ANSWER = 1 << 20
+WAIT_S = 0.05
+WAITING = 64
+"""Batches that wait; of more, the latest."""
+
+_MEASURED = re.compile(r"(acc|gyr)[a-z]*?_?([xyzt]|time)$", re.IGNORECASE)
+
+
+class PhyphoxPort:
+    """phyphox's remote access: started, then asked for what is newest."""
+
+    waiting = 0
+    """What wasn't asked for doesn't come."""
+
+    def __init__(self, address: str) -> None:
+        """Ask at `http://HOST:PORT`.
+
+        Raises
+        ------
+        InputError
+            Nothing answers there, or no experiment with an accelerometer.
+        """
+        self.device = address
+        parts = urllib.parse.urlsplit(address)
+        try:
+            host, port = parts.hostname, parts.port or 80
+        except ValueError:
+            host, port = None, 0
+        if not host or parts.scheme != "http":
+            raise InputError(f"{address} is no address; it is http://PHONE:8080, as phyphox shows")
+        self._connection = http.client.HTTPConnection(host, port, timeout=ANSWER_WITHIN_S)
+        self._next = 0.0
+        try:
+            names = _buffers(self._ask("/config"))
+            if not any(name.lower().startswith("acc") for name in names):
+                raise InputError(
+                    f"{address}: its experiment has no accelerometer; open one that has, with "
+                    '"g" (phyphox: Acceleration (with g))'
+                )
+            self._path = "/get?" + "&".join(urllib.parse.quote(name) for name in names)
+            self._ask("/control?cmd=start")
+        except PortLostError as error:
+            raise InputError(f"{error}; is remote access on, in the same network?") from None
+
+    def _ask(self, path: str) -> bytes:
+        try:
+            self._connection.request("GET", path)
+            answer = self._connection.getresponse()
+            body = answer.read(MAX_ANSWER)
+        except (OSError, http.client.HTTPException) as error:
+            self._connection.close()
+            raise PortLostError(f"{self.device}: {error or type(error).__name__}") from None
+        if answer.status != 200:
+            raise PortLostError(f"{self.device}: {path}: HTTP {answer.status} {answer.reason}")
+        return body
+
+    def read(self) -> bytes:
+        """What it measured last, a line; PortLostError if it doesn't answer."""
+        now = time.monotonic()
+        if now < self._next:
+            time.sleep(self._next - now)
+        self._next = time.monotonic() + ASK_EVERY_S
+        # a line: what an app puts between is blanks
+        return self._ask(self._path).replace(b"\r", b" ").replace(b"\n", b" ") + b"\n"
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._connection.close()
+
+
+def _buffers(config: bytes) -> list[str]:
+    try:
+        said = json.loads(config)
+        names = [str(one["name"]) for one in said["buffers"]]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise PortLostError("what answers there isn't phyphox") from None
+    return [name for name in names if _MEASURED.fullmatch(name)]
+
+
+class PostPort:
+    """A server for what an app posts: Sensor Logger's HTTP push."""
+
+    waiting = 0
+    """All that came is read at once."""
+
+    def __init__(self, text: str) -> None:
+        """Listen at `PORT` of this machine, or `HOST:PORT`; InputError if that can't be."""
+        self.device = text
+        self._came: queue.Queue[bytes] = queue.Queue(WAITING)
+        came = self._came
+
+        class Handler(BaseHTTPRequestHandler):
+            timeout = 10.0
+            protocol_version = "HTTP/1.1"
+
+            def log_message(self, *arguments: object) -> None:
+                """Say nothing."""
+
+            def do_POST(self) -> None:
+                """Take a batch."""
+                length = self.headers.get("Content-Length", "")
+                if not length.isdecimal() or len(length) > 9 or int(length) > LONGEST:
+                    self.close_connection = True
+                    self._answer(413, f"a batch holds up to {LONGEST} bytes: send more often\n")
+                    return
+                body = self.rfile.read(int(length))
+                if came.full():
+                    came.get_nowait()
+                came.put(body.replace(b"\r", b" ").replace(b"\n", b" ") + b"\n")
+                self._answer(200, "")
+
+            def _answer(self, status: int, text: str) -> None:
+                self.send_response(status)
+                self.send_header("Content-Length", str(len(text)))
+                self.end_headers()
+                self.wfile.write(text.encode())
+
+        try:
+            self._server = ThreadingHTTPServer(parse_address(text), Handler)
+        except OSError as error:
+            raise InputError(f"post:{text}: can't be opened ({error.strerror or error})") from None
+        self._server.daemon_threads = True
+        threading.Thread(target=self._server.serve_forever, args=(0.05,), daemon=True).start()
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Host and port that are listened to."""
+        host, port = self._server.server_address[:2]
+        return str(host), int(port)
+
+    def read(self) -> bytes:
+        """The batches that came, a line each, waiting a moment for the first."""
+        try:
+            parts = [self._came.get(timeout=WAIT_S)]
+        except queue.Empty:
+            return b""
+        while not self._came.empty():
+            parts.append(self._came.get_nowait())
+        return b"".join(parts)
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._server.shutdown()
+        self._server.server_close()

@@ -1,0 +1,1 @@
+"""A session: the player, its view of the timeline, its loop and its commands."""

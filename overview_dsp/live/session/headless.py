@@ -1,0 +1,114 @@
+"""A session without a terminal: a line of JSON a second, and a summary."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from overview_dsp.data.timeline import Event
+from overview_dsp.live.inputs.input import Input
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.status import Status
+from overview_dsp.signal.actuators.stage import protected_report
+from overview_dsp.units import gain_to_db
+
+LOOK_EVERY_S = 0.02
+LINE_EVERY_S = 1.0
+Passed = tuple[float, Event, float]
+"""When an event was passed, s; which; the amplitude of its click."""
+
+MOST_PASSED = 10_000
+"""Events that a summary tells, the last ones; each to within `LOOK_EVERY_S`."""
+
+
+def run(
+    player: Player,
+    source: Input | None,
+    stopped: Callable[[], bool],
+    note: Callable[[str], None],
+    seconds: float | None = None,
+    describe: Callable[[list[Passed]], dict[str, Any]] | None = None,
+) -> Iterator[dict[str, Any]]:
+    """Play until source or replay is over and the disk at rest, `seconds` are over, or `stopped()`.
+
+    Yields a report a second and a summary at the end, with what `describe` makes of the events that
+    were passed (without it, the engine's log of them is left to its other reader); `note` receives
+    messages as they come.
+    """
+    started = last = time.monotonic()
+    replayed = player.replaying
+    click = tactor = 0.0
+    passed: list[Passed] = []
+    while True:
+        if source is not None:
+            source.poll(player.engine)
+        status = player.poll()
+        for message in (*status.messages, *(() if source is None else source.take_messages())):
+            note(message)
+        if describe is not None:
+            struck = player.engine.take_struck_events()
+            passed += [(status.time_s, event, level) for event, level in struck]
+            del passed[:-MOST_PASSED]
+        click, tactor = max(click, status.peak_click), max(tactor, status.peak_tactor)
+        now = time.monotonic()
+        if now - last >= LINE_EVERY_S:
+            last += LINE_EVERY_S
+            yield {**_line(status, click, tactor), **_input(source)}
+            click = tactor = 0.0
+        over = source is not None and source.is_over(player.engine) and player.at_rest
+        over |= source is None and replayed and not player.replaying
+        if over or stopped() or (seconds is not None and now - started >= seconds):
+            break
+        time.sleep(LOOK_EVERY_S)
+    told = describe(passed) if describe is not None else {}
+    yield {"summary": {**_summary(player.poll()), **_input(source), **told}}
+
+
+def _input(source: Input | None) -> dict[str, Any]:
+    report = {} if source is None else dict(source.report())
+    return {"input": report} if report else {}
+
+
+def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
+    return {
+        "time_s": round(status.time_s, 3),
+        "cursor": round(status.cursor, 6),
+        "touching": status.touching,
+        "torque_nm": status.torque,
+        "peak_click_dbfs": _db(click),
+        "peak_tactor_dbfs": _db(tactor),
+        "blocks": status.callbacks,
+        "late_callbacks": status.late,
+        "underflows": status.underflows,
+        "frames_lost": status.frames_lost,
+        "dropped_events": status.dropped,
+        **({} if status.following is None else {"following": status.following}),
+    }
+
+
+def _summary(status: Status) -> dict[str, Any]:
+    return {
+        "output": status.output,
+        "callback": status.callback,
+        "sample_rate": status.sample_rate,
+        "block_size": status.block_size,
+        "latency_ms": round(status.latency_s * 1e3, 3),
+        "time_s": round(status.time_s, 3),
+        "blocks": status.callbacks,
+        "late_callbacks": status.late,
+        "underflows": status.underflows,
+        "frames": status.frames,
+        "frames_lost": status.frames_lost,
+        "dropped_events": status.dropped,
+        "dsp_load_percent": round(100.0 * status.load, 2),
+        "callback_p50_us": round(status.median_s * 1e6, 2),
+        "callback_p99_us": round(status.p99_s * 1e6, 2),
+        "callback_max_us": round(status.longest_s * 1e6, 2),
+        "actuator": protected_report(status.actuator, status.protected),
+        "recording": status.recording,
+    }
+
+
+def _db(peak: float) -> float | None:
+    return round(gain_to_db(peak), 1) if peak > 0.0 else None

@@ -1,0 +1,1 @@
+"""Recordings of a session, written as it runs, and their recovery."""
