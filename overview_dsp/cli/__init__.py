@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 import click
 
 from overview_dsp import __version__
-from overview_dsp.cli.live_session import stop_code, stopped_by_signals
+from overview_dsp.cli.stopping import stop_code, stopped_by_signals
 from overview_dsp.errors import OverviewError, OverviewWarning, did_you_mean
 from overview_dsp.files.atomic import remove_temporaries
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from overview_dsp.cli.common import print_json, progress_bar, show
-from overview_dsp.cli.live_session import stop_code
+from overview_dsp.cli.stopping import stop_code
 
 SHOWN_FAILURES = 10
 

@@ -1,9 +1,4 @@
-"""What commands that play live share: the device, the player, its end by a signal or in time.
-
-Signals that ask a command to end: SIGTERM and SIGHUP are as Ctrl-C, so nothing stays behind.
-
-What plays live answers them in its own way (`live_session.ended_by_signals`).
-"""
+"""What commands that play live share: the device, the player, its end by a signal or in time."""
 
 from __future__ import annotations
 
@@ -22,8 +17,9 @@ import click
 
 from overview_dsp.cli.common import announce_compile, note, say
 from overview_dsp.cli.options.output import actuator_option, output_options, output_settings
+from overview_dsp.cli.stopping import signals_that_end
 from overview_dsp.files.atomic import remove_temporaries
-from overview_dsp.live.output.devices import SILENT, device_named
+from overview_dsp.live.output.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
@@ -31,43 +27,6 @@ if TYPE_CHECKING:
     from overview_dsp.live.session.growing import Growth
     from overview_dsp.live.session.headless import Passed
     from overview_dsp.live.session.player import Player
-
-
-_received: list[int] = []
-
-
-def signals_that_end() -> list[int]:
-    """Those of this platform; one that is ignored stays so (nohup)."""
-    wanted = [
-        getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
-    ]
-    return [number for number in wanted if signal.getsignal(number) is not signal.SIG_IGN]
-
-
-@contextmanager
-def stopped_by_signals() -> Iterator[None]:
-    """Raise KeyboardInterrupt for the first of them; what comes later disturbs no cleaning up."""
-    _received.clear()
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {number: signal.signal(number, _stop) for number in signals_that_end()}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _stop(number: int, frame: Any) -> None:
-    if not _received:
-        _received.append(number)
-        raise KeyboardInterrupt
-
-
-def stop_code() -> int:
-    """The exit code of a command that was stopped."""
-    return 128 + (_received[0] if _received else signal.SIGINT)
 
 
 END_WITHIN_S = 2.0

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from overview_dsp.measure.character import Character, characters, level_matched_steps
     from overview_dsp.measure.comparing import character_steps, steps_apart
     from overview_dsp.measure.crowd import crowd_report
-    from overview_dsp.measure.feel_report import (
+    from overview_dsp.measure.feel import (
         CrowdKind,
         CrowdReport,
         CrowdStroke,
@@ -106,17 +106,17 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "ArmReport": "arm",
             "ArmStroke": "arm",
             "Character": "character",
-            "CrowdKind": "feel_report",
-            "CrowdReport": "feel_report",
-            "CrowdStroke": "feel_report",
-            "FeelReport": "feel_report",
-            "KindFeel": "feel_report",
+            "CrowdKind": "feel",
+            "CrowdReport": "feel",
+            "CrowdStroke": "feel",
+            "FeelReport": "feel",
+            "KindFeel": "feel",
             "ObserverReport": "observer.report",
             "ObserverScores": "observer.scoring",
             "Onsets": "onset_detector",
             "SetScores": "observer.report",
             "Stroke": "felt",
-            "StrokeReport": "feel_report",
+            "StrokeReport": "feel",
             "StrokeScores": "observer.report",
             "Tuned": "tuning.moves",
             "arm_report": "arm",

@@ -29,7 +29,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.derive import ARRIVAL_S
-from overview_dsp.measure.feel_report import CrowdKind, CrowdReport, CrowdStroke
+from overview_dsp.measure.feel import CrowdKind, CrowdReport, CrowdStroke
 from overview_dsp.measure.felt import GESTURES, MERGED_S, STEP_DB
 from overview_dsp.measure.felt_events import FeltEvents, felt_events
 from overview_dsp.measure.report import require_gestures

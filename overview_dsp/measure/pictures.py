@@ -21,7 +21,7 @@ from overview_dsp.offline.rendering.offline import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from overview_dsp.measure.feel_report import FeelReport
+    from overview_dsp.measure.feel import FeelReport
 
 
 def plot_preset(preset: Preset) -> Figure:

@@ -32,7 +32,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, shown
 from overview_dsp.kernels.derive import ARRIVAL_S
 from overview_dsp.measure.comparing import alike_pairs
-from overview_dsp.measure.feel_report import FeelReport, KindFeel, StrokeReport
+from overview_dsp.measure.feel import FeelReport, KindFeel, StrokeReport
 from overview_dsp.measure.felt import (
     FALL_DB,
     GESTURES,

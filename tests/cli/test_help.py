@@ -53,7 +53,7 @@ def test_listing_the_commands_imports_none_of_them():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment()
     )
     # what ends any of them isn't one
-    assert done.stderr.strip() == "['overview_dsp.cli.live_session']"
+    assert done.stderr.strip() == "['overview_dsp.cli.stopping']"
 
 
 @pytest.mark.parametrize("words", ALL, ids=" ".join)

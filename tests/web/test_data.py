@@ -7,14 +7,13 @@ import math
 
 import numpy as np
 import pytest
-from overview_dsp.web.front_page import front_page
 
 import overview_dsp as ov
 from overview_dsp.offline.export.browser_memory import encode_change
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.media import open_media
 from overview_dsp.web.site_data import window_json
-from overview_dsp.web.static_site import write_site
+from overview_dsp.web.static_site import front_page, write_site
 from tests.web.serving import served
 
 FILM = bytes(range(256)) * 400

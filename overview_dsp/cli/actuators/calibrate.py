@@ -15,7 +15,7 @@ import click
 
 from overview_dsp.cli.common import announce_compile, print_json
 from overview_dsp.cli.options.output import channels_given
-from overview_dsp.live.output.devices import SILENT, device_named
+from overview_dsp.live.output.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
     import numpy as np

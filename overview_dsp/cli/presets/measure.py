@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import EventKind, Preset
     from overview_dsp.measure.arm import ArmReport
-    from overview_dsp.measure.feel_report import CrowdReport, FeelReport
+    from overview_dsp.measure.feel import CrowdReport, FeelReport
     from overview_dsp.measure.observer.report import ObserverReport
 
 

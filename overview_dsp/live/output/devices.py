@@ -1,7 +1,4 @@
-"""The audio outputs that there are, and why one of them can't be opened.
-
-How outputs are named.
-"""
+"""The audio outputs that there are, and why one of them can't be opened."""
 
 from __future__ import annotations
 
@@ -10,21 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError
+from overview_dsp.live.output.device_names import PAD
 from overview_dsp.live.output.portaudio_library import import_sounddevice
 from overview_dsp.live.output.saved_settings import asked_by
 from overview_dsp.live.output.settings import is_pad
-
-SILENT = "none"
-"""The device that isn't one."""
-
-PAD = "pad"
-"""Whichever output is a game pad with coils."""
-
-
-def device_named(device: str | None) -> int | str | None:
-    """The device as PortAudio takes it: a number, a name, None for the default."""
-    return int(device) if device is not None and device.isdecimal() else device
-
 
 _OUTPUT_HINTS = {
     "linux": "plug in a sound card, or start a sound server (PipeWire, PulseAudio with "

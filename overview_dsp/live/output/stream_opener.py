@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from overview_dsp.errors import InputError
-from overview_dsp.live.output.devices import SILENT, device_named
+from overview_dsp.live.output.device_names import SILENT, device_named
 from overview_dsp.live.output.portaudio_library import rescan
 from overview_dsp.live.output.portaudio_stream import OutputStream
 from overview_dsp.live.output.settings import OutputSettings

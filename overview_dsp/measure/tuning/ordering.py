@@ -20,7 +20,7 @@ from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.measure.feel_report import FeelReport
+from overview_dsp.measure.feel import FeelReport
 from overview_dsp.measure.felt import STEP_DB
 from overview_dsp.measure.report import feel_report
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved

@@ -19,7 +19,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, sweep
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.comparing import steps_apart
-from overview_dsp.measure.feel_report import KindFeel
+from overview_dsp.measure.feel import KindFeel
 from overview_dsp.measure.felt import STEP_DB
 from overview_dsp.measure.report import feel_report
 from overview_dsp.measure.tuning.moves import RATE, Tuned, limits, moved
