@@ -159,7 +159,6 @@ class Place:
         """Throw away what a crash left unfinished."""
         if self._path is not None:
             shutil.rmtree(self._path / UNFINISHED, ignore_errors=True)
-            self._made.clear()
 
 
 def _files(folder: str) -> Iterator[os.DirEntry[str]]:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.measure.feel_report import FeelReport, KindFeel, StrokeReport
+from overview_dsp.measure.feel import FeelReport, KindFeel, StrokeReport
 from overview_dsp.measure.felt import STEP_DB, STEP_DURATION, STEP_SHARPNESS, ratio_steps
 
 
@@ -48,7 +48,9 @@ def character_steps(first: FeelReport, second: FeelReport) -> float:
         ]
     )
     recoils = np.array([stroke.name.endswith("recoil") for stroke in first.strokes])
-    each = [*differences[~recoils], np.nanmedian(differences[recoils], axis=0)]
+    each = [*differences[~recoils]]
+    if recoils.any():
+        each.append(np.nanmedian(differences[recoils], axis=0))
     return float(np.nanmax(np.nanmedian(each, axis=0)))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.live.inputs.lines import LineInput, TakeInput, parse_line
+from overview_dsp.live.output import reconnecting_stream
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.session.player import Player
@@ -204,12 +206,32 @@ def test_a_lost_output_lets_go_is_reported_and_comes_back(make, outputs):
     outputs.streams[-1].close()
     said = wait(player, lambda status: status.messages != ())
     assert any("is lost" in line for line in said)
+    player.touch(0.9)
+    assert not player.poll().touching  # nothing is felt where nothing plays
     outputs.there = True
     said = wait(player, lambda status: status.messages != (), 4.0)
     assert any("is back" in line for line in said)
     wait(player, lambda status: not status.touching and status.cursor < 0.3)
     player.touch(0.5)
     wait(player, lambda status: abs(status.cursor - 0.5) < 0.02)
+
+
+def test_a_session_that_was_suspended_says_nothing_of_its_output(make, outputs, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(reconnecting_stream, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    player = make()
+    stream = outputs.streams[-1]
+    stream.close()
+    monkeypatch.setattr(SilentStream, "active", True)  # it only stands still
+
+    def said(seconds):
+        now[0] += seconds
+        return [line for line in player.poll().messages if "is lost" in line]
+
+    assert said(0.1) == []
+    assert said(60.0) == []  # suspended for a minute
+    assert [line for _ in range(4) for line in said(0.2)] == []
+    assert len([line for _ in range(4) for line in said(0.2)]) == 1
 
 
 def test_a_take_plays_sample_by_sample(make, match, football, tmp_path):

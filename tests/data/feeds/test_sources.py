@@ -15,6 +15,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.data.feeds import follower as follower_module
 from overview_dsp.data.feeds import net, sources
+from overview_dsp.data.feeds.crowd import Crowd
 from overview_dsp.data.feeds.feed_lines import encode_line, take_line
 from overview_dsp.data.feeds.follower import Follower
 from overview_dsp.live.inputs.feeds import source_named
@@ -137,6 +138,30 @@ def test_an_address_is_asked_again_and_says_so_when_nothing_is_new(follow, told,
     assert server.answers.count(200) < 12
     server.kill()
     assert wait_until(lambda: one.words.startswith(("feed lost", "the end")))
+
+
+def test_a_document_in_a_file_that_is_broken_for_once_is_read_when_it_is_whole(
+    follow, tmp_path, monkeypatch
+):
+    read = []
+    monkeypatch.setattr(
+        sources, "load_timeline", lambda data: (read.append(data), ov.load_timeline(data))[1]
+    )
+    path = tmp_path / "events.csv"
+    path.write_text("time_s,kind\n10,foul\n20,goal\n")
+    one = follow(path, map="so far")
+    assert wait_until(lambda: one.live.snapshot().kinds() == {"foul": 1, "goal": 1})
+    path.write_text("\0\0\n")
+    assert wait_until(lambda: read[-1] == b"\0\0\n")
+    path.write_text("time_s,kind\n10,foul\n20,goal\n50,foul\n")
+    assert wait_until(lambda: one.live.now_s == 50.0)
+
+
+@pytest.mark.parametrize(("rate", "channels"), [(768_001, 2), (99, 2), (48_000, 0), (48_000, 65)])
+def test_a_sound_that_cannot_be_measured_is_one_line(rate, channels):
+    with pytest.raises(ov.InputError, match=f"{channels} channels at {rate} Hz; loudness is"):
+        Crowd(rate, channels, print)
+    Crowd(768_000, 64, print)
 
 
 def test_a_whole_document_at_an_address_is_read_anew(follow, match):
