@@ -27,7 +27,6 @@ import glob
 import math
 import os
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
@@ -46,7 +45,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_dsp.files.sound import check_sound
-from overview_dsp.files.toml import SUFFIX, line_of
+from overview_dsp.files.toml import SUFFIX, line_of, parse_toml
 from overview_dsp.offline.rendering.schedule import Tail, checked_tail, tail_of
 
 KEYS = (
@@ -139,11 +138,7 @@ def load_study(where: str | os.PathLike[str], out: str | None = None) -> Study:
     """
     name = os.fspath(where)
     text = read_text(name)
-    try:
-        data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{name}: not TOML ({error})") from None
-    file = JobsTable(name, text, data)
+    file = JobsTable(name, text, parse_toml(text, name))
     if out is None:
         out = file.data.get("out")
         if not isinstance(out, str) or not out:

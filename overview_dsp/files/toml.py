@@ -67,10 +67,7 @@ def check_head(
     InputError
         Its message begins with the key.
     """
-    known = ("schema", *TEXTS, *sections)
-    for key in data:
-        if key not in known:
-            raise InputError(f"{shown_key(key)}: unknown key{did_you_mean(key, known)}")
+    require_known(data, ("schema", *TEXTS, *sections))
     if "schema" not in data:
         raise InputError(f"schema is missing; it is {schema}")
     if data["schema"] != schema or isinstance(data["schema"], bool):
@@ -100,12 +97,16 @@ def values_in(data: Mapping[str, Any], ids: Collection[str]) -> dict[str, Any]:
                 f"{section} = {shown(given)} is not allowed; it is a table: [{section}]"
             )
         known = [id.partition(".")[2] for id in ids if id.startswith(f"{section}.")]
-        for key, value in given.items():
-            if key not in known:
-                hint = did_you_mean(key, known)
-                raise InputError(f"{section}.{shown_key(key)}: unknown key{hint}")
-            values[f"{section}.{key}"] = value
+        require_known(given, known, f"{section}.")
+        values.update({f"{section}.{key}": value for key, value in given.items()})
     return values
+
+
+def require_known(table: Iterable[str], known: Collection[str], before: str = "") -> None:
+    """InputError, which begins with the key, for one that isn't known."""
+    for key in table:
+        if key not in known:
+            raise InputError(f"{before}{shown_key(key)}: unknown key{did_you_mean(key, known)}")
 
 
 def shown_key(key: str) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
 from overview_dsp.design.presets.validation import migrated_values
 from overview_dsp.errors import InputError
+from overview_dsp.validation import located
 
 
 def preset_to_dict(preset: Preset) -> dict[str, Any]:
@@ -63,24 +63,14 @@ def _preset_of(data: Any) -> Preset:
 
 
 def _kind_of(name: str, data: dict[str, Any]) -> EventKind:
-    values = {}
-    for key, known in KIND_PARAMETERS.items():
-        # a key that is newer than the state
-        value = data.get(key, known.default)
-        absent = value is None and key.startswith("width_")
-        values[key] = None if absent else replace(known, id=f"kinds.{name}.{key}").check(value)
-    modes = tuple(
-        ClickMode(
-            **{
-                key: replace(known, id=f"kinds.{name}.modes.{key}").check(mode[key])
-                for key, known in MODE_PARAMETERS.items()
-            }  # type: ignore[arg-type]
+    # keys of other versions are left alone
+    known = (*KIND_PARAMETERS, "points", "also")
+    with located(f"kinds.{name}: "):
+        modes: Any = [
+            {key: known.check(mode[key]) for key, known in MODE_PARAMETERS.items()}
+            for mode in data["modes"]
+        ]
+        return EventKind(
+            modes=tuple(ClickMode(**mode) for mode in modes),
+            **{key: data[key] for key in known if key in data},
         )
-        for mode in data["modes"]
-    )
-    return EventKind(
-        modes=modes,
-        points=tuple(data.get("points", ())),
-        also=tuple(data.get("also", ())),
-        **values,  # type: ignore[arg-type]
-    )

@@ -49,6 +49,14 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 )
 """Every parameter of a preset that is not an event kind's, by id."""
 
+SECTIONS: Mapping[str, Mapping[str, Parameter]] = MappingProxyType(
+    {
+        section: {one.key: one for id, one in PARAMETERS.items() if id.startswith(f"{section}.")}
+        for section in dict.fromkeys(id.partition(".")[0] for id in PARAMETERS)
+    }
+)
+"""The same by section and key."""
+
 SHAPES = KIND_PARAMETERS["shape"].choices
 PATTERNS = PARAMETERS["surface.pattern"].choices
 MATERIALS = PARAMETERS["surface.material"].choices

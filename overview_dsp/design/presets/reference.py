@@ -6,8 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 from overview_dsp.design.presets.model import TAG_SCALES
-from overview_dsp.design.presets.parameter import Parameter, value_text
-from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
+from overview_dsp.design.presets.parameter import value_text
+from overview_dsp.design.presets.parameters import (
+    KIND_PARAMETERS,
+    MODE_PARAMETERS,
+    PARAMETERS,
+    SECTIONS,
+)
 from overview_dsp.design.presets.validation import MAP_DOC, SCHEMA, preset_model
 
 _HEAD = """# Preset parameters
@@ -29,11 +34,8 @@ there (or come from what it `extends`); everything else has a default.
 def reference() -> str:
     """The reference as Markdown."""
     parts = [_HEAD.format(schema=SCHEMA, tags=", ".join(f"`{name}`" for name in TAG_SCALES))]
-    sections: dict[str, list[Parameter]] = {}
-    for id, known in PARAMETERS.items():
-        sections.setdefault(id.split(".")[0], []).append(known)
-    for section, members in sections.items():
-        parts.append(f"## [{section}]\n\n{_table(members)}")
+    for section, members in SECTIONS.items():
+        parts.append(f"## [{section}]\n\n{_table(members.values())}")
         if section == "surface":
             drawn = MAP_DOC[0].lower() + MAP_DOC[1:]
             parts.append(f"`points` (a list of 2 to 256 numbers): {drawn}\n")

@@ -21,13 +21,13 @@ In version 2 a tap took `unfold_s / catch_up`.
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, Literal
 
 import pydantic
+from pydantic import Field
 
 from overview_dsp.design.presets.expressions import FaultyValueError, work_out
 from overview_dsp.design.presets.model import (
@@ -44,10 +44,11 @@ from overview_dsp.design.presets.parameters import (
     MAX_ALSO,
     MAX_POINTS,
     MODE_PARAMETERS,
-    PARAMETERS,
+    SECTIONS,
 )
-from overview_dsp.errors import InputError, did_you_mean, shown
-from overview_dsp.files.toml import line_of
+from overview_dsp.errors import InputError, shown
+from overview_dsp.files.schema import Allowed, Fault, Path, Strict, checked, named
+from overview_dsp.files.toml import line_of, parse_toml
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
 
 SCHEMA = 3
@@ -136,12 +137,7 @@ def read_layers(source: str, text: str, find: Find) -> list[Layer]:
 
 
 def _layer(source: str, text: str) -> Layer:
-    try:
-        data = tomllib.loads(text)
-    # ValueError: not TOML, and an integer of thousands of digits
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: not TOML: {error}") from None
-    return Layer(source, text, migrated(data))
+    return Layer(source, text, migrated(parse_toml(text, source)))
 
 
 def merged(layers: list[Layer]) -> dict[str, Any]:
@@ -172,7 +168,7 @@ def _one_width(found: dict[str, Any], own: dict[str, Any]) -> None:
             found.pop(other, None)
 
 
-def layer_of(layers: list[Layer], path: tuple[str | int, ...]) -> Layer:
+def layer_of(layers: list[Layer], path: Path) -> Layer:
     """The layer that says a value: the first one that has it, else the file itself."""
     for layer in layers:
         value: Any = layer.data
@@ -186,133 +182,67 @@ def layer_of(layers: list[Layer], path: tuple[str | int, ...]) -> Layer:
     return layers[0]
 
 
-HEADER_KEYS = ("schema", "extends", "title", "description", "authors", "tags", "variables")
 MAP_DOC = (
     "The intensity map: of even steps of the timeline's curve, the part of the ambience that is "
     "felt there, 0 to 1; none is a straight line."
 )
-_STRICT = pydantic.ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+_POINTS_DOC = "The friction's course over two widths, 0 to 1, in place of the shape's."
+_ALSO_DOC = "Other kinds of event that feel like this one, unless they are named."
 
 
 def _field(known: Parameter) -> tuple[Any, Any]:
+    default: Any = ... if known.default is None else known.default
     if known.choices:
         kind: Any = bool if isinstance(known.choices[0], bool) else Literal[known.choices]
-        return kind, pydantic.Field(known.default, description=known.doc)
-    limits: Any = {
-        "ge": known.low,
-        "le": known.high,
-        "description": known.doc,
-        "json_schema_extra": {"unit": known.unit},
-    }
-    if known.id.startswith("width_"):
-        return float | None, pydantic.Field(None, **limits)
-    return float, pydantic.Field(... if known.default is None else known.default, **limits)
+        return Annotated[kind, Allowed(known.allowed)], Field(default, description=known.doc)
+    kind = Annotated[float, Field(ge=known.low, le=known.high), Allowed(known.allowed)]
+    if known.key.startswith("width_"):
+        kind, default = kind | None, None
+    unit: Any = {"unit": known.unit}
+    return kind, Field(default, description=known.doc, json_schema_extra=unit)
+
+
+def _model(name: str, parameters: Iterable[Parameter], **more: Any) -> Any:
+    """The model of a table of parameters, and of `more`."""
+    fields: dict[str, Any] = {known.key: _field(known) for known in parameters}
+    return pydantic.create_model(name, __base__=Strict, **fields, **more)
+
+
+def _many(kind: Any, most: int | None = None, doc: str | None = None) -> tuple[Any, Any]:
+    return list[kind], Field(default_factory=list, max_length=most, description=doc)
 
 
 @cache
 def preset_model() -> type[pydantic.BaseModel]:
     """The pydantic model of a preset file, made from the parameter table."""
-    sections: dict[str, Any] = {}
-    for id, known in PARAMETERS.items():
-        section, key = id.split(".")
-        sections.setdefault(section, {})[key] = _field(known)
-    fields: dict[str, Any] = {
-        # an alias: pydantic has a method of the file's name for it
-        "schema_version": (int, pydantic.Field(..., alias="schema", ge=SCHEMA, le=SCHEMA)),
-        "title": (str, pydantic.Field(..., description="What the preset is called.")),
-        "description": (str, pydantic.Field(..., description="What it feels like, in a line.")),
-        "authors": (list[str], pydantic.Field(default_factory=list)),
-        "tags": (_tags_model(), pydantic.Field(default_factory=_tags_model())),
-        "variables": (dict[str, float], pydantic.Field(default_factory=dict)),
+    part = Annotated[float, Field(ge=0.0, le=1.0)]
+    more = {"surface": {"points": _many(part, MAX_POINTS, MAP_DOC)}}
+    sections: dict[str, Any] = {
+        section: _model(section.capitalize(), members.values(), **more.get(section, {}))
+        for section, members in SECTIONS.items()
     }
-    drawn: Any = pydantic.Field(default_factory=list, max_length=MAX_POINTS, description=MAP_DOC)
-    part = Annotated[float, pydantic.Field(ge=0.0, le=1.0)]
-    sections["surface"]["points"] = (list[part], drawn)
-    for section, members in sections.items():
-        # any: the fields come from the table
-        model: Any = pydantic.create_model(section.capitalize(), __config__=_STRICT, **members)
-        fields[section] = (model, pydantic.Field(default_factory=model))
-    mode_fields: dict[str, Any] = {key: _field(known) for key, known in MODE_PARAMETERS.items()}
-    mode = pydantic.create_model("Mode", __config__=_STRICT, **mode_fields)
-    kind_fields: dict[str, Any] = {key: _field(known) for key, known in KIND_PARAMETERS.items()}
-    kind_fields["modes"] = (
-        list[mode],  # type: ignore[valid-type]
-        pydantic.Field(default_factory=list, max_length=MAX_MODES),
+    scale: Any = (Annotated[float, Field(ge=1.0, le=5.0)] | None, None)
+    sections["tags"] = _model("Tags", (), **dict.fromkeys(TAG_SCALES, scale), usage=_many(str))
+    kind = _model(
+        "Kind",
+        KIND_PARAMETERS.values(),
+        modes=_many(_model("Mode", MODE_PARAMETERS.values()), MAX_MODES),
+        points=_many(float, MAX_POINTS, _POINTS_DOC),
+        also=_many(str, MAX_ALSO, _ALSO_DOC),
     )
-    kind_fields["points"] = (
-        list[float],
-        pydantic.Field(
-            default_factory=list,
-            max_length=MAX_POINTS,
-            description="The friction's course over two widths, 0 to 1, in place of the shape's.",
-        ),
+    found: type[pydantic.BaseModel] = _model(
+        "Preset",
+        (),
+        # an alias: pydantic has a method of the file's name for it
+        schema_version=(int, Field(..., alias="schema", ge=SCHEMA, le=SCHEMA)),
+        title=(str, Field(..., description="What the preset is called.")),
+        description=(str, Field(..., description="What it feels like, in a line.")),
+        authors=_many(str),
+        variables=(dict[str, float], Field(default_factory=dict)),
+        kinds=(dict[str, kind], Field(max_length=MAX_KINDS)),  # type: ignore[valid-type]
+        **{name: (model, Field(default_factory=model)) for name, model in sections.items()},
     )
-    kind_fields["also"] = (
-        list[str],
-        pydantic.Field(
-            default_factory=list,
-            max_length=MAX_ALSO,
-            description="Other kinds of event that feel like this one, unless they are named.",
-        ),
-    )
-    kind = pydantic.create_model("Kind", __config__=_STRICT, **kind_fields)
-    fields["kinds"] = (
-        dict[str, kind],  # type: ignore[valid-type]
-        pydantic.Field(max_length=MAX_KINDS),
-    )
-    return pydantic.create_model("Preset", __config__=_STRICT, **fields)
-
-
-@cache
-def _tags_model() -> Any:
-    scale: Any = (float | None, pydantic.Field(None, ge=1.0, le=5.0, description="1 low, 5 high"))
-    fields: dict[str, Any] = dict.fromkeys(TAG_SCALES, scale)
-    fields["usage"] = (list[str], pydantic.Field(default_factory=list))
-    return pydantic.create_model("Tags", __config__=_STRICT, **fields)
-
-
-def _known_keys(path: tuple[str | int, ...]) -> tuple[str, ...]:
-    if not path:
-        return (*HEADER_KEYS, *dict.fromkeys(id.split(".")[0] for id in PARAMETERS), "kinds")
-    if path[0] == "tags":
-        return (*TAG_SCALES, "usage")
-    if path[0] == "kinds":
-        keys = MODE_PARAMETERS if "modes" in path[1:] else KIND_PARAMETERS
-        return (*keys, "also", "points", "modes") if "modes" not in path[1:] else tuple(keys)
-    drawn = ("points",) if path[0] == "surface" else ()
-    return (*(id.split(".")[1] for id in PARAMETERS if id.split(".")[0] == path[0]), *drawn)
-
-
-def _parameter_at(path: tuple[str | int, ...]) -> Parameter | None:
-    if len(path) == 2:
-        found = PARAMETERS.get(f"{path[0]}.{path[1]}")
-        if found:
-            return found
-    if path and path[0] == "kinds" and isinstance(path[-1], str):
-        return (MODE_PARAMETERS if "modes" in path else KIND_PARAMETERS).get(path[-1])
-    return None
-
-
-def _explain(error: Mapping[str, Any]) -> str:
-    path = tuple(part for part in error["loc"] if part != "function-plain")
-    # a quoted key may hold anything
-    name = ".".join(t if (t := str(part)).isprintable() else repr(t) for part in path)
-    given = error.get("input")
-    if error["type"] == "extra_forbidden":
-        hint = did_you_mean(str(path[-1]), _known_keys(path[:-1]))
-        return f"unknown key {name}{hint}"
-    known = _parameter_at(path)
-    if error["type"] == "missing":
-        return f"{name} is missing" + (f"; it is {known.allowed}" if known else "")
-    if known:
-        if error["type"] in ("greater_than_equal", "less_than_equal", "finite_number"):
-            return f"{name} = {shown(given)} is out of range; it is {known.allowed}"
-        return f"{name} = {shown(given)} is not allowed; it is {known.allowed}"
-    if error["type"] == "too_long":
-        return f"{name}: {error['msg']}"
-    if name == "schema":
-        return f"schema = {shown(given)} is not known; this version reads schema = 1 to {SCHEMA}"
-    return f"{name}: {error['msg']}"
+    return found
 
 
 def _is_number(value: object) -> bool:
@@ -351,17 +281,19 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
         place = _place(layers, ("variables",))
         raise InputError(f"{place}: variables = {shown(variables)}; it is a table of numbers")
     numbers = {key: float(number) for key, number in variables.items() if _is_number(number)}
+    found: Any
     try:
-        checked = preset_model().model_validate(work_out(data, numbers))
+        found = checked(preset_model(), work_out(data, numbers))
     except FaultyValueError as error:
-        name_of = ".".join(str(part) for part in error.path)
-        raise InputError(f"{_place(layers, error.path)}: {name_of}: {error}") from None
-    except pydantic.ValidationError as error:
-        faults = error.errors(include_url=False, include_context=False)
-        more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
-        place = _place(layers, faults[0]["loc"])
-        raise InputError(f"{place}: {_explain(faults[0])}{more}") from None
-    dumped = checked.model_dump()
+        found = [Fault(error.path, f"{named(error.path)}: {error}")]
+    if isinstance(found, list):
+        path, words = found[0]
+        if path == ("schema",) and "schema" in data:
+            given = shown(data["schema"])
+            words = f"schema = {given} is not known; this version reads schema = 1 to {SCHEMA}"
+        more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+        raise InputError(f"{_place(layers, path)}: {words}{more}")
+    dumped = found.model_dump()
     kinds: dict[str, EventKind] = {}
     for kind_name, members in dumped["kinds"].items():
         modes = tuple(ClickMode(**mode) for mode in members.pop("modes"))
@@ -375,19 +307,18 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
             f"{source}: kinds.{DEFAULT_KIND} is missing; "
             "add it, for events of a kind the preset doesn't name"
         )
-    values = {id: dumped[id.split(".")[0]][id.split(".")[1]] for id in PARAMETERS}
-    tags = Tags(**dumped["tags"])
-    authors = tuple(dumped["authors"])
+    points = dumped["surface"].pop("points")
+    values = {f"{name}.{key}": value for name in SECTIONS for key, value in dumped[name].items()}
+    title, description, authors = (dumped[key] for key in ("title", "description", "authors"))
     try:
         return Preset(
-            *(name, dumped["title"], dumped["description"], values, kinds, tags, authors),
-            points=tuple(dumped["surface"]["points"]),
+            name, title, description, values, kinds, Tags(**dumped["tags"]), authors, points
         )
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
 
 
-def _place(layers: list[Layer], path: tuple[str | int, ...]) -> str:
-    layer = layer_of(layers, tuple(part for part in path if part != "function-plain"))
+def _place(layers: list[Layer], path: Path) -> str:
+    layer = layer_of(layers, path)
     line = line_of(layer.text, path)
     return f"{layer.source}:{line}" if line else layer.source

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Hashable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from overview_dsp.errors import InputError, did_you_mean, shown
-from overview_dsp.files.toml import parse_toml, read_text
+from overview_dsp.errors import InputError, shown
+from overview_dsp.files.schema import Strict, checked
+from overview_dsp.files.toml import parse_toml, read_text, require_known
+from overview_dsp.validation import located
 
 SCHEMA = 1
 
 Control = TypeVar("Control")
-Entry = Mapping[str, Any]
 
 
 def map_text(path: str | os.PathLike[str], learn: str) -> str:
@@ -23,12 +24,32 @@ def map_text(path: str | os.PathLike[str], learn: str) -> str:
     return read_text(Path(path))
 
 
+class Entry(Strict):
+    """What any control's table says: what it does, and what its two ends are."""
+
+    to: str
+    low: float | None = None
+    high: float | None = None
+
+    def ends(self, of_the_timeline: bool, has_ends: bool) -> tuple[float | None, float | None]:
+        """`low` and `high`; InputError for what they can't be."""
+        for key, value in (("low", self.low), ("high", self.high)):
+            if value is not None and of_the_timeline and not 0.0 <= value <= 1.0:
+                raise InputError(f"{key} = {value:g}; of the timeline it is 0 to 1")
+            if value is not None and not has_ends:
+                raise InputError(f"{key} is for what has a range, and a touch has none")
+        return self.low, self.high
+
+
+AnyEntry = TypeVar("AnyEntry", bound=Entry)
+
+
 def read_controls(
     text: str,
     source: str,
-    fields: Collection[str],
-    make: Callable[[Entry], Control],
-    name: Callable[[Control], Hashable],
+    model: type[AnyEntry],
+    make: Callable[[AnyEntry], Control],
+    name: Callable[[Control], tuple[str, int]],
 ) -> tuple[Control, ...]:
     """The controls of a file's text, each made of its table by `make` and called by `name`.
 
@@ -38,82 +59,24 @@ def read_controls(
         It isn't one: names file, entry, key and what is allowed.
     """
     data = parse_toml(text, source)
-    try:
-        return _controls(data, fields, make, name)
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
-
-
-def _controls(
-    data: Entry,
-    fields: Collection[str],
-    make: Callable[[Entry], Control],
-    name: Callable[[Control], Hashable],
-) -> tuple[Control, ...]:
-    _require_known(data, ("schema", "control"))
-    if data.get("schema") != SCHEMA or isinstance(data["schema"], bool):
-        raise InputError(f"schema = {shown(data.get('schema'))}; this reads {SCHEMA}")
-    entries = data.get("control", [])
-    if not isinstance(entries, list) or not entries:
-        raise InputError("no control is in it; each is a table: [[control]]")
-    controls: list[Control] = []
-    for number, entry in enumerate(entries, 1):
-        try:
-            if not isinstance(entry, dict):
-                raise InputError("it is a table: [[control]]")
-            _require_known(entry, fields)
-            controls.append(make(entry))
-        except InputError as error:
-            raise InputError(f"control {number}: {error}") from None
-    names = [name(one) for one in controls]
-    for index, one in enumerate(names):
-        if one in names[:index]:
-            raise InputError(f"control {index + 1}: {_words(one)} is there twice")
-    return tuple(controls)
-
-
-def _require_known(table: Entry, known: Collection[str]) -> None:
-    for key in table:
-        if key not in known:
-            raise InputError(f"{key!r}: unknown key{did_you_mean(key, known)}")
-
-
-def _words(name: Hashable) -> str:
-    return repr(name[0] if isinstance(name, tuple) else name)
-
-
-def text_in(entry: Entry, key: str) -> str:
-    """A text that must be there; InputError."""
-    value = entry.get(key)
-    if not isinstance(value, str):
-        raise InputError(f"{key} = {shown(value)}; it is a text")
-    return value
-
-
-def number_in(entry: Entry, key: str, default: float | None = None) -> float | None:
-    """A number that may be there; InputError."""
-    value = entry.get(key, default)
-    if value is None:
-        return None
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{key} = {shown(value)} is no number")
-    return float(value)
-
-
-def ends_in(
-    entry: Entry, of_the_timeline: bool, has_ends: bool
-) -> tuple[float | None, float | None]:
-    """What a control's two ends are, `low` and `high`; InputError."""
-    low, high = (number_in(entry, key) for key in ("low", "high"))
-    for key, value in (("low", low), ("high", high)):
-        if value is None:
-            continue
-        # written so that NaN fails
-        if of_the_timeline and not 0.0 <= value <= 1.0:
-            raise InputError(f"{key} = {value:g}; of the timeline it is 0 to 1")
-        if not has_ends:
-            raise InputError(f"{key} is for what has a range, and a touch has none")
-    return low, high
+    controls: dict[tuple[str, int], Control] = {}
+    with located(f"{source}: "):
+        require_known(data, ("schema", "control"))
+        if data.get("schema") != SCHEMA or isinstance(data["schema"], bool):
+            raise InputError(f"schema = {shown(data.get('schema'))}; this reads {SCHEMA}")
+        entries = data.get("control", [])
+        if not isinstance(entries, list) or not entries:
+            raise InputError("no control is in it; each is a table: [[control]]")
+        for number, entry in enumerate(entries, 1):
+            with located(f"control {number}: "):
+                found = checked(model, entry)
+                if isinstance(found, list):
+                    raise InputError(found[0].words)
+                control = make(found)
+                if name(control) in controls:
+                    raise InputError(f"{name(control)[0]!r} is there twice")
+                controls[name(control)] = control
+    return tuple(controls.values())
 
 
 def write_controls(entries: Iterable[Mapping[str, object]]) -> str:

@@ -17,18 +17,19 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from overview_dsp.devices.controllers.map_file import (
     Entry,
-    ends_in,
     map_text,
-    number_in,
     read_controls,
-    text_in,
     write_controls,
 )
 from overview_dsp.errors import InputError, shown
+from overview_dsp.files.schema import Allowed
 
 THETA2, TOUCH, TAPS = "theta2", "touch", "taps"
 KEYS = (36, 96)
@@ -40,7 +41,6 @@ RELATIVE = ("twos", "offset", "signed")
 STEPS = 60.0
 """From one end to the other: two turns and a half of a knob with 24 detents."""
 
-_FIELDS = ("control", "to", "channel", "low", "high", "relative", "reverse", "steps")
 _FORMS = "bend, pressure, cc 0 to cc 119, note 0 to note 127, or keys LOW-HIGH"
 _NUMBERED = re.compile(r"(cc|note) (\d{1,3})")
 _RANGE = re.compile(r"keys (\d{1,3})-(\d{1,3})")
@@ -81,6 +81,16 @@ class Control:
         return kind == self.kind and number == self.number
 
 
+class _Entry(Entry):
+    """A control's table."""
+
+    control: str
+    channel: Annotated[int, Field(ge=0, le=16), Allowed("1 to 16, or left out for any")] = 0
+    relative: Annotated[Literal["", "twos", "offset", "signed"], Allowed(", ".join(RELATIVE))] = ""
+    reverse: Annotated[bool, Allowed("true or false")] = False
+    steps: Annotated[float, Field(ge=1.0, le=1e6), Allowed("1 to 1000000")] = STEPS
+
+
 DEFAULT = (
     Control("bend"),
     Control("cc", 1),
@@ -110,41 +120,26 @@ def load_map(path: str | os.PathLike[str]) -> tuple[Control, ...]:
 
 def parse_map(text: str, source: str) -> tuple[Control, ...]:
     """The controls of a file's text; InputError as `read_controls`."""
-    return read_controls(text, source, _FIELDS, _control, lambda one: (one.name, one.channel))
+    return read_controls(text, source, _Entry, _control, lambda one: (one.name, one.channel))
 
 
-def _control(entry: Entry) -> Control:
-    named = control_named(text_in(entry, "control"))
-    to = text_in(entry, "to")
-    channel = entry.get("channel", 0)
-    if isinstance(channel, bool) or not isinstance(channel, int) or not 0 <= channel <= 16:
-        raise InputError(f"channel = {shown(channel)}; it is 1 to 16, or left out for any")
-    ends = ends_in(entry, to in (THETA2, TAPS), to != TOUCH)
+def _control(entry: _Entry) -> Control:
+    named, to = control_named(entry.control), entry.to
+    ends = entry.ends(to in (THETA2, TAPS), to != TOUCH)
     if (to == TAPS) != (named.kind == "keys"):
         raise InputError(f"{named.name!r} can't be {to!r}: keys are {TAPS!r}, and nothing else is")
     if to == THETA2 and named.kind == "note":
         raise InputError(f"{named.name!r} is down or up, and no {THETA2}; make it {TOUCH!r}")
-    relative, reverse, steps = _relative(entry, named, to)
-    return Control(
-        named.kind, named.number, named.highest, channel, to, *ends, relative, reverse, steps
-    )
-
-
-def _relative(entry: Entry, named: Control, to: str) -> tuple[str, bool, float]:
-    relative, reverse = entry.get("relative", ""), entry.get("reverse", False)
-    steps = number_in(entry, "steps", STEPS)
-    assert steps is not None
-    if not relative and not reverse and "steps" not in entry:
-        return "", False, STEPS
-    if relative not in RELATIVE:
-        raise InputError(f"relative = {shown(relative)}; it is {', '.join(RELATIVE)}")
-    if named.kind != "cc" or to == TOUCH:
+    if not entry.relative and entry.model_fields_set & {"reverse", "steps"}:
+        raise InputError(f"relative is missing; it is {', '.join(RELATIVE)}")
+    if entry.relative and (named.kind != "cc" or to == TOUCH):
         raise InputError(f"relative is for a cc that turns something; {named.name!r} is {to!r}")
-    if not isinstance(reverse, bool):
-        raise InputError(f"reverse = {shown(reverse)}; it is true or false")
-    if not 1.0 <= steps <= 1e6:
-        raise InputError(f"steps = {steps:g}; it is 1 to 1000000")
-    return relative, reverse, steps
+    return replace(
+        named,
+        **entry.model_dump(include={"channel", "to", "relative", "reverse", "steps"}),
+        low=ends[0],
+        high=ends[1],
+    )
 
 
 def write_map(controls: tuple[Control, ...]) -> str:

@@ -25,20 +25,21 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from overview_dsp.devices.controllers.map_file import (
     Entry,
-    ends_in,
     map_text,
-    number_in,
     read_controls,
-    text_in,
     write_controls,
 )
 from overview_dsp.devices.controllers.midi_map import THETA2, TOUCH
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.reading import ACCELERATION, ANGLES, ANGULAR_VELOCITY, QUATERNION
 from overview_dsp.errors import InputError, shown
+from overview_dsp.files.schema import Allowed
 
 SENSED: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -54,7 +55,6 @@ PHONE = ("y", "-x", "z")
 """A phone's axes in the hand: its y is its long side, towards the fingers."""
 
 ORDERS = ("xyzw", "wxyz")
-_FIELDS = ("address", "to", "value", "sends", "low", "high", "scale", "axes", "order")
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,17 @@ class OscControl:
         if self.address.startswith("*"):
             return address.endswith(self.address[1:])
         return address == self.address
+
+
+class _Entry(Entry):
+    """A control's table."""
+
+    address: str
+    value: Annotated[int, Field(ge=1, le=64), Allowed("1 to 64")] = 1
+    sends: Annotated[list[float], Allowed("two numbers, which are different")] = Field([0.0, 1.0])
+    scale: float = 1.0
+    axes: list[str] = Field(["x", "y", "z"])
+    order: Annotated[Literal["xyzw", "wxyz"], Allowed(" or ".join(ORDERS))] = "xyzw"
 
 
 _GRAVITY = "acceleration"
@@ -110,50 +121,27 @@ def load_osc_map(name: str | os.PathLike[str]) -> tuple[OscControl, ...]:
 
 def parse_osc_map(text: str, source: str) -> tuple[OscControl, ...]:
     """The controls of a file's text; InputError as `read_controls`."""
-    return read_controls(text, source, _FIELDS, _control, lambda one: (one.address, one.value))
+    return read_controls(text, source, _Entry, _control, lambda one: (one.address, one.value))
 
 
-def _control(entry: Entry) -> OscControl:
-    address, to = text_in(entry, "address"), text_in(entry, "to")
+def _control(entry: _Entry) -> OscControl:
+    address, sends, to = entry.address, entry.sends, entry.to
     if not address.startswith(("/", "*")) or len(address) < 2 or not address.isprintable():
         raise InputError(f"address = {shown(address)}; it begins with / or *")
     for key in ("value", "sends", "low", "high") if to in SENSED else ("scale", "axes", "order"):
-        if key in entry:
+        if key in entry.model_fields_set:
             raise InputError(f"{key} is nothing of a control that is {to!r}")
-    value = entry.get("value", 1)
-    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 64:
-        raise InputError(f"value = {shown(value)}; it is 1 to 64")
-    order = entry.get("order", ORDERS[0])
-    if order not in ORDERS:
-        raise InputError(f"order = {shown(order)}; it is {' or '.join(ORDERS)}")
-    scale = number_in(entry, "scale", 1.0)
-    assert scale is not None
-    # written so that NaN fails
-    if not 1e-9 <= abs(scale) <= 1e9:
-        raise InputError(f"scale = {scale:g}; it is any number but 0")
-    ends = ends_in(entry, to == THETA2, to != TOUCH)
-    axes = _texts(entry.get("axes", ["x", "y", "z"]), "axes")
-    control = OscControl(address, to, value, _sends(entry), *ends, scale, axes, order)
+    if not 1e-9 <= abs(entry.scale) <= 1e9:
+        raise InputError(f"scale = {entry.scale:g}; it is any number but 0")
+    if len(sends) != 2 or not 0.0 < abs(sends[1] - sends[0]) < 1e300:
+        raise InputError(f"sends = {shown(sends)}; it is two numbers, which are different")
+    low, high = entry.ends(to == THETA2, to != TOUCH)
+    control = OscControl(
+        *(address, to, entry.value, (sends[0], sends[1]), low, high),
+        *(entry.scale, tuple(entry.axes), entry.order),
+    )
     sensor_of(control)
     return control
-
-
-def _sends(entry: Entry) -> tuple[float, float]:
-    given = entry.get("sends", [0.0, 1.0])
-    if not isinstance(given, list) or len(given) != 2:
-        raise InputError(f"sends = {shown(given)}; it is two numbers")
-    first, last = (number_in({"sends": one}, "sends") for one in given)
-    assert first is not None
-    assert last is not None
-    if not 0.0 < abs(last - first) < 1e300:
-        raise InputError(f"sends = {shown(given)}; the two are different numbers")
-    return first, last
-
-
-def _texts(given: object, key: str) -> tuple[str, ...]:
-    if not isinstance(given, list) or not all(isinstance(one, str) for one in given):
-        raise InputError(f"{key} = {shown(given)}; it is a list of texts")
-    return tuple(given)
 
 
 def sensor_of(control: OscControl) -> Sensor:
@@ -166,17 +154,13 @@ def sensor_of(control: OscControl) -> Sensor:
 
 def write_osc_map(controls: tuple[OscControl, ...]) -> str:
     """The text of a file that says these controls."""
+    said = ("address", "to")
     return write_controls(
         {
-            "address": one.address,
-            "to": one.to,
-            "value": one.value if one.value != 1 else None,
-            "sends": list(one.sends) if one.sends != (0.0, 1.0) else None,
-            "low": one.low,
-            "high": one.high,
-            "scale": one.scale if one.scale != 1.0 else None,
-            "axes": list(one.axes) if one.axes != ("x", "y", "z") else None,
-            "order": one.order if one.to == "quaternion" else None,
+            key: list(value) if isinstance(value, tuple) else value
+            for key, value in vars(one).items()
+            if key in said
+            or (one.to == "quaternion" if key == "order" else value != getattr(OscControl, key))
         }
         for one in controls
     )
