@@ -47,6 +47,8 @@ def test_each_kind_of_line_does_what_it_says():
     take_line(live, encode_line({"end": 90, "title": "A 0-0 B"}))
     assert (live.snapshot().title, live.snapshot().duration_s) == ("A 0-0 B", 100.0)
     assert live.snapshot().events == ()
+    assert take_line(live, '{"subtitle": "of a later version"}') == "later"
+    assert repr(live) == "<LiveTimeline 'A 0-0 B': ended, 0 events>"
 
 
 @pytest.mark.parametrize(

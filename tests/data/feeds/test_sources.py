@@ -244,8 +244,9 @@ def test_a_websocket_is_followed_through_messages_of_one_and_of_many_lines(follo
     def handler(socket):
         socket.send(told[0])
         socket.send("".join(told[1:2000]))
-        for line in told[2000:]:
-            socket.send(line.rstrip("\n"))
+        for number, line in enumerate(told[2000:]):
+            text = line.rstrip("\n")
+            socket.send(text.encode() if number % 2 else text)
 
     with serve(handler, "127.0.0.1", 0) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -269,6 +270,8 @@ def test_what_is_broken_is_one_line_each_and_the_rest_is_followed(follow, told, 
     assert 5 <= len(said) <= 8
     assert all(len(line) < 300 and "\n" not in line for line in said)
     assert any("longer than 64 KB" in line for line in said)
+    assert any("a line of a later version" in line for line in said)
+    assert one.refused == 18
 
 
 def test_ten_thousand_events_a_second_are_taken_and_kept_within_bounds(follow):

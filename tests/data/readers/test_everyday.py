@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +77,7 @@ def test_cues_have_text_without_style_and_sounds_in_brackets_are_kinds(tmp_path:
 CALENDAR = """BEGIN:VCALENDAR
 BEGIN:VEVENT
 UID:1
-DTSTART;TZID=Europe/Berlin:20241027T023000
+DTSTART;tzid=Europe/Berlin:20241027T023000
 SUMMARY:Before\\, perhaps
 BEGIN:VALARM
 DTSTART:19990101
@@ -120,6 +121,42 @@ def test_a_calendars_entries_lie_where_they_happened(tmp_path: Path) -> None:
 def test_a_broken_calendar_is_one_line(tmp_path: Path, old: str, new: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         load(tmp_path, CALENDAR.replace(old, new))
+
+
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_subtitles_are_named_by_their_format_with_and_without_a_mark(
+    tmp_path: Path, mark: str
+) -> None:
+    cue = "00:00:10.000 --> 00:00:12.000\nHello\n"
+    assert "WebVTT" in load(tmp_path, f"{mark}WEBVTT\n\n{cue}").provenance
+    assert "SubRip" in load(tmp_path, f"{mark}1\n{cue.replace('.', ',')}").provenance
+
+
+def test_weights_are_read_and_a_wrong_one_is_named(tmp_path: Path) -> None:
+    rows = "clock,event,weight\n0:10,laugh,2.5\n0:50,laugh,\n1:00,laugh,NA\n"
+    assert [event.weight for event in load(tmp_path, rows).events] == [2.5, 1.0, 1.0]
+    for wrong, words in (("x", "isn't a number; weights are above 0"), ("-1", "above 0")):
+        with pytest.raises(InputError, match=f"line 2, column 'weight'.*{words}"):
+            load(tmp_path, rows.replace("2.5", wrong))
+
+
+def test_a_label_track_takes_a_length(tmp_path: Path) -> None:
+    track = "10.0\t10.0\tlaugh\n50.0\t50.0\tcough\n"
+    assert load(tmp_path, track, duration_s=80.0).duration_s == 80.0
+    assert load(tmp_path, track).duration_s == 50.0
+
+
+def test_the_largest_list_of_a_document_is_read(tmp_path: Path) -> None:
+    few = [{"time": "0:10", "event": "laugh"}] * 2
+    many = [{"time": f"0:{second}", "event": "cough"} for second in range(10, 50)]
+    for document in ({"a": few, "b": many}, {"a": many, "b": few}):
+        assert load(tmp_path, json.dumps(document)).kinds() == {"cough": 40}
+
+
+def test_a_list_that_is_half_football_has_a_curve(tmp_path: Path) -> None:
+    rows = "clock,event\n0:10,goal\n0:50,laugh\n"
+    assert load(tmp_path, rows).intensity is not None
+    assert load(tmp_path, rows + "0:55,cough\n").intensity is None
 
 
 def test_a_length_is_taken_and_has_to_reach_to_the_last_event(tmp_path: Path) -> None:
