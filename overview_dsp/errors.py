@@ -42,7 +42,6 @@ class OverviewError(Exception):
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> try:
     ...     ov.sweep(-1.0)
     ... except ov.OverviewError as error:
@@ -72,7 +71,6 @@ class InputError(OverviewError, ValueError):
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.tap(1.5)
     Traceback (most recent call last):
     overview_dsp.errors.InputError: a tap's position 1.5 is out of range; ...
@@ -106,7 +104,6 @@ class OutputError(OverviewError):
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> issubclass(ov.OutputError, ov.OverviewError)
     True
     """
@@ -126,8 +123,6 @@ class NotPreparedError(OverviewError, RuntimeError):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> ov.Engine(football, match).reset()
     Traceback (most recent call last):
     overview_dsp.errors.NotPreparedError: the engine is not prepared; call prepare(sample_rate=...)
@@ -140,7 +135,6 @@ class OverviewWarning(UserWarning):
     Examples
     --------
     >>> import warnings
-    >>> import overview_dsp as ov
     >>> warnings.simplefilter("error", ov.OverviewWarning)  # to stop at them
     >>> warnings.simplefilter("default", ov.OverviewWarning)
     """

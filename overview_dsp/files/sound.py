@@ -340,8 +340,6 @@ class Sounding:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
         >>> result.save("sweep.wav", subtype="PCM_16")
         >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.5, 0.1), ov.tap(0.9, 0.1)])

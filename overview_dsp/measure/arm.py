@@ -76,8 +76,6 @@ class ArmStroke:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> report = ov.measure.arm_report(football, [match], {"arm 2 s": ov.arm(2.0)})
     >>> report.strokes[0].name, report.strokes[0].main
     ('arm 2 s', 6)
@@ -129,8 +127,6 @@ class ArmReport(Report):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> report = ov.measure.arm_report(football, [match], {"arm 2 s": ov.arm(2.0)})
     >>> report.main
     ('goal', 'own_goal')
@@ -224,8 +220,6 @@ def arm_report(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> report = ov.measure.arm_report(football, [match], {"sweep 2 s": ov.sweep(2.0)})
     >>> report.strokes[0].missed
     0

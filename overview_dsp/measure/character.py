@@ -69,8 +69,6 @@ class Character:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> one = ov.measure.characters(football, match, {"fast": ov.sweep(1.0)})["fast"]
     >>> one.pitch_hz
     250.0
@@ -120,8 +118,6 @@ def characters(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> sweeps = {"fast": ov.sweep(1.0)}
     >>> quiet = football.with_changes({"tactor.gain_db": -6.0, "click.gain_db": -20.0})
     >>> one, other = (ov.measure.characters(preset, match, sweeps) for preset in (football, quiet))
@@ -155,8 +151,6 @@ def level_matched_steps(first: Mapping[str, Character], second: Mapping[str, Cha
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> same = ov.measure.characters(football, match, {"fast": ov.sweep(1.0)})
     >>> ov.measure.level_matched_steps(same, same)
     0.0

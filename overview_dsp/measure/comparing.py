@@ -31,8 +31,6 @@ def character_steps(first: FeelReport, second: FeelReport) -> float:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> gestures = {"fast": ov.sweep(1.0)}
     >>> report = ov.measure.feel_report(football, match, gestures, sample_rate=8000)
     >>> ov.measure.character_steps(report, report)
@@ -78,8 +76,6 @@ def steps_apart(first: KindFeel, second: KindFeel) -> float:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> gestures = {"fast": ov.sweep(1.0)}
     >>> report = ov.measure.feel_report(football, match, gestures, sample_rate=8000)
     >>> kind = report.strokes[0].kinds[0]

@@ -98,8 +98,6 @@ def crowd_report(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
     >>> all(kind.missed == 0 for kind in report.strokes[0].kinds)
     True

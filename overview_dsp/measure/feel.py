@@ -38,8 +38,6 @@ class KindFeel:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> fast = {"fast": ov.sweep(1.0)}
     >>> report = ov.measure.feel_report(football, match, fast, sample_rate=8000)
     >>> report.strokes[0].kinds[0].kind
@@ -88,8 +86,6 @@ class StrokeReport:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> fast = {"fast": ov.sweep(1.0)}
     >>> report = ov.measure.feel_report(football, match, fast, sample_rate=8000)
     >>> report.strokes[0].name
@@ -128,8 +124,6 @@ class FeelReport(Report):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> fast = {"fast": ov.sweep(1.0)}
     >>> report = ov.measure.feel_report(football, match, fast, sample_rate=8000)
     >>> report.preset
@@ -160,8 +154,6 @@ class FeelReport(Report):
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> fast = {"fast": ov.sweep(1.0)}
         >>> report = ov.measure.feel_report(football, match, fast, sample_rate=8000)
         >>> report.stroke("fast recoil").name
@@ -245,8 +237,6 @@ class CrowdKind:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
     >>> goal = report.strokes[0].kind("goal")
     >>> goal.events, goal.missed, goal.low_db <= goal.level_db
@@ -289,8 +279,6 @@ class CrowdStroke:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
     >>> [stroke.name for stroke in report.strokes]
     ['fast', 'fast recoil']
@@ -322,8 +310,6 @@ class CrowdStroke:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
         >>> report.strokes[0].kind("foul").kind
         'foul'
@@ -353,8 +339,6 @@ class CrowdReport(Report):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> report = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)})
     >>> report.preset, len(report.timelines)
     ('football', 1)

@@ -57,7 +57,6 @@ class Stroke:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.measure.Stroke("out", 0, 8000)
     Stroke(name='out', start=0, stop=8000)
     """
@@ -105,8 +104,6 @@ def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[S
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> [stroke.name for stroke in ov.measure.strokes(result.trace.engaged, result.trace.cursor)]
     ['out', 'recoil']
@@ -162,8 +159,6 @@ def window_db(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> starts, level = ov.measure.window_db(np.ones(800, dtype=np.float32), 8000)
     >>> starts[:2], float(level[0])
     (array([ 0., 80.]), 0.0)
@@ -271,8 +266,6 @@ def event_levels(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> surface, tactor = result.engine.surface, result.samples[:, 1]
     >>> ov.measure.event_levels(surface, result.trace, tactor, 8000).shape == surface.event.shape
@@ -399,8 +392,6 @@ def events_felt_apart(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> trace, surface = result.trace, result.engine.surface
     >>> stroke = ov.measure.strokes(trace.engaged, trace.cursor)[0]

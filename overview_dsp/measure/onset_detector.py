@@ -38,8 +38,6 @@ class Onsets:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> found = ov.measure.onsets(result.samples[:, 0], result.sample_rate)
     >>> len(found.time_s) == len(found.level_db)
@@ -96,8 +94,6 @@ def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FL
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> found = ov.measure.onsets(result.samples[:, 0], result.sample_rate)
     >>> len(found.time_s) > 0

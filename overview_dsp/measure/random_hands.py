@@ -45,8 +45,6 @@ def random_hand(seed: int) -> Gesture:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> hand = ov.measure.random_hand(2)
     >>> hand.theta2[0], bool(hand.theta2[-1] == np.pi)
     (np.float64(0.0), True)

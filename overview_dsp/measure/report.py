@@ -92,8 +92,6 @@ def feel_report(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> sweeps = {"fast": ov.sweep(1.0)}
     >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
     >>> [stroke.name for stroke in report.strokes]

@@ -29,8 +29,6 @@ class Report(ABC):
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
         >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
         >>> sorted(report.to_json())
         ['preset', 'strokes', 'timelines']
@@ -47,8 +45,6 @@ class Report(ABC):
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
         >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
         >>> report.table().splitlines()[0]
         'plain, each event where it lies: 1 timeline'
@@ -65,8 +61,6 @@ class Report(ABC):
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
         >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
         >>> all(isinstance(line, str) for line in report.warnings())
         True

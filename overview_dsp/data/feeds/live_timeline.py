@@ -94,7 +94,6 @@ class LiveTimeline:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
     >>> live.append(events=[ov.Event(786.2, "goal", "1-0 Parris")])
     >>> live.snapshot().until_s
@@ -173,7 +172,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline()
         >>> live.append(events=[ov.Event(10.0, "foul")], intensity=[(0.0, 0.2), (12.0, 0.7)])
         >>> live.snapshot().duration_s
@@ -233,7 +231,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline()
         >>> goal = ov.Event(786.2, "goal", "1-0 Parris")
         >>> live.append(events=[goal, ov.Event(800.0, "foul")])
@@ -268,7 +265,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline()
         >>> live.append(events=[ov.Event(10.0, "foul")], clock_s=40.0)
         >>> live.gap(20.0, 30.0, "no camera")
@@ -322,7 +318,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline()
         >>> live.describe(title="Home - Away")
         >>> live.snapshot().title
@@ -360,9 +355,7 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline(expect_s=5880.0)
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> live.replace(match.window(0.0, 2400.0))
         >>> live.snapshot().until_s
         2400.0
@@ -418,7 +411,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline()
         >>> live.append(events=[ov.Event(10.0, "foul")])
         >>> [change.what for change in live.changes_since(0)]
@@ -454,7 +446,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline(expect_s=5700.0)
         >>> live.append(events=[ov.Event(10.0, "foul")])
         >>> live.end(5790.0)
@@ -516,7 +507,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline(map="so far")
         >>> live.suggest(expect_s=5700.0)
         >>> live.map, live.expect_s
@@ -558,7 +548,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline(expect_s=5700.0)
         >>> live.snapshot().notes
         ('nothing has happened yet',)
@@ -581,7 +570,6 @@ class LiveTimeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> live = ov.LiveTimeline(map="so far")
         >>> live.append(events=[ov.Event(1000.0, "goal")])
         >>> live.felt().duration_s, live.felt().until_s

@@ -203,8 +203,6 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match = ov.load_timeline("world-cup-final-2018")
     >>> ov.save_timeline(match, "match.json")
     >>> ov.load_timeline("match.json") == match
     True

@@ -105,7 +105,6 @@ def load_timeline(
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.load_timeline("world-cup-final-2018").duration_s
     5880.0
     >>> rows = ("time,load", "2024-06-03 09:00,1", "2024-06-03 10:00,3", "2024-06-03 11:00,2")

@@ -30,8 +30,6 @@ class CurveBuilder:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> builder = ov.CurveBuilder(np.float32)
     >>> for chunk in np.arange(3_000.0).reshape(3, 1_000):
     ...     builder.append(chunk)
@@ -76,7 +74,6 @@ class CurveBuilder:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> builder = ov.CurveBuilder()
         >>> builder.append([1.0, 2.0], time_s=[0.0, 0.7])
         >>> builder.count
@@ -186,8 +183,6 @@ class CurveBuilder:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> builder = ov.CurveBuilder(np.float32)
         >>> for chunk in np.arange(3_000.0).reshape(3, 1_000):
         ...     builder.append(chunk)
@@ -224,8 +219,6 @@ class CurveBuilder:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> builder = ov.CurveBuilder()
         >>> builder.append([1.0, 2.0, np.nan, 4.0])
         >>> curve = builder.finish(step_s=1.0)

@@ -33,8 +33,6 @@ class EvenTimes:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> times = ov.EvenTimes(count=7200, step_s=0.5)
     >>> curve = ov.Intensity(times, np.zeros(7200, dtype=np.float32))
     >>> curve.last_s
@@ -88,8 +86,6 @@ class EvenTimes:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> times = ov.EvenTimes(count=3, step_s=0.5)
         >>> times.tolist()
         [0.0, 0.5, 1.0]
@@ -112,8 +108,6 @@ class EvenTimes:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> times = ov.EvenTimes(count=3, step_s=0.5)
         >>> times.at(np.array([2]))
         array([1.])
@@ -138,8 +132,6 @@ class EvenTimes:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> times = ov.EvenTimes(count=3, step_s=0.5)
         >>> times.first_from(np.array([0.5, 0.6]))
         array([1, 2])
@@ -167,8 +159,6 @@ class EvenTimes:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> times = ov.EvenTimes(count=3, step_s=0.5)
         >>> times.first_after(np.array([0.5, 0.6]))
         array([2, 2])

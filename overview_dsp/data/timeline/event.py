@@ -85,7 +85,6 @@ class Event:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.Event(786.2, "goal", "1-0 Parris (pen)").weight
     1.0
     """
@@ -127,7 +126,6 @@ class Event:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> ov.Event(10.0, "goal").moved(4.0)
         Event(time_s=4.0, kind='goal', label='', weight=1.0)
         """

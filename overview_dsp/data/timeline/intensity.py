@@ -118,8 +118,6 @@ class Intensity:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
     >>> curve.at(np.array([5.0]))
     array([2.5])
@@ -178,8 +176,6 @@ class Intensity:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
         >>> ov.Intensity.checked(curve.points, unit="km/h").unit
         'km/h'
@@ -260,8 +256,6 @@ class Intensity:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
         >>> curve.scale(np.array([True, True]))
         (0.0, 5.0)
@@ -287,8 +281,6 @@ class Intensity:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
         >>> curve.scale_outside(((8.0, 10.5),))
         (0.0, 0.0)
@@ -337,8 +329,6 @@ class Intensity:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
         >>> curve.at(np.array([0.0, 5.0, 11.0]))
         array([0. , 2.5, 0. ])
@@ -365,8 +355,6 @@ class Intensity:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
         >>> curve.along(np.array([0.0, 5.0, 10.0]))
         array([0. , 2.5, 5. ])
@@ -408,8 +396,6 @@ class Intensity:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> curve = ov.Intensity(np.arange(6.0), np.array([0.0, 5.0, 1.0, 2.0, 9.0, 4.0]))
         >>> low, mean, high = curve.band(np.array([1.0, 4.0]))
         >>> low, mean, high
@@ -446,8 +432,6 @@ class Intensity:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 5.0]), "m/s")
         >>> curve.cut(2.0, 6.0).value
         array([1., 3.])

@@ -86,8 +86,6 @@ class Timeline:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> curve = ov.Intensity(np.array([0.0, 60.0]), np.array([0.2, 0.9]))
     >>> timeline = ov.Timeline("a minute", 60.0, (ov.Event(12.0, "goal"),), curve)
     >>> timeline.kinds()
@@ -149,8 +147,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> match.kinds()["goal"]
         5
         """
@@ -181,8 +177,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> match.event("goal", 2).time_s > match.event("goal", 1).time_s
         True
         """
@@ -231,8 +225,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> match.intensity_at([-1.0, 1e9])
         array([0., 0.])
         """
@@ -259,8 +251,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> curve = ov.Intensity(np.array([0.0, 10.0]), np.array([-5.0, 5.0]))
         >>> ov.Timeline("rising", 10.0, (), curve).normalised_intensity_at([5.0, 10.0])
         array([0.5, 1. ])
@@ -293,8 +283,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> match.normalised_levels(100).shape
         (101,)
         """
@@ -353,8 +341,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> goal = match.event("goal", 1)
         >>> match.window(goal.time_s - 45.0, goal.time_s + 5.0).duration_s
         50.0
@@ -418,8 +404,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> match.moment_text(754.0)
         '12:34.0'
         """
@@ -448,8 +432,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> match.require_window(0, 600)
         (0.0, 600.0)
         """
@@ -483,8 +465,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match = ov.load_timeline("world-cup-final-2018")
         >>> list(match.to_dataframe())
         ['time_s', 'kind', 'label', 'weight']
         >>> len(match.to_dataframe("curve")) == match.intensity.count
@@ -517,7 +497,6 @@ class Timeline:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> ov.load_timeline("world-cup-final-2018").plot().savefig("match.png")
         """
         return drawn("offline.plots.timeline", "plot_timeline", self)

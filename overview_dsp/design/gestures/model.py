@@ -67,8 +67,6 @@ class Gesture:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> times, angles = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 1.0])
     >>> mine = ov.Gesture(times, angles, np.array([True, True, False]), duration_s=1.0)
     >>> (mine + ov.tap(0.8, hold_seconds=0.5)).duration_s
@@ -135,7 +133,6 @@ class Gesture:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> ov.tap(0.8, hold_seconds=0.5).stamps(8000)
         array([   0, 4000])
         """

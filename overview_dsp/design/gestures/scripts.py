@@ -72,7 +72,6 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.sweep(4.0).duration_s
     4.0
     >>> backwards = ov.sweep(2.0, start=1.0, end=0.5)
@@ -114,7 +113,6 @@ def tap(position: float, hold_seconds: float | None = None) -> Gesture:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.tap(0.8, hold_seconds=1.5).touching
     array([ True, False])
     """
@@ -144,7 +142,6 @@ def pause(seconds: float) -> Gesture:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> (ov.sweep(1.0) + ov.pause(2.0) + ov.tap(0.5, 1.0)).duration_s
     4.0
     """
@@ -183,7 +180,6 @@ def arm(seconds: float, rest_s: float = ARM_REST_S) -> Gesture:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.arm(2.0).duration_s
     2.1
     """
@@ -215,7 +211,6 @@ def flick(seconds: float = FLICK_S) -> Gesture:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.flick().duration_s, ov.flick(0.15).duration_s
     (0.4, 0.25)
     """
@@ -252,8 +247,6 @@ def scrub(position: float, width: float, hz: float, seconds: float = SCRUB_S) ->
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> gesture = ov.scrub(0.5, 0.02, 2.0, seconds=3.0)
     >>> round(gesture.duration_s, 3), (gesture.theta2.max() / np.pi).round(3)
     (4.2, np.float64(0.52))

@@ -53,7 +53,6 @@ def parse_gesture(spec: str) -> Gesture:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.parse_gesture("sweep:2:0:0.6+rest:3+tap:0.8:1.5").duration_s
     6.5
     """

@@ -50,7 +50,6 @@ def load_gesture(path: str | Path) -> Gesture:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.save_gesture(ov.tap(0.8), "take.csv")
     >>> ov.load_gesture("take.csv").duration_s
     0.05
@@ -203,7 +202,6 @@ def save_gesture(gesture: Gesture, path: str | Path) -> None:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.save_gesture(ov.sweep(1.0) + ov.pause(0.5), "sweep.csv")
     """
     path = validation.path(path, "a take")

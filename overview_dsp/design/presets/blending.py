@@ -44,7 +44,6 @@ def morph(first: Preset, second: Preset, steps: int) -> list[Preset]:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> football, heart = ov.load_preset("football"), ov.load_preset("heart")
     >>> _, between, _ = ov.presets.morph(football, heart, steps=3)
     >>> between.title
@@ -154,7 +153,6 @@ def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.presets.randomized(ov.load_preset("football"), seed=7).name
     'football-7'
     """

@@ -25,8 +25,6 @@ class Difference:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> football = ov.load_preset("football")
     >>> ov.presets.differences(football, football.with_changes({"tactor.gain_db": -6.0}))
     [Difference(id='tactor.gain_db', first=0.0, second=-6.0, unit='dB')]
     """
@@ -52,7 +50,6 @@ def differences(first: Preset, second: Preset) -> list[Difference]:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> football, stadium = ov.load_preset("football"), ov.load_preset("football-stadium")
     >>> "surface.friction" in [found.id for found in ov.presets.differences(football, stadium)]
     True

@@ -35,7 +35,6 @@ def bundled_presets() -> tuple[str, ...]:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> "football" in ov.bundled_presets()
     True
     """
@@ -53,7 +52,6 @@ def own_names() -> tuple[str, ...]:
     Examples
     --------
     >>> import os
-    >>> import overview_dsp as ov
     >>> os.environ["OVERVIEW_PRESETS"] = "."  # the folder, where it is another one
     >>> path = ov.presets.save(ov.load_preset("football"), "mine.toml")
     >>> ov.presets.own()
@@ -94,7 +92,6 @@ def load_preset(name: str | Path) -> Preset:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.load_preset("football").title
     'Football'
     >>> ov.load_preset("futball")

@@ -49,7 +49,6 @@ class ClickMode:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.ClickMode(1180.0, 45.0, gain_db=-2.0)
     ClickMode(frequency_hz=1180.0, decay_ms=45.0, gain_db=-2.0)
     """
@@ -104,7 +103,6 @@ class EventKind:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.EventKind(height=40.0, width_percent=0.5, material="wood")
     EventKind(height=40.0, width_percent=0.5, material='wood')
     """
@@ -187,7 +185,6 @@ class Tags:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.load_preset("football").tags.usage
     ('football', 'matches')
     """
@@ -237,8 +234,6 @@ class Preset:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> football = ov.load_preset("football")
     >>> loud = football.with_changes({"surface.friction": 6e-4})
     >>> loud.values["surface.friction"], football == loud
     (0.0006, False)
@@ -300,8 +295,6 @@ class Preset:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> football = ov.load_preset("football")
         >>> football.kind_for("goal"), football.kind_for("heartbeat")
         ('goal', None)
         """
@@ -322,7 +315,6 @@ class Preset:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> ov.load_preset("football").number("tactor.frequency_hz")
         250.0
         """
@@ -350,8 +342,6 @@ class Preset:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> football = ov.load_preset("football")
         >>> football.with_values(tactor__gain_db=-6.0).number("tactor.gain_db")
         -6.0
         """
@@ -377,8 +367,6 @@ class Preset:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> football = ov.load_preset("football")
         >>> football.with_changes({"tactor.gain_db": -6.0}).number("tactor.gain_db")
         -6.0
         """
@@ -406,8 +394,6 @@ class Preset:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> football = ov.load_preset("football")
         >>> football.with_value("kinds.goal.height", 90.0).kinds["goal"].height
         90.0
         """
@@ -440,7 +426,6 @@ class Preset:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> ov.load_preset("plain").plot().savefig("plain.png")
         """
         return drawn("measure.pictures", "plot_preset", self)

@@ -39,7 +39,6 @@ class Parameter:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> known = ov.presets.PARAMETERS["tactor.gain_db"]
     >>> known.allowed
     '-60 to 12 dB'
@@ -93,7 +92,6 @@ class Parameter:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> ov.presets.PARAMETERS["tactor.gain_db"].check(99.0)
         Traceback (most recent call last):
         overview_dsp.errors.InputError: tactor.gain_db = 99 is out of range; it is -60 to 12 dB

@@ -82,7 +82,6 @@ def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> loud = ov.load_preset("football").with_changes({"surface.friction": 6e-4})
     >>> path = ov.presets.save(loud, "loud.toml")
     >>> ov.presets.load(path).values == loud.values

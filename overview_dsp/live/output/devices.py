@@ -46,7 +46,6 @@ class OutputDevice:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.live.OutputDevice(0, "Headphones", "ALSA", 2, 48_000.0, 0.005, True).name
     'Headphones'
     """
@@ -82,7 +81,6 @@ def devices() -> list[OutputDevice]:
     --------
     This needs PortAudio:
 
-    >>> import overview_dsp as ov
     >>> [device.name for device in ov.live.devices()]  # doctest: +SKIP
     ['HDA Intel PCH: ALC257', 'default']
     """
@@ -128,7 +126,6 @@ def find_device(device: int | str | None) -> OutputDevice:
     --------
     This needs an output:
 
-    >>> import overview_dsp as ov
     >>> ov.live.find_device(None).channels  # doctest: +SKIP
     2
     """

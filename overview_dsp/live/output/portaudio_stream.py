@@ -76,8 +76,6 @@ class OutputStream:
     --------
     This needs an output:
 
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> engine = ov.Engine(football, match)
     >>> engine.prepare(sample_rate=8000, max_block_size=256)
     >>> with ov.live.OutputStream(engine) as stream:  # doctest: +SKIP
@@ -169,8 +167,6 @@ class OutputStream:
         --------
         This needs an output:
 
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
@@ -185,8 +181,6 @@ class OutputStream:
         --------
         This needs an output:
 
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
@@ -212,8 +206,6 @@ class OutputStream:
         --------
         This needs an output:
 
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
@@ -243,8 +235,6 @@ class OutputStream:
         --------
         This needs an output:
 
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP

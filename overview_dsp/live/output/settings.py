@@ -53,7 +53,6 @@ class SignalSettings:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.live.SignalSettings((3, 4), gain_db=-6.0)
     SignalSettings(channel=(3, 4), gain_db=-6.0)
     """
@@ -105,7 +104,6 @@ class OutputSettings:
     --------
     A pad whose voice coils are channels 3 and 4:
 
-    >>> import overview_dsp as ov
     >>> ears, coils = ov.live.SignalSettings((1, 2)), ov.live.SignalSettings((3, 4))
     >>> ov.live.OutputSettings(ears, coils).channels
     4
@@ -160,7 +158,6 @@ class OutputSettings:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> ov.live.OutputSettings().changed(tactor={"gain_db": -6.0}).tactor.gain_db
         -6.0
         """
@@ -190,8 +187,6 @@ class OutputSettings:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> ov.live.OutputSettings().write(engine.memory, engine.sample_rate, at_once=True)

@@ -47,8 +47,6 @@ class SilentStream:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> engine = ov.Engine(football, match)
     >>> engine.prepare(sample_rate=8000, max_block_size=256)
     >>> with ov.live.SilentStream(engine) as stream:
@@ -75,8 +73,6 @@ class SilentStream:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> stream = ov.live.SilentStream(engine)
@@ -108,8 +104,6 @@ class SilentStream:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> with ov.live.SilentStream(engine) as stream:
@@ -125,8 +119,6 @@ class SilentStream:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> stream = ov.live.SilentStream(engine)

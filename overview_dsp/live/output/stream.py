@@ -42,8 +42,6 @@ class StreamMeters:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> engine = ov.Engine(football, match)
     >>> engine.prepare(sample_rate=8000, max_block_size=256)
     >>> stream = ov.live.SilentStream(engine)

@@ -136,8 +136,6 @@ def observe(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> football = ov.load_preset("football")
     >>> report = ov.measure.observe(
     ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )

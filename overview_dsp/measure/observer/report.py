@@ -34,10 +34,8 @@ class StrokeScores:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> preset = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     preset, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report.sets[0].strokes["mixed"]["touch"].groups.kinds
     ('minor', 'goal', 'card')
@@ -62,10 +60,8 @@ class SetScores:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> preset = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     preset, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report.sets[0].timelines
     1
@@ -104,10 +100,8 @@ class ObserverReport(Report):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> preset = ov.load_preset("football")
     >>> report = ov.measure.observe(
-    ...     preset, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
     ... )
     >>> report
     <ObserverReport: 'football', mixed hands, 1 set>

@@ -35,8 +35,6 @@ class ObserverScores:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> table = np.array([[9, 1, 0], [1, 7, 2], [0, 1, 0]])
     >>> scores = ov.measure.ObserverScores(
     ...     ("goal", "card"), table, np.array([10, 9]), np.array([9, 7]), 1
@@ -90,8 +88,6 @@ class ObserverScores:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> table = np.array([[9, 1], [0, 0]])
         >>> scores = ov.measure.ObserverScores(("goal",), table, np.array([9]), np.array([9]), 1)
         >>> scores.to_json()["kinds"]["goal"]

@@ -59,7 +59,6 @@ def random_timelines(preset: Preset, count: int, seed: int = 0) -> list[Timeline
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> [made.title for made in ov.measure.random_timelines(ov.load_preset("football"), 2, seed=7)]
     ['random match 7', 'random match 8']
     """

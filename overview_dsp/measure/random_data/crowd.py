@@ -34,7 +34,6 @@ def random_crowd(seed: int) -> Timeline:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> crowd = ov.measure.random_crowd(1)
     >>> sorted(crowd.kinds())
     ['burst', 'cheer']

@@ -49,7 +49,6 @@ def random_heart(seed: int) -> Timeline:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> heart = ov.measure.random_heart(1)
     >>> heart.intensity.unit
     'bpm'

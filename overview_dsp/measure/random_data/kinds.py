@@ -40,7 +40,6 @@ def random_events(kinds: Sequence[str], seed: int) -> Timeline:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> sorted(ov.measure.random_events(["bell", "drum"], seed=1).kinds())
     ['bell', 'drum']
     """

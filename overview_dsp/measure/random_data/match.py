@@ -44,7 +44,6 @@ def random_match(seed: int) -> Timeline:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> match = ov.measure.random_match(3)
     >>> match.kinds()["period"], 5000.0 < match.duration_s < 6200.0
     (3, True)

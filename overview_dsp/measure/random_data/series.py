@@ -61,7 +61,6 @@ def random_share(seed: int) -> Timeline:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> share = ov.measure.random_share(5)
     >>> share.kinds()["highest"], share.kinds()["lowest"]
     (1, 1)
@@ -98,7 +97,6 @@ def random_weather(seed: int) -> Timeline:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> weather = ov.measure.random_weather(5)
     >>> weather.intensity.unit
     '°C'

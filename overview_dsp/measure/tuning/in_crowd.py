@@ -82,8 +82,6 @@ def tuned_on(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> ov.measure.tuned_on(football, ["goal", "yellow_card"], [match]).reached
     True
     """

@@ -38,7 +38,6 @@ class Tuned:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.measure.Tuned(ov.load_preset("football"), least_steps=2.1, reached=True).reached
     True
     """

@@ -68,7 +68,6 @@ def tuned(
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> wide = ov.EventKind(height=120.0, width_percent=3.0, shape="plateau")
     >>> low = ov.EventKind(height=4.0, width_percent=1.0)
     >>> kinds = {"default": low, "strong": wide, "weak": low}

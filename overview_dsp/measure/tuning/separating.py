@@ -80,7 +80,6 @@ def separated(
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> only = ov.EventKind(height=120.0, width_percent=3.0, shape="plateau")
     >>> preset = ov.Preset("mine", "Mine", "one kind", {}, {"default": only})
     >>> ov.measure.separated(preset).preset.name

@@ -113,8 +113,6 @@ def encode_engine(engine: Engine, settings: OutputSettings | None = None) -> byt
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> engine = ov.Engine(football, match)
     >>> engine.prepare(sample_rate=8000, max_block_size=256)
     >>> memory = ov.export.encode_engine(engine)

@@ -55,8 +55,6 @@ def export_c(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> [path.name for path in ov.export.export_c(match, football, "voice")]
     ['kernel.c', 'operations.h', 'overview.h', 'example.c', 'Makefile', 'CMakeLists.txt', \
 'timeline.image']

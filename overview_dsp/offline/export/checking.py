@@ -43,8 +43,6 @@ def check_clip(path: str | os.PathLike[str]) -> list[str]:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> written = ov.export.export(result, "hjif", "match.hjif")
     >>> ov.export.check_clip("match.hjif")

@@ -50,7 +50,6 @@ class Transient:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.export.Transient(0.5, 0.8, 0.3, "goal").kind
     'goal'
     """

@@ -32,8 +32,6 @@ class FeltError:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> ov.export.export(result, "haptic", "match.haptic").error.within_percent > 50.0
     True

@@ -136,8 +136,6 @@ def build_plugin(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> ov.export.build_plugin(match, football, "clap", "plugins", name="match").name
     'match.clap'
     """

@@ -62,8 +62,6 @@ class PlayedClip:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> _ = ov.export.export(result, "ahap", "match.ahap")
     >>> clip = ov.export.read_clip("match.ahap")
@@ -100,8 +98,6 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> _ = ov.export.export(result, "ahap", "match.ahap")
     >>> clip = ov.export.read_clip("match.ahap")

@@ -105,8 +105,6 @@ class Exported:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> ov.export.export(result, "wav4", "pad.wav").files[0].name
     'pad.wav'
@@ -204,7 +202,6 @@ def formats() -> tuple[str, ...]:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.export.formats()
     ('ahap', 'haptic', 'hjif', 'android', 'wav4')
     """
@@ -245,8 +242,6 @@ def export(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> written = ov.export.export(result, "ahap", "match.ahap")
     >>> [path.name for path in written.files]

@@ -68,8 +68,6 @@ class RenderJob:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> ov.RenderJob(match, football, ov.tap(0.8), seed=3).seed
     3
     """
@@ -111,8 +109,6 @@ class RenderedJob(Sounding, Generic[Traced]):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> jobs = [ov.RenderJob(match, football, ov.tap(0.5))]
     >>> (rendered,) = ov.render_many(jobs, sample_rate=8000, trace=True)
     >>> rendered.trace.cursor.max() > 0.4
@@ -161,8 +157,6 @@ def render_jobs(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.8), ov.sweep(2.0)], seeds=range(50))
     >>> len(list(jobs))
     100
@@ -388,8 +382,6 @@ def render_many(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> jobs = ov.render_jobs([match], [football], [ov.tap(0.8, 0.1)], seeds=range(3))
     >>> [len(rendered.samples) for rendered in ov.render_many(jobs, 8000, tail="none")]
     [801, 801, 801]

@@ -113,8 +113,6 @@ class Result(Sounding, Generic[Traced]):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> clicks, vibration = result.samples.T
     >>> len(result.trace.cursor) == len(clicks)
@@ -146,7 +144,6 @@ class Result(Sounding, Generic[Traced]):
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
         >>> result.plot().savefig("sweep.png")
         """
@@ -297,8 +294,6 @@ def render(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000, tail="none")
     >>> result.samples.shape
     (4001, 2)
@@ -373,8 +368,6 @@ class Rendered:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> ov.render_to_file(match, football, ov.sweep(0.5), "a.wav", 8000, tail="none").duration_s
     0.500125
     """
@@ -465,8 +458,6 @@ def render_to_file(
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> written = ov.render_to_file(match, football, ov.tap(0.8), "tap.flac", sample_rate=8000)
     >>> written.strikes > 0
     True

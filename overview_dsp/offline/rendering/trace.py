@@ -48,8 +48,6 @@ class Trace(Mapping[str, NDArray[np.float64]]):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> result.trace.cursor.max().round(2)
     np.float64(1.0)
@@ -110,7 +108,6 @@ class Trace(Mapping[str, NDArray[np.float64]]):
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
         >>> result.trace.to_dataframe()["cursor"].max().round(2)
         np.float64(1.0)

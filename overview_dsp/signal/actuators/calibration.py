@@ -62,7 +62,6 @@ def save_threshold(actuator: Actuator, threshold_db: float) -> None:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> c2 = ov.actuators.load("c2")
     >>> ov.actuators.save_threshold(c2, -34.0)
     >>> ov.actuators.calibrated("c2").gain_db
@@ -94,7 +93,6 @@ def forget_threshold(actuator: Actuator) -> bool:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> c2 = ov.actuators.load("c2")
     >>> ov.actuators.save_threshold(c2, -34.0)
     >>> ov.actuators.forget_threshold(c2), ov.actuators.forget_threshold(c2)
@@ -145,7 +143,6 @@ def calibrated_actuator(name: str | Path) -> Actuator:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> c2 = ov.actuators.load("c2")
     >>> ov.actuators.save_threshold(c2, -46.0)
     >>> ov.actuators.calibrated("c2").gain_db

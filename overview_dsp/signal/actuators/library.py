@@ -52,7 +52,6 @@ def actuator_names() -> tuple[str, ...]:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> "c2" in ov.actuators.names()
     True
     """
@@ -91,7 +90,6 @@ def load_actuator(name: str | Path) -> Actuator:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> c2 = ov.actuators.load("c2")
     >>> c2.resonance_hz
     250.0

@@ -56,7 +56,6 @@ class Actuator:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> c2 = ov.actuators.load("c2")
     >>> c2.peak <= 1.0
     True
@@ -106,7 +105,6 @@ class Actuator:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> c2 = ov.actuators.load("c2")
         >>> c2.number("resonance.frequency_hz")
         250.0
@@ -182,7 +180,6 @@ class Actuator:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> c2 = ov.actuators.load("c2")
         >>> c2.response_db(250.0) == 0.0, c2.response_db(125.0) < -10.0
         (True, True)

@@ -53,7 +53,6 @@ class Protected:
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.actuators.Protected(taken_db=0.0, at_peak=3).at_peak
     3
     """
@@ -100,8 +99,6 @@ class ActuatorStage:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
     >>> c2 = ov.actuators.load("c2")
     >>> stage = ov.actuators.ActuatorStage(c2, 8000)
     >>> samples = np.ones((256, 2), dtype=np.float32)  # of engine.process
@@ -134,8 +131,6 @@ class ActuatorStage:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
         >>> c2 = ov.actuators.load("c2")
         >>> stage = ov.actuators.ActuatorStage(c2, 8000)
         >>> stage.process(np.zeros((256, 2), dtype=np.float32), channel=1)

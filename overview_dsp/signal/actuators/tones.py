@@ -48,7 +48,6 @@ def log_sweep(
 
     Examples
     --------
-    >>> import overview_dsp as ov
     >>> ov.actuators.log_sweep(100.0, 400.0, 1.0, level_db=-20.0, sample_rate=8000).shape
     (8000,)
     """

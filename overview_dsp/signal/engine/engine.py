@@ -106,10 +106,7 @@ class Engine:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import overview_dsp as ov
-    >>> timeline, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-    >>> engine = ov.Engine(preset, timeline)
+    >>> engine = ov.Engine(football, match)
     >>> engine.prepare(sample_rate=8000, max_block_size=256)
     >>> engine.control(theta2=1.2, touching=True)
     >>> out = np.zeros((256, 2), dtype=np.float32)
@@ -168,9 +165,7 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> data, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(preset, data)
+        >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=64)
         >>> engine.sample_rate
         8000.0
@@ -234,11 +229,9 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> data, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(preset, data)
+        >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> engine.restart(ov.load_preset("plain"), data, seed=1)
+        >>> engine.restart(ov.load_preset("plain"), match, seed=1)
         >>> engine.preset.name
         'plain'
         """
@@ -259,9 +252,7 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> data, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(preset, data)
+        >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.reset()
         >>> engine.sample_time
@@ -352,10 +343,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.control(0.0, True)
         >>> engine.control(1.5, True, sample_time=4000)
         >>> engine.control(1.5, False, sample_time=8000)
@@ -394,10 +381,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> gesture = ov.sweep(1.0)
         >>> stamps = gesture.stamps(engine.sample_rate)
         >>> engine.control_all(gesture.theta2, gesture.touching, stamps, gesture.source)
@@ -426,10 +409,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.set("tactor.gain_db", -6.0)
         >>> engine.parameters["tactor.gain_db"].value
         -6.0
@@ -460,10 +439,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.set_preset(ov.load_preset("football-stadium"))
         >>> engine.preset.name
         'football-stadium'
@@ -501,10 +476,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.set_timeline(match.window(0.0, 600.0), window=(0.0, 600.0))
         >>> engine.timeline.duration_s
         600.0
@@ -537,10 +508,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.set_surface(ov.build_surface(match.window(0.0, 600.0), football))
         """
         self._require_prepared()
@@ -597,10 +564,6 @@ class Engine:
         --------
         A pad whose voice coils are channels 3 and 4:
 
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.set_channels(click=None, tactor=2)
         """
         self._require_prepared()
@@ -636,9 +599,6 @@ class Engine:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
-        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
         >>> engine = ov.Engine(plain, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.control(1.2, True)
@@ -716,8 +676,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
         >>> engine = ov.Engine(plain, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> len(engine.take_strikes())
@@ -741,8 +699,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
         >>> engine = ov.Engine(plain, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.take_struck_events()
@@ -778,9 +734,6 @@ class Engine:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
-        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
         >>> engine = ov.Engine(plain, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.set("tactor.gain_db", -6.0)
@@ -817,8 +770,6 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, plain = ov.load_timeline("world-cup-final-2018"), ov.load_preset("plain")
         >>> result = ov.render(match, plain, ov.sweep(0.5), sample_rate=8000)
         >>> vibration = result.engine.tactor_of(result.trace.torque)
         >>> bool((vibration == result.samples[:, 1]).all())
@@ -846,10 +797,7 @@ class Engine:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import overview_dsp as ov
-        >>> timeline, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> engine = ov.Engine(preset, timeline)
+        >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> out = np.zeros((256, 2), dtype=np.float32)
         >>> engine.process(out)
@@ -900,9 +848,7 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> timeline, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> ov.Engine(preset, timeline).save_state() == ov.Engine(preset, timeline).save_state()
+        >>> ov.Engine(football, match).save_state() == ov.Engine(football, match).save_state()
         True
         """
         return encode_state(self._preset, self._seed)
@@ -922,10 +868,8 @@ class Engine:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> timeline, preset = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
-        >>> state = ov.Engine(preset, timeline, seed=7).save_state()
-        >>> engine = ov.Engine(ov.load_preset("plain"), timeline)
+        >>> state = ov.Engine(football, match, seed=7).save_state()
+        >>> engine = ov.Engine(ov.load_preset("plain"), match)
         >>> engine.load_state(state)
         >>> engine.preset.name, engine.seed
         ('football', 7)

@@ -29,8 +29,6 @@ class EngineParameter(Parameter):
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> ov.Engine(football, match).parameters["tactor.frequency_hz"].value
     250.0
     """
@@ -74,8 +72,6 @@ class Meters:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> meters = result.engine.meters
     >>> meters.dropped_events, meters.touching
@@ -129,8 +125,6 @@ class Strikes:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> match.events[result.strikes.event[0]].kind
     'period'
@@ -156,7 +150,6 @@ class Strikes:
 
         Examples
         --------
-        >>> import overview_dsp as ov
         >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
         >>> list(result.strikes.to_dataframe())
         ['time_s', 'event', 'torque', 'level']
@@ -173,8 +166,6 @@ class Strikes:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
         >>> len(result.strikes.of_events()) <= len(result.strikes)
         True

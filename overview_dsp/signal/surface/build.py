@@ -209,8 +209,6 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> surface = ov.build_surface(match, football)
     >>> len(surface.event) == len(match.events)
     True

@@ -68,8 +68,6 @@ class Surface:
 
     Examples
     --------
-    >>> import overview_dsp as ov
-    >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
     >>> surface = ov.build_surface(match, football)
     >>> surface.kind_names[surface.kind[0]]
     'period'
@@ -126,8 +124,6 @@ class Surface:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> surface = ov.build_surface(match, football)
         >>> surface.position_of([0.0, match.duration_s])
         array([0., 1.])
@@ -153,8 +149,6 @@ class Surface:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> surface = ov.build_surface(match, football)
         >>> goal = match.event("goal", 1).time_s
         >>> abs(surface.time_at(surface.position_of(goal)) - goal) < 1e-6
@@ -177,8 +171,6 @@ class Surface:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> surface = ov.build_surface(match, football)
         >>> surface.friction_at(0.0) == surface.friction[0]
         np.True_
@@ -205,8 +197,6 @@ class Surface:
 
         Examples
         --------
-        >>> import overview_dsp as ov
-        >>> match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
         >>> surface = ov.build_surface(match, football)
         >>> surface.in_span(surface.position[:2])
         array([ True,  True])
