@@ -244,7 +244,7 @@ def test_after_a_kill_the_take_is_whole_and_the_next_start_says_where(tmp_path):
     # another session says nothing of one that still plays
     assert recovery.take_cut_short() == []
     process.kill()
-    process.wait()
+    process.communicate()
     gesture = ov.load_gesture(take)
     assert gesture.duration_s >= reports[-1]["time_s"] - 0.5
     assert gesture.time_s[-2] >= reports[-1]["time_s"] - 0.5
@@ -269,5 +269,6 @@ def test_a_session_that_is_stopped_says_nothing_the_next_time(tmp_path, state):
     process.stdout.readline()
     assert len(os.listdir(state)) == 1
     process.send_signal(signal.SIGTERM)
-    assert process.wait(30) == 128 + signal.SIGTERM
+    process.communicate(timeout=30)
+    assert process.returncode == 128 + signal.SIGTERM
     assert os.listdir(state) == []

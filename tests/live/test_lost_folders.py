@@ -84,8 +84,9 @@ def test_the_whole_take_goes_on_elsewhere_and_the_session_says_where(disk, why, 
         process.stdin.flush()
         time.sleep(0.01)
     process.stdin.close()
-    said = process.stderr.read().splitlines()
-    assert process.wait(60) == 0
+    with process.stdout, process.stderr:
+        said = process.stderr.read().splitlines()
+        assert process.wait(60) == 0
     (take,) = (tmp_path / "state").rglob("*.csv")
     assert [line for line in said if why in line and f"goes on in {take}" in line], said
     assert f"{take}: the take, to the bit" in said

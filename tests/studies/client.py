@@ -75,6 +75,11 @@ class Page:
             self.told = told
         return status, told
 
+    def close(self):
+        if self.connection is not None:
+            self.connection.close()
+            self.connection = None
+
     @property
     def own(self):
         return f"{SESSIONS}/{self.told['session']}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import sqlite3
 import subprocess
@@ -32,9 +33,12 @@ def store(tmp_path, small):
 
 
 @pytest.fixture
-def port(tmp_path, small):
-    with serving(tmp_path, *small) as found:
-        yield found
+def page_of(tmp_path, small):
+    """A page of a participant."""
+    with serving(tmp_path, *small) as port, contextlib.ExitStack() as pages:
+        yield lambda participant=None: pages.enter_context(
+            contextlib.closing(Page(port, participant))
+        )
 
 
 def test_lists_are_handed_out_once_each_to_many_at_the_same_time(store):
@@ -109,9 +113,9 @@ def test_a_database_that_is_locked_says_that_nothing_was_stored(store, monkeypat
     assert store.put(session.id, "b1-001", '{"response": 1}')
 
 
-def test_a_page_takes_a_list_stores_resumes_and_finishes(port, small):
+def test_a_page_takes_a_list_stores_resumes_and_finishes(page_of, small):
     _, lists = small
-    page = Page(port, "p-7")
+    page = page_of("p-7")
     status, told = page.begin()
     assert (status, told["list"], told["participant"], told["answers"]) == (201, 1, "p-7", {})
     assert page.begin()[0] == 200
@@ -132,8 +136,8 @@ def test_a_page_takes_a_list_stores_resumes_and_finishes(port, small):
     assert page.look()[1]["complete"]
 
 
-def test_what_is_wrong_is_refused_with_one_line(port):
-    page = Page(port)
+def test_what_is_wrong_is_refused_with_one_line(page_of):
+    page = page_of()
     assert page.ask("POST", "/study/sessions", {"request": "short"})[0] == 400
     assert page.ask("POST", "/study/sessions", {"request": "a" * 20}, token="wrong")[0] == 401
     assert page.ask("POST", "/study/sessions", {"request": "a" * 20, "x": 1})[0] == 400
@@ -145,7 +149,7 @@ def test_what_is_wrong_is_refused_with_one_line(port):
     assert page.put("b1-001", {"answer": 1})[0] == 400
     assert page.put("b1-001", [1])[0] == 400
     assert page.put("b1-001", {"response": float("nan")})[0] == 400
-    other = Page(port)
+    other = page_of()
     other.told = {**page.told, "secret": "guessed"}
     assert other.put("b1-001", {"response": 1})[0] == 403
     assert page.ask("GET", "/study.json")[0] == 200

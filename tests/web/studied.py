@@ -52,7 +52,7 @@ class Process:
     def kill(self) -> None:
         """As a power cut does, but for the disk's own cache."""
         self.process.send_signal(signal.SIGKILL)
-        self.process.wait()
+        self.process.communicate()
 
     def rows(self) -> dict[str, dict[str, Any]]:
         """What is stored of the only session, by trial."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import re
 import socket
+import threading
 import time
 
 import httpx
@@ -306,6 +307,14 @@ def test_who_trickles_on_after_the_answer_is_closed(match, monkeypatch):
 
 def test_who_never_reads_an_answer_is_closed(match, monkeypatch, tmp_path):
     monkeypatch.setattr(connections, "READ_WITHIN_S", 0.3)
+    closed = threading.Event()
+    lost = connections.HttpConnection.connection_lost
+
+    def connection_lost(self, exc):
+        lost(self, exc)
+        closed.set()
+
+    monkeypatch.setattr(connections.HttpConnection, "connection_lost", connection_lost)
     film = tmp_path / "film.mp4"
     film.write_bytes(bytes(20_000_000))
     with served(match, plays=False, media=open_media(str(film), 0.0)) as server:
@@ -315,7 +324,7 @@ def test_who_never_reads_an_answer_is_closed(match, monkeypatch, tmp_path):
                 f"Authorization: Bearer {server.access.token}\r\n\r\n"
             )
             line.sendall(request.encode())
-            time.sleep(1.0)
+            assert closed.wait(30.0)
             got = 0
             with contextlib.suppress(ConnectionResetError):
                 while part := line.recv(1_000_000):

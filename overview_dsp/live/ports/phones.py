@@ -62,7 +62,11 @@ class PhyphoxPort:
             self._path = "/get?" + "&".join(urllib.parse.quote(name) for name in names)
             self._ask("/control?cmd=start")
         except PortLostError as error:
+            self.close()
             raise InputError(f"{error}; is remote access on, in the same network?") from None
+        except InputError:
+            self.close()
+            raise
 
     def _ask(self, path: str) -> bytes:
         try:
