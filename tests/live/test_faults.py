@@ -30,7 +30,7 @@ LETS_GO = ("garbage", "stuck", "silence", "frozen", "unplugged")
 PLAY = """
 import contextlib, json, os, subprocess, sys, threading, time
 import overview_dsp as ov
-from overview_dsp.live import source_writer
+from overview_dsp.live.inputs import threaded
 from overview_dsp.live.inputs.threaded import EventClock
 from overview_dsp.live.output.portaudio_stream import OutputStream
 from overview_dsp.live.inputs.sensors import SensorInput
@@ -47,7 +47,7 @@ class Noted(EventClock):
                        clock.time_of(max(stamp, now))))
         return stamp
 
-source_writer.EventClock = Noted
+threaded.EventClock = Noted
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)
 running = subprocess.Popen([sys.executable, device, link, seconds], stdout=subprocess.PIPE,

@@ -193,15 +193,15 @@ def test_opening_and_closing_leaks_nothing():
 DROPPED = """
 import gc, time
 import overview_dsp as ov
-from overview_dsp.live import portaudio
+from overview_dsp.live.output import portaudio_stream
 
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)
-portaudio.OutputStream(engine, device="system", block_size=256).start()
+portaudio_stream.OutputStream(engine, device="system", block_size=256).start()
 del engine
 gc.collect()
 time.sleep(0.5)
-(stream,) = portaudio._RUNNING
+(stream,) = portaudio_stream._RUNNING
 print(stream.meters.callbacks)
 """
 
