@@ -25,10 +25,10 @@ LATE = (
 )  # fmt: skip
 
 
-def python(code: str, folder: Path, path: Path = ROOT, **variables: str) -> str:
+def python(code: str, folder: Path, path: Path = ROOT, *arguments: str, **variables: str) -> str:
     """What a fresh interpreter prints that finds the package in `path` and stands in `folder`."""
     done = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-c", code, *arguments],
         capture_output=True,
         text=True,
         check=False,
@@ -37,6 +37,49 @@ def python(code: str, folder: Path, path: Path = ROOT, **variables: str) -> str:
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+SERVER = {
+    f"overview_dsp.{name}"
+    for name in (
+        *("studies.routes", "web.app", "web.certificate", "web.connections", "web.control"),
+        *("web.data", "web.live_data", "web.media", "web.preset_link", "web.published"),
+        *("web.security.middleware", "web.security.request_body", "web.server"),
+    )
+}
+"""Modules that `overview serve` and its like import once they know that their extra is there."""
+
+WITHOUT_EXTRAS = """
+import importlib, json, pkgutil, sys
+import overview_dsp
+
+class Refuse:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in set(sys.argv[1:]):
+            raise ModuleNotFoundError(name)
+
+sys.meta_path.insert(0, Refuse())
+failed = []
+for module in pkgutil.walk_packages(overview_dsp.__path__, "overview_dsp."):
+    try:
+        if not module.name.endswith("__main__"):
+            importlib.import_module(module.name)
+    except ModuleNotFoundError:
+        failed.append(module.name)
+print(json.dumps(failed))
+"""
+
+
+def test_without_extras_all_but_the_server_can_be_imported(tmp_path):
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"][
+        "optional-dependencies"
+    ]
+    asked = [re.split(r"[^\w.-]", line)[0] for lines in extras.values() for line in lines]
+    modules = {name.replace("-", "_").lower() for name in asked} - {"overview_dsp"}
+    modules |= {"h11", "pythonosc", "rtmidi", "hid", "dask", "starlette"}
+    found = set(json.loads(python(WITHOUT_EXTRAS, tmp_path, ROOT, *sorted(modules))))
+    assert found <= SERVER
+    assert "overview_dsp.web.server" in found
 
 
 FIND = """

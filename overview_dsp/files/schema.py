@@ -84,8 +84,10 @@ def checked(
 def _words(model: Any, path: Path, error: Mapping[str, Any], name: str) -> str:
     how = _HOW.get(error["type"])
     if how is not None:
+        said = f"{name} = {shown(error['input'])} {how}"
         allowed = error["msg"].removeprefix("Input should be ")
-        return f"{name} = {shown(error['input'])} {how}; it is {allowed}"
+        # pydantic's own words for a type name its classes
+        return said if allowed.startswith("a valid ") else f"{said}; it is {allowed}"
     known = _fields(model, path[:-1])
     if error["type"] == "extra_forbidden":
         return f"unknown key {name}{did_you_mean(str(path[-1]), map(str, known))}"

@@ -43,11 +43,11 @@ from overview_dsp.web.media import Media
 from overview_dsp.web.preset_data import (
     as_toml,
     preset_data,
-    preset_link,
     preset_named,
     preset_names,
     save_own,
 )
+from overview_dsp.web.preset_link import preset_link
 from overview_dsp.web.security.request_body import answering, json_object
 from overview_dsp.web.site_content import SiteContent
 

@@ -221,7 +221,7 @@ def preset_model() -> type[pydantic.BaseModel]:
         section: _model(section.capitalize(), members.values(), **more.get(section, {}))
         for section, members in SECTIONS.items()
     }
-    scale: Any = (Annotated[float, Field(ge=1.0, le=5.0)] | None, None)
+    scale: Any = (Annotated[float, Field(ge=1.0, le=5.0), Allowed("1 to 5")] | None, None)
     sections["tags"] = _model("Tags", (), **dict.fromkeys(TAG_SCALES, scale), usage=_many(str))
     kind = _model(
         "Kind",

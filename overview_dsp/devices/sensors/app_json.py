@@ -139,9 +139,7 @@ def _values(values: dict[str, Any], columns: tuple[str, ...], keys: Any) -> dict
 
 
 def _is_number(value: object) -> bool:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    return -1e300 < value < 1e300 and math.isfinite(value)
+    return not isinstance(value, bool) and _is_finite(value)
 
 
 _THREES = {"acc": ACCELERATION, "gyr": ANGULAR_VELOCITY}

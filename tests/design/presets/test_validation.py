@@ -175,6 +175,23 @@ def test_a_map_that_is_none_names_file_line_and_what_it_may_be(points, words):
     refused(text, *words)
 
 
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("title = 3", "title = 3 is no text"),
+        ("texture = 3", "texture = 3 is no table"),
+        ("authors = 'me'", "authors = 'me' is no list"),
+        ("tags.energy = 9.0", "tags.energy = 9.0 is out of range; it is 1 to 5"),
+    ],
+)
+def test_what_is_of_another_type_is_said_without_the_names_of_classes(lines, words):
+    text = "\n".join(line for line in SMALL.splitlines() if not line.startswith("title"))
+    text = text if "title" in lines else f'title = "x"\n{text}'
+    message = refused(f"{lines}\n{text}", words)
+    assert "valid" not in message
+    assert "instance" not in message
+
+
 @pytest.mark.parametrize("key", ["schema", "title", "description"])
 def test_a_missing_header_is_named(key):
     file = "\n".join(line for line in SMALL.splitlines() if not line.startswith(key))
