@@ -1,10 +1,32 @@
-"""How many workers run the tests; for `pytest --doctest-modules` a folder for each example."""
+"""How many workers run the tests; for `pytest --doctest-modules` a folder for each example.
+
+The tests of the studies, a distribution of their own, are skipped where it isn't installed.
+"""
 
 from __future__ import annotations
 
+import importlib.util
 import os
+from pathlib import Path
 
 import pytest
+
+STUDIES = Path(__file__).parent / "studies" / "tests"
+
+
+class SkippedFolder(pytest.Dir):
+    """A folder whose tests need what isn't installed."""
+
+    def collect(self):
+        """Skip them all."""
+        pytest.skip("needs the studies: pip install ./studies")
+
+
+def pytest_collect_directory(path, parent):
+    """Collect the tests of the studies only where these are installed."""
+    if path == STUDIES and importlib.util.find_spec("overview_studies") is None:
+        return SkippedFolder.from_parent(parent, path=path)
+    return None
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -42,7 +42,7 @@ def python(code: str, folder: Path, path: Path = ROOT, *arguments: str, **variab
 SERVER = {
     f"overview_dsp.{name}"
     for name in (
-        *("studies.routes", "web.app", "web.certificate", "web.connections", "web.control"),
+        *("web.app", "web.certificate", "web.connections", "web.control"),
         *("web.data", "web.live_data", "web.media", "web.preset_link", "web.published"),
         *("web.security.middleware", "web.security.request_body", "web.server"),
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 import overview_dsp
 
 PACKAGE = Path(overview_dsp.__file__).parent
+STUDIES = PACKAGE.parent / "studies" / "overview_studies"
 ROOT_FILES = {
     "__init__.py",
     "__main__.py",
@@ -28,7 +29,7 @@ def test_the_root_holds_packages_and_the_shared_files_only():
 
 
 def test_every_package_says_what_it_is_for():
-    for init in PACKAGE.rglob("__init__.py"):
+    for init in (*PACKAGE.rglob("__init__.py"), *STUDIES.rglob("__init__.py")):
         text = init.read_text(encoding="utf-8")
         assert re.match(r'"""[\w`][^\n]{15,}\.', text), init
 
@@ -37,7 +38,7 @@ def test_no_capacity_of_the_kernels_is_typed_a_second_time():
     layout = (PACKAGE / "kernels" / "layout.py").read_text(encoding="utf-8")
     capacities = re.findall(r"^([A-Z_]+) = \d+", layout.partition("# --- coefficients")[0], re.M)
     assert "CELLS" in capacities
-    for path in PACKAGE.rglob("*.py"):
+    for path in (*PACKAGE.rglob("*.py"), *STUDIES.rglob("*.py")):
         if path.name == "layout.py" or "bundled" in path.parts:
             continue
         text = path.read_text(encoding="utf-8")

@@ -18,7 +18,7 @@ from sphinx.application import Sphinx
 from sphinx.config import Config
 
 import overview_dsp as ov
-from overview_dsp.cli import COMMANDS, app
+from overview_dsp.cli import COMMANDS, INSTALLED_APART, added_commands, app
 from overview_dsp.design.presets.describe import describe
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.design.presets.reference import reference
@@ -136,15 +136,15 @@ def command_pages(folder: Path) -> None:
     text += (
         "``overview COMMAND --help`` says the same. Exit codes: 0 done, 1 failed, 2 bad input.\n\n"
     )
-    text += ".. toctree::\n   :maxdepth: 1\n\n" + "".join(f"   {name}\n" for name in COMMANDS)
-    (folder / "index.rst").write_text(text, encoding="utf-8")
+    places = {name: f"overview_dsp.cli.{module}:command" for name, (module, _) in COMMANDS.items()}
     context = click.Context(app)
-    for name, (module, _) in COMMANDS.items():
+    for name in (*COMMANDS, *INSTALLED_APART):  # one that isn't installed prints how to install it
         assert app.get_command(context, name) is not None
-        page = (
-            f".. click:: overview_dsp.cli.{module}:command\n"
-            f"   :prog: overview {name}\n   :nested: full\n"
-        )
+    places |= {name: added_commands()[name].value for name in INSTALLED_APART}
+    text += ".. toctree::\n   :maxdepth: 1\n\n" + "".join(f"   {name}\n" for name in places)
+    (folder / "index.rst").write_text(text, encoding="utf-8")
+    for name, place in places.items():
+        page = f".. click:: {place}\n   :prog: overview {name}\n   :nested: full\n"
         (folder / f"{name}.rst").write_text(page, encoding="utf-8")
 
 

@@ -1,4 +1,7 @@
-"""The command line: one command a file, each imported only when it is called."""
+"""The command line: one command a file, each imported only when it is called.
+
+Other distributions add theirs by the entry-point group `overview_dsp.commands` (`extensions`).
+"""
 
 from __future__ import annotations
 
@@ -7,14 +10,20 @@ import os
 import sys
 import warnings
 from importlib import import_module
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from overview_dsp import __version__
 from overview_dsp.cli.stopping import stop_code, stopped_by_signals
-from overview_dsp.errors import OverviewError, OverviewWarning, did_you_mean
+from overview_dsp.errors import InputError, OverviewError, OverviewWarning, did_you_mean
 from overview_dsp.files.atomic import remove_temporaries
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+GROUP = "overview_dsp.commands"
+"""The entry points that name commands of other distributions."""
 
 # name: (module, the line in the list of commands)
 COMMANDS = {
@@ -27,7 +36,6 @@ COMMANDS = {
     "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
     "plugin": ("plugin", "Build an audio plugin that plays a timeline in a DAW."),
     "batch": ("batch", "Render a study: a grid of many, here or on a cluster."),
-    "study": ("study", "Studies with people: lists, a page, answers, statistics, exports."),
     "presets": ("presets", "List, show and check presets."),
     "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
     "osc": ("osc", "Learn what the messages of other programs and apps do."),
@@ -38,19 +46,48 @@ COMMANDS = {
     "bench": ("bench", "Measure how fast the engine runs here."),
 }
 
+INSTALLED_APART = {
+    "study": "studies with people are a distribution of their own, overview-dsp-studies; "
+    "install it from a clone of the project: pip install ./studies"
+}
+"""Commands of this project's other distributions, and how to install each."""
+
+
+def added_commands() -> dict[str, EntryPoint]:
+    """Return the entry points of other distributions' commands, by the command's name."""
+    from importlib.metadata import entry_points  # not before a command of another is meant
+
+    return {point.name: point for point in entry_points(group=GROUP)}
+
 
 class Commands(click.Group):
     """The group of all commands, which imports one only when it is used."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """In the order of the table, the main job first."""
-        return list(COMMANDS)
+        """In the order of the table, the main job first; then those of other distributions."""
+        return list(dict.fromkeys([*COMMANDS, *added_commands()]))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import and return the command; None if there is none of that name."""
-        if cmd_name not in COMMANDS:
+        """Import and return the command; None if there is none of that name.
+
+        Raises
+        ------
+        InputError
+            It belongs to a distribution that isn't installed, or that fails to give it.
+        """
+        if cmd_name in COMMANDS:
+            command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command
+        elif point := added_commands().get(cmd_name):
+            try:
+                command = point.load()
+            except (ImportError, AttributeError) as error:
+                raise InputError(f"{_added_by(point)} can't be loaded: {error}") from error
+            if not isinstance(command, click.Command):
+                raise InputError(f"{_added_by(point)} is no click.Command; tell its authors")
+        elif cmd_name in INSTALLED_APART:
+            raise InputError(f"overview {cmd_name}: {INSTALLED_APART[cmd_name]}")
+        else:
             return None
-        command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command
         assert isinstance(command, click.Command)
         return command
 
@@ -59,15 +96,33 @@ class Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """As click does, with the nearest name where there is none of that name."""
         # click's own hint knows only commands that are imported
-        near = did_you_mean(args[0], COMMANDS) if args[0] not in COMMANDS else ""
-        if near and not ctx.resilient_parsing:
-            ctx.fail(f"No such command {args[0]!r}{near}")
+        name = args[0]
+        if name not in COMMANDS and not ctx.resilient_parsing:
+            known = {**COMMANDS, **added_commands(), **INSTALLED_APART}
+            near = did_you_mean(name, known) if name not in known else ""
+            if near:
+                ctx.fail(f"No such command {name!r}{near}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
+        rows = {name: text for name, (_, text) in COMMANDS.items()}
+        for name, point in added_commands().items():
+            rows.setdefault(name, _summary(point))
+        for name in INSTALLED_APART:
+            rows.setdefault(name, f"Not installed; overview {name} prints how to install it.")
         with formatter.section("Commands"):
-            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+            formatter.write_dl([*rows.items()])
+
+
+def _summary(point: EntryPoint) -> str:
+    found = point.dist.metadata["Summary"] if point.dist is not None else None
+    return found or f"of {point.value}"
+
+
+def _added_by(point: EntryPoint) -> str:
+    package = point.value if point.dist is None else point.dist.name
+    return f"the command {point.name} of {package}"
 
 
 @click.group(

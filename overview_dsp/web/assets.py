@@ -27,7 +27,7 @@ from __future__ import annotations
 import hashlib
 import re
 import zlib
-from collections.abc import Container
+from collections.abc import Container, Iterable, Mapping
 from functools import cache
 from importlib import resources
 
@@ -175,9 +175,6 @@ KERNEL_DEFLATED = "kernel.deflated"
 """`kernel.wasm` as the page has it: a quarter of its bytes."""
 
 START = "index.html"
-STUDY_SHARES = ("style.css", "icon.svg", "worker.js", "kernel.wasm")
-"""What a study's page has of this one, besides the scripts that its own import."""
-
 FOLDER_ONLY = ("worker.js",)
 """Keeps a folder for use without a network; what a server sends isn't to outlive it."""
 
@@ -216,13 +213,19 @@ def folder_files(*, live: bool) -> dict[str, bytes]:
     return {name: file for name, file in page_files().items() if name not in left_out}
 
 
-def study_files() -> dict[str, bytes]:
-    """The files of a study's page (`study/`) by their path in a folder, and what they share."""
+def page_with(own: Mapping[str, bytes], shared: Iterable[str]) -> dict[str, bytes]:
+    """Return the files of another page by their path in a folder, with what it shares of this one.
+
+    Parameters
+    ----------
+    own : mapping of str to bytes
+        The other page's files; those in a folder of their own stay as they are.
+    shared : iterable of str
+        Files of this page that the other names, besides the scripts that its own import.
+    """
     package = resources.files(__package__)
-    own = {one.name: one for one in (package / "study").iterdir() if one.is_file()}
-    vendored = {f"jspsych/{one.name}": one for one in (package / "study" / "jspsych").iterdir()}
-    files = {name: file.read_bytes() for name, file in {**own, **vendored}.items()}
-    wanted = [*STUDY_SHARES, *_imported(files)]
+    files = dict(own)
+    wanted = [*shared, *_imported(files)]
     while wanted:
         name = wanted.pop()
         if name not in files:

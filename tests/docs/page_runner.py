@@ -77,9 +77,12 @@ def understood(line: str) -> None:
         if words[0] == "overview":
             parsed(words[1:])
         elif words[:2] == ["pip", "install"]:
-            named = re.search(r"\[(.+)\]", words[-1])
-            for extra in named[1].split(",") if named else ():
-                assert extra in EXTRAS, f"no extra is called {extra!r}: {line}"
+            for word in words[2:]:
+                named = re.search(r"\[(.+)\]", word)
+                for extra in named[1].split(",") if named else ():
+                    assert extra in EXTRAS, f"no extra is called {extra!r}: {line}"
+                if word.startswith("./"):
+                    assert (ROOT / word / "pyproject.toml").is_file(), f"not there: {line}"
         elif words[0] == "python":
             assert words[1] == "-m" or (ROOT / words[1]).is_file(), f"no such tool: {line}"
         else:

@@ -25,7 +25,7 @@ DEVICES = {
 }  # fmt: skip
 """What a block may need that a test can't give it; its commands are parsed all the same."""
 
-MODULES = {"extra batch": ("pyarrow", "fsspec")}
+MODULES = {"extra batch": ("pyarrow", "fsspec"), "the studies": ("overview_studies",)}
 """What a block may need that may be installed: it runs where it is."""
 
 RUN = [b for b in BLOCKS if b.language in ("python", "sh") and b.needs not in DEVICES]
@@ -92,6 +92,8 @@ def test_a_block_that_needs_a_device_is_understood(block):
         compile(block.text, block.name, "exec")
         return
     assert block.language == "sh"
+    if "overview study" in block.text:
+        pytest.importorskip("overview_studies", reason="needs the studies: pip install ./studies")
     for line in block.text.splitlines():
         understood(line)
 
@@ -111,7 +113,13 @@ def test_what_needs_a_fresh_environment_is_run_by_ci():
 
 
 def test_the_runner_sees_a_wrong_option_an_unknown_extra_and_a_missing_tool():
-    for line in ("overview play x --hots 1", "pip install '.[webb]'", "python tools/none.py", "ls"):
+    for line in (
+        "overview play x --hots 1",
+        "pip install '.[webb]'",
+        "pip install ./none",
+        "python tools/none.py",
+        "ls",
+    ):
         with pytest.raises(AssertionError):
             understood(line)
     with pytest.raises(AssertionError, match="rendr"):

@@ -12,11 +12,11 @@ import tomllib
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.cli import COMMANDS
+from overview_dsp.cli import COMMANDS, INSTALLED_APART
 from tests.docs.markdown_blocks import PAGES, ROOT
 
 TOOLS = ("sphinx", "numpydoc", "sphinx_gallery", "pydata_sphinx_theme", "myst_parser",
-         "sphinx_click", "sphinx_copybutton", "sphinx_design")  # fmt: skip
+         "sphinx_click", "sphinx_copybutton", "sphinx_design", "overview_studies")  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def site(tmp_path_factory):
     """The built pages: path (as in the address) to text."""
     missing = [name for name in TOOLS if importlib.util.find_spec(name) is None]
     if missing:
-        pytest.skip(f"needs the docs extra: pip install '.[docs]' ({', '.join(missing)})")
+        pytest.skip(f"needs the docs extra: pip install '.[docs]' ./studies ({', '.join(missing)})")
     folder = tmp_path_factory.mktemp("site")
     done = subprocess.run(
         [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", folder],
@@ -89,7 +89,7 @@ def test_the_reference_has_every_public_name_and_every_command(site):
     for face in faces:
         for name in getattr(getattr(ov, face), "__all__", ()):
             assert name in documented or f"{face}.{name}" in documented, (face, name)
-    for command in COMMANDS:
+    for command in (*COMMANDS, *INSTALLED_APART):
         assert f"overview {command}" in site[f"reference/generated/cli/{command}.html"]
 
 
@@ -105,7 +105,7 @@ def test_the_links_between_pages_lead_to_files():
 
 def test_the_files_that_pages_name_are_there():
     named = re.compile(
-        r"(?:overview_dsp|tools|presets|actuators|sensors|examples|docs|tests)/[\w./-]+\.\w+"
+        r"(?:overview_dsp|tools|presets|actuators|sensors|examples|docs|tests|studies)/[\w./-]+\.\w+"
     )
     made_by_the_build = ("docs/_build", "presets/feel")
     for page in PAGES:

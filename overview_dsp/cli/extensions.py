@@ -1,0 +1,92 @@
+"""Names that commands of other distributions may use, besides `ov` itself.
+
+A distribution adds a command to `overview` by the entry-point group `overview_dsp.commands`. The
+entry point's name is the command's, it names a `click.Command`, and the summary of its
+distribution is its line in the list of commands. It is imported when the command is called:
+
+    [project.entry-points."overview_dsp.commands"]
+    study = "overview_studies.cli:command"
+
+Such a command uses `ov`, `overview_dsp.errors` and these names; everything else is private. They
+change with the version, so its distribution requires `overview-dsp` of the same version. Each is
+imported when it is first used.
+
+=========  ==========================================================================
+commands   `announce_compile`, `note`, `progress_bar`, `show`, `seconds_given`;
+           `ended_by_signals`, `exit_if_stopped`: end as the other commands do;
+           `server_options`, `require_server`, `open_server`: a server with a token
+files      `whole_folder`, `sound_bytes`; `read_text`, `parse_toml`,
+           `faults_at_their_line`: TOML, whose errors name their line
+grids      `Study`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
+           a jobs file, and the digest that names each
+signal     `CLICK`, `TACTOR`, `SOURCES`, `Value`, `AngleMap`, `stroke_feel`
+pictures   `save_figure`, `plot_style`
+page       `page_with`, `START`, `TYPES`, `RATES`, `kind_looks`, `window_json`,
+           `whole_bytes`, `patch_of`; `answering`, `json_object`: requests with limits
+=========  ==========================================================================
+"""
+
+# mypy: implicit-reexport
+# ruff: noqa: F401
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from overview_dsp.batch.cache_keys import PROGRAM, Keys
+    from overview_dsp.batch.grid import Study
+    from overview_dsp.batch.jobs_file import KEYS, JobsTable, read_grid
+    from overview_dsp.cli.common import announce_compile, note, progress_bar, show
+    from overview_dsp.cli.live_session import ended_by_signals, exit_if_stopped, seconds_given
+    from overview_dsp.cli.options.server import open_server, require_server, server_options
+    from overview_dsp.design.gestures.model import SOURCES
+    from overview_dsp.design.presets.parameter import Value
+    from overview_dsp.files.atomic import whole_folder
+    from overview_dsp.files.sound import sound_bytes
+    from overview_dsp.files.toml import faults_at_their_line, parse_toml, read_text
+    from overview_dsp.kernels.layout import CLICK, TACTOR
+    from overview_dsp.measure.felt import stroke_feel
+    from overview_dsp.offline.plots import style as plot_style
+    from overview_dsp.offline.plots.saving import save_figure
+    from overview_dsp.signal.surface.angle_map import AngleMap
+    from overview_dsp.web.assets import START, TYPES, page_with
+    from overview_dsp.web.security.request_body import answering, json_object
+    from overview_dsp.web.site_content import RATES
+    from overview_dsp.web.site_data import kind_looks, window_json
+    from overview_dsp.web.sound_data import patch_of, whole_bytes
+
+_PLACES = {
+    "batch.cache_keys": "PROGRAM Keys",
+    "batch.grid": "Study",
+    "batch.jobs_file": "KEYS JobsTable read_grid",
+    "cli.common": "announce_compile note progress_bar show",
+    "cli.live_session": "ended_by_signals exit_if_stopped seconds_given",
+    "cli.options.server": "open_server require_server server_options",
+    "design.gestures.model": "SOURCES",
+    "design.presets.parameter": "Value",
+    "files.atomic": "whole_folder",
+    "files.sound": "sound_bytes",
+    "files.toml": "faults_at_their_line parse_toml read_text",
+    "kernels.layout": "CLICK TACTOR",
+    "measure.felt": "stroke_feel",
+    "offline.plots.saving": "save_figure",
+    "signal.surface.angle_map": "AngleMap",
+    "web.assets": "START TYPES page_with",
+    "web.security.request_body": "answering json_object",
+    "web.site_content": "RATES",
+    "web.site_data": "kind_looks window_json",
+    "web.sound_data": "patch_of whole_bytes",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Import a name of the list when it is first used."""
+    if name == "plot_style":
+        return import_module("overview_dsp.offline.plots.style")
+    for module, names in _PLACES.items():
+        if name in names.split():
+            value: object = getattr(import_module(f"overview_dsp.{module}"), name)
+            globals()[name] = value
+            return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,265 @@
+"""All answers of a study as rows: from a server's SQLite file, or from CSVs of offline pages."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from overview_dsp.errors import InputError
+from overview_studies.folder import read_study
+from overview_studies.scoring import error_of, is_right
+from overview_studies.steps import missing_of, step_of
+from overview_studies.store import Session, Store
+
+OFFLINE = ("session", "participant", "list", "trial", "received_utc", "row")
+"""Columns that an offline page's CSV must have."""
+
+_HEAD = (
+    "participant",
+    "session",
+    "list",
+    "complete",
+    "position",
+    "trial",
+    "phase",
+    "block",
+    "repeat",
+)
+_TAIL = (
+    "task", "stimulus", "stimulus_sha256", "seed", "timeline", "preset", "gesture", "level",
+    "correct_response", "response", "correct", "error", "rt_ms", "presentations", "source",
+    "started_utc", "received_utc", "sample_rate", "output_latency_ms", "user_agent",
+    "take_events", "design_sha256", "program",
+)  # fmt: skip
+
+MEANING = {
+    "participant": "code of the participant",
+    "session": "identifier of the session",
+    "list": "number of the list that the session followed",
+    "complete": "whether the session was finished (1) or not (0)",
+    "position": "place of the answer in its session, from 1",
+    "trial": "identifier of the trial in its list",
+    "phase": "practice, main, catch or attention",
+    "block": "condition block, from 1",
+    "repeat": "which repetition of all stimuli within the block, from 1",
+    "task": "what was asked",
+    "stimulus": "key of the stimulus; two, joined with a space, where two were compared",
+    "stimulus_sha256": "SHA-256 of the samples of what was played",
+    "seed": "seed of the stimulus",
+    "timeline": "timeline of the stimulus",
+    "preset": "preset of the stimulus",
+    "gesture": "gesture of the stimulus; free: the person's own hand",
+    "level": "value of the varied dimension",
+    "correct_response": "the right answer, JSON where it is no single value",
+    "response": "the answer, JSON where it is no single value",
+    "correct": "1 right, 0 wrong, empty where there is no such thing",
+    "error": "how far the answer is off, with its sign",
+    "rt_ms": "time from when it could be answered to the answer, ms",
+    "presentations": "how often the stimulus was played",
+    "source": "the hand that moved: touch, twist or keys",
+    "started_utc": "when the trial began, by the page's clock, ISO 8601",
+    "received_utc": "when the answer was stored, ISO 8601",
+    "sample_rate": "of the page's sound, Hz",
+    "output_latency_ms": "of the page's sound as the browser tells it, ms",
+    "user_agent": "browser",
+    "take_events": "control events of the hand that were kept",
+    "design_sha256": "SHA-256 of the study's file",
+    "program": "version of overview-dsp and digest of its kernels",
+}
+"""What each column is."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """A study with what was answered.
+
+    Attributes
+    ----------
+    study : dict
+        study.json.
+    lists : dict
+        By their numbers.
+    sessions : list of Session
+    """
+
+    study: dict[str, Any]
+    lists: dict[int, dict[str, Any]]
+    sessions: Sequence[Session]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns of `rows`."""
+        factors = (name for name in self.study["factors"] if name not in (*_HEAD, *_TAIL))
+        return (*_HEAD, *factors, *_TAIL)
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """One row a trial, in the order they were answered; forms aren't among them."""
+        for session in self.sessions:
+            content = self.lists[session.number]
+            for position, (trial, received, row) in enumerate(session.trials, 1):
+                step = step_of(trial, content)
+                if step is not None and step["type"] != "form":
+                    yield self._row(session, position, trial, received, row, step)
+
+    def _row(
+        self,
+        session: Session,
+        position: int,
+        trial: str,
+        received: str,
+        answer: dict[str, Any],
+        step: dict[str, Any],
+    ) -> dict[str, Any]:
+        adaptive = step["type"] == "adaptive"
+        phase, keys = step["phase"], step["stimuli"]
+        correct: Any = step.get("correct")
+        if adaptive:
+            index = int(trial.rpartition("-")[2]) - 1
+            answer = {**answer, "trial_index": index}
+            phase = "catch" if step["catch"][index] else "main"
+            keys = [answer["stimulus"]] if answer.get("stimulus") in keys else [step["standard"]]
+            correct = step["sides"][index] if step["method"] == "2afc" else int(phase == "main")
+        stimuli = [self.study["stimuli"][key] for key in keys]
+        # of a pair, the one that isn't the standard
+        standard = self.study["task"]["standard"]
+        shown = next((one for one in stimuli if one["level"] != standard), stimuli[0])
+        hashed = "static_sha256" if step["output"]["mapping"] == "static" else "sha256"
+        right = is_right(step["task"], step, answer)
+        device = answer.get("device") or {}
+        takes = [one for one in (answer.get("take"), *(answer.get("takes") or [])) if one]
+        return {
+            "participant": session.participant,
+            "session": session.id,
+            "list": session.number,
+            "complete": int(session.finished_utc is not None),
+            "position": position,
+            "trial": trial,
+            "phase": phase,
+            "block": step["block"],
+            "repeat": step.get("repeat"),
+            **self.lists[session.number]["factors"],
+            **step["factors"],
+            "task": step["task"],
+            "stimulus": " ".join(keys),
+            "stimulus_sha256": " ".join(one[hashed] or one["sha256"] for one in stimuli),
+            "seed": shown["seed"],
+            "timeline": shown["timeline"],
+            "preset": shown["preset"],
+            "gesture": shown["gesture"],
+            "level": answer.get("level") if adaptive else shown["level"],
+            "correct_response": correct,
+            "response": answer.get("response"),
+            "correct": None if right is None else int(right),
+            "error": error_of(step["task"], step, answer, stimuli[0]),
+            "rt_ms": answer.get("rt_ms"),
+            "presentations": answer.get("presentations"),
+            "source": answer.get("source"),
+            "started_utc": answer.get("started_utc"),
+            "received_utc": received,
+            "sample_rate": device.get("sample_rate"),
+            "output_latency_ms": device.get("output_latency_ms"),
+            "user_agent": device.get("user_agent"),
+            "take_events": sum(len(one["events"]) for one in takes) or None,
+            "design_sha256": self.study["design_sha256"],
+            "program": self.study["program"],
+        }
+
+    def forms(self) -> Iterator[dict[str, Any]]:
+        """One row an item of a form that was answered."""
+        for session in self.sessions:
+            content = self.lists[session.number]
+            for trial, received, answer in session.trials:
+                step = step_of(trial, content)
+                if step is None or step["type"] != "form":
+                    continue
+                given = answer.get("response")
+                for item, value in (given if isinstance(given, dict) else {}).items():
+                    yield {
+                        "participant": session.participant,
+                        "session": session.id,
+                        "list": session.number,
+                        "block": step["block"],
+                        **content["factors"],
+                        **step["factors"],
+                        "form": step["form"],
+                        "item": item,
+                        "value": value,
+                        "received_utc": received,
+                    }
+
+
+def read_answers(sources: Iterable[str | Path], folder: str | Path | None = None) -> Answers:
+    """The answers of SQLite files and of offline CSVs; the latter need the study's `folder`.
+
+    A session that is abandoned is left out.
+
+    Raises
+    ------
+    InputError
+        A file that is neither; answers to different studies; nothing at all.
+    """
+    study, lists, sessions = None, {}, []
+    if folder is not None:
+        study, listed = read_study(folder)
+        lists = {one["list"]: one for one in listed}
+    for source in map(Path, sources):
+        if source.suffix == ".csv":
+            if study is None:
+                raise InputError(f"{source}: an offline CSV needs its study: --study FOLDER")
+            sessions += _offline(source, lists)
+            continue
+        store = Store(source)
+        try:
+            if study is not None and store.study["design_sha256"] != study["design_sha256"]:
+                raise InputError(f"{source}: holds answers to another version of this study")
+            study = study or store.study
+            lists = lists or store.lists()
+            sessions += [one for one in store.sessions() if not one.abandoned]
+        finally:
+            store.close()
+    if study is None or not sessions:
+        raise InputError("there are no answers in what was given")
+    codes = [one.participant for one in sessions]
+    twice = {code for code in codes if codes.count(code) > 1}
+    if twice:
+        raise InputError(f"two sessions are of {sorted(twice)[0]}; leave one of them out")
+    return Answers(study, lists, sessions)
+
+
+def _offline(path: Path, lists: dict[int, dict[str, Any]]) -> list[Session]:
+    """The sessions of an offline page's CSV."""
+    csv.field_size_limit(min(sys.maxsize, 2**31 - 1))  # a row holds a take
+    found: dict[str, Session] = {}
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            rows = csv.DictReader(file)
+            missing = [name for name in OFFLINE if name not in (rows.fieldnames or ())]
+            if missing:
+                raise InputError(f"{path}: no column {', '.join(missing)}; a page's CSV has them")
+            for row in rows:
+                at = f"{path}:{rows.line_num}"
+                number = int(row["list"])
+                if number not in lists or step_of(row["trial"], lists[number]) is None:
+                    raise InputError(f"{at}: list {number} has no trial {row['trial']}")
+                one = found.setdefault(
+                    row["session"],
+                    Session(row["session"], "", number, row["participant"], row["received_utc"],
+                            None),
+                )  # fmt: skip
+                if row["trial"] not in {trial for trial, _, _ in one.trials}:
+                    one.trials.append((row["trial"], row["received_utc"], json.loads(row["row"])))
+    except (OSError, ValueError, TypeError, csv.Error) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: can't be read ({error})") from None
+    return [_finished(one, lists[one.number]) for one in found.values()]
+
+
+def _finished(session: Session, content: dict[str, Any]) -> Session:
+    whole = not missing_of(content, [trial for trial, _, _ in session.trials])
+    return replace(session, finished_utc=session.trials[-1][1] if whole else None)

@@ -1,0 +1,127 @@
+"""What a study makes, before anybody takes part: lists, trials, minutes, balance, felt levels."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from overview_dsp.cli.extensions import TACTOR
+from overview_studies.design import Design
+from overview_studies.folder import make_lists, played
+from overview_studies.items import RATE, Item, items_of
+from overview_studies.static_mapping import held_levels, static_levels
+from overview_studies.tables import csv_text
+
+ANSWER_S = 3.0
+"""To think and answer, a guess of a trial's minutes."""
+
+FREE_S = 6.0
+FORM_S = 60.0
+_LIST_COLUMNS = ("position", "id", "type", "phase", "block", "repeat", "form", "stimuli", "correct")
+
+
+def list_name(number: int) -> str:
+    """The file of a list."""
+    return f"list-{number:03d}.csv"
+
+
+def list_csv(one: dict[str, Any]) -> str:
+    """A list for a person: a row a step."""
+    steps = one["steps"]
+    names = list(dict.fromkeys(name for step in steps for name in step.get("factors", {})))
+    rows = (
+        {**step, **step.get("factors", {}), "position": i,
+         "stimuli": " ".join(step.get("stimuli", []))}
+        for i, step in enumerate(steps, 1)
+    )  # fmt: skip
+    return csv_text([*_LIST_COLUMNS, *names], rows)
+
+
+def checked(design: Design, levels: bool = False) -> dict[str, Any]:
+    """What a study makes, as numbers; `levels`: measured too, which takes a render a stimulus."""
+    items = items_of(design)
+    lists = make_lists(design, items)
+    by = {item.key: item for item in items}
+    minutes = [_minutes(one, by) for one in lists]
+    phases: Counter[str] = Counter()
+    for step in lists[0]["steps"]:
+        if step["type"] in ("trial", "adaptive"):
+            phases[step["phase"]] += step.get("most", 1)
+    orders = Counter(_order(one) for one in lists)
+    used = played(lists)
+    found: dict[str, Any] = {
+        "title": design.file.title,
+        "name": design.name,
+        "design_sha256": design.sha256,
+        "lists": len(lists),
+        "trials": dict(phases),
+        "minutes": round(float(np.mean(minutes)), 1),
+        "stimuli": len(used),
+        "orders": len(orders),
+        "round": design.lists_of_a_round,
+        "balanced": len(lists) % design.lists_of_a_round == 0,
+    }
+    if levels:
+        found["felt_db"] = [_felt(by[key], "static" in used[key]) for key in used]
+    return found
+
+
+def lines_of(found: dict[str, Any]) -> list[str]:
+    """For a person."""
+    trials = ", ".join(f"{count} {phase}" for phase, count in found["trials"].items())
+    lines = [
+        f"{found['title']} ({found['name']}), SHA-256 {found['design_sha256'][:16]}...",
+        f"{found['lists']} lists of {trials} trials, about {found['minutes']:g} minutes each",
+        f"{found['stimuli']} stimuli; {found['orders']} orders of conditions",
+    ]
+    if found["balanced"]:
+        lines.append(f"balanced: a round is {found['round']} lists")
+    else:
+        lines.append(
+            f"NOT balanced: a round is {found['round']} lists; take a multiple of that as "
+            "participants"
+        )
+    for one in found.get("felt_db", ()):
+        felt = ", ".join(
+            f"{name} {one[name]:.1f} dB" for name in ("friction", "static") if one[name] is not None
+        )
+        lines.append(f"{one['timeline']}, {one['preset']}: {felt or 'nothing to feel'}")
+    return lines
+
+
+def _order(one: dict[str, Any]) -> tuple[str, ...]:
+    heads = (step for step in one["steps"] if step["type"] == "instructions")
+    return tuple(str(sorted(step["factors"].items())) for step in heads)
+
+
+def _minutes(one: dict[str, Any], by: dict[str, Item]) -> float:
+    seconds = 0.0
+    for step in one["steps"]:
+        if step["type"] == "form":
+            seconds += FORM_S
+        elif step["type"] in ("trial", "adaptive"):
+            hands = [by[key] for key in step["stimuli"][:2]]
+            played_s = sum(FREE_S if hand.free else hand.gesture.duration_s for hand in hands)
+            seconds += step.get("most", 1) * (played_s + ANSWER_S)
+    return seconds / 60.0
+
+
+def _felt(item: Item, static: bool) -> dict[str, Any]:
+    """How strong a stimulus's strongest event is felt, dB of full scale; None without events."""
+    result = item.rendered()
+    surface, trace = result.engine.surface, result.trace
+    levels, _ = held_levels(surface, trace, result.samples[:, TACTOR], RATE)
+    return {
+        "timeline": item.names["timeline"],
+        "preset": item.names["preset"],
+        "friction": _strongest(levels),
+        "static": _strongest(static_levels(item, RATE)) if static else None,
+    }
+
+
+def _strongest(levels: Any) -> float | None:
+    known = [float(level) for level in levels if math.isfinite(level)]
+    return round(max(known), 2) if known else None

@@ -1,0 +1,63 @@
+"""Before anybody takes part: check a study, write its lists, build its folder."""
+
+from __future__ import annotations
+
+import click
+
+from overview_dsp.cli.extensions import announce_compile, progress_bar, show
+
+
+@click.command(name="check", epilog="Example: overview study check study.toml")
+@click.argument("study")
+@click.option("--levels", is_flag=True, help="Measure how strong each stimulus is felt, too.")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def check(study: str, levels: bool, as_json: bool) -> None:
+    """Say what STUDY (a TOML file) makes: lists, trials, minutes, balance, felt levels."""
+    from overview_studies.checking import checked, lines_of
+    from overview_studies.design import load_design
+
+    design = load_design(study)
+    if levels:
+        announce_compile()
+    found = checked(design, levels)
+    show(as_json, found, *lines_of(found))
+
+
+@click.command(name="lists", epilog="Example: overview study lists study.toml -o lists")
+@click.argument("study")
+@click.option("-o", "--out", required=True, metavar="DIR", help="The folder of the lists.")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def lists(study: str, out: str, as_json: bool) -> None:
+    """Write each participant's trials in their order, a CSV file each."""
+    from overview_dsp.cli.extensions import whole_folder
+    from overview_studies.checking import list_csv, list_name
+    from overview_studies.design import load_design
+    from overview_studies.folder import make_lists
+    from overview_studies.items import items_of
+
+    design = load_design(study)
+    made = make_lists(design, items_of(design))
+    with whole_folder(out, list_name(1)) as folder:
+        for one in made:
+            (folder / list_name(one["list"])).write_text(list_csv(one), encoding="utf-8")
+    show(as_json, {"folder": out, "lists": len(made)}, f"{out}: {len(made)} lists")
+
+
+@click.command(name="build", epilog="Example: overview study build study.toml -o folder")
+@click.argument("study")
+@click.option("-o", "--out", required=True, metavar="DIR", help="The folder of the page.")
+@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+def build(study: str, out: str, as_json: bool) -> None:
+    """Write the page with its stimuli and lists into a folder, for any web host or none.
+
+    `overview study serve` serves it and keeps the answers.
+    """
+    from overview_studies.design import load_design
+    from overview_studies.folder import build_folder
+
+    design = load_design(study)
+    announce_compile()
+    with progress_bar("making stimuli") as bar:
+        size = build_folder(design, out, bar)
+    report = {"folder": out, "bytes": size, "lists": design.file.participants}
+    show(as_json, report, f"{out}: {design.file.participants} lists, {size / 1e6:.1f} MB")

@@ -1,0 +1,283 @@
+"""A study's design: its TOML file read, its stimuli loaded, and all that must fit together."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pydantic
+
+from overview_dsp import Timeline, sweep
+from overview_dsp.cli.extensions import (
+    KEYS,
+    JobsTable,
+    Study,
+    faults_at_their_line,
+    parse_toml,
+    read_grid,
+    read_text,
+)
+from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_studies import file_model
+from overview_studies.file_model import Factor, Level, Made, StudyFile
+from overview_studies.made import made_timelines, nothing
+from overview_studies.orders import MOST_FULL, rows_of
+
+FREE = "free"
+"""A gesture of the person's own; what it gives is measured with a sweep of 2 s."""
+
+ANGLE_MAP = "surface.angle_map"
+"""Parameter that all presets of a study share."""
+
+NOTHING = "nothing"
+NONE = "none"
+"""What a person answers where nothing was there."""
+
+PAIRED = ("compare", "adjust", "staircase", "quest")
+ADAPTIVE = ("staircase", "quest")
+MOST_CONDITIONS = 12
+_NO_KEYS = ("out", "sample_rate", "format", "subtype")
+STIMULI_KEYS = ("made", *(key for key in KEYS if key not in _NO_KEYS))
+_SAID = {
+    "mapping": file_model.MAPPINGS,
+    "channel": file_model.CHANNELS,
+    "input": file_model.INPUTS,
+}
+"""Factors that say how a trial is given, and what they may be."""
+
+
+@dataclass(frozen=True)
+class Design:
+    """A study as it was written, with its inputs loaded.
+
+    Attributes
+    ----------
+    file : StudyFile
+    name : str
+        Of files.
+    where : Path
+        The TOML file.
+    sha256 : str
+        Of its text, line ends as "\\n".
+    grid : Study
+        The stimuli, as `overview batch` has them.
+    answers : mapping
+        Of each timeline: its events' kind, its curve's shape, or its name.
+    """
+
+    file: StudyFile
+    name: str
+    where: Path
+    sha256: str
+    grid: Study
+    answers: Mapping[str, str]
+
+    def factors(self, kind: str) -> dict[str, Factor]:
+        """Those `between` participants, `blocked` within them, or `mixed` within blocks."""
+        return {name: f for name, f in self.file.factors.items() if _sort(f) == kind}
+
+    @property
+    def order(self) -> str:
+        """How the condition blocks are ordered: williams or full."""
+        blocked = list(self.factors("blocked").values())
+        return blocked[0].order if blocked else "williams"
+
+    def dimension(self, name: str) -> tuple[Level, ...]:
+        """What the stimuli have of a dimension, in order; empty if they have no such one."""
+        grid = self.grid
+        real = [one for one in grid.timelines if one != NOTHING]
+        of: dict[str, Any] = {
+            "timeline": real,
+            "answer": dict.fromkeys(self.answers[one] for one in real),
+            "preset": grid.presets,
+            "gesture": grid.gestures,
+            "seed": grid.seeds,
+            **grid.parameters,
+        }
+        return tuple(of.get(name, ()))
+
+    @property
+    def lists_of_a_round(self) -> int:
+        """Lists after which every order was there as often, in every group."""
+        groups = math.prod(len(f.levels) for f in self.factors("between").values())
+        conditions = math.prod(len(f.levels) for f in self.factors("blocked").values())
+        return groups * len(rows_of(self.order, conditions))
+
+
+def _sort(factor: Factor) -> str:
+    if factor.between:
+        return "between"
+    return "mixed" if factor.order == "blocks" else "blocked"
+
+
+def load_design(where: str | Path) -> Design:
+    """Read a study's file and load what it names.
+
+    Raises
+    ------
+    InputError
+        What is wrong, with file, line and key.
+    """
+    path = Path(where)
+    text = read_text(path)
+    data = parse_toml(text, str(path))
+    with faults_at_their_line(text, str(path)):
+        file = _checked(data)
+        made = _made(file)
+        own = made_timelines(made, file.seed) if made is not None else {}
+    table = JobsTable(
+        str(path),
+        text,
+        {key: value for key, value in file.stimuli.items() if key != "made"},
+        ("stimuli",),
+        STIMULI_KEYS,
+    )
+    grid = _grid(file, table, {name: timeline for name, (timeline, _) in own.items()})
+    if file.phases.catch or (file.task.name in ADAPTIVE and file.task.method == "yesno"):
+        first = next(iter(grid.timelines.values()))
+        silent = nothing(made, file.seed, first.duration_s)
+        grid = replace(grid, timelines={**grid.timelines, NOTHING: silent})
+    answers = {name: what for name, (_, what) in own.items()} | {NOTHING: NONE}
+    answers |= {
+        name: _kind_of(t) or name for name, t in grid.timelines.items() if name not in answers
+    }
+    name = file.name or "".join(c if c.isalnum() and c.isascii() else "-" for c in path.stem)
+    digest = hashlib.sha256(text.replace("\r\n", "\n").encode()).hexdigest()
+    design = Design(file, name, path, digest, grid, answers)
+    with faults_at_their_line(text, str(path)):
+        _check_factors(design)
+        _check_task(design)
+        _check_forms(design)
+    return design
+
+
+def _checked(data: dict[str, Any]) -> StudyFile:
+    try:
+        return StudyFile.model_validate(data)
+    except pydantic.ValidationError as error:
+        faults = error.errors(include_url=False, include_context=False)
+        more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+        fault = faults[0]
+        # a union's branches are no keys
+        path = [str(p) for p in fault["loc"] if p not in ("str", "float")]
+        name = ".".join(path)
+        if fault["type"] == "extra_forbidden":
+            near = did_you_mean(path[-1], _keys_of(path[:-1]))
+            raise InputError(f"{name}: unknown key{near}{more}") from None
+        if fault["type"] == "missing":
+            raise InputError(f"{name} is missing{more}") from None
+        said = fault["msg"].replace("Input should be", "it should be")
+        raise InputError(f"{name} = {shown(fault['input'])}: {said}{more}") from None
+
+
+def _keys_of(path: list[str]) -> list[str]:
+    model: Any = StudyFile
+    for part in path:
+        fields = getattr(model, "model_fields", {})
+        model = fields[part].annotation if part in fields else Factor
+        inner = [one for one in getattr(model, "__args__", ()) if hasattr(one, "model_fields")]
+        model = inner[0] if inner else model
+    return list(getattr(model, "model_fields", {}))
+
+
+def _made(file: StudyFile) -> Made | None:
+    if "made" not in file.stimuli:
+        return None
+    try:
+        return Made.model_validate(file.stimuli["made"])
+    except pydantic.ValidationError as error:
+        fault = error.errors(include_url=False, include_context=False)[0]
+        place = ".".join(["stimuli", "made", *map(str, fault["loc"])])
+        raise InputError(f"{place}: {fault['msg']}") from None
+
+
+def _grid(file: StudyFile, table: JobsTable, own: dict[str, Timeline]) -> Study:
+    given = table.data.get("gestures", [FREE])
+    free = {}
+    if isinstance(given, list) and FREE in given:
+        free = {FREE: sweep(2.0)}
+        table.data["gestures"] = [one for one in given if one != FREE]
+        if not table.data["gestures"]:
+            del table.data["gestures"]
+    grid = read_grid(table, "", own, free)
+    # presets are compared on one map between time and angle, the first one's
+    share = next(iter(grid.presets.values())).number(ANGLE_MAP)
+    presets = {name: preset.with_value(ANGLE_MAP, share) for name, preset in grid.presets.items()}
+    return replace(grid, presets=presets)
+
+
+def _kind_of(timeline: Timeline) -> str | None:
+    """The one kind of a timeline's events, starts and ends of halves aside."""
+    kinds = set(timeline.kinds()) - {"period"}
+    return kinds.pop() if len(kinds) == 1 else None
+
+
+def _check_factors(design: Design) -> None:
+    file = design.file
+    orders = {f.order for f in design.factors("blocked").values()}
+    for name, factor in file.factors.items():
+        key = f"factors.{name}"
+        if (factor.within is None) == (factor.between is None):
+            raise InputError(f"{key}: has either within = [...] or between = [...]")
+        if len(set(factor.levels)) < len(factor.levels):
+            raise InputError(f"{key}: a level is there twice")
+        known = _SAID.get(name) or design.dimension(name)
+        for level in factor.levels:
+            if known and level not in known:
+                near = did_you_mean(str(level), map(str, known))
+                raise InputError(f"{key}: {shown(level)} is no level of {name}{near}")
+        if not known and _sort(factor) == "mixed":
+            raise InputError(
+                f"{key}: says nothing that a page can change between trials; it is mapping, "
+                'channel, input, a dimension of the stimuli, or has order = "williams"'
+            )
+        if len(orders) > 1 and factor.order in orders:
+            raise InputError(f"{key}.order: factors in blocks have one order; here {orders}")
+    conditions = math.prod(len(f.levels) for f in design.factors("blocked").values())
+    most = MOST_FULL if design.order == "full" else MOST_CONDITIONS
+    if conditions > most:
+        raise InputError(
+            f"factors: {conditions} condition blocks; {design.order} has up to {most}: let a "
+            'factor be between participants, or order = "blocks"'
+        )
+
+
+def _check_task(design: Design) -> None:
+    task, phases = design.file.task, design.file.phases
+    if phases.catch and task.name in ("draw", "adjust", *ADAPTIVE) and task.method != "yesno":
+        raise InputError(f"phases.catch: a {task.name} task has no catch trials")
+    if phases.attention and task.name != "identify":
+        raise InputError("phases.attention: only an identify task asks for one of its answers")
+    if task.of != "answer" and not design.dimension(task.of):
+        raise InputError(f"task.of = {task.of!r}: the stimuli have no such dimension")
+    if task.name == "identify" and len(design.dimension(task.of)) + bool(phases.catch) < 2:
+        raise InputError("task.of: there is one answer only; give more stimuli, or phases.catch")
+    if task.name not in PAIRED:
+        return
+    if task.vary is None:
+        raise InputError(f"task.vary is missing; a {task.name} task varies a dimension of stimuli")
+    levels = design.dimension(task.vary)
+    if len(levels) < 2:
+        raise InputError(f"task.vary = {task.vary!r}: the stimuli have {len(levels)} levels of it")
+    needs = not (task.name in ADAPTIVE and task.method == "yesno")
+    if needs and task.standard not in levels:
+        near = did_you_mean(str(task.standard), map(str, levels))
+        raise InputError(f"task.standard = {shown(task.standard)} is no level of {task.vary}{near}")
+
+
+def _check_forms(design: Design) -> None:
+    asked = design.file.questionnaires
+    for name in [*asked.start, *asked.each, *asked.end]:
+        if name == "consent" and asked.consent is None:
+            raise InputError("questionnaires.consent is missing: {version = ..., text = ...}")
+        if name in ("tlx", "comments", "consent"):
+            continue
+        if not name.endswith(".html") or not (design.where.parent / name).is_file():
+            raise InputError(
+                f"questionnaires: {name!r} is none; it is tlx, comments, consent, or an HTML file "
+                "beside the study's"
+            )

@@ -1,0 +1,171 @@
+"""The pictures of a report: one a subject, each with a sentence as its title."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from overview_dsp.cli.extensions import plot_style as style
+from overview_studies.analysis import Analysis, shown
+from overview_studies.measures import (
+    UNITS,
+    chosen_counts,
+    condition_of,
+    conditions_of,
+    level_order,
+    measured,
+)
+from overview_studies.statistics import fit_psychometric
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MAIN = {
+    "identify": "d_prime",
+    "locate": "location_error",
+    "count": "exact",
+    "compare": "accuracy",
+    "draw": "likeness",
+    "adjust": "adjusted",
+    "staircase": "threshold",
+    "quest": "threshold",
+}
+"""The measure that a task is about."""
+
+WORDS = {
+    "d_prime": "Sensitivity d'",
+    "location_error": "Distance from the event",
+    "exact": "Counts that were exact",
+    "accuracy": "Right answers",
+    "likeness": "Likeness of drawing and curve",
+    "adjusted": "Adjusted level less the standard",
+    "threshold": "Threshold",
+    "tlx": "Workload (raw TLX)",
+    "rt": "Time to answer",
+}
+_COLOURS = (style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE, style.GREY)
+
+
+def figures_of(analysis: Analysis) -> dict[str, Figure]:
+    """Every picture that the answers give, by the stem of its file."""
+    task = analysis.answers.study["task"]
+    found = {MAIN[task["name"]]: estimates_figure(analysis, MAIN[task["name"]])}
+    if analysis.matrices:
+        found["confusion"] = confusion_figure(analysis)
+    if (
+        task["name"] in ("compare", "staircase", "quest")
+        and len(level_order(analysis.answers.study)) > 2
+    ):
+        found["psychometric"] = psychometric_figure(analysis)
+    measures = {line.measure for line in analysis.lines}
+    found |= {name: estimates_figure(analysis, name) for name in ("tlx", "rt") if name in measures}
+    return found
+
+
+def estimates_figure(analysis: Analysis, measure: str) -> Figure:
+    """A measure by condition: mean, 95 % interval, and each participant as a dot."""
+    values = {c: by for (name, c), by in measured(analysis.answers).items() if name == measure}
+    lines = {line.condition: line.estimate for line in analysis.lines if line.measure == measure}
+    figure = style.new_figure(6.0, 1.4 + 0.5 * max(len(values), 1))
+    axes = figure.subplots()
+    for row, (condition, by) in enumerate(sorted(values.items(), key=str)):
+        one, points = lines[condition], [v for v in by.values() if math.isfinite(v)]
+        # spread by their order, so that equal ones are seen
+        at = row + 0.22 * (np.arange(len(points)) / max(len(points) - 1, 1) - 0.5)
+        axes.plot(points, at, "o", color=style.GREY, markersize=3, alpha=0.5)
+        if math.isfinite(one.low):
+            axes.plot([one.low, one.high], [row, row], color=style.BLUE, linewidth=3)
+        axes.plot([one.mean], [row], "D", color=style.VERMILION, markersize=6)
+    axes.set_yticks(range(len(values)), [shown(c) for c in sorted(values, key=str)])
+    axes.set_ylim(len(values) - 0.5, -0.5)
+    unit = UNITS.get(measure, "")
+    words = WORDS.get(measure, measure)
+    axes.set_xlabel(f"{words} ({unit})" if unit else words)
+    _entitle(figure, f"{words}: means with 95 % intervals, and participants")
+    style.tidy(axes)
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def confusion_figure(analysis: Analysis) -> Figure:
+    """What was taken for what, of 100 of each, in each condition."""
+    choices = analysis.answers.study["task"]["choices"]
+    words = analysis.answers.study["task"]["words"]
+    count = len(analysis.matrices)
+    side = 1.4 + 0.45 * len(choices)
+    figure = style.new_figure(count * side + 0.8, side + 0.6)
+    grid = figure.subplots(1, count, squeeze=False)[0]
+    named = [words.get(choice, choice) for choice in choices]
+    for number, (axes, (condition, counts)) in enumerate(
+        zip(grid, sorted(analysis.matrices.items(), key=str), strict=True)
+    ):
+        parts = 100.0 * counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
+        axes.imshow(parts, cmap="cividis", vmin=0.0, vmax=100.0)
+        for (i, j), part in np.ndenumerate(parts):
+            colour = "white" if part < 60.0 else "black"
+            axes.text(j, i, f"{part:.0f}", ha="center", va="center", color=colour, fontsize=8)
+        axes.set_xticks(range(len(named)), named, rotation=45, ha="right", fontsize=8)
+        axes.set_yticks(range(len(named)), named if number == 0 else [], fontsize=8)
+        axes.set_title("\n".join(shown(condition).split(", ")), fontsize=9)
+    grid[0].set_ylabel("given")
+    _entitle(figure, "Of 100 given, taken for")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def psychometric_figure(analysis: Analysis) -> Figure:
+    """Answers by level, summed over participants, with the likeliest function."""
+    study = analysis.answers.study
+    names, order = conditions_of(study), level_order(study)
+    compared = study["task"]["name"] == "compare"
+    guess = None if compared else 0.5 if study["task"]["method"] == "2afc" else 0.0
+    figure = style.new_figure(6.0, 3.6)
+    axes = figure.subplots()
+    rows = [row for row in analysis.answers.rows() if row["phase"] == "main"]
+    for number, condition in enumerate(sorted({condition_of(row, names) for row in rows}, key=str)):
+        own = [row for row in rows if condition_of(row, names) == condition]
+        if compared:
+            levels, right, trials = chosen_counts(study, own)
+        else:
+            at = np.array([order[row["level"]] for row in own])
+            levels = np.unique(at)
+            correct = np.array([row["correct"] for row in own])
+            trials = np.array([(at == level).sum() for level in levels], dtype=np.float64)
+            right = np.array([correct[at == level].sum() for level in levels], dtype=np.float64)
+        _curve(axes, levels, right, trials, guess, _COLOURS[number % 6], shown(condition))
+    axes.set_xlabel(f"{study['task']['vary']}")
+    axes.set_ylabel("taken for the stronger" if compared else "right answers")
+    axes.set_ylim(-0.03, 1.03)
+    axes.legend(frameon=False, fontsize=8)
+    _entitle(figure, "Psychometric functions: answers by level, all participants")
+    style.tidy(axes)
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def _entitle(figure: Figure, title: str) -> None:
+    figure.suptitle(title, x=0.02, ha="left", fontsize=10)
+
+
+def _curve(
+    axes: Axes,
+    levels: np.ndarray,
+    right: np.ndarray,
+    trials: np.ndarray,
+    guess: float | None,
+    colour: str,
+    label: str,
+) -> None:
+    sizes = 3.0 + 5.0 * np.sqrt(trials / trials.max())
+    for level, part, size in zip(levels, right / trials, sizes, strict=True):
+        axes.plot([level], [part], "o", color=colour, markersize=size, alpha=0.7)
+    if len(levels) > 2:
+        fitted = fit_psychometric(levels, right, trials, guess)
+        x = np.linspace(levels[0], levels[-1], 200)
+        label = f"{label}: middle {fitted.threshold:.3g}, width {fitted.width:.3g}"
+        axes.plot(x, fitted.at(x), color=colour, label=label)
+    else:
+        axes.plot([], [], color=colour, label=label)

@@ -1,0 +1,235 @@
+"""What is measured of each participant in each condition: one number, by its name.
+
+Everything else (means, intervals, differences) is made of these (`analysis`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_studies.adaptive import Run
+from overview_studies.answers import Answers
+from overview_studies.scoring import likeness
+from overview_studies.statistics import fit_psychometric, sensitivity, sensitivity_2afc
+
+Condition = tuple[tuple[str, Any], ...]
+Row = Mapping[str, Any]
+
+LAST_REVERSALS = 6
+JND_PART = 0.6745
+"""Of a normal's width: from the middle to 75 %."""
+
+NEAR = 0.05
+"""An event is found within so much of the timeline."""
+
+UNITS = {
+    "accuracy": "part of trials",
+    "d_prime": "",
+    "criterion": "",
+    "false_alarms": "part of catch trials",
+    "location_error": "part of the timeline",
+    "location_bias": "part of the timeline",
+    "found": "part of trials",
+    "exact": "part of trials",
+    "count_error": "events",
+    "pse": "of the varied dimension",
+    "jnd": "of the varied dimension",
+    "threshold": "of the varied dimension",
+    "likeness": "Pearson's r",
+    "drawn_error": "0 to 1",
+    "adjusted": "of the varied dimension",
+    "rt": "ms, median",
+    "tlx": "0 to 100",
+}
+
+
+def conditions_of(study: Mapping[str, Any]) -> tuple[str, ...]:
+    """The factors that make conditions: those that don't choose a stimulus."""
+    stimulus = {"timeline", "answer", "preset", "gesture", "seed"}
+    own = {id for one in study["stimuli"].values() for id in one["parameters"]}
+    return tuple(name for name in study["factors"] if name not in stimulus | own)
+
+
+def condition_of(row: Row, names: Sequence[str]) -> Condition:
+    """The condition of a row."""
+    return tuple((name, row[name]) for name in names)
+
+
+def measured(answers: Answers) -> dict[tuple[str, Condition], dict[str, float]]:
+    """Of each measure and condition: the number of each participant."""
+    study = answers.study
+    names = conditions_of(study)
+    parts: dict[tuple[str, Condition], list[Row]] = defaultdict(list)
+    for row in answers.rows():
+        if row["phase"] in ("main", "catch"):
+            parts[row["participant"], condition_of(row, names)].append(row)
+    found: dict[tuple[str, Condition], dict[str, float]] = defaultdict(dict)
+    for (participant, condition), rows in parts.items():
+        for name, value in _of_task(study, rows).items():
+            found[name, condition][participant] = value
+        times = [row["rt_ms"] for row in rows if row["rt_ms"] is not None]
+        if times:
+            found["rt", condition][participant] = float(np.median(times))
+    for name, condition, participant, value in _thresholds(answers, names):
+        found[name, condition][participant] = value
+    for condition, participant, value in tlx_scores(answers, names):
+        found["tlx", condition][participant] = value
+    return dict(found)
+
+
+def _of_task(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
+    main = [row for row in rows if row["phase"] == "main"]
+    catch = [row for row in rows if row["phase"] == "catch"]
+    task = study["task"]["name"]
+    if task == "identify":
+        return _identified(study["task"]["choices"], rows)
+    if task == "locate":
+        off = [row["error"] for row in main if row["error"] is not None]
+        values = {
+            "location_error": _mean(np.abs(off)),
+            "location_bias": _mean(off),
+            "found": _mean([abs(o) <= NEAR for o in off]) * len(off) / max(len(main), 1),
+        }
+        return values | ({"false_alarms": 1.0 - _right(catch)} if catch else {})
+    if task == "count":
+        off = [row["error"] for row in main if row["error"] is not None]
+        values = {"exact": _right(main), "count_error": _mean(np.abs(off))}
+        return values | ({"false_alarms": 1.0 - _right(catch)} if catch else {})
+    if task == "compare":
+        return _compared(study, main)
+    if task == "draw":
+        found = [likeness(r["response"], study["stimuli"][r["stimulus"]]) for r in main]
+        return {
+            "likeness": _mean([one for one in found if one is not None]),
+            "drawn_error": _mean([row["error"] for row in main if row["error"] is not None]),
+        }
+    if task == "adjust":
+        return {"adjusted": _mean([row["error"] for row in main if row["error"] is not None])}
+    if study["task"]["method"] == "yesno" and catch:
+        return {"accuracy": _right(main), "false_alarms": 1.0 - _right(catch)}
+    return {"accuracy": _right(main)}
+
+
+def _identified(choices: Sequence[str], rows: list[Row]) -> dict[str, float]:
+    """Accuracy over all, and each choice's d' and c against the others."""
+    table = confusion(choices, rows)
+    values = {"accuracy": _right(rows)}
+    totals, answered = table.sum(axis=1), table.sum(axis=0)
+    for i, choice in enumerate(choices):
+        others = totals.sum() - totals[i]
+        # where nothing can be there, that is what signals are told from
+        if choice == "none" or not totals[i] or not others:
+            continue
+        d, c = sensitivity(table[i, i], totals[i], answered[i] - table[i, i], others)
+        values[f"d_prime.{choice}"], values[f"criterion.{choice}"] = d, c
+    sensitivities = [value for name, value in values.items() if name.startswith("d_prime.")]
+    if sensitivities:
+        values["d_prime"] = _mean(sensitivities)
+        values["criterion"] = _mean([v for n, v in values.items() if n.startswith("criterion.")])
+    return values
+
+
+def confusion(choices: Sequence[str], rows: Iterable[Row]) -> NDArray[np.float64]:
+    """How often what was given (rows) was taken for what (columns)."""
+    table = np.zeros((len(choices), len(choices)))
+    for row in rows:
+        if row["response"] in choices and row["correct_response"] in choices:
+            table[choices.index(row["correct_response"]), choices.index(row["response"])] += 1
+    return table
+
+
+def chosen_counts(
+    study: Mapping[str, Any], rows: Iterable[Row]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """At each level that was compared: how often it was taken for the stronger, of how many."""
+    order = level_order(study)
+    counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
+    for row in rows:
+        keys = row["stimulus"].split()
+        place = next((i for i, key in enumerate(keys)
+                      if study["stimuli"][key]["level"] == row["level"]), 0)  # fmt: skip
+        count = counts[order[row["level"]]]
+        count[0] += int(row["response"] == place)
+        count[1] += 1
+    levels = np.array(sorted(counts))
+    both = np.array([counts[level] for level in levels], dtype=np.float64).reshape(-1, 2)
+    return levels, both[:, 0], both[:, 1]
+
+
+def level_order(study: Mapping[str, Any]) -> dict[Any, float]:
+    """A number for each level: itself, or its place in the order of what isn't a number."""
+    levels = list(dict.fromkeys(one["level"] for one in study["stimuli"].values()))
+    if all(isinstance(level, int | float) for level in levels if level is not None):
+        return {level: float(level) for level in levels if level is not None}
+    return {level: float(i) for i, level in enumerate(levels)}
+
+
+def _compared(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
+    right = sum(row["correct"] == 1 for row in rows)
+    values = {"accuracy": right / len(rows), "d_prime": sensitivity_2afc(right, len(rows))}
+    levels, chosen, trials = chosen_counts(study, rows)
+    if len(levels) >= 4:
+        fitted = fit_psychometric(levels, chosen, trials, None)
+        values["pse"], values["jnd"] = fitted.threshold, JND_PART * fitted.width
+    return values
+
+
+def _thresholds(
+    answers: Answers, names: Sequence[str]
+) -> Iterable[tuple[str, Condition, str, float]]:
+    """The threshold of each adaptive run: of its last reversals, or what QUEST+ believes."""
+    for session in answers.sessions:
+        content = answers.lists[session.number]
+        given = {trial: row for trial, _, row in session.trials}
+        for step in content["steps"]:
+            if step["type"] != "adaptive":
+                continue
+            level = run_threshold(step, given)
+            levels = {**content["factors"], **step["factors"]}
+            if level is not None:
+                yield "threshold", condition_of(levels, names), session.participant, level
+
+
+def run_threshold(step: dict[str, Any], given: Mapping[str, Row]) -> float | None:
+    """The threshold of one run from its stored answers; None if it has too few."""
+    run = Run(step)
+    turned: list[float] = []
+    scale = np.array([v if isinstance(v, int | float) else i for i, v in enumerate(step["levels"])])
+    while not run.over:
+        row = given.get(f"{step['id']}-{run.trial + 1:03d}")
+        if row is None:
+            break
+        wanted = step["sides"][run.trial] if step["method"] == "2afc" else int(not run.catch)
+        at, before = run.level, run.reversals
+        run.answered(row.get("response") == wanted)
+        if run.reversals > before:
+            turned.append(float(scale[at]))
+    if step["quest"] is not None:
+        places = np.arange(len(scale), dtype=np.float64)
+        return float(np.interp(run.believed, places, scale)) if run.trial else None
+    return float(np.mean(turned[-LAST_REVERSALS:])) if len(turned) >= 2 else None
+
+
+def tlx_scores(answers: Answers, names: Sequence[str]) -> Iterable[tuple[Condition, str, float]]:
+    """The raw TLX of each form: the mean of its six scales."""
+    items: dict[tuple[str, int, Condition], list[float]] = defaultdict(list)
+    for row in answers.forms():
+        if row["form"] == "tlx" and isinstance(row["value"], int | float):
+            known = tuple((name, row[name]) for name in names if name in row)
+            items[row["participant"], row["block"], known].append(float(row["value"]))
+    for (participant, _, condition), values in items.items():
+        yield condition, participant, _mean(values)
+
+
+def _right(rows: Sequence[Row]) -> float:
+    return _mean([row["correct"] for row in rows if row["correct"] is not None])
+
+
+def _mean(values: Any) -> float:
+    return float(np.mean(values)) if len(values) else math.nan

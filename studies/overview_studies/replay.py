@@ -1,0 +1,137 @@
+"""What a person felt in a trial, again: the hand that was kept, through the same stimulus.
+
+A take holds the samples at which the kernel applied the hand's events, so the render has the bits
+that were played, whatever browser played them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp import Gesture, render, save_gesture
+from overview_dsp.cli.extensions import CLICK, SOURCES, TACTOR, sound_bytes, whole_folder
+from overview_dsp.errors import InputError
+from overview_studies.answers import Answers
+from overview_studies.design import Design
+from overview_studies.items import Item, items_of
+from overview_studies.static_mapping import static_mapping
+from overview_studies.steps import step_of
+from overview_studies.tables import csv_text
+
+INDEX = "takes.csv"
+COLUMNS = (
+    "participant", "trial", "stimulus", "mapping", "timeline", "preset", "seed", "sample_rate",
+    "duration_s", "events", "take", "sound",
+)  # fmt: skip
+
+
+def take_gesture(take: dict[str, Any]) -> Gesture:
+    """The hand of a take (docs/explanation/study-format.md).
+
+    Raises
+    ------
+    InputError
+        It isn't one.
+    """
+    try:
+        rate, samples = float(take["sample_rate"]), int(take["samples"])
+        events = [(int(s), float(a), bool(h), str(by)) for s, a, h, by in take["events"]]
+        if not events:
+            raise ValueError("no events")
+        at = np.array([sample for sample, *_ in events])
+        return Gesture(
+            at / rate,
+            np.array([angle for _, angle, *_ in events]),
+            np.array([holds for _, _, holds, _ in events]),
+            max(samples, int(at[-1])) / rate,
+            # keys move the finger of the page
+            np.array([SOURCES.index(by) if by in SOURCES else 0 for *_, by in events]),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"not a take ({error})") from None
+
+
+def replayed(item: Item, take: dict[str, Any], output: dict[str, Any]) -> NDArray[np.float32]:
+    """What a trial sounded and felt like: float32 (frames, 2), before the device's own gains.
+
+    Parameters
+    ----------
+    output
+        The step's: its mapping and gains.
+    """
+    hand, rate = take_gesture(take), round(take["sample_rate"])
+    if output["mapping"] == "static":
+        samples = static_mapping(item, rate).render(hand, 0.0)
+    else:
+        samples = render(
+            item.timeline, item.preset, hand, rate, item.seed, tail="none", trace=False
+        ).samples
+    gains = np.zeros(2)
+    for channel, gain_db in ((CLICK, output["click_db"]), (TACTOR, output["tactor_db"])):
+        gains[channel] = 0.0 if gain_db is None else 10.0 ** (gain_db / 20.0)
+    return samples * gains.astype(np.float32)
+
+
+def _kept(answers: Answers) -> Iterator[tuple[str, str, dict[str, Any], str, dict[str, Any]]]:
+    """Participant, trial, step, key and take of each trial that kept one."""
+    for session in answers.sessions:
+        for trial, _, row in session.trials:
+            step = step_of(trial, answers.lists[session.number])
+            if step is None:
+                continue
+            if row.get("take"):
+                key = row.get("stimulus") or step["stimuli"][-1]
+                yield session.participant, trial, step, key, row["take"]
+            for number, take in enumerate(row.get("takes") or [], 1):
+                yield session.participant, f"{trial}_{number}", step, take["stimulus"], take
+
+
+def export_takes(
+    answers: Answers,
+    design: Design,
+    path: str | Path,
+    sounds: bool,
+    progress: Callable[[float], None] | None = None,
+) -> int:
+    """Write each trial's hand as a take, and what it felt like as a WAV; how many there are.
+
+    Raises
+    ------
+    InputError
+        No trial kept one; another version of the study.
+    """
+    if design.sha256 != answers.study["design_sha256"]:
+        raise InputError(f"{design.where}: the answers are to another version of this study")
+    items = {item.key: item for item in items_of(design)}
+    found = list(_kept(answers))
+    if not found:
+        raise InputError("no trial kept a take; free exploration does, in the page")
+    rows = []
+    with whole_folder(path, INDEX) as folder:
+        for number, (who, trial, step, key, take) in enumerate(found, 1):
+            item = items[key]
+            stem = re.sub(r"[^A-Za-z0-9_-]", "-", f"{who}_{trial}")
+            hand = take_gesture(take)
+            save_gesture(hand, folder / f"{stem}.csv")
+            if sounds:
+                samples = replayed(item, take, step["output"])
+                data = sound_bytes(f"{stem}.wav", samples, round(take["sample_rate"]), "FLOAT")
+                (folder / f"{stem}.wav").write_bytes(data)
+            rows.append(
+                {"participant": who, "trial": trial, "stimulus": key,
+                 "mapping": step["output"]["mapping"], "timeline": item.names["timeline"],
+                 "preset": item.names["preset"], "seed": item.seed,
+                 "sample_rate": take["sample_rate"], "duration_s": hand.duration_s,
+                 "events": len(hand.time_s), "take": f"{stem}.csv",
+                 "sound": f"{stem}.wav" if sounds else None}
+            )  # fmt: skip
+            if progress is not None:
+                progress(number / len(found))
+        (folder / INDEX).write_text(csv_text(COLUMNS, rows), encoding="utf-8")
+    return len(found)

@@ -1,0 +1,197 @@
+"""A report: results.json, methods.txt, one picture a subject, the rows, and a script for R."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from overview_dsp.cli.extensions import save_figure, whole_folder
+from overview_studies.analysis import Analysis, Line, shown
+from overview_studies.figures import MAIN, figures_of
+from overview_studies.observers import SIMULATED
+from overview_studies.tables import R_SCRIPT, forms_csv, r_script, responses_csv
+
+RESULTS = "results.json"
+
+
+def write_report(analysis: Analysis, path: str | Path) -> list[str]:
+    """Write the folder, whole or not at all; the names of its files.
+
+    Raises
+    ------
+    InputError, OutputError
+        It can't be written, or holds other files.
+    """
+    with whole_folder(path, RESULTS) as folder:
+        text = json.dumps(analysis.as_json(), indent=2, ensure_ascii=False, allow_nan=False)
+        (folder / RESULTS).write_text(text + "\n", encoding="utf-8")
+        (folder / "methods.txt").write_text(methods_text(analysis), encoding="utf-8")
+        (folder / "responses.csv").write_text(responses_csv(analysis.answers), encoding="utf-8")
+        (folder / "forms.csv").write_text(forms_csv(analysis.answers), encoding="utf-8")
+        (folder / R_SCRIPT).write_text(r_script(analysis.answers), encoding="utf-8")
+        for name, figure in figures_of(analysis).items():
+            save_figure(figure, folder / name)
+        return sorted(file.name for file in folder.iterdir())
+
+
+def line_text(line: Line, digits: int = 2) -> str:
+    """An estimate for a person: 1.49 [1.31, 1.66]."""
+    one = line.estimate
+    if math.isnan(one.low):
+        return f"{one.mean:.{digits}f}"
+    return f"{one.mean:.{digits}f} [{one.low:.{digits}f}, {one.high:.{digits}f}]"
+
+
+def methods_text(analysis: Analysis) -> str:
+    """What a reviewer asks for, with every number, as paragraphs to start from."""
+    return (
+        "\n\n".join(
+            part
+            for part in (
+                _participants(analysis),
+                _design(analysis),
+                _stimuli(analysis),
+                _analysis(analysis),
+                _results(analysis),
+            )
+            if part
+        )
+        + "\n"
+    )
+
+
+def _participants(analysis: Analysis) -> str:
+    answers, study = analysis.answers, analysis.answers.study
+    count = len(answers.sessions)
+    rows = list(answers.rows())
+    said = []
+    if rows and all(row["source"] == SIMULATED for row in rows):
+        said.append("SIMULATED DATA: no person took part; observers of known ability answered.")
+    left = [f"{code} ({why})" for code, why in analysis.excluded.items()]
+    said.append(
+        f"{count} participants took part in the study {study['title']!r} (planned: "
+        f"{study['participants']}). "
+        + (
+            f"Left out by rules set beforehand: {', '.join(left)}."
+            if left
+            else "Nobody was left out."
+        )
+    )
+    return " ".join(said)
+
+
+def _design(analysis: Analysis) -> str:
+    answers, study = analysis.answers, analysis.answers.study
+    ways = {"williams": "in the order of a Williams square", "full": "in every order",
+            "blocks": "shuffled in blocks"}  # fmt: skip
+    factors = [
+        f"{name} ({', '.join(map(str, factor['levels']))}; "
+        + ("between participants" if factor["kind"] == "between"
+           else f"within participants, {ways[factor['order']]}") + ")"
+        for name, factor in study["factors"].items()
+    ]  # fmt: skip
+    counts: dict[str, list[int]] = {}
+    for session in answers.sessions:
+        of = [s for s in answers.lists[session.number]["steps"] if s["type"] == "trial"]
+        for phase in ("practice", "main", "catch", "attention"):
+            counts.setdefault(phase, []).append(sum(step["phase"] == phase for step in of))
+    trials = ", ".join(
+        f"{np.mean(number):.3g} {phase}" for phase, number in counts.items() if sum(number)
+    )
+    task = study["task"]
+    what = f"The task was to {task['name']}: {task['question']!r}"
+    what += f" with the answers {', '.join(task['choices'])}." if task["name"] == "identify" else ""
+    return (
+        f"{what} Factors: {'; '.join(factors) or 'none'}. Lists were made from the seed "
+        f"{study['seed']} before anybody took part and handed out by the server, one a "
+        f"participant{f'; trials of a list: {trials}' if trials else ''}."
+    )
+
+
+def _stimuli(analysis: Analysis) -> str:
+    study = analysis.answers.study
+    stimuli = study["stimuli"].values()
+    hands = sorted({one["gesture"] for one in stimuli})
+    free = "free" in hands
+    devices = {r["user_agent"] for r in analysis.answers.rows() if r["user_agent"]}
+    rates = {r["sample_rate"] for r in analysis.answers.rows() if r["sample_rate"]}
+    lags = [r["output_latency_ms"] for r in analysis.answers.rows()
+            if r["output_latency_ms"] is not None]  # fmt: skip
+    said = [
+        f"{len(study['stimuli'])} stimuli were made with overview-dsp {study['program']} from the "
+        f"presets {', '.join(sorted({one['preset'] for one in stimuli}))}, "
+        + ("explored freely" if free else f"played by the gestures {', '.join(hands)}")
+        + ("; every hand was kept and replays bit for bit." if free else ".")
+    ]
+    if any(one["static"] for one in stimuli):
+        said.append(
+            "In the static condition the place under the hand set the amplitude of the same "
+            "carrier directly, without the disk; each event was as strong (RMS over 10 ms) as the "
+            "friction model makes it under a sweep of 2 s, or the stimulus's own gesture."
+        )
+    if study["mask"] is not None:
+        said.append(f"Noise of {study['mask']['level_db']:g} dBFS RMS masked other sounds.")
+    if devices:
+        said.append(
+            f"{len(devices)} kinds of browser at {', '.join(f'{rate:g}' for rate in sorted(rates))}"
+            f" Hz, output latency {np.median(lags) if lags else math.nan:.0f} ms (median)."
+        )
+    said.append(f"The study's file has the SHA-256 {study['design_sha256']}.")
+    return " ".join(said)
+
+
+def _analysis(analysis: Analysis) -> str:
+    said = [
+        "Estimates are means over participants of one number each, with 95 % bootstrap intervals "
+        "(10,000 resamples of participants; percentiles widened for few participants, Hesterberg "
+        "2015). Differences between levels are within participants where the factor is.",
+    ]
+    task = analysis.answers.study["task"]
+    if task["name"] in ("identify", "compare"):
+        said.append("d' and c have the log-linear correction (Hautus 1995).")
+    if task["name"] == "identify":
+        said.append(
+            "Of more than two answers, each is told from all others, and d' is their mean. "
+            "Information transfer is that of the summed matrix, corrected after Miller and Madow."
+        )
+    if task["name"] in ("compare", "staircase", "quest"):
+        said.append("Psychometric functions are cumulative normals with a lapse rate up to 6 %, "
+                    "fitted by maximum likelihood.")  # fmt: skip
+    return " ".join(said)
+
+
+def _results(analysis: Analysis) -> str:
+    said = []
+    main = MAIN[analysis.answers.study["task"]["name"]]
+    for line in analysis.lines:
+        if line.measure in (main, "accuracy", "information", "rt", "tlx"):
+            digits = 0 if line.measure == "rt" else 2
+            said.append(f"{line.measure}, {shown(line.condition)}: {line_text(line, digits)}.")
+    said += [
+        f"{line.measure}, difference {shown(line.condition)}: {line_text(line)}."
+        for line in analysis.differences
+        if line.measure == main
+    ]
+    for condition, (above, of) in analysis.above_chance.items():
+        said.append(
+            f"{above} of {of} participants were above chance in {shown(condition)} (exact binomial "
+            "test each, p < 0.05)."
+        )
+    return "\n".join(said)
+
+
+def summary(analysis: Analysis) -> list[str]:
+    """A line each for a terminal: the main measure by condition, and its differences."""
+    main: Any = MAIN[analysis.answers.study["task"]["name"]]
+    kept = [line for line in analysis.lines if line.measure == main]
+    lines = [f"{main}, {shown(line.condition)}: {line_text(line)}" for line in kept]
+    lines += [
+        f"{main}, {shown(line.condition)}: {line_text(line)}"
+        for line in analysis.differences
+        if line.measure == main
+    ]
+    return lines

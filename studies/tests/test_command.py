@@ -1,0 +1,176 @@
+"""From a TOML file to a report, by the command line."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import shutil
+
+import pytest
+
+from studies.tests.files import IDENTIFY, detecting, written
+from tests.cli.running import overview, refused
+
+
+def said(*arguments):
+    outcome = overview("study", *arguments)
+    assert outcome.code == 0, outcome.err
+    return outcome.out
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_check_says_what_a_study_makes_and_whether_it_is_balanced(tmp_path):
+    toml = written(tmp_path, IDENTIFY)
+    found = json.loads(said("check", toml, "--levels", "--json"))
+    assert (found["lists"], found["round"], found["balanced"]) == (4, 4, True)
+    assert found["trials"] == {"practice": 8, "main": 24, "catch": 8, "attention": 2}
+    for one in found["felt_db"]:
+        if one["friction"] is not None:
+            assert abs(one["friction"] - one["static"]) < 0.5
+    odd = written(tmp_path, IDENTIFY.replace("participants = 4", "participants = 5"), "odd.toml")
+    assert "NOT balanced: a round is 4 lists" in said("check", odd)
+
+
+def test_lists_are_a_csv_each(tmp_path):
+    toml = written(tmp_path, IDENTIFY)
+    said("lists", toml, "-o", tmp_path / "lists")
+    names = sorted(path.name for path in (tmp_path / "lists").iterdir())
+    assert names == [f"list-00{i}.csv" for i in (1, 2, 3, 4)]
+    rows = rows_of(tmp_path / "lists" / "list-002.csv")
+    assert {row["input"] for row in rows if row["type"] == "trial"} == {"twist"}
+
+
+def test_a_folder_has_all_that_its_lists_play_and_the_same_bytes_again(built, tmp_path):
+    study = json.loads((built.folder / "study.json").read_text())
+    assert study["design_sha256"]
+    for stimulus in study["stimuli"].values():
+        names = [stimulus["image"], stimulus["drawn"], *stimulus["patches"].values(),
+                 *stimulus["static"].values()]  # fmt: skip
+        assert all((built.folder / name).is_file() for name in names)
+        assert re.fullmatch("[0-9a-f]{64}", stimulus["sha256"])
+    for number in range(1, 13):
+        content = json.loads((built.folder / "lists" / f"{number:03d}.json").read_text())
+        for step in content["steps"]:
+            assert set(step.get("stimuli", ())) <= set(study["stimuli"])
+    again = tmp_path / "again"
+    said("build", built.toml, "-o", again)
+    assert (again / "files.js").read_text() == (built.folder / "files.js").read_text()
+
+
+def test_a_report_says_what_was_simulated_and_that_it_was(built, tmp_path):
+    outcome = overview("study", "analyse", built.answers, "-o", tmp_path / "report")
+    assert outcome.code == 0, outcome.err
+    assert "d_prime, mapping static - friction: -" in outcome.out
+    names = {path.name for path in (tmp_path / "report").iterdir()}
+    assert {"results.json", "methods.txt", "responses.csv", "forms.csv", "analysis.R",
+            "confusion.png", "d_prime.svg", "tlx.png", "rt.png"} <= names  # fmt: skip
+    text = (tmp_path / "report" / "methods.txt").read_text()
+    assert text.startswith("SIMULATED DATA: no person took part")
+    for words in ("12 participants", "Williams square", "seed 7", "static condition", "Hautus",
+                  "SHA-256", "above chance", "difference mapping static - friction"):  # fmt: skip
+        assert words in text, words
+    results = json.loads((tmp_path / "report" / "results.json").read_text())
+    changes = {(one["measure"], *one["condition"].items()): one for one in results["differences"]}
+    # two d' less of three: as each choice is told from the others
+    assert changes["d_prime", ("mapping", "static - friction")]["high"] < -0.5
+    rows = rows_of(tmp_path / "report" / "responses.csv")
+    assert len(rows) == 12 * (24 + 8 + 8 + 2)
+    assert all(len(row["stimulus_sha256"]) == 64 for row in rows)
+
+
+def test_offline_csvs_give_the_same_as_the_server(built, tmp_path):
+    from overview_studies.store import Store
+
+    store = Store(built.answers)
+    columns = ["session", "participant", "list", "trial", "received_utc", "response", "row"]
+    paths = []
+    for session in store.sessions():
+        path = tmp_path / f"{session.participant}.csv"
+        with open(path, "w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(columns)
+            for trial, utc, row in session.trials:
+                writer.writerow(
+                    [session.id, session.participant, session.number, trial, utc,
+                     json.dumps(row["response"]), json.dumps(row)]
+                )  # fmt: skip
+        paths.append(path)
+    store.close()
+    server = json.loads(said("analyse", built.answers, "--json"))
+    offline = json.loads(said("analyse", *paths, "--study", built.folder, "--json"))
+    assert offline == server
+
+
+def test_who_did_not_finish_or_attend_is_left_out_as_the_file_said(built, tmp_path):
+    from overview_studies.store import Store
+
+    copy = tmp_path / "some.sqlite"
+    shutil.copy(built.answers, copy)
+    store = Store(copy)
+    with store._transaction():
+        store._db.execute("UPDATE session SET finished_utc = NULL WHERE list = 3")
+    store.close()
+    outcome = overview("study", "analyse", copy)
+    assert "left out: sim003: the session wasn't finished" in outcome.err
+
+
+def test_power_counts_how_often_an_effect_is_found(tmp_path):
+    text = detecting(8, 8, 'mapping = { within = ["friction", "static"], order = "williams" }')
+    said("build", written(tmp_path, text), "-o", tmp_path / "f")
+    large = json.loads(
+        said("simulate", tmp_path / "f", "--effect", "mapping.static=-2.5", "--d-prime", "3",
+             "--power", "6", "--json")
+    )  # fmt: skip
+    none = json.loads(said("simulate", tmp_path / "f", "--power", "6", "--json"))
+    assert large["found"]["mapping static - friction"] == 6
+    assert none["found"]["mapping static - friction"] <= 2
+
+
+def test_mistakes_are_one_line(built, tmp_path):
+    refused(overview("study", "check", tmp_path / "none.toml"), "none.toml", "can't be read")
+    refused(overview("study", "serve", tmp_path), "no study", "overview study build")
+    refused(overview("study", "analyse", tmp_path / "none.sqlite"), "no such file")
+    refused(overview("study", "export", "-o", tmp_path / "x"), "needs answers")
+    refused(overview("study", "export", "--to", "psychopy", "-o", "x"), "--study study.toml")
+    refused(
+        overview("study", "export", built.answers, "--to", "psignifit", "-o", tmp_path / "x"),
+        "compare, staircase and quest",
+    )
+    refused(
+        overview("study", "simulate", built.folder, "--effect", "mapping.statik=1"),
+        "mapping.static",
+    )
+    refused(overview("study", "simulate", built.folder, "--effect", "1"), "FACTOR.LEVEL=NUMBER")
+
+
+def test_a_server_that_is_started_anew_has_the_same_address(built, tmp_path):
+    database, elsewhere = tmp_path / "kept.sqlite", tmp_path / "elsewhere"
+    command = ("study", "serve", built.folder, "--db", database, "--port", "0", "--seconds", "0.1")
+    addresses = []
+    for more in ((), (), ("--token-file", elsewhere)):
+        outcome = overview(*command, "--json", *more)
+        assert outcome.code == 0, outcome.err
+        addresses.append(json.loads(outcome.out)["address"].partition("#token=")[2])
+    kept = tmp_path / "kept.sqlite.token"
+    assert addresses[0] == addresses[1] == kept.read_text().strip()
+    assert addresses[2] == elsewhere.read_text().strip() != addresses[0]
+    assert kept.stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.parametrize("seconds", ["0.2"])
+def test_serve_prints_its_address_and_an_abandoned_list_can_be_given_again(
+    built, tmp_path, seconds
+):
+    database = tmp_path / "served.sqlite"
+    outcome = overview("study", "serve", built.folder, "--db", database, "--port", "0",
+                       "--seconds", seconds, "--json")  # fmt: skip
+    assert outcome.code == 0, outcome.err
+    assert json.loads(outcome.out)["address"].startswith("http://127.0.0.1:")
+    assert "0 of 12 lists are handed out" in outcome.err
+    refused(overview("study", "serve", built.folder, "--db", database, "--give-again", "2"),
+            "list 2 isn't handed out")  # fmt: skip

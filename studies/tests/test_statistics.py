@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from overview_studies.observers import Observers
+from overview_studies.power import power_of
+from overview_studies.statistics import (
+    difference_interval,
+    fit_psychometric,
+    information_bits,
+    mean_interval,
+    sensitivity,
+    sensitivity_2afc,
+)
+from studies.tests.files import detecting, study_of
+
+
+def test_sensitivity_is_that_of_the_tables():
+    # Macmillan and Creelman: H = 0.69, F = 0.31 is d' = 0.99, c = 0
+    d, c = sensitivity(69_000, 100_000, 31_000, 100_000)
+    assert d == pytest.approx(0.992, abs=2e-3)
+    assert c == pytest.approx(0.0, abs=1e-3)
+    # all right and all wrong are finite
+    assert math.isfinite(sensitivity(10, 10, 0, 10)[0])
+    assert sensitivity_2afc(76_000, 100_000) == pytest.approx(0.999, abs=2e-3)
+
+
+def test_information_of_known_matrices():
+    assert information_bits(np.eye(4) * 1000, corrected=False) == pytest.approx(2.0)
+    assert information_bits(np.ones((4, 4)) * 50, corrected=False) == pytest.approx(0.0)
+    rng = np.random.default_rng(0)
+    guessed = [
+        np.bincount(4 * rng.integers(4, size=40) + rng.integers(4, size=40), minlength=16)
+        for _ in range(200)
+    ]
+    plain = [information_bits(one.reshape(4, 4), corrected=False) for one in guessed]
+    better = [information_bits(one.reshape(4, 4)) for one in guessed]
+    # guesses transfer nothing; a small sample seems to, less so when corrected
+    assert np.mean(better) < 0.5 * np.mean(plain)
+
+
+def test_an_interval_of_a_mean_holds_it_as_often_as_it_says():
+    rng = np.random.default_rng(5)
+    held = 0
+    for _ in range(400):
+        one = mean_interval(rng.normal(2.0, 1.0, 12).tolist())
+        held += one.low <= 2.0 <= one.high
+    assert 0.92 <= held / 400 <= 0.985
+
+
+def test_a_difference_of_groups_is_resampled_in_both():
+    rng = np.random.default_rng(2)
+    one = difference_interval(rng.normal(0, 1, 40).tolist(), rng.normal(1, 1, 40).tolist())
+    assert one.low < 1.0 < one.high
+    # 1.96 * sqrt(2/40) to either side
+    assert 0.3 < (one.high - one.low) / 2.0 < 0.6
+
+
+def test_too_few_have_no_interval():
+    assert math.isnan(mean_interval([1.0]).low)
+    assert math.isnan(mean_interval([]).mean)
+
+
+def test_a_fit_finds_the_function_that_made_the_counts():
+    levels = np.linspace(0.0, 10.0, 9)
+    trials = np.full(9, 4000.0)
+    part = 0.5 + (0.5 - 0.02) * norm.cdf((levels - 6.0) / 1.5)
+    fitted = fit_psychometric(levels, np.round(part * trials), trials, 0.5)
+    assert fitted.threshold == pytest.approx(6.0, abs=0.1)
+    assert fitted.width == pytest.approx(1.5, abs=0.15)
+    assert fitted.lapse == pytest.approx(0.02, abs=0.01)
+
+
+@pytest.mark.parametrize("runs", [20, pytest.param(100, marks=pytest.mark.soak)])
+def test_a_d_prime_of_one_and_a_half_is_recovered_within_its_interval(tmp_path, runs):
+    study, lists = study_of(tmp_path, detecting())
+    found = power_of(study, lists, Observers(1.5, spread=0.3), 24, runs, 11)
+    (held,) = found["held"].values()
+    print(f"d' = 1.5, 24 people: held in {held} of {runs} runs")
+    assert held >= 0.93 * runs - (1 if runs < 100 else 0)

@@ -1,0 +1,151 @@
+"""Commands of other distributions: listed, imported when called, and what they may use."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import json
+import subprocess
+import sys
+
+import pytest
+
+from overview_dsp.cli import COMMANDS, GROUP, INSTALLED_APART, added_commands, extensions
+from tests.cli.running import environment, overview, refused
+
+COMMAND = """
+import click
+
+@click.command(epilog="Example: overview stir soup")
+@click.argument("what")
+def command(what):
+    click.echo(f"stirred {what}")
+"""
+
+
+@pytest.fixture
+def other(tmp_path, monkeypatch):
+    """A function that installs a distribution with the command `stir` for this test."""
+    site = tmp_path / "site"
+
+    def install(code: str, name: str = "stir", summary: str = "Stir what is given.") -> None:
+        site.mkdir()
+        (site / "stirring_of_a_test.py").write_text(code)
+        info = site / "stirring-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(
+            f"Metadata-Version: 2.1\nName: stirring\nVersion: 1.0\nSummary: {summary}\n"
+        )
+        (info / "entry_points.txt").write_text(f"[{GROUP}]\n{name} = stirring_of_a_test:command\n")
+
+    monkeypatch.syspath_prepend(str(site))
+    yield install
+    sys.modules.pop("stirring_of_a_test", None)
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """No other distribution is installed."""
+    monkeypatch.setattr("overview_dsp.cli.added_commands", dict)
+
+
+def test_a_command_of_another_distribution_runs_with_its_help(other):
+    other(COMMAND)
+    outcome = overview("stir", "soup")
+    assert (outcome.code, outcome.out) == (0, "stirred soup\n")
+    assert overview("stir", "--help").out.startswith("Usage: overview stir ")
+    refused(overview("stirr", "soup"), "stirr", "did you mean 'stir'")
+
+
+def test_the_list_has_it_by_its_summary_and_does_not_import_it(other):
+    other(COMMAND)
+    lines = overview("--help").out.splitlines()
+    assert "  stir       Stir what is given." in lines
+    assert "stirring_of_a_test" not in sys.modules
+
+
+def test_a_command_of_this_package_cannot_be_replaced(other):
+    other(COMMAND, name="devices")
+    assert "Usage: overview devices " in overview("devices", "--help").out
+    assert "stir what" not in overview("--help").out.lower()
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("import nothing_like_it", "No module named 'nothing_like_it'"),
+        ("other = 1", "no attribute 'command'"),
+        ("command = print", "no click.Command"),
+    ],
+)
+def test_one_that_is_broken_is_one_line_that_names_its_distribution(other, code, said):
+    other(code)
+    refused(overview("stir", "soup"), "the command stir of stirring", said)
+    assert "stir" in overview("--help").out
+
+
+@pytest.mark.parametrize("name", INSTALLED_APART)
+@pytest.mark.parametrize("more", [(), ("--help",), ("check", "x.toml")])
+def test_what_is_installed_apart_is_one_line_that_says_how(alone, name, more):
+    refused(overview(name, *more), f"overview {name}", "pip install ./")
+
+
+@pytest.mark.parametrize("name", INSTALLED_APART)
+def test_what_is_installed_apart_is_listed_and_suggested(alone, name):
+    line = next(line for line in overview("--help").out.splitlines() if line.split()[:1] == [name])
+    assert "Not installed" in line
+    refused(overview(f"{name}x"), f"did you mean {name!r}")
+
+
+def test_a_command_of_this_package_asks_for_no_others():
+    """What is installed takes time to look through."""
+    code = (
+        "import sys; sys.argv = ['overview', 'timeline', '--help']\n"
+        "from overview_dsp.cli import main\n"
+        "sys.modules['importlib.metadata'] = None\n"
+        "main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], env=environment(), check=False)
+    assert done.returncode == 0
+
+
+def names_for_types() -> set[str]:
+    """What a type checker sees of the list."""
+    tree = ast.parse(inspect.getsource(extensions))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    return {one.asname or one.name for line in block.body for one in line.names}
+
+
+def test_every_name_of_the_list_is_there_described_and_known_to_a_type_checker():
+    names = names_for_types()
+    assert len(names) > 30
+    described = inspect.getdoc(extensions)
+    for name in names:
+        assert f"`{name}`" in described, name
+    listed = {name for line in extensions._PLACES.values() for name in line.split()}
+    assert listed | {"plot_style"} == names
+    for module, line in extensions._PLACES.items():
+        home = importlib.import_module(f"overview_dsp.{module}")
+        for name in line.split():
+            assert getattr(extensions, name) is getattr(home, name)
+    assert extensions.plot_style.new_figure
+    with pytest.raises(AttributeError, match="sho"):
+        extensions.sho  # noqa: B018
+
+
+def test_importing_the_list_imports_none_of_it():
+    code = (
+        "import sys, json\nfrom overview_dsp.cli import extensions\n"
+        "print(json.dumps([m for m in sys.modules if m.startswith('overview_dsp.')]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment()
+    )
+    own = {name for name in json.loads(done.stdout) if name.startswith("overview_dsp.cli.")}
+    assert own == {"overview_dsp.cli.extensions", "overview_dsp.cli.stopping"}
+
+
+def test_no_command_is_listed_twice():
+    assert not set(COMMANDS) & set(INSTALLED_APART)
+    assert not set(COMMANDS) & set(added_commands())
