@@ -1,10 +1,11 @@
-"""Write the tables of docs/benchmarks.md from what `overview bench` reports.
+"""Write the tables of docs/benchmarks.md from what `python -m tools.bench` and others report.
 
 python tools/write_benchmarks.py                 measures speeds here: about five minutes
 python tools/write_benchmarks.py --live          how the output holds: 22 minutes, and it sounds
 python tools/write_benchmarks.py --first-starts  what first starts cost: a minute
-python tools/write_benchmarks.py --report FILE   one of them, from `overview bench [--live] --json`
-                                                 or `python tools/measure_first_starts.py --json`
+python tools/write_benchmarks.py --report FILE   one of them, from `python -m tools.bench --json`,
+                                                 `overview bench --live --json` or
+                                                 `python tools/measure_first_starts.py --json`
 
 Speeds draw docs/pictures/speeds.png too. The tables stand between `<!-- bench: speeds -->` (or
 `live`, `first starts`) and `<!-- end of bench -->`, behind the machine and the day: measure on a
@@ -29,14 +30,15 @@ ROUNDS = 5
 
 
 def measured(what: str) -> dict[str, Any]:
-    """What `overview bench` or measure_first_starts.py reports, measured now."""
-    command = [sys.executable, "-m", "overview_dsp", "bench", "--rounds", str(ROUNDS), "--json"]
-    command += ["--live"] if what == "live" else ["--plot", str(PICTURE)]
-    if what == "first starts":
-        command = [sys.executable, str(ROOT / "tools" / "measure_first_starts.py"), "--json"]
-    report: dict[str, Any] = json.loads(
-        subprocess.run(command, stdout=subprocess.PIPE, check=True, cwd=ROOT).stdout
-    )
+    """Measure now, and return the report."""
+    rounds = ("--rounds", str(ROUNDS), "--json")
+    command: tuple[str, ...] = {
+        "speeds": ("-m", "tools.bench", *rounds, "--plot", str(PICTURE)),
+        "live": ("-m", "overview_dsp", "bench", "--live", *rounds),
+        "first starts": (str(ROOT / "tools" / "measure_first_starts.py"), "--json"),
+    }[what]
+    done = subprocess.run([sys.executable, *command], stdout=subprocess.PIPE, check=True, cwd=ROOT)
+    report: dict[str, Any] = json.loads(done.stdout)
     return report
 
 
@@ -48,9 +50,9 @@ def table(*rows: tuple[str, ...]) -> str:
 
 def speeds(report: dict[str, Any]) -> str:
     """A table for each group of rows, one of what a second costs, the memory."""
-    from overview_dsp.measure.bench.report import cycles, merging
-    from overview_dsp.measure.bench.scaling import Cost
-    from overview_dsp.measure.bench.timing import VOICE, Row
+    from overview_dsp.measure.bench.speeds import VOICE, Row, cycles
+    from tools.bench.report import merging
+    from tools.bench.scaling import Cost
 
     parts = [f"{report['date']}, {report['machine']}; medians of {report['rounds']} rounds:"]
     for group in dict.fromkeys(row["group"] for row in report["rows"]):

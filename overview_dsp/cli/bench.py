@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from typing import Any
 
 import click
@@ -13,84 +13,63 @@ from overview_dsp.live.output.device_names import device_named
 SPEED_ROUNDS = 7
 LIVE_ROUNDS = 5
 LIVE_SECONDS = 60.0
-LONGEST_S = 600.0
 
 
-@click.command(name="bench", epilog="Example: overview bench --rounds 5 --plot speeds.png")
+@click.command(name="bench", epilog="Example: overview bench --rounds 5")
 @click.option(
     "--rounds",
     type=click.IntRange(1, 1000),
     help=f"Of each row.  [default: {SPEED_ROUNDS}; with --live {LIVE_ROUNDS}]",
 )
 @click.option("--live", is_flag=True, help="Play: callback times, frames lost, control latency.")
-@click.option("--plot", metavar="FILE", help="Draw the speeds: PNG, SVG or PDF.")
 @click.option("--device", help="Output for --live, by name or number.  [default: the system's]")
 @click.option(
     "--seconds",
     type=click.FloatRange(1.0, 3600.0),
-    help=f"The longest stream; with --live, of each run.  "
-    f"[default: {LONGEST_S:g}; with --live {LIVE_SECONDS:g}]",
+    help=f"Duration of each run of --live.  [default: {LIVE_SECONDS:g}]",
 )
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(
-    rounds: int | None,
-    live: bool,
-    plot: str | None,
-    device: str | None,
-    seconds: float | None,
-    as_json: bool,
+    rounds: int | None, live: bool, device: str | None, seconds: float | None, as_json: bool
 ) -> None:
-    """Seconds of sound made in one second, on one core, beside other ways to do the same work.
-
-    Versions in C, Faust and Csound are measured in a clone of the project where their compilers
-    are installed. Then what a second costs as the work grows, and memory. About five minutes;
-    with --seconds 3600, streams of an hour too.
+    """Measure seconds of sound that the engine makes in one second, on one core.
 
     With --live: how the native and the Python callback hold, idle and under load, how soon a tap
     is answered, and what processor time and terminal traffic a session costs. That takes four runs
     a round and two more, 22 minutes by default (--rounds 1 --seconds 6: one), and sounds.
+
+    In a clone of the project, python -m tools.bench measures the same beside versions in C, Faust,
+    Csound, scipy and plain Python, and what a second costs as the work grows.
     """
     if live:
-        if plot is not None:
-            raise click.UsageError("--plot draws speeds; leave out --live")
-        _live(rounds or LIVE_ROUNDS, device, seconds or LIVE_SECONDS, as_json)
+        from overview_dsp.measure.bench.live.table import lines as live_lines
+        from overview_dsp.measure.bench.live.table import measure_live
+
+        announce_compile()
+        with progress_bar("playing") as progress:
+            played = measure_live(
+                device_named(device), seconds or LIVE_SECONDS, rounds or LIVE_ROUNDS, progress
+            )
+        show_report(played, live_lines(played), as_json)
         return
-    if device is not None:
-        raise click.UsageError("--device belongs to --live; add --live")
-    _speed(rounds or SPEED_ROUNDS, seconds or LONGEST_S, plot, as_json)
+    for option, value in (("--device", device), ("--seconds", seconds)):
+        if value is not None:
+            raise click.UsageError(f"{option} belongs to --live; add --live")
+    from overview_dsp.measure.bench.speeds import lines, measure
 
-
-def _speed(rounds: int, longest_s: float, plot: str | None, as_json: bool) -> None:
-    from overview_dsp.files.atomic import require_writable
-    from overview_dsp.measure.bench.picture import draw
-    from overview_dsp.measure.bench.report import lines, measure
-
-    if plot is not None:
-        require_writable(plot)
     announce_compile("disk_alone")
     with progress_bar("measuring") as progress:
-        report = measure(rounds, longest_s, progress)
-    if plot is not None:
-        draw(report, plot)
-    _show(report, lines, as_json)
+        report = measure(rounds or SPEED_ROUNDS, progress)
+    show_report(report, lines(report), as_json)
 
 
-def _live(rounds: int, device: str | None, seconds: float, as_json: bool) -> None:
-    from overview_dsp.measure.bench.live.table import lines, measure_live
-
-    announce_compile()
-    with progress_bar("playing") as progress:
-        report = measure_live(device_named(device), seconds, rounds, progress)
-    _show(report, lines, as_json)
-
-
-def _show(report: Any, lines: Callable[[Any], list[str]], as_json: bool) -> None:
-    """With the machine and the day, without which no figure means anything."""
+def show_report(report: Any, lines: Iterable[str], as_json: bool) -> None:
+    """Show a report with the machine and the day, without which no figure means anything."""
     from dataclasses import asdict
     from datetime import date
 
-    from overview_dsp.measure.bench.machine import this_machine
+    from overview_dsp.measure.bench.speeds import this_machine
 
     machine, day = this_machine(), date.today().isoformat()
     figures = {"machine": machine, "date": day, **asdict(report)}
-    show(as_json, figures, f"{day}, {machine}", *lines(report))
+    show(as_json, figures, f"{day}, {machine}", *lines)

@@ -1,4 +1,4 @@
-; The disk alone in Csound, sample by sample. overview_dsp/measure/bench/programs.py puts in the numbers in
+; The disk alone in Csound, sample by sample. tools/bench/programs.py puts in the numbers in
 ; braces; friction.txt has the table's points.
 <CsoundSynthesizer>
 <CsOptions>

@@ -2,7 +2,7 @@
 
 The load is what a program around the engine does at its worst: two threads that only compute, one
 that makes garbage in cycles and collects it, one that encodes JSON in long C calls. Run it in a
-process of its own (`live_bench`), so that PortAudio and the interpreter start fresh.
+process of its own, as `table` does, so that PortAudio and the interpreter start fresh.
 """
 
 from __future__ import annotations

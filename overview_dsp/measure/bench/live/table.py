@@ -120,45 +120,29 @@ def measure_live(
         for callback, loaded in TABLE_CELLS:
             result = run(seconds, test="load", callback=callback, loaded=loaded, block_size=BLOCK)
             found[callback, loaded].append(LoadResult(**result))
-    sessions = [
-        SessionRow(
-            **run(
-                max(seconds / len(shown), SHORTEST_S), test="session", screen=screen, moving=moving
-            )
-        )
-        for screen, moving in shown
-    ]
+    sessions = []
+    for screen, moving in shown:
+        window = max(seconds / len(shown), SHORTEST_S)
+        sessions.append(SessionRow(**run(window, test="session", screen=screen, moving=moving)))
     rows = [_row(*cell, results) for cell, results in found.items()]
-    ratio, at_least = lost_ratio(rows, seconds)
-    return Report(
-        sample_rate=RATE,
-        block_size=BLOCK,
-        seconds=seconds,
-        rounds=rounds,
-        load=rows,
-        lost_ratio=ratio,
-        lost_ratio_at_least=at_least,
-        latency=latency,
-        smoothing_frames=probe().latency_samples,
-        sessions=sessions,
-    )
+    lost, smoothing = lost_ratio(rows, seconds), probe().latency_samples
+    return Report(RATE, BLOCK, seconds, rounds, rows, *lost, latency, smoothing, sessions)
 
 
 def _row(callback: str, loaded: bool, results: list[LoadResult]) -> LoadRow:
+    middle = statistics.median
     lost = [result.lost_percent for result in results]
     return LoadRow(
-        callback=callback,
-        loaded=loaded,
-        p50_us=statistics.median(result.p50_us for result in results),
-        p99_us=statistics.median(result.p99_us for result in results),
+        callback,
+        loaded,
+        p50_us=middle(result.p50_us for result in results),
+        p99_us=middle(result.p99_us for result in results),
         max_us=max(result.max_us for result in results),
         callbacks=sum(result.callbacks for result in results),
         late=sum(result.late for result in results),
         underflows=sum(result.underflows for result in results),
-        lost_percent=statistics.median(lost),
-        lost_low=min(lost),
-        lost_high=max(lost),
-    )
+        lost_percent=middle(lost), lost_low=min(lost), lost_high=max(lost),
+    )  # fmt: skip
 
 
 def lost_ratio(rows: list[LoadRow], seconds: float) -> tuple[float, bool]:

@@ -12,17 +12,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from overview_dsp.measure.bench import many_voices, overview_rows, scaling, solvers
-from overview_dsp.measure.bench.building import MissingError
+from overview_dsp.measure.bench import speeds
 from overview_dsp.measure.bench.live.latency import LatencyResult
 from overview_dsp.measure.bench.live.table import LoadRow
 from overview_dsp.measure.bench.live.table import Report as LiveReport
-from overview_dsp.measure.bench.machine import this_machine
-from overview_dsp.measure.bench.report import NEIGHBOURS, Report
-from overview_dsp.measure.bench.scaling import Cost, Memory
-from overview_dsp.measure.bench.timing import Contender, interleaved
+from overview_dsp.measure.bench.speeds import Contender, interleaved, this_machine
+from tools.bench import many_voices, scaling, solvers
+from tools.bench.building import MissingError
+from tools.bench.report import NEIGHBOURS, Report
+from tools.bench.scaling import Cost, Memory
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 NUMBER = r"\d[\d.]*(?:e[+-]\d+)?"
 FIGURE = re.compile(rf"({NUMBER}( to {NUMBER})?)?")
@@ -84,7 +84,7 @@ def test_every_row_of_the_page_is_one_that_the_bench_measures(monkeypatch):
     # of the solvers only the names are needed
     monkeypatch.setattr(solvers, "solved", lambda *given: np.zeros(1))
     monkeypatch.setattr(solvers, "error", lambda *given: 1e-6)
-    measured = overview_rows.contenders() + many_voices.contenders()
+    measured = speeds.contenders() + many_voices.contenders()
     for add in NEIGHBOURS:
         try:
             measured += add()
@@ -109,9 +109,8 @@ def test_every_cost_of_the_page_is_one_that_the_bench_measures(monkeypatch):
 def test_a_report_replaces_what_stands_between_the_markers_and_nothing_else(writer):
     contenders = [Contender("a group", name, lambda: 2.0) for name in ("overView", "theirs")]
     costs = [Cost("events", "100000 events", 1.5, 1.4, 1.6, 16_384)]
-    report = Report(
-        2, interleaved(contenders, 2), costs, Memory(300.0, 60.0, 301.0), ["no Faust"], 3.0
-    )
+    rows = interleaved(contenders, 2)
+    report = Report(2, rows, 3.0, costs, Memory(300.0, 60.0, 301.0), ["no Faust"])
     found = {"machine": "a machine", "date": "2001-02-03", **asdict(report)}
     page = writer.filled(PAGE, "speeds", writer.speeds(json.loads(json.dumps(found))))
     written = marked(page, "speeds")

@@ -8,20 +8,23 @@ from dataclasses import asdict
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.kernels import layout
-from overview_dsp.measure.bench import c_rows, overview_rows, programs, solvers
-from overview_dsp.measure.bench.building import MissingError, built, source
-from overview_dsp.measure.bench.picture import draw
-from overview_dsp.measure.bench.plain_settings import plain_scene, plain_settings
-from overview_dsp.measure.bench.report import Report, lines
-from overview_dsp.measure.bench.scaling import Cost, Memory
-from overview_dsp.measure.bench.table_sizes import TableOf
-from overview_dsp.measure.bench.timing import Contender, interleaved
-from overview_dsp.measure.bench.work import RATE, Disk, fed, prepared, the_sweep
+from overview_dsp.measure.bench import speeds
+from overview_dsp.measure.bench.speeds import RATE, Contender, fed, interleaved, prepared
 from tests.cli.running import overview, refused
 from tests.examples import preset_with
+from tools.bench import c_rows, programs, solvers
+from tools.bench.__main__ import command
+from tools.bench.building import PEERS, MissingError, built
+from tools.bench.disk import Disk, disk_alone
+from tools.bench.picture import draw
+from tools.bench.plain_settings import plain_scene, plain_settings
+from tools.bench.report import Report, lines
+from tools.bench.scaling import Cost, Memory
+from tools.bench.table_sizes import TableOf
 
 NEAR = 1e-9
 """Of the highest torque."""
@@ -42,7 +45,7 @@ def disk(engine):
 
 @pytest.fixture(scope="module")
 def torque(engine, disk):
-    return overview_rows.disk_alone(engine, disk)
+    return disk_alone(engine, disk)
 
 
 @pytest.fixture(scope="module")
@@ -50,15 +53,15 @@ def wide():
     """An engine on wide ridges, its disk and the disk's torque."""
     engine = prepared(preset=preset_with(height=20.0, width=1.0))
     disk = Disk.of(engine)
-    return engine, disk, overview_rows.disk_alone(engine, disk)
+    return engine, disk, disk_alone(engine, disk)
 
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     try:
-        return built(source("plain_voice.c"), c_rows.PLAIN, tmp_path_factory.mktemp("c"))
+        return built(PEERS / "plain_voice.c", c_rows.PLAIN, tmp_path_factory.mktemp("c"))
     except MissingError as missing:
-        pytest.skip(f"needs a C compiler and a clone: {missing}")
+        pytest.skip(f"needs a C compiler: {missing}")
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +96,7 @@ def test_the_textbook_voice_in_c_sounds_like_ours(plain):
     # it has neither a clutch nor gains for slow hands and the recoil
     without = ("clutch.max_speed_ratio", "tactor.slow_gain_exponent", "tactor.recoil_gain_exponent")
     engine = prepared(preset=load_preset("football").with_changes(dict.fromkeys(without, 0.0)))
-    fed(engine, the_sweep()).process(ours_)
+    fed(engine).process(ours_)
     plain.voice(plain_scene(engine), *c_rows.held_hand(frames), theirs)
     level = 20.0 * np.log10(theirs.std(axis=0) / ours_.std(axis=0))
     assert np.abs(level).max() < 0.5
@@ -138,7 +141,7 @@ def report():
     contenders = [Contender("a group", name, lambda: 2.0) for name in ("overView", "theirs")]
     costs = [Cost("events", "100000 events", 1.5, 1.4, 1.6, 16_384)]
     rows = interleaved(contenders, 2)
-    return Report(2, rows, costs, Memory(300.0, 60.0, 301.0), ["Faust is not installed"], 3.0)
+    return Report(2, rows, 3.0, costs, Memory(300.0, 60.0, 301.0), ["Faust is not installed"])
 
 
 def test_the_table_says_what_was_merged_and_what_was_left_out(report):
@@ -154,12 +157,32 @@ def test_the_speeds_are_drawn(report, tmp_path):
     assert (tmp_path / "speeds.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_source_that_is_not_here_says_where_it_would_be():
-    with pytest.raises(MissingError, match="clone"):
-        source("no_such.c")
+def test_the_bench_of_a_clone_says_what_it_does_and_refuses_a_picture_that_cannot_be_written(
+    tmp_path,
+):
+    shown = CliRunner().invoke(command, ["--help"])
+    assert shown.exit_code == 0
+    assert "Example: python -m tools.bench" in shown.output
+    outcome = CliRunner().invoke(command, ["--plot", str(tmp_path / "none" / "x.png")])
+    assert outcome.exit_code == 1
+    assert "folder" in outcome.output
+    assert len(outcome.output.splitlines()) == 1
 
 
-def test_what_belongs_to_speeds_or_to_live_is_refused_elsewhere(tmp_path):
+def test_the_command_measures_the_engines_own_rows_alone(monkeypatch):
+    rows = [Contender(group, "overView, one call", lambda: 2.0) for group in ("one", "two")]
+    monkeypatch.setattr(speeds, "contenders", lambda: rows)
+    found = json.loads(overview("bench", "--rounds", "2", "--json").out)
+    assert found["rounds"] == 2
+    assert [(row["group"], row["speed"], row["ratio"]) for row in found["rows"]] == [
+        ("one", 2.0, 1.0),
+        ("two", 2.0, 1.0),
+    ]
+    text = overview("bench", "--rounds", "1").out
+    assert found["machine"] in text
+    assert "medians of 1 interleaved rounds" in text
+
+
+def test_what_belongs_to_live_is_refused_without_it():
     refused(overview("bench", "--device", "system"), "--live")
-    refused(overview("bench", "--live", "--plot", "x.png"), "--live")
-    refused(overview("bench", "--plot", str(tmp_path / "none" / "x.png")), "folder")
+    refused(overview("bench", "--seconds", "5"), "--live")

@@ -13,12 +13,21 @@ import numpy as np
 
 from overview_dsp.errors import OverviewError
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.bench.building import MissingError, built, source
-from overview_dsp.measure.bench.c_rows import held_hand, pointer
-from overview_dsp.measure.bench.plain_settings import SETTINGS, plain_settings
-from overview_dsp.measure.bench.timing import DISK, VOICE, Contender, timed
-from overview_dsp.measure.bench.work import RATE, SECONDS, SWEEP_S, Disk, prepared
+from overview_dsp.measure.bench.speeds import (
+    DISK,
+    RATE,
+    SECONDS,
+    SWEEP_S,
+    VOICE,
+    Contender,
+    prepared,
+    timed,
+)
 from overview_dsp.signal.engine.engine import Engine
+from tools.bench.building import PEERS, MissingError, built
+from tools.bench.c_rows import held_hand, pointer
+from tools.bench.disk import Disk
+from tools.bench.plain_settings import SETTINGS, plain_settings
 
 FAST = ("-Ofast", "-march=native")
 BUILDS = {"scalar": (), "-vec -lv 1": ("-vec", "-lv", "1")}
@@ -32,7 +41,7 @@ class FaustPeer:
         """`process` is a definition in voice.dsp, `options` are Faust's."""
         folder = Path(tempfile.mkdtemp(prefix="overview-faust-"))
         for name in ("voice.dsp", "faust_host.c", "tables.h"):
-            shutil.copy(source(name), folder / name)
+            shutil.copy(PEERS / name, folder / name)
         settings = plain_settings(engine)
         numbers = (f"{name} = {getattr(settings, name)!r};" for name in SETTINGS)
         (folder / "settings.lib").write_text("\n".join(numbers) + "\n", encoding="utf-8")
@@ -109,7 +118,7 @@ def csound() -> list[Contender]:
     disk = Disk.of(prepared())
     folder = Path(tempfile.mkdtemp(prefix="overview-csound-"))
     np.savetxt(folder / "friction.txt", disk.friction)
-    text = source("disk.csd").read_text(encoding="utf-8")
+    text = (PEERS / "disk.csd").read_text(encoding="utf-8")
     for name in ("inertia", "k1", "k2"):
         text = text.replace("{" + name + "}", repr(float(getattr(disk, name))))
     text = text.replace("{speed}", repr(np.pi / SWEEP_S))

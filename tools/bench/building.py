@@ -10,12 +10,12 @@ from pathlib import Path
 
 from overview_dsp.errors import OverviewError
 
-PEERS = Path(__file__).resolve().parents[3] / "tools" / "peers"
-"""The sources of the versions in other languages; a clone has them, an installed package hasn't."""
+PEERS = Path(__file__).resolve().parents[1] / "peers"
+"""The sources of the versions in other languages."""
 
 
 class MissingError(OverviewError):
-    """A compiler, program or source that a contender needs isn't there."""
+    """A compiler or program that a contender needs isn't there."""
 
 
 def compiler() -> str:
@@ -30,20 +30,6 @@ def compiler() -> str:
         if shutil.which(name):
             return name
     raise MissingError("no C compiler (gcc, cc or clang)")
-
-
-def source(name: str) -> Path:
-    """A file of `tools/peers`.
-
-    Raises
-    ------
-    MissingError
-        This is not a clone of the project.
-    """
-    path = PEERS / name
-    if not path.is_file():
-        raise MissingError(f"tools/peers/{name} is not here: run from a clone of the project")
-    return path
 
 
 def built(path: Path, flags: tuple[str, ...], folder: Path | None = None) -> Path:

@@ -10,20 +10,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.design.gestures import sweep
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.bench.building import built, source
-from overview_dsp.measure.bench.plain_settings import Settings, plain_scene, plain_settings
-from overview_dsp.measure.bench.timing import DISK, VOICE, Contender, timed
-from overview_dsp.measure.bench.work import RATE, SECONDS, SWEEP_S, Disk, prepared, the_sweep
+from overview_dsp.measure.bench.speeds import (
+    DISK,
+    RATE,
+    SECONDS,
+    SWEEP_S,
+    VOICE,
+    Contender,
+    prepared,
+    timed,
+)
+from tools.bench.building import PEERS, built
+from tools.bench.disk import Disk
+from tools.bench.plain_settings import Settings, plain_scene, plain_settings
 
 PLAIN = ("-O3", "-march=native")
 
 
 def held_hand(frames: int) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
     """Angle (rad) and touching of the sweep at each sample: what its control events amount to."""
-    sweep = the_sweep()
-    latest = np.searchsorted(sweep.stamps(RATE), np.arange(frames), side="right") - 1
-    return sweep.theta2[latest], sweep.touching[latest].astype(np.uint8)
+    gesture = sweep(SWEEP_S)
+    latest = np.searchsorted(gesture.stamps(RATE), np.arange(frames), side="right") - 1
+    return gesture.theta2[latest], gesture.touching[latest].astype(np.uint8)
 
 
 class PlainC:
@@ -71,13 +81,13 @@ def contenders() -> list[Contender]:
     Raises
     ------
     MissingError
-        No compiler, or not a clone.
+        No compiler.
     """
     folder = Path(tempfile.mkdtemp(prefix="overview-bench-"))
     engine = prepared()
     disk = Disk.of(engine)
     out = np.zeros((round(SECONDS * RATE), 2), dtype=np.float32)
-    plain = PlainC(built(source("plain_voice.c"), PLAIN, folder), disk, plain_settings(engine))
+    plain = PlainC(built(PEERS / "plain_voice.c", PLAIN, folder), disk, plain_settings(engine))
     scene = plain_scene(engine)
     hand, touching = held_hand(len(out))
     assert len(disk.friction) == CELLS + 1

@@ -9,12 +9,12 @@ from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.measure.bench.timing import BARE_CORES, CORES, VOICE, Contender, timed
-from overview_dsp.measure.bench.work import RATE, SECONDS, fed, prepared, the_sweep
+from overview_dsp.measure.bench.speeds import RATE, SECONDS, VOICE, Contender, fed, prepared, timed
 from overview_dsp.offline.rendering.many import render_jobs, render_many, usable_cores
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.simd_batch import EngineBatch
 
+CORES, BARE_CORES = "many voices, wall clock", "the kernel alone, wall clock"
 Lanes = tuple[EngineBatch, list[Engine | None]]
 
 BLOCK = 16384
@@ -26,7 +26,7 @@ def feed_all(engines: list[Engine | None]) -> None:
     """Give every lane's engine the whole work, which is Python's, not the kernel's."""
     for engine in engines:
         assert engine is not None
-        fed(engine, the_sweep())
+        fed(engine)
 
 
 def play(lanes: EngineBatch, engines: list[Engine | None]) -> None:

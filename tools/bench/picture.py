@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 
-from overview_dsp.measure.bench.report import Report
-from overview_dsp.measure.bench.timing import BARE_CORES, CORES
 from overview_dsp.offline.plots.saving import save_picture
+from tools.bench.many_voices import BARE_CORES, CORES
+from tools.bench.report import Report
 
 OURS, THEIRS = "#0072B2", "#999999"
 

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.bench.overview_rows import disk_alone
-from overview_dsp.measure.bench.timing import DISK, Contender, timed
-from overview_dsp.measure.bench.work import RATE, SWEEP_S, Disk, prepared
+from overview_dsp.measure.bench.speeds import DISK, RATE, SWEEP_S, Contender, prepared, timed
 from overview_dsp.signal.engine.engine import Engine
+from tools.bench.disk import Disk, disk_alone
 
 SOLVED_S = 0.5
 """Of the sweep, for the solvers."""

@@ -23,10 +23,12 @@ from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.errors import OverviewWarning
-from overview_dsp.measure.bench.table_sizes import SIZES, TableOf
-from overview_dsp.measure.bench.work import Disk, feed, prepared
+from overview_dsp.measure.bench.speeds import feed, prepared
 from overview_dsp.signal.engine.engine import Engine
+from tools.bench.disk import Disk
+from tools.bench.table_sizes import SIZES, TableOf
 
+ROOT = Path(__file__).resolve().parents[2]
 BLOCK = 4096
 SWEEP_S = 4.0
 DURATIONS = (1, 15, 150, 900)
@@ -173,8 +175,8 @@ class Memory:
 
 def memory(seconds: float) -> Memory:
     """Stream sweeps in blocks, in a process of its own: nothing else has been in its memory."""
-    command = [sys.executable, "-m", "overview_dsp.measure.bench.scaling", str(seconds)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    command = [sys.executable, "-m", "tools.bench.scaling", str(seconds)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
     ready, streamed = map(float, done.stdout.split())
     return Memory(ready, seconds, streamed)
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
-from overview_dsp.measure.bench.timing import timed
-from overview_dsp.measure.bench.work import SWEEP_S, Disk
+from overview_dsp.measure.bench.speeds import SWEEP_S, timed
 from overview_dsp.signal.engine.engine import Engine
+from tools.bench.disk import Disk
 
 SIZES = (1_024, 4_096, 16_384, layout.CELLS)
 REPEATS = 10

@@ -1,0 +1,42 @@
+"""The disk alone: what another way to compute it needs, and ours."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.kernels.layout import CELLS
+from overview_dsp.measure.bench.speeds import RATE, SWEEP_S, disk
+from overview_dsp.signal.engine.engine import Engine
+
+
+@dataclass(frozen=True, eq=False)
+class Disk:
+    """What the disk alone needs: a held disk under a steadily moving hand.
+
+    `friction` is float64 (CELLS + 1,) N m s/rad; `hand` the angle (rad) at the middle of each of
+    the samples of `SWEEP_S` at `RATE`.
+    """
+
+    inertia: float
+    k1: float
+    k2: float
+    friction: NDArray[np.float64]
+    hand: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, engine: Engine) -> Disk:
+        """Return an engine's disk and surface."""
+        inertia, k1, k2 = (engine.preset.number(f"disk.{name}") for name in ("inertia", "k1", "k2"))
+        middle = (np.arange(round(SWEEP_S * RATE)) + 0.5) / RATE
+        return cls(inertia, k1, k2, engine.surface.friction, middle * (math.pi / SWEEP_S))
+
+
+def disk_alone(engine: Engine, held: Disk) -> NDArray[np.float64]:
+    """Return our torque (N m) of the disk alone, float64 [frames]."""
+    torque = np.empty(len(held.hand))
+    disk(engine, held.hand * (CELLS / math.pi), torque)
+    return torque
