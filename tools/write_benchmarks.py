@@ -1,4 +1,4 @@
-"""Write the tables of docs/benchmarks.md from what `python -m tools.bench` and others report.
+"""Write the tables of docs/benchmarks.md from reports of the benchmarks.
 
 python tools/write_benchmarks.py                 measures speeds here: about five minutes
 python tools/write_benchmarks.py --live          how the output holds: 22 minutes, and it sounds

@@ -64,7 +64,7 @@ class Commands(click.Group):
     """The group of all commands, which imports one only when it is used."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """In the order of the table, the main job first; then those of other distributions."""
+        """List the table's, the main job first; then those of other distributions."""
         return list(dict.fromkeys([*COMMANDS, *added_commands()]))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
@@ -83,7 +83,8 @@ class Commands(click.Group):
             except (ImportError, AttributeError) as error:
                 raise InputError(f"{_added_by(point)} can't be loaded: {error}") from error
             if not isinstance(command, click.Command):
-                raise InputError(f"{_added_by(point)} is no click.Command; tell its authors")
+                kind = type(command).__name__
+                raise InputError(f"{_added_by(point)} is a {kind}, not a click.Command")
         elif cmd_name in INSTALLED_APART:
             raise InputError(f"overview {cmd_name}: {INSTALLED_APART[cmd_name]}")
         else:

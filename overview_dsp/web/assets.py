@@ -214,12 +214,12 @@ def folder_files(*, live: bool) -> dict[str, bytes]:
 
 
 def page_with(own: Mapping[str, bytes], shared: Iterable[str]) -> dict[str, bytes]:
-    """Return the files of another page by their path in a folder, with what it shares of this one.
+    """Return the files of another page and those that it shares of this one, by their path.
 
     Parameters
     ----------
     own : mapping of str to bytes
-        The other page's files; those in a folder of their own stay as they are.
+        The other page's files; those in a subfolder are not shortened.
     shared : iterable of str
         Files of this page that the other names, besides the scripts that its own import.
     """

@@ -76,7 +76,7 @@ def test_a_command_of_this_package_cannot_be_replaced(other):
     [
         ("import nothing_like_it", "No module named 'nothing_like_it'"),
         ("other = 1", "no attribute 'command'"),
-        ("command = print", "no click.Command"),
+        ("command = print", "not a click.Command"),
     ],
 )
 def test_one_that_is_broken_is_one_line_that_names_its_distribution(other, code, said):

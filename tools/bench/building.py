@@ -15,7 +15,7 @@ PEERS = Path(__file__).resolve().parents[1] / "peers"
 
 
 class MissingError(OverviewError):
-    """A compiler or program that a contender needs isn't there."""
+    """Missing compiler or program of a contender."""
 
 
 def compiler() -> str:

@@ -1,4 +1,4 @@
-"""Everything that `python -m tools.bench` measures, as tables and a list of what was left out."""
+"""Everything that `python -m tools.bench` measures, as tables, and what is missing."""
 
 from __future__ import annotations
 

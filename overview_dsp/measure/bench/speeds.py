@@ -192,7 +192,7 @@ def native_calls(engine: Engine) -> float:
 
 
 def disk(engine: Engine, cells: NDArray[np.float64], torque: NDArray[np.float64]) -> None:
-    """Compute the disk alone, held by a hand that is in these cells of the table, into `torque`."""
+    """Compute the torque of the held disk alone; `cells` are the input angles, in table cells."""
     from overview_dsp.kernels.disk_alone import disk_alone
 
     disk_alone(engine.memory, layout.SURFACES + layout.SLOT_TABLE, cells, torque)
