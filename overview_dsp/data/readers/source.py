@@ -1,4 +1,7 @@
-"""A file being looked at: read once, decoded once, parsed once, whichever readers ask."""
+"""A file being looked at (read, decoded and parsed once), what may be asked of it, and a format.
+
+XML is read as text that no parser can be harmed by: UTF-8, without a document type.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,7 @@ from functools import cached_property
 from pathlib import Path
 
 from overview_dsp.data.readers.json_limits import check_extent
+from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 MAX_TEXT_BYTES = 256 * 1024 * 1024
@@ -40,6 +44,10 @@ _STAMPED = re.compile(
 
 UNNAMED = "unnamed"
 """The name of a file that stands for data without one."""
+
+_XML_DECLARATION = re.compile(r"\s*<\?xml\b[^>]{0,200}\?>")
+_XML_ROOT = re.compile(r"<([A-Za-z_][\w.:-]{0,99})[\s/>]")
+_XML_ASIDE = re.compile(r"<!--.*?-->|<\?.*?\?>", re.S)
 
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -320,3 +328,51 @@ class Source:
         """The file parsed as JSON; errors as `check_extent` (before it is parsed), `parse_json`."""
         check_extent(self.text, self.where, self.text_limit_mb, self.options.max_depth)
         return parse_json(self.text, self.where)
+
+    @property
+    def xml_root(self) -> str:
+        """The name of an XML file's outermost element without its prefix, "" for no XML."""
+        if self.head_text is None or not self.head_text.lstrip().startswith("<"):
+            return ""
+        found = _XML_ROOT.search(_XML_ASIDE.sub("", self.head_text))
+        return found[1].rpartition(":")[2] if found else ""
+
+    @property
+    def xml_text(self) -> str:
+        """An XML file's text without its declaration, as what it was decoded by may differ.
+
+        InputError for a document type: its entities can make gigabytes of a few lines or read
+        other files, and no format that is read here has one.
+        """
+        text = self.text
+        if "<!DOCTYPE" in text or "<!ENTITY" in text:
+            raise InputError(
+                f"{self.where}: the XML has a document type (<!DOCTYPE ...>), which may hide a "
+                "bomb; remove it"
+            )
+        return _XML_DECLARATION.sub("", text, count=1)
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format and its reader.
+
+    Parameters
+    ----------
+    name
+        What an error line calls it.
+    sniff
+        Whether the source is in this format; cheap, never by the file's name.
+    read
+        Makes the Timeline; errors begin with the file's path.
+    options
+        The names of the `LoadOptions` it takes.
+    matches
+        For files of several matches: gives a line on each, in the order of their numbers.
+    """
+
+    name: str
+    sniff: Callable[[Source], bool]
+    read: Callable[[Source, LoadOptions], Timeline]
+    options: frozenset[str] = frozenset()
+    matches: Callable[[Source], list[str]] | None = None

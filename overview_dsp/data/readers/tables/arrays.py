@@ -17,7 +17,7 @@ from typing import IO, Any
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.readers.compression import MAX_MB
+from overview_dsp.data.readers.opening import MAX_MB
 from overview_dsp.data.readers.source import Source
 from overview_dsp.data.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Cells, Chunk, Column
 from overview_dsp.errors import InputError, shown

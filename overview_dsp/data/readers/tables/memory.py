@@ -5,10 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import itertools
+import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import IO, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables import frames
 from overview_dsp.data.readers.tables.frames import Given, of_array, of_list
@@ -24,6 +27,33 @@ from overview_dsp.data.readers.tables.table import (
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.errors import InputError, shown
+
+
+class SupportsNumpy(Protocol):
+    """A Series or a DataFrame of pandas, polars and their relatives; a column of Arrow."""
+
+    def to_numpy(self, *args: Any, **kwargs: Any) -> Any:
+        """Give the values as an array."""
+        ...
+
+
+class SupportsArrow(Protocol):
+    """A table of Arrow, and whatever gives its columns as one does."""
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
+        """Give the columns."""
+        ...
+
+
+TableData = SupportsNumpy | SupportsArrow | NDArray[Any] | Sequence[Any] | Mapping[Any, Any]
+"""Columns, rows or samples in memory."""
+
+MemoryFile = bytes | bytearray | memoryview | IO[bytes] | IO[str]
+"""A file's content, or where it can be read."""
+
+TimelineData = str | os.PathLike[str] | MemoryFile | TableData
+"""Whatever `load_timeline` takes besides a Timeline."""
+
 
 EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
 """What the parts of an event given as a tuple are called."""
@@ -112,6 +142,31 @@ def is_table(data: object) -> bool:
     if isinstance(data, Sequence):
         return not isinstance(data, str | bytes)
     return isinstance(data, Mapping) or hasattr(data, "__array__") or frames.is_frame(data)
+
+
+def is_document(data: Any) -> bool:
+    """Return whether data are what a JSON file of objects within objects holds."""
+    if isinstance(data, Mapping):
+        values = list(data.values())
+        return any(isinstance(value, Mapping) or _holds_more(value) for value in values)
+    return _holds_more(data) and any(
+        isinstance(value, Mapping | list)
+        for entry in data[:_SAMPLE]
+        if isinstance(entry, Mapping)
+        for value in entry.values()
+    )
+
+
+def _holds_more(data: Any) -> bool:
+    return isinstance(data, list) and bool(data) and isinstance(data[0], Mapping)
+
+
+def document_bytes(data: Any) -> bytes:
+    """Write a document as the file that it came from; InputError where JSON can't hold it."""
+    try:
+        return json.dumps(data).encode()
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InputError(f"a {type(data).__name__} that JSON can't hold ({error})") from error
 
 
 def _columns(data: Any) -> tuple[str, list[tuple[str, Given]]]:
