@@ -53,7 +53,7 @@ FORMATS: tuple[Format, ...] = (
         event_table.read_lines,
         _LISTED,
     ),
-    _series("series (one JSON object a line)", json.sniff_lines, json.open_lines),
+    _series("series (one JSON object a line)", json.sniff_lines, json.JsonLinesTable),
     Format('native timeline (JSON with the key "overview_timeline")', native.sniff, native.read),
     Format(
         "StatsBomb events (JSON list with period, timestamp and type)",
@@ -151,7 +151,7 @@ FORMATS: tuple[Format, ...] = (
     _series("series (NumPy .npy)", arrays.sniff_npy, arrays.open_npy),
     _series("series (NumPy .npz)", arrays.sniff_npz, arrays.open_npz),
     _series(
-        "series (Parquet, with the extra `parquet`)", arrays.sniff_parquet, arrays.open_parquet
+        "series (Parquet, with the extra `parquet`)", arrays.sniff_parquet, arrays.ParquetTable
     ),
 )
 """The formats of this package, asked in this order."""

@@ -30,6 +30,7 @@ from overview_dsp.data.readers.source import (
 from overview_dsp.data.readers.tables.memory import (
     TableData,
     TimelineData,
+    csv_text,
     document_bytes,
     is_document,
     is_table,
@@ -172,7 +173,7 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
 
         def written(rows: int) -> Source:
             path = Path(folder) / UNNAMED
-            path.write_text(table.csv(rows), "utf-8", "surrogateescape", newline="")
+            path.write_text(csv_text(table, rows), "utf-8", "surrogateescape", newline="")
             return Source.open(path, options, where)
 
         most = max(20, min(_HEAD_ROWS, _HEAD_CELLS // len(table.columns)))

@@ -27,6 +27,7 @@ from overview_dsp.data.readers.tables.table import (
     MAX_COLUMNS,
     Chunk,
     Column,
+    Table,
 )
 from overview_dsp.errors import InputError
 
@@ -96,7 +97,7 @@ def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
         yield line, fields
 
 
-class DelimitedTable:
+class DelimitedTable(Table):
     """A file or a text with a table, streamed."""
 
     kind = "CSV"

@@ -7,7 +7,7 @@ import io
 import itertools
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import IO, Any, Protocol
 
 import numpy as np
@@ -15,15 +15,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables import frames
 from overview_dsp.data.readers.tables.frames import Given, of_array, of_list
-from overview_dsp.data.readers.tables.table import (
-    CHUNK_ROWS,
-    MAX_COLUMNS,
-    Cells,
-    Chunk,
-    Column,
-    as_list,
-    check_single,
-)
+from overview_dsp.data.readers.tables.table import Cells, Column, ColumnTable, as_list
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.errors import InputError, shown
@@ -61,58 +53,7 @@ EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
 _SAMPLE = 50
 
 
-class MemoryTable:
-    """Columns in memory as a table.
-
-    Parameters
-    ----------
-    kind
-        What holds them: `pandas`, `NumPy`, `Python`.
-    given
-        Headers and cells.
-
-    Raises
-    ------
-    InputError
-        No row, columns of different lengths, or too many columns.
-    """
-
-    row_word = "row"
-    notes: tuple[str, ...] = ()
-
-    def __init__(self, kind: str, given: Sequence[tuple[str, Given]]) -> None:
-        lengths = {header: len(column.cells) for header, column in given}
-        if len(set(lengths.values())) > 1:
-            uneven = ", ".join(f"{shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
-            raise InputError(f"columns of different lengths ({uneven}); give one value a row")
-        self.rows = max(lengths.values(), default=0)
-        if not self.rows:
-            raise InputError("no rows; a series has one row a time, an event list one an event")
-        if len(given) > MAX_COLUMNS:
-            raise InputError(f"{len(given)} columns, more than {MAX_COLUMNS}; keep fewer")
-        self.kind = kind
-        self.columns: tuple[Column, ...] = tuple(column.column(header) for header, column in given)
-        self._cells = [column.cells for _, column in given]
-
-    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns; InputError names a row with a nested value."""
-        for begin in range(0, self.rows, CHUNK_ROWS):
-            end = min(begin + CHUNK_ROWS, self.rows)
-            cells = tuple(self._cells[i][begin:end] for i in columns)
-            chunk = Chunk(cells, begin + 1, None, end / self.rows)
-            check_single(self, chunk, columns)
-            yield chunk
-
-    def csv(self, rows: int) -> str:
-        """Write the header and the first rows as a file would have them."""
-        lines = [",".join(_field(column.header) for column in self.columns)]
-        both = zip(self._cells, self.columns, strict=True)
-        texts = [_texts(cells[:rows], column) for cells, column in both]
-        lines += map(",".join, zip(*texts, strict=True))
-        return "\n".join(lines) + "\n"
-
-
-def table_of(data: Any, times: Any = None) -> MemoryTable:
+def table_of(data: Any, times: Any = None) -> ColumnTable:
     """Take data in memory as a table; `is_table` knows which can be.
 
     Parameters
@@ -126,7 +67,8 @@ def table_of(data: Any, times: Any = None) -> MemoryTable:
     Raises
     ------
     InputError
-        Rows unlike each other, columns of different lengths, a frame that can't be read.
+        Rows unlike each other, none or of too many columns, columns of different lengths, a frame
+        that can't be read.
     """
     kind, columns = _columns(data)
     if times is not None:
@@ -134,7 +76,24 @@ def table_of(data: Any, times: Any = None) -> MemoryTable:
         if len(given) != 1:
             raise InputError(f"time has {len(given)} columns; give one time a row")
         columns = [("time", given[0][1]), *((h, c) for h, c in columns if h != "time")]
-    return MemoryTable(kind, columns)
+    lengths = {header: len(column.cells) for header, column in columns}
+    if len(set(lengths.values())) > 1:
+        uneven = ", ".join(f"{shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
+        raise InputError(f"columns of different lengths ({uneven}); give one value a row")
+    return ColumnTable(
+        kind,
+        tuple(column.column(header) for header, column in columns),
+        max(lengths.values(), default=0),
+        lambda i, begin, end: columns[i][1].cells[begin:end],
+    ).checked()
+
+
+def csv_text(table: ColumnTable, rows: int) -> str:
+    """Write the header and the first rows as a file would have them."""
+    lines = [",".join(_field(column.header) for column in table.columns)]
+    texts = [_texts(table.cut(i, 0, rows), column) for i, column in enumerate(table.columns)]
+    lines += map(",".join, zip(*texts, strict=True))
+    return "\n".join(lines) + "\n"
 
 
 def is_table(data: object) -> bool:

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.source import Source
-from overview_dsp.data.readers.tables.arrays import ArrayTable
+from overview_dsp.data.readers.tables.arrays import array_table
+from overview_dsp.data.readers.tables.table import ColumnTable
 from overview_dsp.data.timeline.times import NS, moment
 from overview_dsp.errors import InputError
 
@@ -56,7 +57,7 @@ def sniff(source: Source) -> bool:
     return source.xml_root in ("gpx", "TrainingCenterDatabase")
 
 
-def open_table(source: Source) -> ArrayTable:
+def open_table(source: Source) -> ColumnTable:
     """Return the points of all tracks; InputError for broken XML, no point with a time."""
     times = array("d")
     columns = {name: array("d") for name in ("lat", "lon", *_COLUMNS)}
@@ -86,11 +87,10 @@ def open_table(source: Source) -> ArrayTable:
     given = [name for name, values in table.items() if not _is_empty(values)]
     if len(given) < 2:
         raise InputError("its points have neither positions nor anything else but times")
-    result = ArrayTable(given, [table[name] for name in given], notes)
-    result.columns = (replace(result.columns[0], zoned=True), *result.columns[1:])
-    result.kind = "GPX" if source.xml_root == "gpx" else "TCX"
-    result.row_word = "point"
-    return result
+    points = array_table(given, [table[name] for name in given], notes)
+    zoned = (replace(points.columns[0], zoned=True), *points.columns[1:])
+    kind = "GPX" if source.xml_root == "gpx" else "TCX"
+    return replace(points, kind=kind, columns=zoned, row_word="point")
 
 
 def _is_empty(values: NDArray[Any]) -> bool:
