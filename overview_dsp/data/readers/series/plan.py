@@ -1,4 +1,4 @@
-"""What is read from a table, as asked for or detected from its first rows; and what was found."""
+"""What is read from a table, as asked for or detected from its first rows."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from overview_dsp.data.analysis.curve_maps import Map
-from overview_dsp.data.analysis.series_events import Series
 from overview_dsp.data.readers.series.prices import Worth, split_wish, worth_of
 from overview_dsp.data.readers.series.rows import settled
 from overview_dsp.data.readers.source import LoadOptions
@@ -14,8 +13,6 @@ from overview_dsp.data.readers.tables import column_roles
 from overview_dsp.data.readers.tables.cells import Style, detected_style
 from overview_dsp.data.readers.tables.column_roles import TimeChoice, choose_time, choose_value
 from overview_dsp.data.readers.tables.table import Column, Table, column_named, first_rows
-from overview_dsp.data.timeline.gaps import Gaps
-from overview_dsp.data.timeline.model import Intensity
 from overview_dsp.errors import InputError
 
 HEAD_ROWS = 500
@@ -122,47 +119,3 @@ def _style(table: Table, head: Sequence[list[object]], columns: Sequence[int]) -
         has_comma = any(isinstance(c, str) and "," in c for i in columns for c in head[i])
         style = Style(",") if has_comma else None
     return style or Style()
-
-
-MAX_GAPS = 200_000
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """What becomes a Timeline.
-
-    Parameters
-    ----------
-    series
-        Samples in which events are found, and the calendar.
-    intensity
-        The mapped curve.
-    words
-        What it is.
-    gaps, gap_rule
-        Where there is no data, and by which rule steps between samples are gaps.
-    missing, count
-        Samples without a value, and all.
-    duration_s
-        The last sample's time.
-    notes
-        What was done on the way.
-    """
-
-    series: Series
-    intensity: Intensity
-    words: str
-    gaps: Gaps
-    gap_rule: str
-    missing: int
-    count: int
-    duration_s: float
-    notes: tuple[str, ...]
-
-
-def require_few_gaps(gaps: int) -> None:
-    """Refuse a series of more gaps than `MAX_GAPS`."""
-    if gaps > MAX_GAPS:
-        raise InputError(
-            f"more than {MAX_GAPS} gaps; keep the rows that have a value, or name another column"
-        )

@@ -73,9 +73,7 @@ class RowReader:
     def __post_init__(self) -> None:
         zones = [c.offset_min for i in self.choice.columns if (c := self.table.columns[i]).zoned]
         self.time = TimeColumn(self.choice.format, offset_min=zones[0] if zones else None)
-        self.numbers = [
-            NumberColumn(self.table.columns[i].header, self.style) for i in self.columns
-        ]
+        self.numbers = [NumberColumn(self.style) for _ in self.columns]
 
     def __iter__(self) -> Iterator[Rows]:
         count = len(self.choice.columns)
@@ -166,7 +164,7 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     word = reader.table.row_word
     notes: list[str] = []
     if reader.skipped:
-        notes.append(f"{reader.skipped} rows without time and value were left out")
+        notes.append(skipped_note(reader))
     step = np.diff(seconds)
     order = None
     if step.size and bool((step <= 0.0).all()) and bool((step < 0.0).any()):
@@ -196,6 +194,11 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
             "value counts"
         )
     return single, notes
+
+
+def skipped_note(reader: RowReader) -> str:
+    """Return a note on the rows that were left out."""
+    return f"{reader.skipped} rows without time and value were left out"
 
 
 def last_of_each_time(rows: Rows) -> Rows:

@@ -1,4 +1,9 @@
-"""The samples of a series looked at: gaps, steps, share splits and the mapped curve.
+"""The samples of a series: gaps, steps, share splits and the mapped curve, and their Timeline.
+
+The times of samples stay exact: time 0 is the first row's, the duration reaches to the last row's,
+and no step is added for what the last sample covers. The curve is the mapped column (`curve_maps`)
+in its own unit; its percentiles say what becomes 0 and 1. Events are found by rule in the value
+column (`series_events`), gaps are missing values and holes (`series_gaps`).
 
 A series of up to `LONG_ROWS` rows is one block in memory, sorted by time, and all of its samples
 are kept. A longer one is looked at block by block, and its curve goes to disk: rows must be in
@@ -19,24 +24,26 @@ from numpy.typing import NDArray
 from overview_dsp.data.analysis import curve_maps
 from overview_dsp.data.analysis.curve_maps import PERCENTILES
 from overview_dsp.data.analysis.extrema import Thinner
-from overview_dsp.data.analysis.series_events import Series
+from overview_dsp.data.analysis.series_events import Series, find_events
 from overview_dsp.data.analysis.series_gaps import find_holes, gaps_of
 from overview_dsp.data.analysis.series_labels import Calendar, value_text
 from overview_dsp.data.analysis.share_splits import Split, find_splits
-from overview_dsp.data.analysis.window_rules import only_dates
-from overview_dsp.data.readers.series.plan import Found, Plan, require_few_gaps
+from overview_dsp.data.analysis.window_rules import PartRules, only_dates
+from overview_dsp.data.readers.series.plan import Plan
 from overview_dsp.data.readers.series.rows import (
     RowReader,
     Rows,
     in_order,
     joined,
     last_of_each_time,
+    skipped_note,
 )
 from overview_dsp.data.readers.tables import column_roles
 from overview_dsp.data.readers.tables.cells import sentinel
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.growable_array import Store
-from overview_dsp.data.timeline.model import Intensity
+from overview_dsp.data.timeline.intensity import LONG
+from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.data.timeline.samples import Points
 from overview_dsp.errors import InputError, shown
 
@@ -48,6 +55,8 @@ BLOCK_ROWS = 1_000_000
 
 CONTEXT_ROWS = 65_536
 """Rows before a block that help to estimate the usual step between rows."""
+
+MAX_GAPS = 200_000
 
 _EVEN = 1e-6
 """Part of a step by which times may be off and still count as evenly spaced."""
@@ -65,7 +74,7 @@ class _Block:
     level: Floats
 
 
-def look_at(plan: Plan, reader: RowReader) -> Found:
+def look_at(plan: Plan, reader: RowReader) -> SampleScan:
     """Find gaps, steps, share splits and the mapped curve of a table's rows.
 
     Raises
@@ -83,18 +92,18 @@ def look_at(plan: Plan, reader: RowReader) -> Found:
     if not any(map(len, head)):
         raise InputError("no rows with a time; a series has one row a time")
     following = next(rows, None)
-    finder = _Finder(plan, reader, every=following is None)
+    scan = SampleScan(plan, reader, every=following is None)
     if following is None:
-        whole, finder.notes = in_order(reader, joined(head))
-        finder.add(whole)
+        whole, scan.notes = in_order(reader, joined(head))
+        scan.add(whole)
     else:
         for block in _blocks(plan, itertools.chain(head, (following,), rows)):
-            finder.add(block)
-    return finder.found()
+            scan.add(block)
+    return scan
 
 
 @dataclass
-class _Finder:
+class SampleScan:
     """Looks at blocks of samples in order; `every` if a single one holds all of them."""
 
     plan: Plan
@@ -236,7 +245,11 @@ class _Finder:
         if self.gaps and found and found[0][0] == self.gaps[-1][1] and np.isnan(value[0]):
             found[0] = self.gaps.pop()[0], found[0][1]  # it goes on from block to block
         self.gaps += found
-        require_few_gaps(len(self.gaps))
+        if len(self.gaps) > MAX_GAPS:
+            raise InputError(
+                f"more than {MAX_GAPS} gaps; keep the rows that have a value, or name another "
+                "column"
+            )
 
     def _add_curve(
         self,
@@ -275,37 +288,57 @@ class _Finder:
             )
         return int(size)
 
-    def found(self) -> Found:
-        """Return what was found in all blocks."""
-        plan, units = self.plan, [number.unit or "" for number in self.reader.numbers]
-        unit = plan.value_column.unit or units[0]
+    def timeline(self, title: str) -> Timeline:
+        """Return the Timeline of all blocks; `title` is put before the value column's name."""
+        plan, column = self.plan, self.plan.value_column
+        units = [number.unit or "" for number in self.reader.numbers]
         mapped_unit = plan.mapped_column.unit or units[plan.columns.index(plan.mapped)]
-        time_s, value, step = self._samples or self.thinner.finish()
-        if not len(value):
+        samples = self._samples or self.thinner.finish()
+        if not len(samples[1]):
             raise self._no_value()
         curve = self._curve(plan.map.unit(mapped_unit, plan.map.in_per_cent(self.relative)))
+        unit, calendar = column.unit or units[0], Calendar(self.start, self._dates_only)
+        series = Series(*samples, self.relative, unit, calendar, self.splits, self.every)
+        gaps, duration_s = tuple(self.gaps), max(self._last_s, curve.last_s)
+        events, event_notes = find_events(series, duration_s)
+        is_level = plan.map.name == "level" and not self.every
+        names = " and ".join(shown(plan.table.columns[i].header) for i in plan.time.columns)
+        times = f"over {names} ({plan.time.format.words})" if names else "evenly spaced"
+        return Timeline(
+            title=": ".join(filter(None, (title, column.name))),
+            duration_s=duration_s,
+            events=tuple(events),
+            intensity=curve,
+            gaps=gaps,
+            provenance=(
+                f"a {plan.table.kind} table, column {shown(column.header)} {times}; events by rule"
+            ),
+            notes=(*plan.notes, *self.notes, *self._late_notes(curve), *event_notes),
+            start=self.start,
+            # events of windows are found in all samples, also where the series has some of them
+            rules=PartRules(series, 0.0, duration_s, curve if is_level else None, gaps),
+        )
+
+    def _late_notes(self, curve: Intensity) -> Iterator[str]:
         if not self.every:
             if self.reader.skipped:
-                self.notes.append(
-                    f"{self.reader.skipped} rows without time and value were left out"
-                )
-            self.notes.append(
+                yield skipped_note(self.reader)
+            yield (
                 f"of {self.count} samples, events are found among the lowest and highest of every "
                 f"{self.thinner.run} and the largest steps; share splits aren't looked for"
             )
-        calendar = Calendar(self.start, self._dates_only)
-        return Found(
-            series=Series(
-                time_s, value, step, self.relative, unit, calendar, self.splits, self.every
-            ),
-            intensity=curve,
-            words=plan.map.words(shown(plan.mapped_column.header)),
-            gaps=tuple(self.gaps),
-            gap_rule=self.gap_rule,
-            missing=self.missing,
-            count=self.count,
-            duration_s=max(self._last_s, curve.last_s),
-            notes=tuple(self.notes),
+        if self.missing:
+            yield f"{self.missing} of {self.count} values are missing: gaps"
+        yield _gap_note(self.gaps, self.gap_rule)
+        if curve.count > LONG:
+            low, high = curve.scale_outside(tuple(self.gaps))
+        else:
+            low, high = curve.scale(np.ones(curve.count, np.bool_))
+        words = self.plan.map.words(shown(self.plan.mapped_column.header))
+        yield (
+            f"friction follows {words}: 0 at {value_text(low, curve.unit)} and 1 at "
+            f"{value_text(high, curve.unit)} (percentiles {PERCENTILES[0]:g} and "
+            f"{PERCENTILES[1]:g}); values beyond are clipped in that scale alone"
         )
 
     @property
@@ -409,3 +442,13 @@ def _split_notes(
         f"column {shown(plan.value_column.header)} isn't adjusted for share splits: "
         f"{', '.join(examples)}{more}; these steps are no moves, but the level jumps: {advice}"
     ]
+
+
+def _gap_note(gaps: list[tuple[float, float]], rule: str) -> str:
+    if not gaps:
+        return f"no gaps ({rule})"
+    longest = max(end - start for start, end in gaps)
+    total = sum(end - start for start, end in gaps)
+    days = f"{longest / 86_400:.4g} days" if longest >= 2 * 86_400 else f"{longest:.6g} s"
+    share = f"{len(gaps)} gap{'s' if len(gaps) > 1 else ''}, the longest {days}"
+    return f"{share}, {total:.6g} s in all, from the last value to the next ({rule})"

@@ -113,7 +113,6 @@ def parse(text: str, style: Style) -> tuple[float, str] | None:
 class NumberColumn:
     """Makes numbers of a column, chunk by chunk; `unit` is what the cells themselves carry."""
 
-    what: str
     style: Style = field(default_factory=Style)
     unit: str | None = None
 
