@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.table import Cells, Location
-from overview_dsp.data.timeline.curve_checks import MAX_VALUE
+from overview_dsp.data.timeline.samples import MAX_VALUE
 from overview_dsp.errors import shown
 
 _CURRENCIES = "$€£¥₹₽₩"
