@@ -34,7 +34,7 @@ from datetime import datetime
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.analysis.window_rules import PartRules, rules_of
+from overview_dsp.data.analysis.series_events import PartRules, rules_of
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.intensity import EXTREMES

@@ -18,9 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.analysis import curve_maps
-from overview_dsp.data.analysis.series_events import Series, find_events
-from overview_dsp.data.analysis.series_labels import Calendar
-from overview_dsp.data.analysis.window_rules import PartRules
+from overview_dsp.data.analysis.series_events import Calendar, PartRules, Series, find_events
 from overview_dsp.data.readers.series.plan import HEAD_ROWS
 from overview_dsp.data.readers.series.rows import RowReader, settled
 from overview_dsp.data.readers.source import LoadOptions

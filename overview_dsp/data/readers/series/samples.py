@@ -24,11 +24,16 @@ from numpy.typing import NDArray
 from overview_dsp.data.analysis import curve_maps
 from overview_dsp.data.analysis.curve_maps import PERCENTILES
 from overview_dsp.data.analysis.extrema import Thinner
-from overview_dsp.data.analysis.series_events import Series, find_events
+from overview_dsp.data.analysis.series_events import (
+    Calendar,
+    PartRules,
+    Series,
+    find_events,
+    only_dates,
+    value_text,
+)
 from overview_dsp.data.analysis.series_gaps import find_holes, gaps_of
-from overview_dsp.data.analysis.series_labels import Calendar, value_text
 from overview_dsp.data.analysis.share_splits import Split, find_splits
-from overview_dsp.data.analysis.window_rules import PartRules, only_dates
 from overview_dsp.data.readers.series.plan import Plan
 from overview_dsp.data.readers.series.rows import (
     RowReader,
