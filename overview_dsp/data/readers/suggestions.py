@@ -12,7 +12,7 @@ from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import detect
 from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.logs import is_log
-from overview_dsp.data.readers.tables.table import Column, listed
+from overview_dsp.data.readers.tables.table import Columns, Head, listed
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.errors import InputError, shown
 
@@ -60,7 +60,7 @@ def fix_of(source: Source) -> str:
     return _lacking(*found)
 
 
-def _text_table(source: Source) -> tuple[Sequence[Column], list[list[object]]] | None:
+def _text_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
     layout = detect(source, lambda header, below: bool(below))
     if layout is None or layout.separator is None:  # prose has blanks between its words
         return None
@@ -71,7 +71,7 @@ def _text_table(source: Source) -> tuple[Sequence[Column], list[list[object]]] |
     return None
 
 
-def _json_table(source: Source) -> tuple[Sequence[Column], list[list[object]]] | None:
+def _json_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
     tables = list(tables_in(source.json))
     if not tables:
         return None
@@ -81,7 +81,7 @@ def _json_table(source: Source) -> tuple[Sequence[Column], list[list[object]]] |
     return table.columns, head
 
 
-def _lacking(columns: Sequence[Column], head: Sequence[list[object]]) -> str:
+def _lacking(columns: Columns, head: Head) -> str:
     """Say which column is missing for a series, or for a table of events."""
     there = f"its columns are {listed(columns)}"
     named = time_named(columns)
@@ -110,7 +110,7 @@ def _lacking(columns: Sequence[Column], head: Sequence[list[object]]) -> str:
     return f"{_EVENT_LIST}; {_called(columns, timed)} holds no times that could be read: {there}"
 
 
-def _called(columns: Sequence[Column], i: int) -> str:
+def _called(columns: Columns, i: int) -> str:
     return f"column {shown(columns[i].header)}"
 
 

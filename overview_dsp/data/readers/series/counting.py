@@ -24,7 +24,7 @@ from overview_dsp.data.readers.series.rows import RowReader, settled
 from overview_dsp.data.readers.source import LoadOptions
 from overview_dsp.data.readers.tables.cells import Style
 from overview_dsp.data.readers.tables.column_roles import choose_time
-from overview_dsp.data.readers.tables.table import Table, first_rows
+from overview_dsp.data.readers.tables.table import Table, first_rows, headers_of
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.errors import InputError, shown
@@ -46,8 +46,7 @@ _ROUND = {
 
 def asked_of(table: Table, options: LoadOptions) -> bool:
     """Return whether a table's rows are to be counted: not if `count` is one of its columns."""
-    headers = {word.lower() for c in table.columns for word in (c.header, c.name)}
-    return options.counts and (options.map or "").strip().lower() not in headers
+    return options.counts and (options.map or "").strip().lower() not in headers_of(table.columns)
 
 
 @dataclass(frozen=True)

@@ -6,23 +6,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from overview_dsp.data.analysis.curve_maps import Map
-from overview_dsp.data.readers.series.prices import Worth, split_wish, worth_of
+from overview_dsp.data.readers.series.prices import Worth, asked_kind, worth_of
 from overview_dsp.data.readers.series.rows import settled
 from overview_dsp.data.readers.source import LoadOptions
-from overview_dsp.data.readers.tables import column_roles
 from overview_dsp.data.readers.tables.cells import Style, detected_style
-from overview_dsp.data.readers.tables.column_roles import TimeChoice, choose_time, choose_value
-from overview_dsp.data.readers.tables.table import Column, Table, column_named, first_rows
+from overview_dsp.data.readers.tables.column_roles import (
+    TimeChoice,
+    choose_time,
+    choose_value,
+    price_columns,
+)
+from overview_dsp.data.readers.tables.table import (
+    Column,
+    Head,
+    Table,
+    column_named,
+    first_rows,
+    headers_of,
+)
 from overview_dsp.errors import InputError
 
 HEAD_ROWS = 500
-
-_BESIDE = (
-    column_roles.adjusted_close,
-    column_roles.close_price,
-    column_roles.opening_price,
-    column_roles.share_volume,
-)
 
 
 @dataclass(frozen=True)
@@ -84,32 +88,27 @@ def plan_of(table: Table, options: LoadOptions, name: str = "") -> Plan:
     if options.rate is not None and time.columns:
         raise InputError("rate and time are both given; leave one out")
     time = settled(table, time)
-    wish, kind = split_wish(options.value, table.columns)
-    value = choose_value(table, head, wish, time.columns)
-    worth = worth_of(table.columns, head, value.column, name, kind)
-    headers = frozenset(
-        word for c in table.columns for word in (c.header.lower(), c.name.lower()) if word
-    )
-    wanted = Map.of(options.map, headers)
-    mapped = value.column
+    wish, kind = asked_kind(options.value, table.columns)
+    value, chosen = choose_value(table, head, wish, time.columns)
+    worth = worth_of(table.columns, head, value, name, kind)
+    wanted = Map.of(options.map, headers_of(table.columns))
+    mapped = value
     if wanted.name == "column":
         found = column_named(table.columns, wanted.argument)
         assert found is not None  # Map.of saw it
         mapped = found
-    columns = [value.column]
-    if mapped != value.column:
+    columns = [value]
+    if mapped != value:
         columns.append(mapped)
     if worth.kind == "share":
-        for find in _BESIDE:
-            beside = find(table.columns)
-            if beside is not None and beside not in (*columns, *time.columns):
-                columns.append(beside)
-    notes = tuple(note for note in (*table.notes, *time.notes, value.note, worth.note) if note)
+        beside = price_columns(table.columns).values()
+        columns += dict.fromkeys(i for i in beside if i not in (*columns, *time.columns))
+    notes = tuple(note for note in (*table.notes, *time.notes, chosen, worth.note) if note)
     style = _style(table, head, columns)
-    return Plan(table, time, value.column, mapped, wanted, tuple(columns), style, notes, worth)
+    return Plan(table, time, value, mapped, wanted, tuple(columns), style, notes, worth)
 
 
-def _style(table: Table, head: Sequence[list[object]], columns: Sequence[int]) -> Style:
+def _style(table: Table, head: Head, columns: Sequence[int]) -> Style:
     """The way numbers are written: detected from the columns that are read, else by any other."""
     style = detected_style(cell for i in columns for cell in head[i])
     if style is None:

@@ -18,13 +18,12 @@ from typing import Any
 
 from overview_dsp.data.readers.tables.cells import Style, parse
 from overview_dsp.data.readers.tables.column_roles import (
-    adjusted_close,
     is_close,
     is_price,
     is_price_table,
-    share_volume,
+    price_columns,
 )
-from overview_dsp.data.readers.tables.table import Column
+from overview_dsp.data.readers.tables.table import Column, Columns, Head, headers_of, split_wish
 from overview_dsp.errors import InputError, shown
 
 KINDS = ("share", "price", "plain")
@@ -59,38 +58,25 @@ class Worth:
         return self.kind != "plain"
 
 
-def split_wish(wish: str | None, columns: Sequence[Column]) -> tuple[str | None, str | None]:
-    """Return the column and the kind of a `--value` value; a header with a colon outranks.
+def asked_kind(wish: str | None, columns: Columns) -> tuple[str | None, str | None]:
+    """Return the column and the kind of a `--value` value, None where it isn't asked for.
 
     Raises
     ------
     InputError
-        The words after the last colon are none of `KINDS`, and the whole is no column.
+        The words after a column and a colon are none of `KINDS`.
     """
-    if wish is None:
-        return None, None
-    asked = " ".join(wish.split()).lower()
-    name, colon, kind = wish.rpartition(":")
-    if not colon or any(asked in (c.header.lower(), c.name.lower()) for c in columns):
-        return wish, None
-    kind = kind.strip().lower()
-    if kind not in KINDS:
-        if any(name.strip().lower() in (c.header.lower(), c.name.lower()) for c in columns):
-            raise InputError(
-                f"value {shown(wish)}: {shown(kind)} is no kind of value; known are "
-                f"{', '.join(KINDS)}"
-            )
-        return wish, None
-    return name.strip() or None, kind
+    name, kind = split_wish(wish or "", columns)
+    if kind in KINDS:
+        return name or None, kind
+    if name != wish and name.lower() in headers_of(columns):
+        raise InputError(
+            f"value {shown(wish)}: {shown(kind)} is no kind of value; known are {', '.join(KINDS)}"
+        )
+    return wish, None
 
 
-def worth_of(
-    columns: Sequence[Column],
-    head: Sequence[Sequence[Any]],
-    value: int,
-    name: str,
-    wish: str | None,
-) -> Worth:
+def worth_of(columns: Columns, head: Head, value: int, name: str, wish: str | None) -> Worth:
     """Decide what a column of values is.
 
     Parameters
@@ -115,10 +101,10 @@ def worth_of(
     symbols = [name, *_symbols(columns, head)]
     if not named or any(_NO_SHARE.search(symbol.replace("_", " ")) for symbol in symbols):
         return _said("price", column, why)
-    if adjusted_close(columns) is not None:
+    if "adjusted" in price_columns(columns):
         return _said("share", column, "there is a close adjusted for splits")
     if is_close(column):
-        if is_price_table(columns) and share_volume(columns) is not None:
+        if is_price_table(columns) and "volume" in price_columns(columns):
             return _said("share", column, "a close in a table of prices and volume")
         ticker = next((s for s in reversed(symbols) if _TICKER.fullmatch(s)), None)
         if ticker is not None:
@@ -149,7 +135,7 @@ def _is_money(column: Column, cells: Sequence[Any]) -> bool:
     return False
 
 
-def _symbols(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> Iterable[str]:
+def _symbols(columns: Columns, head: Head) -> Iterable[str]:
     for column, cells in zip(columns, head, strict=True):
         if column.plain in _SYMBOLS and cells and isinstance(cells[0], str):
             yield cells[0].strip()

@@ -43,8 +43,8 @@ from overview_dsp.data.readers.series.rows import (
     last_of_each_time,
     skipped_note,
 )
-from overview_dsp.data.readers.tables import column_roles
 from overview_dsp.data.readers.tables.cells import sentinel
+from overview_dsp.data.readers.tables.column_roles import is_adjusted, price_columns
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.intensity import LONG
@@ -402,21 +402,15 @@ def _require_order(plan: Plan, block: Rows) -> None:
 
 
 def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
-    columns = plan.table.columns
-    if column_roles.is_adjusted(plan.value_column):
+    if is_adjusted(plan.value_column):
         return []
-
-    def beside(found: int | None) -> Floats | None:
-        return None if found is None or found == plan.value else by_column.get(found)
-
-    adjusted = beside(column_roles.adjusted_close(columns))
-    close = beside(column_roles.close_price(columns)) if adjusted is not None else None
-    return find_splits(
-        by_column[plan.value] if close is None else close,
-        adjusted,
-        beside(column_roles.opening_price(columns)),
-        beside(column_roles.share_volume(columns)),
-    )
+    beside = {
+        name: by_column.get(i) if i != plan.value else None
+        for name, i in price_columns(plan.table.columns).items()
+    }
+    adjusted, close = beside.get("adjusted"), beside.get("close")
+    price = by_column[plan.value] if close is None or adjusted is None else close
+    return find_splits(price, adjusted, beside.get("open"), beside.get("volume"))
 
 
 def _split_notes(
@@ -428,7 +422,7 @@ def _split_notes(
 ) -> list[str]:
     if not splits:
         return []
-    adjusted = column_roles.adjusted_close(plan.table.columns)
+    adjusted = price_columns(plan.table.columns).get("adjusted")
     if adjusted is not None:
         header = shown(plan.table.columns[adjusted].header)
         advice = f"take {header} with value (--value), which is"

@@ -80,6 +80,13 @@ class Column:
         return re.sub(r"[^0-9a-zäöüßéèáíóú]+", "", self.name.lower())
 
 
+Columns = Sequence[Column]
+"""The columns of a table."""
+
+Head = Sequence[Sequence[Any]]
+"""The first rows of a table, a list a column."""
+
+
 @dataclass(frozen=True)
 class Chunk:
     """Some rows of some columns.
@@ -207,7 +214,23 @@ def require_few_columns(count: int) -> None:
         raise InputError(f"{count} columns, more than {MAX_COLUMNS}; keep fewer")
 
 
-def column_named(columns: Sequence[Column], wanted: str) -> int | None:
+def headers_of(columns: Columns) -> frozenset[str]:
+    """Return what columns may be called: headers, and names without a unit, in small letters."""
+    return frozenset(word.lower() for c in columns for word in (c.header, c.name) if word)
+
+
+def split_wish(wish: str, columns: Columns) -> tuple[str, str]:
+    """Return the column and the word of `COLUMN:WORD`, "" for none; a header with a colon outranks.
+
+    The word is in small letters, and either may be left out.
+    """
+    name, colon, word = wish.rpartition(":")
+    if not colon or " ".join(wish.split()).lower() in headers_of(columns):
+        return wish, ""
+    return name.strip(), word.strip().lower()
+
+
+def column_named(columns: Columns, wanted: str) -> int | None:
     """Return the column a person means: the header itself, then its name, in any case.
 
     Raises
@@ -235,7 +258,7 @@ def column_named(columns: Sequence[Column], wanted: str) -> int | None:
     return None
 
 
-def listed(columns: Sequence[Column], limit: int = 12) -> str:
+def listed(columns: Columns, limit: int = 12) -> str:
     """Return the columns' headers for a line to a person."""
     names = [shown(column.header) for column in columns[:limit]]
     more = len(columns) - limit
