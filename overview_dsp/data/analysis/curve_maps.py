@@ -127,10 +127,7 @@ class Map:
 
 
 def curve(
-    wish: Map,
-    level: NDArray[np.float64],
-    step: NDArray[np.float64],
-    time_s: NDArray[np.float64],
+    wish: Map, level: NDArray[np.float64], step: NDArray[np.float64], time_s: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return what is mapped of each sample, NaN where the level is missing.
 

@@ -209,10 +209,7 @@ class Source:
 
     @classmethod
     def open(
-        cls,
-        path: str | os.PathLike[str],
-        options: LoadOptions | None = None,
-        label: str = "",
+        cls, path: str | os.PathLike[str], options: LoadOptions | None = None, label: str = ""
     ) -> Source:
         """Look at a file, which error lines call `label` if that is given.
 

@@ -414,11 +414,7 @@ def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
 
 
 def _split_notes(
-    plan: Plan,
-    value: Floats,
-    time_s: Floats,
-    splits: list[Split],
-    calendar: Calendar,
+    plan: Plan, value: Floats, time_s: Floats, splits: list[Split], calendar: Calendar
 ) -> list[str]:
     if not splits:
         return []

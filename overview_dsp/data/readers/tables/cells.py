@@ -178,8 +178,7 @@ class NumberColumn:
             other = parse(cell.strip(), Style(self.style.thousands)) if isinstance(cell, str) else 0
             hint = f" with a decimal {_MARKS[self.style.decimal]}" if other else ""
             raise place(i).error(
-                cell,
-                f"isn't a number{hint}; correct it, or leave it empty if there is no value",
+                cell, f"isn't a number{hint}; correct it, or leave it empty if there is no value"
             )
         value, unit = found
         if self.unit is None or (unit and not self.unit):

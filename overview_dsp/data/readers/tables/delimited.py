@@ -314,8 +314,7 @@ class Rows:
             if reader.line_num - first + 1 != len(rows):
                 numbers = list(
                     itertools.accumulate(
-                        (1 + sum(map(_line_ends, row)) for row in rows[:-1]),
-                        initial=first,
+                        (1 + sum(map(_line_ends, row)) for row in rows[:-1]), initial=first
                     )
                 )
             yield first, numbers, rows
