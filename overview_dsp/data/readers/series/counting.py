@@ -78,9 +78,9 @@ def counted(table: Table, options: LoadOptions, title: str) -> Timeline:
     store = Store(np.float64)
     low, high = np.inf, -np.inf
     for rows in reader:
-        if len(rows):
-            store.append(rows.seconds)
-            low, high = min(low, rows.seconds.min()), max(high, rows.seconds.max())
+        seconds = rows[1]
+        store.append(seconds)
+        low, high = seconds.min(initial=low), seconds.max(initial=high)
         if store.count > MAX_ROWS:
             raise InputError(f"more than {MAX_ROWS} rows; cut the file into parts")
     if not store.count:

@@ -15,41 +15,9 @@ from overview_dsp.data.readers.tables.table import Table, location
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
 from overview_dsp.errors import InputError, shown
 
-
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Some rows that have a time.
-
-    Parameters
-    ----------
-    seconds
-        Shape (n,).
-    values
-        Shape (n,) for each column asked for, NaN = missing.
-    number
-        Of each row as a person counts, shape (n,).
-    """
-
-    seconds: NDArray[np.float64]
-    values: list[NDArray[np.float64]]
-    number: NDArray[np.int64]
-
-    def __len__(self) -> int:
-        return len(self.seconds)
-
-    def cut(self, begin: int, end: int) -> Rows:
-        """Return the rows from and to these indices."""
-        values = [value[begin:end] for value in self.values]
-        return Rows(self.seconds[begin:end], values, self.number[begin:end])
-
-
-def joined(parts: Sequence[Rows]) -> Rows:
-    """Return rows after each other, at least one part."""
-    return Rows(
-        np.concatenate([part.seconds for part in parts]),
-        [np.concatenate(column) for column in zip(*(p.values for p in parts), strict=True)],
-        np.concatenate([part.number for part in parts]),
-    )
+Rows = NDArray[np.float64]
+"""Rows that have a time, shape (2 + columns, n): the number of each as a person counts, its
+seconds, and the values of each column asked for, NaN = missing."""
 
 
 @dataclass
@@ -96,10 +64,8 @@ class RowReader:
                 assert self.rate is not None
                 seconds = (seen + np.arange(len(chunk))) / self.rate
             seen += len(chunk)
-            if chunk.numbers is None:
-                rows = np.arange(chunk.first, chunk.first + len(chunk))
-            else:
-                rows = np.array(chunk.numbers, dtype=np.int64)
+            numbers = chunk.numbers or np.arange(chunk.first, chunk.first + len(chunk))
+            read = np.array([numbers, seconds, *values])
             timeless = np.isnan(seconds)
             if timeless.any():
                 valued = timeless & ~np.all([np.isnan(value) for value in values], axis=0)
@@ -107,10 +73,9 @@ class RowReader:
                     i = int(np.flatnonzero(valued)[0])
                     raise place(i).missing("give the time, or leave the row out")
                 self.skipped += int(timeless.sum())
-                seconds, rows = seconds[~timeless], rows[~timeless]
-                values = [value[~timeless] for value in values]
-            self.rows += len(seconds)
-            yield Rows(seconds, values, rows)
+                read = read[:, ~timeless]
+            self.rows += read.shape[1]
+            yield read
 
 
 def settled(table: Table, choice: TimeChoice) -> TimeChoice:
@@ -160,7 +125,7 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     InputError
         A clock that goes back.
     """
-    seconds, values, rows = read.seconds, read.values, read.number
+    number, seconds = read[:2]
     word = reader.table.row_word
     notes: list[str] = []
     if reader.skipped:
@@ -176,22 +141,19 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
         back = int(np.flatnonzero(step < 0.0)[0]) + 1
         if reader.choice.format.name in CLOCKS:
             raise InputError(
-                f"{word} {int(rows[back])}: the clock goes back; give dates too, or cut the file "
+                f"{word} {int(number[back])}: the clock goes back; give dates too, or cut the file "
                 "there"
             )
         order = np.argsort(seconds, kind="stable")
         notes.append(
             f"{int((step < 0.0).sum())} rows were earlier than the row before them (first "
-            f"{word} {int(rows[back])}); rows were sorted by time"
+            f"{word} {int(number[back])}); rows were sorted by time"
         )
-    ordered = read
-    if order is not None:
-        ordered = Rows(seconds[order], [value[order] for value in values], rows[order])
+    ordered = read if order is None else read[:, order]
     single = last_of_each_time(ordered)
-    if len(single) < len(ordered):
+    if repeats := ordered.shape[1] - single.shape[1]:
         notes.append(
-            f"{len(ordered) - len(single)} rows repeat a time; of rows of one time the last with a "
-            "value counts"
+            f"{repeats} rows repeat a time; of rows of one time the last with a value counts"
         )
     return single, notes
 
@@ -209,13 +171,13 @@ def last_of_each_time(rows: Rows) -> Rows:
     rows
         In order of their times.
     """
-    begins = np.flatnonzero(np.diff(rows.seconds, prepend=-np.inf) > 0.0)
-    if len(begins) == len(rows):
+    begins = np.flatnonzero(np.diff(rows[1], prepend=-np.inf) > 0.0)
+    count = rows.shape[1]
+    if len(begins) == count:
         return rows
-    ends = np.append(begins[1:], len(rows)) - 1
-    merged = []
-    for value in rows.values:
-        known = np.where(np.isnan(value), -1, np.arange(len(value)))
+    merged = rows[:, np.append(begins[1:], count) - 1]
+    for value, kept in zip(rows[2:], merged[2:], strict=True):
+        known = np.where(np.isnan(value), -1, np.arange(count))
         last = np.maximum.reduceat(known, begins)
-        merged.append(np.where(last >= 0, value[np.maximum(last, 0)], np.nan))
-    return Rows(rows.seconds[begins], merged, rows.number[ends])
+        kept[:] = np.where(last >= 0, value[np.maximum(last, 0)], np.nan)
+    return merged

@@ -39,7 +39,6 @@ from overview_dsp.data.readers.series.rows import (
     RowReader,
     Rows,
     in_order,
-    joined,
     last_of_each_time,
     skipped_note,
 )
@@ -70,15 +69,6 @@ _EVEN = 1e-6
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class _Block:
-    """Samples from the one before the block on: times from the series' first, values, levels."""
-
-    time_s: Floats
-    value: Floats
-    level: Floats
-
-
 def look_at(plan: Plan, reader: RowReader) -> SampleScan:
     """Find gaps, steps, share splits and the mapped curve of a table's rows.
 
@@ -92,14 +82,14 @@ def look_at(plan: Plan, reader: RowReader) -> SampleScan:
     """
     rows = iter(reader)
     head: list[Rows] = []
-    while sum(map(len, head)) < LONG_ROWS and (part := next(rows, None)) is not None:
+    while reader.rows < LONG_ROWS and (part := next(rows, None)) is not None:
         head.append(part)
-    if not any(map(len, head)):
+    if not reader.rows:
         raise InputError("no rows with a time; a series has one row a time")
     following = next(rows, None)
     scan = SampleScan(plan, reader, every=following is None)
     if following is None:
-        whole, scan.notes = in_order(reader, joined(head))
+        whole, scan.notes = in_order(reader, np.concatenate(head, axis=1))
         scan.add(whole)
     else:
         for block in _blocks(plan, itertools.chain(head, (following,), rows)):
@@ -130,17 +120,15 @@ class SampleScan:
     _step_s: float = 0.0
     _even: bool = True
     _absent: list[float | None] = field(default_factory=list)
-    _before: _Block | None = None
+    _before: Floats = field(default_factory=lambda: np.empty((3, 0)))
     _change: Floats = field(default_factory=lambda: np.empty(0))
     _samples: tuple[Floats, Floats, Floats] | None = None
     _points: tuple[Floats, Floats] | None = None
 
     def _begin(self, block: Rows) -> None:
         """Decide by the first block what holds for all."""
-        self._absent = [sentinel(value) for value in block.values]
-        for index, values, absent in zip(
-            self.plan.columns, block.values, self._absent, strict=True
-        ):
+        self._absent = [sentinel(value) for value in block[2:]]
+        for index, values, absent in zip(self.plan.columns, block[2:], self._absent, strict=True):
             if absent is not None:
                 many = f"{np.count_nonzero(values == absent)} " if self.every else ""
                 header = shown(self.plan.table.columns[index].header)
@@ -148,14 +136,15 @@ class SampleScan:
         value = self._known(block, 0)
         if self.every and np.isnan(value).all():
             raise self._no_value()
-        if len(block) < 2:
+        number, seconds = block[:2]
+        if len(seconds) < 2:
             raise InputError(
-                f"only one time ({self.plan.table.row_word} {int(block.number[0])}); a series has "
+                f"only one time ({self.plan.table.row_word} {int(number[0])}); a series has "
                 "two or more, name another time column if this isn't it"
             )
-        self._first_s = float(block.seconds[0])
-        self._require_span(block)
-        self._step_s = float(block.seconds[-1] - block.seconds[0]) / (len(block) - 1)
+        self._first_s = float(seconds[0])
+        self._require_span(seconds)
+        self._step_s = float(seconds[-1] - seconds[0]) / (len(seconds) - 1)
         self.start = self.reader.time.start(self._first_s)
         if self.start is None and self._first_s != 0.0:
             self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
@@ -164,8 +153,8 @@ class SampleScan:
         if price and not self.relative:
             self.notes.append(curve_maps.NOT_ABOVE_0)
 
-    def _require_span(self, block: Rows) -> None:
-        if not np.isfinite(block.seconds).all() or block.seconds[-1] - self._first_s > 1e15:
+    def _require_span(self, seconds: Floats) -> None:
+        if not np.isfinite(seconds).all() or seconds[-1] - self._first_s > 1e15:
             raise InputError("the times span more than 30 million years; check their unit")
 
     def _no_value(self) -> InputError:
@@ -174,15 +163,15 @@ class SampleScan:
 
     def _known(self, block: Rows, i: int) -> Floats:
         """A column of a block, NaN where it holds the number for nothing."""
-        value, absent = block.values[i], self._absent[i]
+        value, absent = block[2 + i], self._absent[i]
         return value if absent is None else np.where(value == absent, np.nan, value)
 
     def add(self, block: Rows) -> None:
         """Look at the next block, one row a time."""
         if not self.count:
             self._begin(block)
-        self._require_span(block)
-        time_s = block.seconds - self._first_s
+        self._require_span(block[1])
+        time_s = block[1] - self._first_s
         if (np.diff(time_s) <= 0.0).any():
             raise InputError("times lie too close together to be distinguished; count them from 0")
         columns = {index: self._known(block, i) for i, index in enumerate(self.plan.columns)}
@@ -191,20 +180,13 @@ class SampleScan:
         self.missing += int(np.isnan(value).sum())
         self.count += len(value)
 
-        context, tail = self._before, 0
-        whole = _Block(time_s, value, level)
-        if context is not None:
-            tail = len(context.time_s)
-            whole = _Block(
-                np.concatenate((context.time_s, time_s)),
-                np.concatenate((context.value, value)),
-                np.concatenate((context.level, level)),
-            )
+        tail = self._before.shape[1]
+        whole = np.concatenate((self._before, [time_s, value, level]), axis=1)
         since = max(tail - 1, 0)  # steps from the last sample before the block on
-        holes = self._holes(whole.time_s, since)
+        holes = self._holes(whole[0], since)
         self._add_gaps(whole, since, holes)
         factors = self._find_splits(columns, time_s) if self.every else {}
-        step = curve_maps.steps(whole.value[since:], holes - since, self.relative, factors)
+        step = curve_maps.steps(whole[1, since:], holes - since, self.relative, factors)
         known = ~np.isnan(value)
         found = time_s[known], value[known], step[tail - since :][known]
         if self.every:
@@ -214,9 +196,7 @@ class SampleScan:
             self.times.append(time_s)
             self.thinner.add(*found)
         self._add_curve(whole, since, tail, holes, step, factors)
-        self._before = _Block(
-            whole.time_s[-CONTEXT_ROWS:], whole.value[-CONTEXT_ROWS:], whole.level[-CONTEXT_ROWS:]
-        )
+        self._before = whole[:, -CONTEXT_ROWS:].copy()
 
     def _find_splits(self, columns: Mapping[int, Floats], time_s: Floats) -> dict[int, float]:
         """Find share splits, say so, and return the factors of the samples after them."""
@@ -244,9 +224,10 @@ class SampleScan:
         self.gap_rule = self.gap_rule or holes.rule
         return holes.after[holes.after >= since]
 
-    def _add_gaps(self, whole: _Block, since: int, holes: NDArray[np.int64]) -> None:
-        value = np.where(np.isnan(whole.level), np.nan, whole.value)[since:]
-        found = list(gaps_of(whole.time_s[since:], value, holes - since))
+    def _add_gaps(self, whole: Floats, since: int, holes: NDArray[np.int64]) -> None:
+        time_s, value, level = whole[:, since:]
+        value = np.where(np.isnan(level), np.nan, value)
+        found = list(gaps_of(time_s, value, holes - since))
         if self.gaps and found and found[0][0] == self.gaps[-1][1] and np.isnan(value[0]):
             found[0] = self.gaps.pop()[0], found[0][1]  # it goes on from block to block
         self.gaps += found
@@ -258,28 +239,28 @@ class SampleScan:
 
     def _add_curve(
         self,
-        whole: _Block,
+        whole: Floats,
         since: int,
         tail: int,
         holes: NDArray[np.int64],
         step: Floats,
         factors: dict[int, float],
     ) -> None:
-        wish = self.plan.map
+        wish, (time_s, _, level) = self.plan.map, whole
         if wish.in_per_cent(self.relative) != self.relative:
-            step = curve_maps.steps(whole.level[since:], holes - since, not self.relative, factors)
+            step = curve_maps.steps(level[since:], holes - since, not self.relative, factors)
         change = np.concatenate((self._change, step[tail - since :]))
         kept = len(change)
-        curve = curve_maps.curve(wish, whole.level[-kept:], change, whole.time_s[-kept:])
+        curve = curve_maps.curve(wish, level[-kept:], change, time_s[-kept:])
         if self.every:
             known = ~np.isnan(curve)
             if not known.any():
                 raise InputError("the mapped column has no value in any row; name another")
-            self._points = whole.time_s[known], curve[known]
+            self._points = time_s[known], curve[known]
             return
         self.builder.append(curve[len(self._change) :])
         if wish.name == "volatility":
-            self._change = change[-self._needed(whole.time_s) :]
+            self._change = change[-self._needed(time_s) :]
 
     def _needed(self, time_s: NDArray[np.float64]) -> int:
         """How many changes before a block its first volatility needs."""
@@ -348,8 +329,7 @@ class SampleScan:
 
     @property
     def _last_s(self) -> float:
-        assert self._before is not None
-        return float(self._before.time_s[-1])
+        return float(self._before[0, -1])
 
     def _curve(self, unit: str) -> Intensity:
         if self._points is not None:
@@ -376,29 +356,28 @@ def _blocks(plan: Plan, rows: Iterator[Rows]) -> Iterator[Rows]:
     count = 0
     for part in rows:
         waiting.append(part)
-        count += len(part)
+        count += part.shape[1]
         if count >= BLOCK_ROWS:
-            block = joined(waiting)
-            _require_order(plan, block)
+            block = _in_order(plan, waiting)
             # rows of the last time may go on in the next part
-            end = int(np.searchsorted(block.seconds, block.seconds[-1]))
+            end = int(np.searchsorted(block[1], block[1, -1]))
             if not end:
-                raise InputError(f"{len(block)} rows of one time; check the time column")
-            waiting, count = [block.cut(end, len(block))], len(block) - end
-            yield last_of_each_time(block.cut(0, end))
+                raise InputError(f"{count} rows of one time; check the time column")
+            waiting, count = [block[:, end:]], count - end
+            yield last_of_each_time(block[:, :end])
     if count:
-        block = joined(waiting)
-        _require_order(plan, block)
-        yield last_of_each_time(block)
+        yield last_of_each_time(_in_order(plan, waiting))
 
 
-def _require_order(plan: Plan, block: Rows) -> None:
-    back = np.flatnonzero(np.diff(block.seconds) < 0.0)
+def _in_order(plan: Plan, parts: list[Rows]) -> Rows:
+    block = np.concatenate(parts, axis=1)
+    back = np.flatnonzero(np.diff(block[1]) < 0.0)
     if back.size:
         raise InputError(
-            f"{plan.table.row_word} {int(block.number[back[0] + 1])}: earlier than the row before "
+            f"{plan.table.row_word} {int(block[0, back[0] + 1])}: earlier than the row before "
             f"it; a series of more than {LONG_ROWS} rows has to be in order: sort it by time"
         )
+    return block
 
 
 def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
