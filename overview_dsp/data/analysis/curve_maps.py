@@ -3,7 +3,7 @@
 `--map level`
     The value itself.
 `--map change`
-    Each value less the one before: per cent for prices (`prices`), else in the value's unit
+    Each value less the one before: per cent for prices, else in the value's unit
     (`change:percent`, `change:difference` choose).
 `--map activity`
     The size of the change, without its sign.

@@ -30,6 +30,7 @@ import json
 import os
 from dataclasses import replace
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -100,17 +101,17 @@ def decode(document: object, default_title: str = "") -> Timeline:
         top["duration_s"], "duration_s", "a duration is a finite number of seconds above 0"
     )
     timeline = Timeline(
-        title=validation.text(top.get("title", default_title), "title"),
+        title=top.get("title", default_title),
         duration_s=duration_s,
         events=_events(top.get("events", []), duration_s),
         details=_events(top.get("details", []), duration_s, "details"),
         intensity=_intensity(top["intensity"]) if "intensity" in top else None,
         gaps=_gaps(top.get("gaps", [])),
-        gap_reasons=_texts(top.get("gap_reasons", []), "gap_reasons"),
-        provenance=validation.text(top.get("provenance", ""), "provenance"),
-        notes=_texts(top.get("notes", []), "notes"),
+        gap_reasons=tuple(_list(top.get("gap_reasons", []), "gap_reasons")),
+        provenance=top.get("provenance", ""),
+        notes=tuple(_list(top.get("notes", []), "notes")),
         start=_moment(top["start"]) if "start" in top else None,
-        until_s=validation.until(top.get("until_s"), duration_s),
+        until_s=top.get("until_s"),
     )
     return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
 
@@ -230,7 +231,7 @@ def _json(value: object) -> str:
 
 def _table(
     value: object, place: str, known: tuple[str, ...], required: tuple[str, ...]
-) -> dict[str, object]:
+) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise InputError(f"{place} is {shown(value)}, not an object {{...}}")
     for key in value:
@@ -244,15 +245,10 @@ def _table(
     return value
 
 
-def _list(value: object, place: str) -> list[object]:
+def _list(value: object, place: str) -> list[Any]:
     if not isinstance(value, list):
         raise InputError(f"{place} is {shown(value)}, not a list [...]")
     return value
-
-
-def _texts(value: object, place: str) -> tuple[str, ...]:
-    texts = enumerate(_list(value, place))
-    return tuple(validation.text(text, f"{place}[{i}]") for i, text in texts)
 
 
 def _gaps(value: object) -> Gaps:
@@ -317,5 +313,5 @@ def _intensity(value: object) -> Intensity:
         np.array(time_s, np.float64),
         np.array(value, np.float64),
         validation.text(table.get("unit", ""), "intensity.unit"),
-        tuple(percentiles),  # type: ignore[arg-type]  # checked there
+        tuple(percentiles),
     )

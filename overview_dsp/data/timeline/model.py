@@ -6,6 +6,7 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import Counter
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from functools import cached_property
@@ -148,10 +149,7 @@ class Timeline:
         >>> match.kinds()["goal"]
         5
         """
-        counts: dict[str, int] = {}
-        for event in self.events:
-            counts[event.kind] = counts.get(event.kind, 0) + 1
-        return counts
+        return dict(Counter(event.kind for event in self.events))
 
     def event(self, kind: str, number: int) -> Event:
         """Find the n-th event of a kind.

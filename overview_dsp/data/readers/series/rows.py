@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.cells import NumberColumn, Style
 from overview_dsp.data.readers.tables.column_roles import TimeChoice, joined_cells
-from overview_dsp.data.readers.tables.table import Table, location
+from overview_dsp.data.readers.tables.table import Location, Table, location
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
 from overview_dsp.errors import InputError, shown
 
@@ -140,9 +140,8 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     elif (step < 0.0).any():
         back = int(np.flatnonzero(step < 0.0)[0]) + 1
         if reader.choice.format.name in CLOCKS:
-            raise InputError(
-                f"{word} {int(number[back])}: the clock goes back; give dates too, or cut the file "
-                "there"
+            raise Location(int(number[back]), word=word).fault(
+                "the clock goes back; give dates too, or cut the file there"
             )
         order = np.argsort(seconds, kind="stable")
         notes.append(

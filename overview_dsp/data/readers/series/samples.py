@@ -44,6 +44,7 @@ from overview_dsp.data.readers.series.rows import (
 )
 from overview_dsp.data.readers.tables.cells import sentinel
 from overview_dsp.data.readers.tables.column_roles import is_adjusted, price_columns
+from overview_dsp.data.readers.tables.table import Location
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.intensity import LONG
@@ -373,9 +374,9 @@ def _in_order(plan: Plan, parts: list[Rows]) -> Rows:
     block = np.concatenate(parts, axis=1)
     back = np.flatnonzero(np.diff(block[1]) < 0.0)
     if back.size:
-        raise InputError(
-            f"{plan.table.row_word} {int(block[0, back[0] + 1])}: earlier than the row before "
-            f"it; a series of more than {LONG_ROWS} rows has to be in order: sort it by time"
+        raise Location(int(block[0, back[0] + 1]), word=plan.table.row_word).fault(
+            f"earlier than the row before it; a series of more than {LONG_ROWS} rows has to be in "
+            "order: sort it by time"
         )
     return block
 

@@ -31,12 +31,13 @@ from overview_dsp.data.readers.tables.table import (
     Chunk,
     Column,
     ColumnTable,
+    Location,
     Table,
     require_few_columns,
     single_cells,
 )
 from overview_dsp.data.timeline.times import FORMS, moment
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import shown
 
 
 def sniff(source: Source) -> bool:
@@ -265,9 +266,8 @@ def _of_entries(
         part = entries[begin:end]
         for number, entry in enumerate(part, begin + 1):
             if not isinstance(entry, kind) or (kind is list and len(entry) != len(names)):
-                raise InputError(
-                    f"record {number}: {shown(entry)} isn't {words}, as those before it"
-                )
+                place = Location(number, word="record")
+                raise place.error(entry, f"isn't {words}, as those before it")
         return [entry.get(names[i]) if kind is dict else entry[i] for entry in part]
 
     return _Shape(names, len(entries), cut)
@@ -312,7 +312,7 @@ class JsonLinesTable(Table):
         sample = itertools.islice(self._records(), _SAMPLE)
         self._names = _names_in(record for _, record in sample)
         if not self._names:
-            raise InputError("line 1: an object without values; give times and values")
+            raise Location(1).fault("an object without values; give times and values")
         require_few_columns(len(self._names))
         self.columns = tuple(map(Column.of, self._names))
 
@@ -332,11 +332,10 @@ class JsonLinesTable(Table):
             try:
                 record = json.loads(line)
             except (ValueError, RecursionError) as error:
-                raise InputError(
-                    f"line {number}: broken JSON ({error}); one object a line is read"
-                ) from error
+                note = f"broken JSON ({error}); one object a line is read"
+                raise Location(number).fault(note) from error
             if not isinstance(record, dict):
-                raise InputError(f"line {number}: {shown(record)} isn't an object {{...}}")
+                raise Location(number).error(record, "isn't an object {...}")
             yield number, record
 
 

@@ -15,7 +15,13 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables import frames
 from overview_dsp.data.readers.tables.frames import Given, of_array, of_list
-from overview_dsp.data.readers.tables.table import Cells, Column, ColumnTable, as_list
+from overview_dsp.data.readers.tables.table import (
+    Cells,
+    Column,
+    ColumnTable,
+    Location,
+    as_list,
+)
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.errors import InputError, shown
@@ -171,7 +177,7 @@ def _of_sequence(data: list[Any]) -> list[tuple[str, Given]]:
         if sample and isinstance(sample[0], kind):
             for number, entry in enumerate(data, 1):
                 if not isinstance(entry, kind):
-                    raise InputError(f"row {number}: {shown(entry)} isn't as those before it")
+                    raise Location(number, word="row").error(entry, "isn't as those before it")
             return taken(data)
     return [("value", of_list(data))]
 
@@ -200,9 +206,8 @@ def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, Given]]:
         names = ["value"] if width == 1 else ["time", *_numbered(width)[1:]]
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
-            raise InputError(
-                f"row {number}: {shown(row)} has {len(row)} values, not {len(names)} as the others"
-            )
+            note = f"has {len(row)} values, not {len(names)} as the others"
+            raise Location(number, word="row").error(row, note)
     return [(name, of_list([row[i] for row in rows])) for i, name in enumerate(names)]
 
 

@@ -148,6 +148,10 @@ class Location:
         words = f"{self}: is missing; {note}"
         return InputError(words, line=self.line, column=self.column, value="", note=note)
 
+    def fault(self, note: str) -> InputError:
+        """Return the error of a whole row that `note` says what is wrong with."""
+        return InputError(f"{self}: {note}", line=self.line, column=self.column, note=note)
+
 
 class Table:
     """A table that can be read as often as needed, some rows at a time.
