@@ -14,10 +14,10 @@ from typing import Any, cast
 from overview_dsp import validation
 from overview_dsp.data.readers import native, suggestions
 from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, is_series
-from overview_dsp.data.readers.json_limits import MOST_DEPTH
 from overview_dsp.data.readers.opening import is_content, opened
 from overview_dsp.data.readers.series import series
 from overview_dsp.data.readers.source import (
+    MOST_DEPTH,
     READ_AS_WINDOWS,
     UNNAMED,
     WINDOWS,

@@ -19,8 +19,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline, opening, save_timeline, source
-from overview_dsp.data.readers.json_limits import MOST_DEPTH, extent
 from overview_dsp.data.readers.opening import packing
+from overview_dsp.data.readers.source import MOST_DEPTH, extent
 from overview_dsp.errors import InputError
 from tests.data.readers.football_files import METRICA, MINUTES, OPENFOOTBALL_TEXT, WYSCOUT_TEXT
 from tests.data.readers.statsbomb_match import full_match
@@ -168,11 +168,11 @@ def test_the_depth_is_that_of_the_parsed_document(
             return 1 + max(map(depth, value.values()), default=0)
         return 1 + max(map(depth, value), default=0) if isinstance(value, list) else 0
 
-    from overview_dsp.data.readers import json_limits
+    from overview_dsp.data.readers import source
 
     text = json.dumps(document, ensure_ascii=ascii_only)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(json_limits, "_CHUNK", chunk)
+        patch.setattr(source, "_JSON_CHUNK", chunk)
         assert extent(text).depth == depth(document)
 
 
