@@ -55,7 +55,6 @@ from overview_dsp.data.readers.tables.column_roles import (
     Roles,
     TimeChoice,
     is_wordy,
-    joined_cells,
     looks_listed,
     roles_of,
     time_named,
@@ -234,9 +233,7 @@ class _Reader:
                               roles.id) if i is not None]  # fmt: skip
         rows = 0
         for chunk in self.table.chunks((*self.choice.columns, *others)):
-            cells = chunk.cells[0]
-            if count > 1:
-                cells = joined_cells(chunk.cells[:count], " ")
+            cells = self.choice.cells(chunk)
             seconds = self.times.seconds(cells, location(self.table, chunk, roles.time))
             rows += len(chunk)
             if rows > MAX_EVENTS:

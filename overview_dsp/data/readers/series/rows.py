@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.cells import NumberColumn, Style
-from overview_dsp.data.readers.tables.column_roles import TimeChoice, joined_cells
+from overview_dsp.data.readers.tables.column_roles import TimeChoice
 from overview_dsp.data.readers.tables.table import Location, Table, location
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
 from overview_dsp.errors import InputError, shown
@@ -55,11 +54,8 @@ class RowReader:
                 )
             ]
             if count:
-                cells = chunk.cells[0]
-                if count > 1:
-                    cells = joined_cells(chunk.cells[:count], self.choice.joint)
                 place = location(self.table, chunk, self.choice.columns[0])
-                seconds = self.time.seconds(cells, place)
+                seconds = self.time.seconds(self.choice.cells(chunk), place)
             else:
                 assert self.rate is not None
                 seconds = (seen + np.arange(len(chunk))) / self.rate
@@ -94,10 +90,7 @@ def settled(table: Table, choice: TimeChoice) -> TimeChoice:
     def texts() -> Iterator[tuple[int, str]]:
         nonlocal example
         for chunk in table.chunks(choice.columns):
-            cells: Any = chunk.cells[0]
-            if len(choice.columns) > 1:
-                cells = joined_cells(chunk.cells, choice.joint)
-            for i, cell in enumerate(cells):
+            for i, cell in enumerate(choice.cells(chunk)):
                 if isinstance(cell, str) and cell.strip():
                     example = example or cell.strip()
                     yield chunk.number(i), cell.strip()

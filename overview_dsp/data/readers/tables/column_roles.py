@@ -15,6 +15,8 @@ from typing import Any
 from overview_dsp.data.readers.source import LoadOptions
 from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.data.readers.tables.table import (
+    Cells,
+    Chunk,
     Column,
     Columns,
     Head,
@@ -116,6 +118,17 @@ class TimeChoice:
     format: Format
     joint: str = ""
     notes: tuple[str, ...] = ()
+
+    def cells(self, chunk: Chunk) -> Cells:
+        """Return the times of a chunk, whose first columns they are; None where any is missing."""
+        if len(self.columns) == 1:
+            return chunk.cells[0]
+        lists = map(as_list, chunk.cells[: len(self.columns)])
+        text = _whole if self.joint == "-" else _stripped
+        return [
+            None if any(map(is_missing, row)) else self.joint.join(map(text, row))
+            for row in zip(*lists, strict=True)
+        ]
 
 
 def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> TimeChoice:
@@ -256,33 +269,23 @@ def _clock_beside(columns: Columns, head: Head, date: int, form: Format) -> int 
     dates = _texts(head[date]) if form.name in _DAYS else []
     if not dates or any(":" in text for text in dates):
         return None
-    return _beside(
-        *(columns, head, date),
-        lambda name: any(word in name for word in _CLOCK_NAMES),
-        lambda text: moment(f"2000-01-01 {text}", "iso"),
-    )
+    named = [i for i, c in enumerate(columns) if any(word in c.plain for word in _CLOCK_NAMES)]
+    return next((i for i in named if i != date and _all(head[i], _is_day_clock)), None)
 
 
 def _offset_beside(columns: Columns, head: Head, date: int, form: Format) -> int | None:
     """A column of offsets from UTC, which tells the hours apart that clock changes repeat."""
-    if form.name not in _DAYS:
-        return None
-    return _beside(columns, head, date, lambda name: name in _OFFSET_NAMES, _OFFSET.fullmatch)
+    named = [i for i, c in enumerate(columns) if c.plain in _OFFSET_NAMES and form.name in _DAYS]
+    return next((i for i in named if i != date and _all(head[i], _OFFSET.fullmatch)), None)
 
 
-def _beside(
-    columns: Columns,
-    head: Head,
-    date: int,
-    named: Callable[[str], bool],
-    fits: Callable[[str], object],
-) -> int | None:
-    """The first other column that is named so and all of whose texts fit."""
-    for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
-        texts = _texts(cells) if i != date and named(column.plain) else []
-        if texts and all(map(fits, texts)):
-            return i
-    return None
+def _all(cells: Sequence[Any], fits: Callable[[str], object]) -> bool:
+    texts = _texts(cells)
+    return bool(texts) and all(map(fits, texts))
+
+
+def _is_day_clock(text: str) -> bool:
+    return moment(f"2000-01-01 {text}", "iso") is not None
 
 
 def _texts(cells: Sequence[Any]) -> list[str]:
@@ -311,18 +314,11 @@ def _year_month_day(columns: Columns, head: Head) -> TimeChoice | None:
 
 def _whole(cell: Any) -> str:
     number = _float(cell)
-    return str(int(number)) if number is not None and number.is_integer() else str(cell).strip()
+    return str(int(number)) if number is not None and number.is_integer() else _stripped(cell)
 
 
-def joined_cells(columns: Sequence[Any], joint: str) -> list[Any]:
-    """Return the cells of several columns as one text a row; missing where any is."""
-    lists = [as_list(cells) for cells in columns]
-    return [
-        None
-        if any(is_missing(cell) for cell in row)
-        else joint.join(_whole(cell) if joint == "-" else str(cell).strip() for cell in row)
-        for row in zip(*lists, strict=True)
-    ]
+def _stripped(cell: Any) -> str:
+    return str(cell).strip()
 
 
 def choose_value(
