@@ -56,11 +56,17 @@ MemoryFile = bytes | bytearray | memoryview | IO[bytes] | IO[str]
 TimelineData = str | os.PathLike[str] | MemoryFile | TableData
 """Whatever `load_timeline` takes besides a Timeline."""
 
-
 EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
 """What the parts of an event given as a tuple are called."""
 
 _SAMPLE = 50
+_OF_DAY = "hh:mm"
+"""The unit of clocks of the day."""
+
+_SECOND = np.timedelta64(1, "s")
+_INSTALL = (
+    'needs narwhals: pip install "overview-dsp[dataframes]", or give its columns as a dict of lists'
+)
 
 
 def table_of(data: Any, times: Any = None) -> ColumnTable:
@@ -285,11 +291,6 @@ def _field(text: str) -> str:
 
 # --- columns, and frames of them
 
-_OF_DAY = "hh:mm"
-"""The unit of clocks of the day."""
-
-_SECOND = np.timedelta64(1, "s")
-
 
 @dataclass(frozen=True, eq=False)
 class InputColumn:
@@ -404,11 +405,6 @@ def _single(value: Any) -> Any:
         return None if value != value else value.isoformat(" ")
     # a date, a clock, a period; what a library has for "missing" is found by its name (<NA>, NaT)
     return str(value)
-
-
-_INSTALL = (
-    'needs narwhals: pip install "overview-dsp[dataframes]", or give its columns as a dict of lists'
-)
 
 
 def is_frame(data: object) -> bool:
