@@ -1,4 +1,4 @@
-"""Shared parts of public names: lazy imports (PEP 562), short reprs, and drawing by `plots`."""
+"""Shared parts of public names: lazy imports (PEP 562), short reprs, DataFrames, drawing."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from dataclasses import MISSING, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from overview_dsp.errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 PACKAGE = __name__.partition(".")[0]
 
@@ -81,6 +84,17 @@ def changed_fields(instance: Any, **shown: str) -> str:
         if field.default is MISSING or value != field.default:
             given.append(f"{field.name}={shown.get(field.name) or short(value)}")
     return f"{type(instance).__name__}({', '.join(given)})"
+
+
+def dataframe(columns: Mapping[str, Any]) -> DataFrame:
+    """Make a DataFrame of columns of equal length; InputError says how to install pandas."""
+    try:
+        from pandas import DataFrame
+    except ImportError as error:
+        raise InputError(
+            'a DataFrame needs pandas: pip install "overview-dsp[dataframes]"'
+        ) from error
+    return DataFrame(dict(columns))
 
 
 def drawn(module: str, name: str, *arguments: Any) -> Figure:

@@ -16,9 +16,7 @@ import numpy as np
 
 import overview_dsp as ov
 from overview_dsp.data.analysis.extrema import Thinner
-from overview_dsp.data.analysis.series_events import Series
-from overview_dsp.data.analysis.series_labels import Calendar
-from overview_dsp.data.analysis.window_rules import PartRules
+from overview_dsp.data.analysis.series_events import Calendar, PartRules, Series
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.minmax_pyramid import CHUNK
 

@@ -44,8 +44,8 @@ import numpy as np
 
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.moments import NARROWEST_S
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
-from overview_dsp.data.timeline.zooming import NARROWEST_S
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.browser_memory import event_numbers

@@ -3,7 +3,7 @@
 `--map level`
     The value itself.
 `--map change`
-    Each value less the one before: per cent for prices (`prices`), else in the value's unit
+    Each value less the one before: per cent for prices, else in the value's unit
     (`change:percent`, `change:difference` choose).
 `--map activity`
     The size of the change, without its sign.
@@ -127,10 +127,7 @@ class Map:
 
 
 def curve(
-    wish: Map,
-    level: NDArray[np.float64],
-    step: NDArray[np.float64],
-    time_s: NDArray[np.float64],
+    wish: Map, level: NDArray[np.float64], step: NDArray[np.float64], time_s: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return what is mapped of each sample, NaN where the level is missing.
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.analysis.heart_signal import Signal, SilenceFinder, Spans, runs
-from overview_dsp.data.analysis.qrs import REFRACTORY_S, find_qrs
+from overview_dsp.data.analysis.qrs import REFRACTORY_S, band_passed, find_qrs
 
 BLOCK_S = 300.0
 MARGIN_S = 15.0
@@ -193,22 +193,13 @@ def _is_ecg(part: NDArray[np.float64], rate: float) -> bool:
     return bool(sharp > _PULSE_BELOW * slow)
 
 
-def _band_passed(
-    part: NDArray[np.float64], rate: float, low: float, high: float
-) -> NDArray[np.float64]:
-    from scipy.signal import butter, sosfiltfilt
-
-    sections = butter(2, (low, high), "bandpass", fs=rate, output="sos")
-    return np.asarray(sosfiltfilt(sections, part), dtype=np.float64)
-
-
 def _pulses(part: NDArray[np.float64], rate: float) -> Indices:
     """Return the systolic peaks' positions.
 
     Elgendi et al., "Systolic peak detection in acceleration photoplethysmograms", PLoS ONE 8(10),
     2013: where the squared signal's mean over a peak (111 ms) exceeds that over a beat (667 ms).
     """
-    band = _band_passed(part, rate, 0.5, 8.0)
+    band = band_passed(part, rate, 0.5, 8.0)
     power = np.maximum(band, 0.0) ** 2
     peak, beat = (np.ones(round(s * rate) | 1) for s in (0.111, 0.667))
     over_peak = np.convolve(power, peak / len(peak), "same")[: len(power)]

@@ -119,7 +119,7 @@ def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
     """Return the beats and the noise's height beside theirs, shape (n,)."""
     from scipy.signal import find_peaks
 
-    band = _band_passed(signal, rate, *_BAND_HZ)
+    band = band_passed(signal, rate, *_BAND_HZ)
     half, on_r = max(1, round(_HALF_S * rate)), round(0.05 * rate)
     norm = np.sqrt(np.maximum(_summed(band**2, half), 0.0))
     beats = np.zeros(0, np.int64)
@@ -151,7 +151,7 @@ def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
         height = _over_usual(norm * alike, rate)
     # so near that it is another sample of the same wave, whatever the other beats look like
     beats = _on_peaks(beats, band, max(1, round(0.02 * rate)))
-    beats = _with_other_shapes(beats, _band_passed(signal, rate, *_WIDE_HZ), rate)
+    beats = _with_other_shapes(beats, band_passed(signal, rate, *_WIDE_HZ), rate)
     return beats, _noise_beside(height, beats, rate, 0.12)
 
 
@@ -200,7 +200,7 @@ def _whitened(signal: Floats, beats: Indices, rate: float) -> Floats:
     from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
     from scipy.signal import welch
 
-    wide = _band_passed(signal, rate, *_WHITE_HZ)
+    wide = band_passed(signal, rate, *_WHITE_HZ)
     reach = round(_BEAT_S * rate)
     beside = np.ones(len(wide), np.bool_)
     near = beats[:, None] + np.arange(-reach, reach + 1)
@@ -323,7 +323,8 @@ def _between(ends: tuple[float, float], part: Floats) -> Floats:
     return ends[0] + (ends[1] - ends[0]) * part
 
 
-def _band_passed(signal: Floats, rate: float, low: float, high: float) -> Floats:
+def band_passed(signal: Floats, rate: float, low: float, high: float) -> Floats:
+    """Return a signal's band from `low` to `high` Hz, without delay."""
     from scipy.signal import butter, sosfiltfilt
 
     sections = butter(2, (low, min(high, 0.45 * rate)), "bandpass", fs=rate, output="sos")

@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.curve_checks import MAX_VALUE
 from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.samples import MAX_VALUE
 from overview_dsp.errors import InputError, shown
 
 Map = Literal["whole", "so far"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from overview_dsp.data.readers.formats import FORMATS, Format
+from overview_dsp.data.readers.formats import FORMATS
 from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.readers.registry import (
     BUNDLED,
@@ -10,6 +10,7 @@ from overview_dsp.data.readers.registry import (
     list_matches,
     load_timeline,
 )
+from overview_dsp.data.readers.source import Format
 
 __all__ = [
     "BUNDLED",

@@ -7,7 +7,6 @@ one entry in `FORMATS`; other packages bring theirs by an entry point (`plugins`
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from overview_dsp.data.readers import native
 from overview_dsp.data.readers.audio import reader as audio
@@ -24,38 +23,27 @@ from overview_dsp.data.readers.football import (
     wyscout,
 )
 from overview_dsp.data.readers.plugins import package_readers
-from overview_dsp.data.readers.series import series as series
-from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.readers.series import series
+from overview_dsp.data.readers.source import Format, Source
 from overview_dsp.data.readers.tables import arrays, delimited, json, logs, tracks
-from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.data.readers.tables.table import Table
 
+SERIES_OPTIONS = series.OPTIONS
+"""The options of tables of series."""
 
-@dataclass(frozen=True)
-class Format:
-    """A file format and its reader.
-
-    Parameters
-    ----------
-    name
-        What an error line calls it.
-    sniff
-        Whether the source is in this format; cheap, never by the file's name.
-    read
-        Makes the Timeline; errors begin with the file's path.
-    options
-        The names of the `LoadOptions` it takes.
-    matches
-        For files of several matches: gives a line on each, in the order of their numbers.
-    """
-
-    name: str
-    sniff: Callable[[Source], bool]
-    read: Callable[[Source, LoadOptions], Timeline]
-    options: frozenset[str] = frozenset()
-    matches: Callable[[Source], list[str]] | None = None
-
+LIMITS = frozenset({"max_mb", "max_depth"})
+"""The options every format takes."""
 
 _LISTED = frozenset({"duration_s", "time", "kind", "label"})
+
+_LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
+
+
+def _series(
+    name: str, sniff: Callable[[Source], bool], open_table: Callable[[Source], Table]
+) -> Format:
+    return Format(name, sniff, series.reading(open_table), SERIES_OPTIONS)
+
 
 FORMATS: tuple[Format, ...] = (
     # before the formats of whole JSON documents, which lines of them are not
@@ -65,17 +53,8 @@ FORMATS: tuple[Format, ...] = (
         event_table.read_lines,
         _LISTED,
     ),
-    Format(
-        "series (one JSON object a line)",
-        json.sniff_lines,
-        series.reading(json.open_lines),
-        series.OPTIONS,
-    ),
-    Format(
-        'native timeline (JSON with the key "overview_timeline")',
-        native.sniff,
-        native.read,
-    ),
+    _series("series (one JSON object a line)", json.sniff_lines, json.JsonLinesTable),
+    Format('native timeline (JSON with the key "overview_timeline")', native.sniff, native.read),
     Format(
         "StatsBomb events (JSON list with period, timestamp and type)",
         statsbomb.sniff,
@@ -90,7 +69,7 @@ FORMATS: tuple[Format, ...] = (
         "Wyscout v2 events (JSON with matchPeriod, eventSec and tags)",
         wyscout.sniff,
         wyscout.read,
-        frozenset({"match"}),
+        _MATCH,
         wyscout.matches,
     ),
     Format(
@@ -103,46 +82,36 @@ FORMATS: tuple[Format, ...] = (
         "openfootball matches (JSON with team1, team2 and goals)",
         openfootball.sniff,
         openfootball.read,
-        frozenset({"match"}),
+        _MATCH,
         openfootball.matches,
     ),
     Format(
         "openfootball matches (Football.TXT: teams, score, goals in minutes)",
         openfootball_text.sniff,
         openfootball_text.read,
-        frozenset({"match"}),
+        _MATCH,
         openfootball_text.matches,
     ),
     Format(
         "list of minutes (CSV with minute and type or scorer)",
         minute_list.sniff,
         minute_list.read,
-        frozenset({"match"}),
+        _MATCH,
         minute_list.matches,
     ),
     Format(
         "event list (CSV with the columns time_s and kind)",
         event_table.sniff_list,
         event_table.read_list,
-        frozenset({"duration_s"}),
+        _LENGTH,
     ),
-    Format(
-        "calendar (iCalendar, .ics)",
-        icalendar.sniff,
-        icalendar.read,
-        frozenset({"duration_s"}),
-    ),
-    Format(
-        "subtitles (SubRip .srt, WebVTT .vtt)",
-        cue_lists.sniff,
-        cue_lists.read,
-        frozenset({"duration_s"}),
-    ),
+    Format("calendar (iCalendar, .ics)", icalendar.sniff, icalendar.read, _LENGTH),
+    Format("subtitles (SubRip .srt, WebVTT .vtt)", cue_lists.sniff, cue_lists.read, _LENGTH),
     Format(
         "labels (Audacity: start, end and label with tabs between)",
         cue_lists.sniff_labels,
         cue_lists.read_labels,
-        frozenset({"duration_s"}),
+        _LENGTH,
     ),
     Format(
         "table of events (CSV, TSV, JSON: time, date, minute or start with event, what, type, name "
@@ -169,36 +138,20 @@ FORMATS: tuple[Format, ...] = (
         audio.read,
         frozenset({"map", "max_mb"}),
     ),
-    Format("track (GPX, TCX)", tracks.sniff, series.reading(tracks.open_table), series.OPTIONS),
-    Format(
-        "log (lines with a date each, for map count)",
-        logs.sniff,
-        series.reading(logs.LogTable),
-        series.OPTIONS,
-    ),
-    Format(
+    _series("track (GPX, TCX)", tracks.sniff, tracks.open_table),
+    _series("log (lines with a date each, for map count)", logs.sniff, logs.LogTable),
+    _series(
         "series (CSV, TSV: a table with a column of times and one of values)",
         delimited.sniff,
-        series.reading(delimited.open_table),
-        series.OPTIONS,
+        delimited.open_table,
     ),
-    Format(
-        "series (JSON: records, columns or pairs of times and values)",
-        json.sniff,
-        series.reading(json.open_table),
-        series.OPTIONS,
+    _series(
+        "series (JSON: records, columns or pairs of times and values)", json.sniff, json.open_table
     ),
-    Format(
-        "series (NumPy .npy)", arrays.sniff_npy, series.reading(arrays.open_npy), series.OPTIONS
-    ),
-    Format(
-        "series (NumPy .npz)", arrays.sniff_npz, series.reading(arrays.open_npz), series.OPTIONS
-    ),
-    Format(
-        "series (Parquet, with the extra `parquet`)",
-        arrays.sniff_parquet,
-        series.reading(arrays.open_parquet),
-        series.OPTIONS,
+    _series("series (NumPy .npy)", arrays.sniff_npy, arrays.open_npy),
+    _series("series (NumPy .npz)", arrays.sniff_npz, arrays.open_npz),
+    _series(
+        "series (Parquet, with the extra `parquet`)", arrays.sniff_parquet, arrays.ParquetTable
     ),
 )
 """The formats of this package, asked in this order."""
@@ -206,17 +159,9 @@ FORMATS: tuple[Format, ...] = (
 
 def formats() -> tuple[Format, ...]:
     """Return all formats that can be read, in the order they are asked: other packages' first."""
-    others = (Format(p.name, p.sniff, p.read, p.options, p.matches) for p in package_readers())
-    return (*others, *FORMATS)
+    return (*package_readers(), *FORMATS)
 
 
 def is_series(known: Format) -> bool:
     """Return whether a format is a table of a series, whose rows may be counted too."""
     return known.options == SERIES_OPTIONS
-
-
-SERIES_OPTIONS = series.OPTIONS
-"""The options of tables of series."""
-
-LIMITS = frozenset({"max_mb", "max_depth"})
-"""The options every format takes."""

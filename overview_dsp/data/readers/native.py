@@ -30,13 +30,15 @@ import json
 import os
 from dataclasses import replace
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.analysis.window_rules import PartRules, rules_of
+from overview_dsp.data.analysis.series_events import PartRules, Series, rules_of
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.event import MAX_EVENTS
+from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
 from overview_dsp.errors import InputError, shown
@@ -50,20 +52,9 @@ MAX_POINTS = 5_000_000
 
 _KEY = "overview_timeline"
 _TOP_KEYS = (
-    _KEY,
-    "title",
-    "duration_s",
-    "until_s",
-    "start",
-    "intensity",
-    "gaps",
-    "gap_reasons",
-    "events",
-    "details",
-    "series",
-    "provenance",
-    "notes",
-)
+    _KEY, "title", "duration_s", "until_s", "start", "intensity", "gaps", "gap_reasons", "events",
+    "details", "series", "provenance", "notes",
+)  # fmt: skip
 _INTENSITY_KEYS = ("time_s", "value", "unit", "percentiles")
 _SERIES_KEYS = ("per_cent", "time_s", "value", "unit")
 _EVENT_KEYS = ("time_s", "kind", "label", "weight")
@@ -110,26 +101,17 @@ def decode(document: object, default_title: str = "") -> Timeline:
         top["duration_s"], "duration_s", "a duration is a finite number of seconds above 0"
     )
     timeline = Timeline(
-        title=validation.text(top.get("title", default_title), "title"),
+        title=top.get("title", default_title),
         duration_s=duration_s,
         events=_events(top.get("events", []), duration_s),
         details=_events(top.get("details", []), duration_s, "details"),
         intensity=_intensity(top["intensity"]) if "intensity" in top else None,
-        gaps=tuple(
-            (validation.number(start, f"gaps[{i}][0]"), validation.number(end, f"gaps[{i}][1]"))
-            for i, (start, end) in enumerate(_pairs(top.get("gaps", [])))
-        ),
-        gap_reasons=tuple(
-            validation.text(reason, f"gap_reasons[{i}]")
-            for i, reason in enumerate(_list(top.get("gap_reasons", []), "gap_reasons"))
-        ),
-        provenance=validation.text(top.get("provenance", ""), "provenance"),
-        notes=tuple(
-            validation.text(note, f"notes[{i}]")
-            for i, note in enumerate(_list(top.get("notes", []), "notes"))
-        ),
+        gaps=_gaps(top.get("gaps", [])),
+        gap_reasons=tuple(_list(top.get("gap_reasons", []), "gap_reasons")),
+        provenance=top.get("provenance", ""),
+        notes=tuple(_list(top.get("notes", []), "notes")),
         start=_moment(top["start"]) if "start" in top else None,
-        until_s=validation.until(top.get("until_s"), duration_s),
+        until_s=top.get("until_s"),
     )
     return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
 
@@ -142,26 +124,21 @@ def encode(timeline: Timeline) -> bytes:
     InputError
         A curve of more than `MAX_POINTS` points.
     """
-    entries: list[tuple[str, str]] = [
-        (_KEY, str(VERSION)),
-        ("title", _json(timeline.title)),
-        ("duration_s", _json(timeline.duration_s)),
-    ]
-    if timeline.until_s is not None:
-        entries.append(("until_s", _json(timeline.until_s)))
-    if timeline.start is not None:
-        entries.append(("start", _json(timeline.start.isoformat())))
-    if timeline.provenance:
-        entries.append(("provenance", _json(timeline.provenance)))
-    if timeline.notes:
-        entries.append(("notes", _json(timeline.notes)))
-    if timeline.gaps:
-        entries.append(("gaps", _json(timeline.gaps)))
-    if timeline.gap_reasons:
-        entries.append(("gap_reasons", _json(timeline.gap_reasons)))
+    values: dict[str, object] = {
+        _KEY: VERSION,
+        "title": timeline.title,
+        "duration_s": timeline.duration_s,
+        "until_s": timeline.until_s,
+        "start": timeline.start.isoformat() if timeline.start is not None else None,
+        "provenance": timeline.provenance or None,
+        "notes": timeline.notes or None,
+        "gaps": timeline.gaps or None,
+        "gap_reasons": timeline.gap_reasons or None,
+    }
+    entries = {key: _json(value) for key, value in values.items() if value is not None}
     for key, events in (("events", timeline.events), ("details", timeline.details)):
         if events:
-            entries.append((key, "[\n  " + ",\n  ".join(_row(event) for event in events) + "\n ]"))
+            entries[key] = "[\n  " + ",\n  ".join(map(_row, events)) + "\n ]"
     if timeline.intensity is not None:
         curve = timeline.intensity
         if curve.count > MAX_POINTS:
@@ -171,17 +148,17 @@ def encode(timeline: Timeline) -> bytes:
             )
         scaled = curve.percentiles != EXTREMES
         scale = f', "percentiles": {_json(curve.percentiles)}' if scaled else ""
-        entries.append(
-            (
-                "intensity",
-                f'{{"unit": {_json(curve.unit)}{scale},\n'
-                f'  "time_s": {_json(curve.time_s.tolist())},\n'
-                f'  "value": {_json(curve.value.tolist())}}}',
-            )
-        )
+        entries["intensity"] = _points(curve, f'"unit": {_json(curve.unit)}{scale},\n')
     if isinstance(timeline.rules, PartRules):
-        entries.append(("series", _series(timeline.rules, timeline.intensity)))
-    return ("{" + ",\n ".join(f'"{key}": {body}' for key, body in entries) + "}\n").encode()
+        entries["series"] = _series(timeline.rules, timeline.intensity)
+    return ("{" + ",\n ".join(f'"{key}": {body}' for key, body in entries.items()) + "}\n").encode()
+
+
+def _points(curve: Intensity | Series, first: str) -> str:
+    return (
+        f'{{{first}  "time_s": {_json(curve.time_s.tolist())},\n'
+        f'  "value": {_json(curve.value.tolist())}}}'
+    )
 
 
 def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
@@ -227,11 +204,7 @@ def _series(rules: PartRules, curve: Intensity | None) -> str:
     )
     if same or len(series.value) > MAX_POINTS:
         return f"{{{shared}}}"
-    return (
-        f'{{{shared}, "unit": {_json(series.unit)},\n'
-        f'  "time_s": {_json(series.time_s.tolist())},\n'
-        f'  "value": {_json(series.value.tolist())}}}'
-    )
+    return _points(series, f'{shared}, "unit": {_json(series.unit)},\n')
 
 
 def _rules(given: object, timeline: Timeline) -> PartRules:
@@ -258,7 +231,7 @@ def _json(value: object) -> str:
 
 def _table(
     value: object, place: str, known: tuple[str, ...], required: tuple[str, ...]
-) -> dict[str, object]:
+) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise InputError(f"{place} is {shown(value)}, not an object {{...}}")
     for key in value:
@@ -272,20 +245,21 @@ def _table(
     return value
 
 
-def _list(value: object, place: str) -> list[object]:
+def _list(value: object, place: str) -> list[Any]:
     if not isinstance(value, list):
         raise InputError(f"{place} is {shown(value)}, not a list [...]")
     return value
 
 
-def _pairs(value: object) -> list[tuple[object, object]]:
-    pairs: list[tuple[object, object]] = []
+def _gaps(value: object) -> Gaps:
+    gaps: list[tuple[float, float]] = []
     for i, gap in enumerate(_list(value, "gaps")):
         edges = _list(gap, f"gaps[{i}]")
         if len(edges) != 2:
             raise InputError(f"gaps[{i}] has {len(edges)} numbers; a gap is [start_s, end_s]")
-        pairs.append((edges[0], edges[1]))
-    return pairs
+        start, end = (validation.number(edge, f"gaps[{i}][{j}]") for j, edge in enumerate(edges))
+        gaps.append((start, end))
+    return tuple(gaps)
 
 
 def _moment(value: object) -> datetime:
@@ -327,20 +301,17 @@ def _events(value: object, duration_s: float, key: str = "events") -> tuple[Even
 
 def _intensity(value: object) -> Intensity:
     table = _table(value, "intensity", _INTENSITY_KEYS, required=("time_s", "value"))
-    columns = [
-        np.array(
-            [
-                validation.number(entry, f"intensity.{name}[{i}]")
-                for i, entry in enumerate(_list(table[name], f"intensity.{name}"))
-            ],
-            dtype=np.float64,
-        )
+    time_s, value = (
+        [
+            validation.number(entry, f"intensity.{name}[{i}]")
+            for i, entry in enumerate(_list(table[name], f"intensity.{name}"))
+        ]
         for name in ("time_s", "value")
-    ]
+    )
     percentiles = _list(table.get("percentiles", list(EXTREMES)), "intensity.percentiles")
     return Intensity(
-        columns[0],
-        columns[1],
+        np.array(time_s, np.float64),
+        np.array(value, np.float64),
         validation.text(table.get("unit", ""), "intensity.unit"),
-        tuple(percentiles),  # type: ignore[arg-type]  # checked there
+        tuple(percentiles),
     )

@@ -14,15 +14,15 @@ and left out; an error of one that isn't an InputError becomes a line that names
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib
 import warnings
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.readers.source import Format, LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, OverviewWarning
 
@@ -32,72 +32,8 @@ _OPTIONS = frozenset({"duration_s", "value", "time", "map", "rate", "match"})
 """What a reader may take."""
 
 
-@dataclass(frozen=True)
-class PackageReader:
-    """A reader of another package, with the face of a `formats.Format`.
-
-    Parameters
-    ----------
-    name
-        What an error line calls the format.
-    package
-        Where it is from.
-    given
-        What its entry point names.
-    options
-        The names of the `LoadOptions` it takes.
-    """
-
-    name: str
-    package: str
-    given: Any
-    options: frozenset[str]
-
-    def sniff(self, source: Source) -> bool:
-        """Return whether it claims the file; one that fails doesn't, with a warning."""
-        try:
-            return bool(self.given.sniff(source.head))
-        except Exception as error:
-            _warn(self.package, f"failed to look at a file ({_said(error)})")
-            return False
-
-    def read(self, source: Source, options: LoadOptions) -> Timeline:
-        """Read a file; InputError if it can't or gives no Timeline."""
-        given = {name: getattr(options, name) for name in self.options & options.given()}
-        timeline = self._asked(source, lambda: self.given.read(str(source.path), **given))
-        if not isinstance(timeline, Timeline):
-            raise InputError(
-                f"{source.where}: the reader of {self.package} gave a {type(timeline).__name__}, "
-                "not a Timeline; tell its authors"
-            )
-        return timeline
-
-    @property
-    def matches(self) -> Callable[[Source], list[str]] | None:
-        """What lists the matches of a file, None for a format of one."""
-        listing = getattr(self.given, "matches", None)
-        if listing is None:
-            return None
-        return lambda source: [
-            str(line) for line in self._asked(source, lambda: listing(str(source.path)))
-        ]
-
-    def _asked(self, source: Source, question: Callable[[], Any]) -> Any:
-        try:
-            return question()
-        except InputError as error:
-            said = str(error)
-            where = "" if said.startswith(source.where) else f"{source.where}: "
-            raise InputError(where + said) from error
-        except Exception as error:
-            raise InputError(
-                f"{source.where}: the reader of {self.package} failed ({_said(error)}); tell its "
-                "authors"
-            ) from error
-
-
 @functools.cache
-def package_readers() -> tuple[PackageReader, ...]:
+def package_readers() -> tuple[Format, ...]:
     """Return the readers of installed packages, in the order of their names."""
     found = []
     for point in sorted(entry_points(group=GROUP), key=lambda point: (_package(point), point.name)):
@@ -112,8 +48,51 @@ def package_readers() -> tuple[PackageReader, ...]:
         if missing:
             _warn(package, f"has no {' and no '.join(missing)}")
             continue
-        found.append(PackageReader(str(given.name), package, given, options))
+        found.append(_format_of(given, package, options))
     return tuple(found)
+
+
+def _format_of(given: Any, package: str, options: frozenset[str]) -> Format:
+    """Return the format of what an entry point names; its reader fails with one line."""
+
+    def sniff(source: Source) -> bool:
+        try:
+            return bool(given.sniff(source.head))
+        except Exception as error:  # it doesn't claim the file, then
+            _warn(package, f"failed to look at a file ({_said(error)})")
+            return False
+
+    def read(source: Source, asked: LoadOptions) -> Timeline:
+        taken = {name: getattr(asked, name) for name in options & asked.given()}
+        with _one_line(source, package):
+            timeline = given.read(str(source.path), **taken)
+        if not isinstance(timeline, Timeline):
+            raise InputError(
+                f"{source.where}: the reader of {package} gave a {type(timeline).__name__}, not a "
+                "Timeline; tell its authors"
+            )
+        return timeline
+
+    def matches(source: Source) -> list[str]:
+        with _one_line(source, package):
+            return [str(line) for line in given.matches(str(source.path))]
+
+    several = getattr(given, "matches", None) is not None
+    return Format(str(given.name), sniff, read, options, matches if several else None)
+
+
+@contextlib.contextmanager
+def _one_line(source: Source, package: str) -> Iterator[None]:
+    try:
+        yield
+    except InputError as error:
+        said = str(error)
+        where = "" if said.startswith(source.where) else f"{source.where}: "
+        raise InputError(where + said) from error
+    except Exception as error:
+        raise InputError(
+            f"{source.where}: the reader of {package} failed ({_said(error)}); tell its authors"
+        ) from error
 
 
 def _option_names(names: Iterable[object]) -> frozenset[str]:

@@ -2,36 +2,40 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import re
-from collections.abc import Callable, Iterator
+import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import resources
-from typing import cast
+from pathlib import Path
+from typing import Any, cast
 
 from overview_dsp import validation
 from overview_dsp.data.readers import native, suggestions
-from overview_dsp.data.readers.compression import opened
-from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, Format, formats, is_series
-from overview_dsp.data.readers.json_limits import MOST_DEPTH
-from overview_dsp.data.readers.memory_data import (
-    TableData,
-    TimelineData,
-    document_bytes,
-    is_document,
-    read_table,
-)
-from overview_dsp.data.readers.open_streams import is_content, is_url, spooled
+from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, is_series
+from overview_dsp.data.readers.opening import is_content, opened
+from overview_dsp.data.readers.series import series
 from overview_dsp.data.readers.source import (
+    MOST_DEPTH,
     READ_AS_WINDOWS,
+    UNNAMED,
     WINDOWS,
+    Format,
     LoadOptions,
     Source,
     decode_text,
     parse_json,
 )
-from overview_dsp.data.readers.tables.memory import is_table, table_of
+from overview_dsp.data.readers.tables.memory import (
+    TableData,
+    TimelineData,
+    csv_text,
+    document_bytes,
+    is_document,
+    is_table,
+    table_of,
+)
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -41,6 +45,15 @@ BUNDLED: dict[str, str] = {
 }
 """Timelines that come with the package: name and file."""
 
+MAX_ROWS = 5_000_000
+"""Most rows of data in memory that are read as something else than a series."""
+
+_HEAD_ROWS, _HEAD_CELLS = 1000, 50_000
+_ABOVE_0 = {
+    "duration_s": "a duration is seconds",
+    "rate": "a rate is samples a second",
+    "max_mb": "a limit is megabytes",
+}
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
@@ -119,21 +132,11 @@ def load_timeline(
     {'goal': 1, 'foul': 1}
     """
     times = None if time is None or isinstance(time, str) else time
-    options = _checked(
-        LoadOptions(
-            duration_s,
-            value,
-            "time" if times is not None else cast("str | None", time),
-            map,
-            rate,
-            match,
-            max_mb,
-            progress,
-            max_depth=max_depth,
-            kind=kind,
-            label=label,
-        )
+    time = "time" if times is not None else cast("str | None", time)
+    options = LoadOptions(
+        duration_s, value, time, map, rate, match, max_mb, progress, max_depth, kind, label
     )
+    options = _checked(options)
     if isinstance(data, Timeline):
         _refuse_options(options, "a Timeline", frozenset())
         return data
@@ -146,7 +149,7 @@ def load_timeline(
         return _of_memory(data, times, options)
     if times is not None:
         raise InputError("time names a column of a file; times themselves go with values in memory")
-    with _opened(data, options) as source:
+    with opened(data, options, _or_bundled()) as source:
         candidate = _format_of(source)
         taken = candidate.options | LIMITS
         _refuse_options(options, f"{source.where}: {candidate.name}", taken)
@@ -157,40 +160,42 @@ def load_timeline(
 
 
 def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
+    """Read a table in memory: an event list's, a match's, a heart's, or a series'.
+
+    Which of them is told from its first rows, written as the file that would hold them.
+    """
     _require_table(data, f"neither a path, nor data, nor a bundled name ({_bundled_names()})")
     if times is not None:
         _require_table(times, "no column of times")
     table = table_of(data, times)
+    where = f"the {table.kind} data"
+    with tempfile.TemporaryDirectory(prefix="overview-") as folder:
 
-    def claim(source: Source) -> Callable[[Source, LoadOptions], Timeline] | None:
+        def written(rows: int) -> Source:
+            path = Path(folder) / UNNAMED
+            path.write_text(csv_text(table, rows), "utf-8", "surrogateescape", newline="")
+            return Source.open(path, options, where)
+
+        most = max(20, min(_HEAD_ROWS, _HEAD_CELLS // len(table.columns)))
+        source = written(most)
         others = () if options.counts else (f for f in formats() if not is_series(f))
         found = next((f for f in others if f.sniff(source)), None)
         name, taken = (found.name, found.options) if found else ("series", SERIES_OPTIONS)
-        _refuse_options(options, f"{source.where}: {name}", taken | LIMITS)
-        return found.read if found is not None else None
-
-    return read_table(table, options, claim)
+        _refuse_options(options, f"{where}: {name}", taken | LIMITS)
+        if found is not None:
+            if table.rows > MAX_ROWS:
+                raise InputError(
+                    f"{where}: {table.rows} rows, more than the {MAX_ROWS} that are read; cut them"
+                )
+            return found.read(written(table.rows) if table.rows > most else source, options)
+    with validation.located(f"{where}: "):
+        return series.series_of(table, options)
 
 
 def _require_table(data: object, what: str) -> None:
     if not is_table(data):
         hint = "; give list(...) of it" if hasattr(data, "__next__") else ""
         raise InputError(f"{shown(data)} is {what}{hint}")
-
-
-@contextlib.contextmanager
-def _opened(data: object, options: LoadOptions) -> Iterator[Source]:
-    with contextlib.ExitStack() as stack:
-        path, label = cast("str | os.PathLike[str]", data), ""
-        if is_url(data) or is_content(data):
-            path, label = stack.enter_context(spooled(data, options))
-        try:
-            source = stack.enter_context(opened(path, options, label))
-        except InputError as error:
-            missing = isinstance(error.__cause__, FileNotFoundError)
-            hint = f", or use a bundled name ({_bundled_names()})" if missing else ""
-            raise InputError(f"{error}{hint}") from error
-        yield source
 
 
 def _format_of(source: Source) -> Format:
@@ -221,7 +226,7 @@ def list_matches(
     """
     if os.fspath(path) in BUNDLED:
         return ()
-    with _opened(path, _checked(options or LoadOptions())) as source:
+    with opened(path, _checked(options or LoadOptions()), _or_bundled()) as source:
         candidate = _format_of(source)
         return tuple(candidate.matches(source)) if candidate.matches is not None else ()
 
@@ -240,39 +245,23 @@ def _bundled_names() -> str:
     return ", ".join(BUNDLED)
 
 
+def _or_bundled() -> str:
+    return f", or use a bundled name ({_bundled_names()})"
+
+
 def _checked(options: LoadOptions) -> LoadOptions:
     """Return options as the readers take them; InputError names one out of its range."""
-    return replace(
-        options,
-        duration_s=_positive(options.duration_s, "duration_s", "a duration is seconds"),
-        value=_words(options.value, "value"),
-        time=_words(options.time, "time"),
-        map=_words(options.map, "map"),
-        rate=_positive(options.rate, "rate", "a rate is samples a second"),
-        match=_words(options.match, "match"),
-        kind=_words(options.kind, "kind"),
-        label=_words(options.label, "label"),
-        max_mb=_positive(options.max_mb, "max_mb", "a limit is megabytes"),
-        max_depth=_depth(options.max_depth),
-    )
-
-
-def _positive(given: float | None, name: str, meaning: str) -> float | None:
-    if given is None:
-        return None
-    return validation.positive(given, name, f"{meaning}, a finite number above 0")
-
-
-def _depth(given: int | None) -> int | None:
-    if given is None:
-        return None
-    if isinstance(given, bool) or not isinstance(given, int) or not 1 <= given <= MOST_DEPTH:
-        raise InputError(f"max_depth is {shown(given)}; give a whole number, 1 to {MOST_DEPTH}")
-    return given
-
-
-def _words(given: str | None, name: str) -> str | None:
-    return None if given is None else validation.text(given, name)
+    checked: dict[str, Any] = {}
+    for name in options.given():
+        value = getattr(options, name)
+        if name in _ABOVE_0:
+            hint = f"{_ABOVE_0[name]}, a finite number above 0"
+            checked[name] = validation.positive(value, name, hint)
+        elif name != "max_depth":
+            checked[name] = validation.text(value, name)
+        elif type(value) is not int or not 1 <= value <= MOST_DEPTH:
+            raise InputError(f"max_depth is {shown(value)}; give a whole number, 1 to {MOST_DEPTH}")
+    return replace(options, **checked)
 
 
 def _refuse_options(options: LoadOptions, what: str, taken: frozenset[str]) -> None:

@@ -1,4 +1,11 @@
-"""A file being looked at: read once, decoded once, parsed once, whichever readers ask."""
+"""A file being looked at (read, decoded and parsed once), what may be asked of it, and a format.
+
+How deep and how large JSON is, is counted before it is parsed. The parser goes down a level for
+every bracket and makes an object for every value: a file of a few megabytes can end the stack or
+take gigabytes. Both are known from its brackets, commas and quotes.
+
+XML is read as text that no parser can be harmed by: UTF-8, without a document type.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +19,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from overview_dsp.data.readers.json_limits import check_extent
+import numpy as np
+
+from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 MAX_TEXT_BYTES = 256 * 1024 * 1024
@@ -31,6 +40,23 @@ WINDOWS = "cp1252"
 READ_AS_WINDOWS = "the file isn't UTF-8; read as Windows-1252"
 """What a timeline notes then."""
 
+MAX_DEPTH = 64
+"""Deepest nesting that is read without `max_depth`: ten times what the known formats need."""
+
+MOST_DEPTH = 500
+"""Deepest nesting `max_depth` may allow: the parser's own stack ends at about twice that."""
+
+PARSED_MB = 576.0
+"""What a file holds may take in memory, MB; a limit of size above the usual 64 MB raises it too."""
+
+PARSED_TIMES = 9
+"""So many times the limit of its size is what it may take then."""
+
+# bytes, measured with Python 3.11 on 64 bits, a copy of each number included
+_OBJECT_BYTES, _LIST_BYTES, _VALUE_BYTES, _TEXT_BYTES = 240, 72, 72, 60
+_JSON_CHUNK = 1 << 20
+_JSON_ESCAPED = re.compile(rb"\\.", re.DOTALL)
+
 CONTROL = {chr(code) for code in (*range(9), *range(14, 28), 127)}
 
 _STAMPED = re.compile(
@@ -40,6 +66,10 @@ _STAMPED = re.compile(
 
 UNNAMED = "unnamed"
 """The name of a file that stands for data without one."""
+
+_XML_DECLARATION = re.compile(r"\s*<\?xml\b[^>]{0,200}\?>")
+_XML_ROOT = re.compile(r"<([A-Za-z_][\w.:-]{0,99})[\s/>]")
+_XML_ASIDE = re.compile(r"<!--.*?-->|<\?.*?\?>", re.S)
 
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -127,6 +157,84 @@ def decode_text(data: bytes, where: str, encoding: str = "") -> str:
         ) from error
 
 
+@dataclass(frozen=True)
+class Extent:
+    """Levels of nesting, and bytes that the parsed document takes, roughly and at most."""
+
+    depth: int
+    parsed_bytes: int
+
+
+def extent(text: str, deepest: int = MOST_DEPTH) -> Extent:
+    """Count a text's nesting and values; stops counting where it is nested deeper than `deepest`.
+
+    What isn't JSON gets some count too: the parser says where it is broken.
+    """
+    depth = highest = objects = lists = values = quotes = 0
+    in_text, escaping = 0, False
+    for start in range(0, len(text), _JSON_CHUNK):
+        data = text[start : start + _JSON_CHUNK].encode("utf-8", "surrogatepass")
+        if escaping:
+            data = data[1:]
+        data = _JSON_ESCAPED.sub(b"", data)
+        escaping = data.endswith(b"\\")
+        marks = np.frombuffer(data, dtype=np.uint8)
+        quote = marks == ord('"')
+        inside = (np.cumsum(quote) + in_text) & 1
+        bare = np.where(inside == 1, np.uint8(0), marks)
+        opens_object, opens_list = bare == ord("{"), bare == ord("[")
+        steps = (opens_object | opens_list).astype(np.int8)
+        steps -= (bare == ord("}")) | (bare == ord("]"))
+        levels = np.cumsum(steps, dtype=np.int64) + depth
+        if len(levels):
+            highest = max(highest, int(levels.max()))
+            depth, in_text = int(levels[-1]), int(inside[-1])
+        objects += int(np.count_nonzero(opens_object))
+        lists += int(np.count_nonzero(opens_list))
+        values += int(np.count_nonzero(bare == ord(",")))
+        quotes += int(np.count_nonzero(quote))
+        if highest > deepest:
+            break
+    parsed = objects * _OBJECT_BYTES + lists * _LIST_BYTES + values * _VALUE_BYTES
+    return Extent(highest, parsed + quotes // 2 * _TEXT_BYTES)
+
+
+def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None = None) -> None:
+    """Refuse JSON that is nested too deep or would take too much memory.
+
+    Parameters
+    ----------
+    text
+        The file's text.
+    where
+        How the error line begins.
+    limit_mb
+        What the file may have, MB; parsed it may have `PARSED_TIMES` as many, or `PARSED_MB`.
+    max_depth
+        Levels it may have, in place of `MAX_DEPTH`.
+
+    Raises
+    ------
+    InputError
+        Too deep or too large; the line has the limit and the option that raises it.
+    """
+    allowed = max_depth if max_depth is not None else MAX_DEPTH
+    found = extent(text, allowed)
+    if found.depth > allowed:
+        raise InputError(
+            f"{where}: JSON nested too deep (more than {allowed} levels); a timeline needs four: "
+            "correct the file, or raise the limit with max_depth (--max-depth), to "
+            f"{MOST_DEPTH} at most"
+        )
+    budget = max(PARSED_MB, limit_mb * PARSED_TIMES)
+    if found.parsed_bytes > budget * 2**20:
+        raise InputError(
+            f"{where}: what it holds would take about {found.parsed_bytes / 2**20:.0f} MB of "
+            f"memory, more than {budget:.0f} MB; cut it into parts, or raise the limit with max_mb "
+            f"(--max-mb), to {found.parsed_bytes / 2**20 / PARSED_TIMES + 1.0:.0f}"
+        )
+
+
 def parse_json(text: str, where: str) -> object:
     """Parse JSON text into Python objects, failing with a place and never with a traceback.
 
@@ -201,10 +309,7 @@ class Source:
 
     @classmethod
     def open(
-        cls,
-        path: str | os.PathLike[str],
-        options: LoadOptions | None = None,
-        label: str = "",
+        cls, path: str | os.PathLike[str], options: LoadOptions | None = None, label: str = ""
     ) -> Source:
         """Look at a file, which error lines call `label` if that is given.
 
@@ -320,3 +425,51 @@ class Source:
         """The file parsed as JSON; errors as `check_extent` (before it is parsed), `parse_json`."""
         check_extent(self.text, self.where, self.text_limit_mb, self.options.max_depth)
         return parse_json(self.text, self.where)
+
+    @property
+    def xml_root(self) -> str:
+        """The name of an XML file's outermost element without its prefix, "" for no XML."""
+        if self.head_text is None or not self.head_text.lstrip().startswith("<"):
+            return ""
+        found = _XML_ROOT.search(_XML_ASIDE.sub("", self.head_text))
+        return found[1].rpartition(":")[2] if found else ""
+
+    @property
+    def xml_text(self) -> str:
+        """An XML file's text without its declaration, as what it was decoded by may differ.
+
+        InputError for a document type: its entities can make gigabytes of a few lines or read
+        other files, and no format that is read here has one.
+        """
+        text = self.text
+        if "<!DOCTYPE" in text or "<!ENTITY" in text:
+            raise InputError(
+                f"{self.where}: the XML has a document type (<!DOCTYPE ...>), which may hide a "
+                "bomb; remove it"
+            )
+        return _XML_DECLARATION.sub("", text, count=1)
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format and its reader.
+
+    Parameters
+    ----------
+    name
+        What an error line calls it.
+    sniff
+        Whether the source is in this format; cheap, never by the file's name.
+    read
+        Makes the Timeline; errors begin with the file's path.
+    options
+        The names of the `LoadOptions` it takes.
+    matches
+        For files of several matches: gives a line on each, in the order of their numbers.
+    """
+
+    name: str
+    sniff: Callable[[Source], bool]
+    read: Callable[[Source, LoadOptions], Timeline]
+    options: frozenset[str] = frozenset()
+    matches: Callable[[Source], list[str]] | None = None

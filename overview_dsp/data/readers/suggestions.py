@@ -10,9 +10,9 @@ from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.data.readers.tables.column_roles import is_wordy, time_named, words_named
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import detect
-from overview_dsp.data.readers.tables.json import is_single, shapes_in
+from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.logs import is_log
-from overview_dsp.data.readers.tables.table import Column, listed
+from overview_dsp.data.readers.tables.table import Columns, Head, listed
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.errors import InputError, shown
 
@@ -60,29 +60,28 @@ def fix_of(source: Source) -> str:
     return _lacking(*found)
 
 
-def _text_table(source: Source) -> tuple[list[Column], list[list[object]]] | None:
+def _text_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
     layout = detect(source, lambda header, below: bool(below))
     if layout is None or layout.separator is None:  # prose has blanks between its words
         return None
-    columns = [Column.of(name) for name in layout.header]
     table = DelimitedTable(source, layout)
     with contextlib.suppress(InputError):  # broken quotes, say: it is no table then
-        for chunk in table.chunks(range(len(columns))):
-            return columns, [list(cells[:50]) for cells in chunk.cells]
+        for chunk in table.chunks(range(len(table.columns))):
+            return table.columns, [list(cells[:50]) for cells in chunk.cells]
     return None
 
 
-def _json_table(source: Source) -> tuple[list[Column], list[list[object]]] | None:
-    shapes = list(shapes_in(source.json))
-    if not shapes:
+def _json_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
+    tables = list(tables_in(source.json))
+    if not tables:
         return None
-    shape = max(shapes, key=lambda one: one.rows)
-    columns = [Column.of(name) for name in shape.names]
-    cells = [shape.cut(i, 0, min(shape.rows, 50)) for i in range(len(columns))]
-    return columns, [[cell if is_single(cell) else str(cell) for cell in c] for c in cells]
+    table = max(tables, key=lambda one: one.rows)
+    cells = [table.cut(i, 0, 50) for i in range(len(table.columns))]
+    head = [[cell if is_single(cell) else str(cell) for cell in column] for column in cells]
+    return table.columns, head
 
 
-def _lacking(columns: Sequence[Column], head: Sequence[list[object]]) -> str:
+def _lacking(columns: Columns, head: Head) -> str:
     """Say which column is missing for a series, or for a table of events."""
     there = f"its columns are {listed(columns)}"
     named = time_named(columns)
@@ -111,7 +110,7 @@ def _lacking(columns: Sequence[Column], head: Sequence[list[object]]) -> str:
     return f"{_EVENT_LIST}; {_called(columns, timed)} holds no times that could be read: {there}"
 
 
-def _called(columns: Sequence[Column], i: int) -> str:
+def _called(columns: Columns, i: int) -> str:
     return f"column {shown(columns[i].header)}"
 
 

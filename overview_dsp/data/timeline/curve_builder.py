@@ -6,13 +6,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.curve_checks import MAX_VALUE, require_increasing, require_values
-from overview_dsp.data.timeline.even_times import EvenTimes
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.data.timeline.minmax_pyramid import CHUNK, PyramidBuilder, Values
-from overview_dsp.data.timeline.samples import Points, Times
+from overview_dsp.data.timeline.samples import (
+    MAX_VALUE,
+    EvenTimes,
+    Points,
+    Times,
+    require_increasing,
+    require_values,
+)
 from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import asdict
 from datetime import timedelta
 from typing import Any
 
@@ -44,15 +45,7 @@ def describe_json(timeline: Timeline, *, events: bool = False) -> dict[str, Any]
         "provenance": timeline.provenance,
     }
     if events:
-        report["event_list"] = [
-            {
-                "time_s": event.time_s,
-                "kind": event.kind,
-                "label": event.label,
-                "weight": event.weight,
-            }
-            for event in timeline.events
-        ]
+        report["event_list"] = [asdict(event) for event in timeline.events]
     return report
 
 
@@ -82,9 +75,9 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
     if events:
         yield ""
         width = max((len(event.kind) for event in timeline.events), default=0)
-        numbers: dict[str, int] = {}
+        numbers: Counter[str] = Counter()
         for event in timeline.events:
-            numbers[event.kind] = numbers.get(event.kind, 0) + 1
+            numbers[event.kind] += 1
             name = f"{event.kind}:{numbers[event.kind]}"
             weight = f"  (weight {event.weight:g})" if event.weight != 1.0 else ""
             at = _moment(timeline, event.time_s)

@@ -18,17 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.curve_checks import (
+from overview_dsp.data.timeline.gaps import Gaps, in_gap
+from overview_dsp.data.timeline.minmax_pyramid import CHUNK, Values
+from overview_dsp.data.timeline.samples import (
+    EvenTimes,
+    Points,
+    Times,
     as_given,
     checked_percentiles,
     float_points,
     require_increasing,
     require_values,
 )
-from overview_dsp.data.timeline.even_times import EvenTimes
-from overview_dsp.data.timeline.gaps import Gaps, in_gap
-from overview_dsp.data.timeline.minmax_pyramid import CHUNK, Values
-from overview_dsp.data.timeline.samples import Points, Times
 from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 

@@ -6,6 +6,7 @@ All values are checked on construction, so that whoever holds a `Timeline` need 
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import Counter
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from functools import cached_property
@@ -15,16 +16,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.dataframe import dataframe, moments
 from overview_dsp.data.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.data.timeline.fine_events import Rules, ranks, window_events
 from overview_dsp.data.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
-from overview_dsp.data.timeline.match_minutes import Half, halves_of
 from overview_dsp.data.timeline.page import timeline_page
-from overview_dsp.data.timeline.ticks import part_ticks
+from overview_dsp.data.timeline.ticks import Half, halves_of, part_ticks
 from overview_dsp.errors import InputError, shown
-from overview_dsp.public import counted, drawn, short
+from overview_dsp.public import counted, dataframe, drawn, short
 from overview_dsp.units import clock_text, span_text
 
 if TYPE_CHECKING:
@@ -150,10 +149,7 @@ class Timeline:
         >>> match.kinds()["goal"]
         5
         """
-        counts: dict[str, int] = {}
-        for event in self.events:
-            counts[event.kind] = counts.get(event.kind, 0) + 1
-        return counts
+        return dict(Counter(event.kind for event in self.events))
 
     def event(self, kind: str, number: int) -> Event:
         """Find the n-th event of a kind.
@@ -484,7 +480,10 @@ class Timeline:
             }
         frame = dataframe(columns)
         if self.start is not None:
-            frame.insert(1, "moment", moments(self.start, columns["time_s"]))
+            from pandas import Timestamp, to_timedelta
+
+            moments = Timestamp(self.start) + to_timedelta(columns["time_s"], unit="s")
+            frame.insert(1, "moment", moments)
         return frame
 
     def plot(self) -> Figure:

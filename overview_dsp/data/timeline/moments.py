@@ -13,13 +13,16 @@ The last two take an offset, written like the first two: `goal:1-60`, `goal:1+1:
 Dates need a timeline with a calendar (`Timeline.start`); one without a zone is in the timeline's.
 Seconds outside the timeline are an error; a date or an offset that reaches over an end stops there,
 with a warning.
+
+`Zoom` is a window and the ones that come next as one zooms about a moment.
 """
 
 from __future__ import annotations
 
 import re
 import warnings
-from dataclasses import dataclass
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
 from overview_dsp.data.timeline import times
@@ -40,6 +43,9 @@ times as many things are felt one by one as in all of it."""
 
 ZOOM_LEAD = 0.75
 """Where in its window an event lies that was zoomed on: what led to it counts more."""
+
+NARROWEST_S = 0.5
+"""No window is narrower, s (or the whole, where that is shorter)."""
 
 _EVENT = re.compile(r"(?P<kind>[a-z0-9_]*[a-z_][a-z0-9_]*):(?P<number>\d{1,9})", re.A)
 _FROM = re.compile(rf"(?P<from>{_EVENT.pattern}|start|end)(?:(?P<sign>[+-])(?P<offset>.+))?", re.A)
@@ -110,10 +116,7 @@ def zoom_window(timeline: Timeline, text: str) -> tuple[float, float]:
             f"{shown(text)} is nothing to zoom to; give kind:number (goal:1, event:3) and, "
             "if you like, how long a window (goal:1:90, goal:1:5min)"
         )
-    at = _event_s(found, timeline)
-    width = min(width, timeline.duration_s)
-    start = min(max(at - ZOOM_LEAD * width, 0.0), timeline.duration_s - width)
-    return start, min(start + width, timeline.duration_s)
+    return Zoom.whole(timeline).around(_event_s(found, timeline), width).window
 
 
 def _parsed(text: str, timeline: Timeline) -> _Moment:
@@ -201,3 +204,68 @@ def _stopped(text: str, moment: _Moment, timeline: Timeline) -> float:
 def _reach(timeline: Timeline) -> str:
     first, last = timeline.moment_text(0.0), timeline.moment_text(timeline.duration_s)
     return f"it reaches from {first} to {last}"
+
+
+@dataclass(frozen=True)
+class Zoom:
+    """A window of a timeline, and the ones that can be reached from it; never beyond the ends.
+
+    Parameters
+    ----------
+    timeline
+        The whole.
+    start_s, end_s
+        The window on it, 0 <= start_s < end_s <= duration_s; InputError otherwise.
+    """
+
+    timeline: Timeline
+    start_s: float
+    end_s: float
+
+    def __post_init__(self) -> None:
+        self.timeline.require_window(self.start_s, self.end_s)
+
+    @classmethod
+    def whole(cls, timeline: Timeline) -> Zoom:
+        """All of a timeline."""
+        return cls(timeline, 0.0, timeline.duration_s)
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """(start_s, end_s)."""
+        return self.start_s, self.end_s
+
+    @property
+    def width_s(self) -> float:
+        """Length of the window, s."""
+        return self.end_s - self.start_s
+
+    def scaled(self, factor: float, moment_s: float, at: float) -> Zoom:
+        """`factor` times as much detail, with a moment at `at` (0 to 1), as `around`."""
+        narrowest = min(NARROWEST_S, self.timeline.duration_s)
+        return self.around(moment_s, max(self.width_s / factor, narrowest), at)
+
+    def around(self, moment_s: float, width_s: float, at: float = ZOOM_LEAD) -> Zoom:
+        """A window of `width_s` with a moment at `at` (0 to 1) of it, or as near as it can."""
+        whole = self.timeline.duration_s
+        width = min(width_s, whole)
+        start = min(max(moment_s - width * at, 0.0), whole - width)
+        return replace(self, start_s=start, end_s=min(start + width, whole))
+
+    def next_event_s(self, moment_s: float) -> float | None:
+        """When the first event after a moment is, s; None after the last."""
+        times = [event.time_s for event in self.timeline.events]
+        index = bisect_right(times, moment_s)
+        return times[index] if index < len(times) else None
+
+    def previous_event_s(self, moment_s: float) -> float | None:
+        """When the last event before a moment is, s; None before the first."""
+        times = [event.time_s for event in self.timeline.events]
+        index = bisect_left(times, moment_s)
+        return times[index - 1] if index else None
+
+    def showing(self, moment_s: float) -> Zoom:
+        """This window if a moment lies in it, else one as wide about the moment."""
+        if self.start_s <= moment_s <= self.end_s:
+            return self
+        return self.around(moment_s, self.width_s)

@@ -1,17 +1,260 @@
-"""The points of a curve, however many: found by time, interpolated, and taken together in runs."""
+"""The points of a curve, however many: checked, found by time, interpolated, taken in runs."""
 
 from __future__ import annotations
 
 import mmap
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
-from overview_dsp.data.timeline.even_times import EvenTimes
+from overview_dsp import validation
 from overview_dsp.data.timeline.minmax_pyramid import Level, Values, build_pyramid
+from overview_dsp.errors import InputError, shown
+
+MAX_VALUE = 1e300
+"""Largest magnitude of an intensity value: the difference of any two stays finite."""
+
+
+def require_increasing(
+    time_s: NDArray[np.float64], first: int = 0, before: float | None = None
+) -> None:
+    """Refuse times (s, points `first` ...) that are negative or don't increase strictly."""
+    if before is None and len(time_s) and time_s[0] < 0.0:
+        raise InputError(
+            f"intensity.time_s[{first}] is {float(time_s[0])!r}, before the start; "
+            f"{validation.TIME_HINT}"
+        )
+    earlier = time_s[:-1] if before is None else np.concatenate(([before], time_s[:-1]))
+    later = time_s[1:] if before is None else time_s
+    stuck = np.flatnonzero(later <= earlier)
+    if stuck.size:
+        i = int(stuck[0])
+        raise InputError(
+            f"intensity.time_s[{first + i + (before is None)}] is {float(later[i])!r}, not after "
+            f"the point before it ({float(earlier[i])!r}); times must increase strictly: sort them "
+            "and merge points of the same time"
+        )
+
+
+def require_values(value: Values, first: int = 0) -> None:
+    """Refuse values (points `first` ...) that are not finite or too large."""
+    if not len(value) or max(-float(value.min()), float(value.max())) <= MAX_VALUE:
+        return  # NaN isn't less or equal either
+    for i in np.flatnonzero(~(np.abs(value.astype(np.float64)) <= MAX_VALUE)):
+        raise InputError(
+            f"intensity.value[{first + i}] is {float(value[i])!r}; values reach from "
+            f"-{MAX_VALUE:g} to {MAX_VALUE:g}: choose a larger unit"
+            if np.isfinite(value[i])
+            else f"intensity.value[{first + i}] is {float(value[i])!r}, {_NOT_FINITE}"
+        )
+
+
+_NOT_FINITE = "not a finite number; leave the point out and give missing data as a gap"
+
+
+def checked_percentiles(given: object) -> tuple[float, float]:
+    """Return two percentiles, or refuse what is none."""
+    hint = "give two percentiles, 0 <= low < high <= 100"
+    if not isinstance(given, tuple | list) or len(given) != 2:
+        raise InputError(f"intensity.percentiles is {shown(given)}; {hint}")
+    low, high = (validation.number(edge, "intensity.percentiles", hint) for edge in given)
+    if not 0.0 <= low < high <= 100.0:
+        raise InputError(f"intensity.percentiles is ({low!r}, {high!r}); {hint}")
+    return low, high
+
+
+def _row(values: object, what: str) -> NDArray[np.generic]:
+    """Return one row of numbers of any kind as an array."""
+    try:
+        given = np.asanyarray(values)  # a memory map stays one
+    except ValueError as error:  # rows of unequal length
+        raise InputError(f"{what} isn't one row of numbers; give a flat list") from error
+    if given.ndim != 1 or (given.dtype.kind not in "iuf" and given.size):
+        raise InputError(
+            f"{what} isn't one row of numbers (shape {given.shape}, {given.dtype}); "
+            "give a flat list of numbers"
+        )
+    return given
+
+
+def as_given(values: object, what: str) -> Values:
+    """Return a read-only view of one row of float32 or float64; others as float64."""
+    given = _row(values, what)
+    keeps = given.dtype in (np.float32, np.float64)
+    kept: Values = np.asanyarray(given, None if keeps else np.float64).view()
+    kept.setflags(write=False)
+    return kept
+
+
+def float_points(values: object, what: str) -> NDArray[np.float64]:
+    """Return a read-only float64 copy of one row of finite numbers."""
+    points: NDArray[np.float64] = np.array(_row(values, what), dtype=np.float64)  # ours
+    bad = np.flatnonzero(~np.isfinite(points))
+    if bad.size:
+        i = int(bad[0])
+        raise InputError(f"{what}[{i}] is {float(points[i])!r}, {_NOT_FINITE}")
+    points.setflags(write=False)
+    return points
+
+
+@dataclass(frozen=True)
+class EvenTimes:
+    """The times first_s + i * step_s, i = 0 ... count - 1, read like a float64 array.
+
+    Parameters
+    ----------
+    count : int
+        How many, at least 1.
+    step_s : float
+        Seconds from one to the next, > 0.
+    first_s : float
+        The first one, s, >= 0.
+
+    Raises
+    ------
+    InputError
+        A count below 1, a step that isn't above 0, a start below 0, or times too far from 0 to
+        be distinguished.
+
+    Examples
+    --------
+    >>> times = ov.EvenTimes(count=7200, step_s=0.5)
+    >>> curve = ov.Intensity(times, np.zeros(7200, dtype=np.float32))
+    >>> curve.last_s
+    3599.5
+    """
+
+    count: int
+    step_s: float
+    first_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 1 <= validation.whole(self.count, "count") < 2**53:
+            raise InputError("intensity has no points, or too many to count; give one or more")
+        validation.positive(self.step_s, "step_s", "give the seconds from one value to the next")
+        if validation.number(self.first_s, "first_s", validation.TIME_HINT) < 0.0:
+            raise InputError(
+                f"first_s is {self.first_s!r}, before the start; {validation.TIME_HINT}"
+            )
+        if not np.isfinite(self[-1]) or (self.count > 1 and self[-2] >= self[-1]):
+            raise InputError(
+                f"{self.count} values {self.step_s!r} s apart lie too close together to be "
+                "distinguished; count them from 0"
+            )
+
+    def __len__(self) -> int:
+        return self.count
+
+    @overload
+    def __getitem__(self, index: int) -> float: ...
+    @overload
+    def __getitem__(self, index: slice) -> NDArray[np.float64]: ...
+    def __getitem__(self, index: int | slice) -> float | NDArray[np.float64]:
+        if isinstance(index, slice):
+            return self.at(np.arange(*index.indices(self.count)))
+        place = range(self.count)[index]
+        return self.first_s + place * self.step_s
+
+    def __array__(
+        self, dtype: DTypeLike | None = None, copy: bool | None = None
+    ) -> NDArray[np.float64]:
+        every = self.at(np.arange(self.count))
+        return every if dtype is None else every.astype(dtype)
+
+    def tolist(self) -> list[float]:
+        """List all of them.
+
+        Returns
+        -------
+        list of float
+            Seconds.
+
+        Examples
+        --------
+        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times.tolist()
+        [0.0, 0.5, 1.0]
+        """
+        every: list[float] = self[:].tolist()
+        return every
+
+    def at(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Look up the times of some indices.
+
+        Parameters
+        ----------
+        index : int64 (n,)
+            From 0.
+
+        Returns
+        -------
+        float64 (n,)
+            Seconds.
+
+        Examples
+        --------
+        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times.at(np.array([2]))
+        array([1.])
+        """
+        times = index.astype(np.float64)
+        times *= self.step_s
+        times += self.first_s
+        return times
+
+    def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Find the first index whose time is at or after each of some times.
+
+        Parameters
+        ----------
+        times : float64 (n,)
+            Seconds.
+
+        Returns
+        -------
+        int64 (n,)
+            Up to `count`.
+
+        Examples
+        --------
+        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times.first_from(np.array([0.5, 0.6]))
+        array([1, 2])
+        """
+        guess = (times - self.first_s) / self.step_s
+        np.ceil(np.clip(guess, 0.0, float(self.count), out=guess), out=guess)
+        index = guess.astype(np.int64)
+        # rounding may have put it one off
+        index -= (self.at(index - 1) >= times) & (index > 0)
+        index += (self.at(index) < times) & (index < self.count)
+        return index
+
+    def first_after(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Find the first index whose time is after each of some times.
+
+        Parameters
+        ----------
+        times : float64 (n,)
+            Seconds.
+
+        Returns
+        -------
+        int64 (n,)
+            Up to `count`.
+
+        Examples
+        --------
+        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times.first_after(np.array([0.5, 0.6]))
+        array([2, 2])
+        """
+        index = self.first_from(times)
+        index += (index < self.count) & (self.at(index) <= times)
+        return index
+
 
 Times = NDArray[np.float64] | EvenTimes
 

@@ -4,17 +4,20 @@ Those of a whole timeline are the finest of century, decade, year, month, week, 
 of an hour and minute that give at most `MOST_TICKS`; one that begins a coarser span too is a tick
 of that (1 January: `year`), but weeks stay weeks. Timelines without a calendar get days, hours and
 so on from their beginning. A part has finer steps too, down to a microsecond, so that hardly a part
-is without a tick; they are those of the whole's calendar or clock, or the minutes of its match.
+is without a tick; they are those of the whole's calendar or clock, or the minutes of its match, as
+on the board: `45+2` for added time.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from datetime import datetime, timedelta
+from functools import partial
 
 from overview_dsp.data.timeline.event import Event
-from overview_dsp.data.timeline.match_minutes import Half
 
 MOST_TICKS = 26
 """Most ticks: a mark every four hundredths of a turn can still be counted."""
@@ -32,6 +35,7 @@ _CALENDAR_S = {
 }  # fmt: skip
 """Spans whose ticks aren't a whole number of steps from midnight, and about how long they are."""
 
+_MONTHS_IN = {"month": 1, "year": 12, "decade": 120, "century": 1200}
 _WHOLE_S = (60.0, 900.0, 3600.0, _DAY_S)
 _SUBSECOND_S = tuple(m * 10.0**power for power in range(-6, 0) for m in (1.0, 2.0, 5.0))
 _DATED_S = (*_SUBSECOND_S, 1.0, 5.0, 15.0, 60.0, 300.0, 900.0, 3600.0, 21_600.0, _DAY_S)
@@ -44,6 +48,65 @@ _MONTHS = (
     "January", "February", "March", "April", "May", "June", "July", "August", "September",
     "October", "November", "December",
 )  # fmt: skip
+
+_MINUTES = ((0, 45), (45, 90), (90, 105), (105, 120))
+_HALF_NAMES = ("first half", "second half", "extra time", "extra time, second half")
+_SHORT_S = 120.0
+"""A half as listed may be shorter than it should by so much."""
+
+_LATE_S = 60.0
+"""A match begins so soon on its timeline."""
+
+_MATCH_KINDS = frozenset({"goal", "own_goal", "near_miss", "yellow_card", "red_card", "foul"})
+_MATCH_LABELS = ("kick-off", "half-time")
+
+
+@dataclass(frozen=True)
+class Half:
+    """One half: where it is on the timeline, s, and from and to which minute it goes."""
+
+    begin_s: float
+    end_s: float
+    first: int
+    last: int
+    name: str
+
+    @property
+    def nominal_s(self) -> float:
+        """Where its added time begins, s."""
+        return self.begin_s + 60.0 * (self.last - self.first)
+
+    def minute_text(self, minutes: int, begun: bool = False) -> str:
+        """Write so many minutes after its beginning as the board does: `62`, `90+3`.
+
+        One more has `begun` where seconds follow: 30 s after minute 45 it is `45+0`, which minute
+        45 of the next half isn't.
+        """
+        minute = self.first + minutes
+        added = minute > self.last or (begun and minute == self.last)
+        return f"{self.last}+{minute - self.last}" if added else str(minute)
+
+
+def halves_of(events: Sequence[Event]) -> tuple[Half, ...]:
+    """Return the halves of a whole match; none where its events (by time) don't say.
+
+    They lie between its events of the kind `period`: two, three or four, of their full length.
+    """
+    periods = [event for event in events if event.kind == "period"]
+    if not any(e.kind in _MATCH_KINDS for e in events) and not any(
+        e.label in _MATCH_LABELS for e in periods
+    ):
+        return ()  # a school's periods
+    edges = sorted({event.time_s for event in periods})
+    if not 2 <= len(edges) - 1 <= len(_MINUTES) or edges[0] > _LATE_S:
+        return ()
+    halves = tuple(
+        Half(begin, end, first, last, name)
+        for (begin, end), (first, last), name in zip(
+            itertools.pairwise(edges), _MINUTES, _HALF_NAMES, strict=False
+        )
+    )
+    return halves if all(h.end_s >= h.nominal_s - _SHORT_S for h in halves) else ()
 
 
 def ticks(start: datetime | None, duration_s: float) -> tuple[Event, ...]:
@@ -76,25 +139,30 @@ def part_ticks(
         Those of a match, on the whole timeline: its minutes are the ticks then.
     """
     if halves and start is None:
-        return _match_minutes(halves, from_s, duration_s)
+        return _finest(
+            ((s, partial(_match_minutes, halves, s, from_s, duration_s)) for s in _CLOCK_S),
+            duration_s,
+        )
     return _chosen(_CLOCK_S if start is None else _DATED_S, start, from_s, duration_s)
 
 
 def _chosen(
     steps_s: Iterable[float], start: datetime | None, from_s: float, duration_s: float
 ) -> tuple[Event, ...]:
-    """The finest ticks that are few enough."""
-    for step_s in steps_s:
-        if duration_s / step_s <= MOST_TICKS + 2:
-            found = list(_even(step_s, start, from_s, duration_s))
-            if len(found) <= MOST_TICKS:
-                return tuple(found)
-    for unit, about_s in _CALENDAR_S.items() if start is not None else ():
-        if duration_s / about_s <= MOST_TICKS + 2:
-            assert start is not None
-            found = list(_calendar(unit, start.replace(tzinfo=None), duration_s))
-            if len(found) <= MOST_TICKS:
-                return tuple(found)
+    found = [(s, partial(_even, s, start, from_s, duration_s)) for s in steps_s]
+    if start is not None:
+        plain = start.replace(tzinfo=None)
+        found += [(s, partial(_calendar, u, plain, duration_s)) for u, s in _CALENDAR_S.items()]
+    return _finest(found, duration_s)
+
+
+def _finest(
+    ticks_of: Iterable[tuple[float, Callable[[], Iterable[Event]]]], duration_s: float
+) -> tuple[Event, ...]:
+    """The finest ticks that are few enough, of pairs of a step (s, about) and what makes them."""
+    for step_s, make in ticks_of:
+        if duration_s / step_s <= MOST_TICKS + 2 and len(found := tuple(make())) <= MOST_TICKS:
+            return found
     return ()
 
 
@@ -127,16 +195,11 @@ def _even(
                 return
 
 
-def _match_minutes(halves: Sequence[Half], from_s: float, duration_s: float) -> tuple[Event, ...]:
-    """The finest ticks that are few enough, each half's from its beginning."""
-    for step_s in _CLOCK_S:
-        if duration_s / step_s <= MOST_TICKS + 2:
-            found = [
-                event for half in halves for event in _of_half(half, step_s, from_s, duration_s)
-            ]
-            if len(found) <= MOST_TICKS:
-                return tuple(found)
-    return ()
+def _match_minutes(
+    halves: Sequence[Half], step_s: float, from_s: float, duration_s: float
+) -> Iterator[Event]:
+    for half in halves:
+        yield from _of_half(half, step_s, from_s, duration_s)
 
 
 def _of_half(half: Half, step_s: float, from_s: float, duration_s: float) -> Iterator[Event]:
@@ -173,9 +236,7 @@ def _seconds(microseconds: int) -> str:
 
 
 def _calendar(unit: str, start: datetime, duration_s: float) -> Iterator[Event]:
-    moment = _floor(unit, start)
-    while (following := _next(unit, moment)) is not None:
-        moment = following
+    for moment in _begins(unit, start):
         time_s = (moment - start).total_seconds()
         if time_s >= duration_s:
             return
@@ -183,29 +244,20 @@ def _calendar(unit: str, start: datetime, duration_s: float) -> Iterator[Event]:
         yield Event(time_s, kind, _label(kind, moment))
 
 
-def _floor(unit: str, at: datetime) -> datetime:
-    if unit in ("century", "decade"):
-        size = 100 if unit == "century" else 10
-        return datetime(max(1, at.year - at.year % size), 1, 1)
-    if unit == "year":
-        return datetime(at.year, 1, 1)
-    if unit == "month":
-        return datetime(at.year, at.month, 1)
-    # a week: not before the calendar's first day, which was a Monday
-    return datetime(at.year, at.month, at.day) - timedelta(days=at.weekday())
-
-
-def _next(unit: str, at: datetime) -> datetime | None:
-    """The next tick; None after the calendar's end."""
+def _begins(unit: str, start: datetime) -> Iterator[datetime]:
+    """Where the spans after a start begin, up to the calendar's end."""
+    months = _MONTHS_IN.get(unit)
+    # not before the calendar's first day, which was a Monday
+    monday = datetime(start.year, start.month, start.day) - timedelta(days=start.weekday())
     try:
-        if unit in ("century", "decade", "year"):
-            size = {"century": 100, "decade": 10, "year": 1}[unit]
-            return datetime(at.year - at.year % size + size, 1, 1)
-        if unit == "month":
-            return datetime(at.year + at.month // 12, at.month % 12 + 1, 1)
-        return at + timedelta(days=7)
+        for count in itertools.count(1):
+            if months is None:
+                yield monday + timedelta(weeks=count)
+            else:
+                month = ((12 * start.year + start.month - 1) // months + count) * months
+                yield datetime(month // 12, month % 12 + 1, 1)
     except (ValueError, OverflowError):
-        return None
+        return
 
 
 def _dated_kind(unit: str, at: datetime) -> str:

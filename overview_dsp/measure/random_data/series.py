@@ -8,8 +8,7 @@ tables.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,33 +16,13 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.data.readers.series.series import series_of
 from overview_dsp.data.readers.source import LoadOptions
-from overview_dsp.data.readers.tables.table import Chunk, Column
+from overview_dsp.data.readers.tables.memory import table_of
 from overview_dsp.data.timeline import Timeline
 
 TRADING_DAYS = 252
 """A year of a share."""
 
 _FIRST_DAY = np.datetime64("1990-01-01", "D")
-
-
-@dataclass(frozen=True, eq=False)
-class _Columns:
-    """A table in memory, for the readers of tables: days and values."""
-
-    days: NDArray[np.datetime64]
-    values: NDArray[np.float64]
-    header: str
-    kind: str = "random"
-    row_word: str = "row"
-    notes: tuple[str, ...] = ()
-
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        return (Column.of("Date"), Column.of(self.header))
-
-    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        cells = (self.days, self.values)
-        yield Chunk(tuple(cells[i] for i in columns), 1)
 
 
 def random_share(seed: int) -> Timeline:
@@ -79,7 +58,7 @@ def random_share(seed: int) -> Timeline:
     steps += (rng.random(count) < 2.0 / TRADING_DAYS) * rng.normal(0.0, 0.06, count)
     steps += rng.normal(0.0003, 0.0004)
     price = np.round(rng.uniform(10.0, 300.0) * np.exp(np.cumsum(np.clip(steps, -0.25, 0.25))), 2)
-    return series_of(_Columns(days, price, "Close"), LoadOptions(), f"random share {seed}")
+    return _timeline_of(days, price, "Close", f"random share {seed}")
 
 
 def random_weather(seed: int) -> Timeline:
@@ -117,5 +96,11 @@ def random_weather(seed: int) -> Timeline:
     if rng.random() < 0.2:  # a station that failed
         first = int(rng.integers(0, count - 40))
         value[first : first + int(rng.integers(5, 40))] = np.nan
-    table = _Columns(days, value, "temperature (°C)")
-    return series_of(table, LoadOptions(), f"random weather {seed}")
+    return _timeline_of(days, value, "temperature (°C)", f"random weather {seed}")
+
+
+def _timeline_of(
+    days: NDArray[np.datetime64], values: NDArray[np.float64], header: str, title: str
+) -> Timeline:
+    table = replace(table_of({"Date": days, header: values}), kind="random")
+    return series_of(table, LoadOptions(), title)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from overview_dsp.data.analysis.crowd_excitement import FOOTBALL_KINDS
 from overview_dsp.data.timeline import Intensity, Timeline
 from overview_dsp.data.timeline.gaps import in_gap
-from overview_dsp.data.timeline.match_minutes import Half, halves_of
+from overview_dsp.data.timeline.ticks import Half, halves_of
 from overview_dsp.offline.plots.style import (
     BLACK,
     GAP_HATCH,

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.readers.memory_data import TimelineData
 from overview_dsp.data.readers.registry import load_timeline
+from overview_dsp.data.readers.tables.memory import TimelineData
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.gestures.spec import DEFAULT, parse_gesture

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.timeline.dataframe import dataframe
 from overview_dsp.kernels.layout import TRACE_COLUMNS
+from overview_dsp.public import dataframe
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.timeline.dataframe import dataframe
 from overview_dsp.design.presets.parameter import Parameter, Value
-from overview_dsp.public import counted
+from overview_dsp.public import counted, dataframe
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from overview_dsp.data.analysis.window_rules import rules_of
+from overview_dsp.data.analysis.series_events import rules_of
 from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
 

@@ -18,10 +18,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.data.readers import compression as unpacking
-from overview_dsp.data.readers import load_timeline, save_timeline, source
-from overview_dsp.data.readers.compression import packing
-from overview_dsp.data.readers.json_limits import MOST_DEPTH, extent
+from overview_dsp.data.readers import load_timeline, opening, save_timeline, source
+from overview_dsp.data.readers.opening import packing
+from overview_dsp.data.readers.source import MOST_DEPTH, extent
 from overview_dsp.errors import InputError
 from tests.data.readers.football_files import METRICA, MINUTES, OPENFOOTBALL_TEXT, WYSCOUT_TEXT
 from tests.data.readers.statsbomb_match import full_match
@@ -169,11 +168,11 @@ def test_the_depth_is_that_of_the_parsed_document(
             return 1 + max(map(depth, value.values()), default=0)
         return 1 + max(map(depth, value), default=0) if isinstance(value, list) else 0
 
-    from overview_dsp.data.readers import json_limits
+    from overview_dsp.data.readers import source
 
     text = json.dumps(document, ensure_ascii=ascii_only)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(json_limits, "_CHUNK", chunk)
+        patch.setattr(source, "_JSON_CHUNK", chunk)
         assert extent(text).depth == depth(document)
 
 
@@ -240,13 +239,13 @@ def test_a_bomb_is_refused_at_the_limit_with_the_option(suffix: str, tmp_path: P
         r"bomb: unpacks to more than the 8 MB that are read; .*max_mb \(--max-mb\)",
         max_mb=8.0,
     )
-    assert not list(Path(unpacking.tempfile.gettempdir()).glob("overview-*/bomb"))
+    assert not list(Path(opening.tempfile.gettempdir()).glob("overview-*/bomb"))
 
 
 def test_the_usual_limit_of_what_is_unpacked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(unpacking, "MAX_MB", 1.0)
+    monkeypatch.setattr(opening, "MAX_MB", 1.0)
     (tmp_path / "b.gz").write_bytes(gzip.compress(NATIVE.encode() + b" " * 2**20, mtime=0))
     refused(tmp_path / "b.gz", "more than the 1 MB")
     assert load_timeline(tmp_path / "b.gz", max_mb=2.0).duration_s == 9.0

@@ -177,3 +177,32 @@ def test_a_series_with_a_wrong_cell_carries_its_location():
     assert (caught.value.line, caught.value.column, caught.value.value) == (4, "close", "x")
     assert np.array_equal(through(content.replace(b"x", b"3"), accepting(content)[0])[0].intensity
                           .value, [1.0, 2.0, 3.0, 4.0])  # fmt: skip
+
+
+@pytest.mark.parametrize("header", ["", "time,event\n"])
+def test_comments_give_title_and_length_with_a_header_or_without(header):
+    rows = "2024-06-03 08:30,walk\n2024-06-03 12:00,lunch\n2024-06-03 14:00,walk\n"
+    content = f"# title: A day\n# duration_s: 90000\n{header}{rows}".encode()
+    timeline = through(content, accepting(content)[0])[0]
+    assert (timeline.title, timeline.duration_s) == ("A day", 90_000.0)
+    assert timeline.kinds() == {"walk": 2, "lunch": 1}
+
+
+LONG = b"time,close\n" + b"".join(b"%d,%d\n" % (i, i) for i in range(500))
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "note"),
+    [
+        (b"date,close\n2020-01-01,1\n2020-01-02,2,3\n2020-01-03,4\n", 3, "3 fields for 2 columns"),
+        (LONG + b'500,"2\n501,4\n', 502, "check the quotes"),
+        (b"t,close\n0:01,1\n0:09,2\n0:05,3\n", 4, "the clock goes back"),
+        (b'{"t": 1, "close": 2}\n{"t": 2, "close": 3}\n{"t": 3, \n', 3, "broken JSON"),
+    ],
+)
+def test_an_error_of_a_row_carries_its_line_and_note(content, line, note):
+    with pytest.raises(InputError) as caught:
+        through(content, accepting(content)[0])
+    assert caught.value.line == line
+    assert note in caught.value.note
+    assert str(caught.value).endswith(f"line {line}: {caught.value.note}")

@@ -18,11 +18,10 @@ from overview_dsp.data.readers.source import parse_json
 from overview_dsp.data.timeline import Intensity, Timeline, samples
 from overview_dsp.data.timeline import growable_array as store_module
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
-from overview_dsp.data.timeline.even_times import EvenTimes
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.intensity import LONG, WIDENED, Part, with_peaks
 from overview_dsp.data.timeline.minmax_pyramid import BIN, RATIO, build_pyramid
-from overview_dsp.data.timeline.samples import Points
+from overview_dsp.data.timeline.samples import EvenTimes, Points
 from overview_dsp.errors import InputError, OutputError
 from overview_dsp.kernels.layout import CELLS
 from tests.examples import plain_preset

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from overview_dsp.data.timeline import Event, Timeline
-from overview_dsp.data.timeline.match_minutes import halves_of
-from overview_dsp.data.timeline.ticks import KINDS
+from overview_dsp.data.timeline.ticks import KINDS, halves_of
 
 
 def match(*halves_min: float, also: tuple[Event, ...] = (Event(61.0, "foul"),)) -> Timeline:

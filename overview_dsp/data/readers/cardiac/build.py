@@ -10,7 +10,7 @@ from overview_dsp.data.analysis import rhythm
 from overview_dsp.data.analysis.heart_signal import Spans
 from overview_dsp.data.analysis.heartbeats import Detection
 from overview_dsp.data.analysis.rhythm import NORMAL, Beats
-from overview_dsp.data.analysis.window_rules import rules_of
+from overview_dsp.data.analysis.series_events import rules_of
 from overview_dsp.data.readers.source import LoadOptions
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps

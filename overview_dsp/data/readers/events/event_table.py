@@ -55,15 +55,22 @@ from overview_dsp.data.readers.tables.column_roles import (
     Roles,
     TimeChoice,
     is_wordy,
-    joined_cells,
     looks_listed,
     roles_of,
     time_named,
 )
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, headed
-from overview_dsp.data.readers.tables.json import JsonTable, is_single, shapes_in
-from overview_dsp.data.readers.tables.table import Column, Location, Table, first_rows, location
+from overview_dsp.data.readers.tables.json import is_single, tables_in
+from overview_dsp.data.readers.tables.table import (
+    Column,
+    ColumnTable,
+    Location,
+    Table,
+    as_list,
+    first_rows,
+    location,
+)
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.model import Timeline
@@ -142,7 +149,7 @@ def _refuse_beats(table: Table, cells: Sequence[Any]) -> None:
 
 def _has_table(source: Source) -> bool:
     if source.looks_like_json:
-        return _shape(source) is not None
+        return _json_table(source) is not None
     return detect(source, _accepting(source)) is not None
 
 
@@ -162,36 +169,28 @@ def _accepting(source: Source) -> Accepts:
     return accepts
 
 
-def _shape(source: Source) -> Any:
+def _json_table(source: Source) -> ColumnTable | None:
     """The largest table of events of a JSON document, None if there is none."""
     found = None
-    for shape in shapes_in(source.json):
-        columns = [Column.of(name) for name in shape.names]
-        cells = [shape.cut(i, 0, min(shape.rows, 50)) for i in range(len(columns))]
+    for table in tables_in(source.json):
+        cells = [as_list(table.cut(i, 0, 50)) for i in range(len(table.columns))]
         if all(is_single(cell) for column in cells for cell in column) and looks_listed(
-            columns, cells, source.options
+            table.columns, cells, source.options
         ):
-            found = shape if found is None or shape.rows > found.rows else found
+            found = table if found is None or table.rows > found.rows else found
     return found
 
 
 def _table(source: Source) -> Table:
     if source.looks_like_json:
-        return JsonTable(_shape(source))
+        found = _json_table(source)
+        assert found is not None  # sniffed
+        return found.checked()
     layout = detect(source, _accepting(source))
     assert layout is not None  # sniffed
     if layout.header == ("column 1", "column 2"):
-        return _Named(DelimitedTable(source, layout))
+        layout = replace(layout, header=("time", "event"))
     return DelimitedTable(source, layout)
-
-
-class _Named:
-    """A table without a header whose columns are times and words."""
-
-    def __init__(self, table: DelimitedTable) -> None:
-        self.kind, self.row_word, self.notes = table.kind, table.row_word, table.notes
-        self.columns = (Column.of("time"), Column.of("event"))
-        self.chunks = table.chunks
 
 
 class _Reader:
@@ -234,9 +233,7 @@ class _Reader:
                               roles.id) if i is not None]  # fmt: skip
         rows = 0
         for chunk in self.table.chunks((*self.choice.columns, *others)):
-            cells = chunk.cells[0]
-            if count > 1:
-                cells = joined_cells(chunk.cells[:count], " ")
+            cells = self.choice.cells(chunk)
             seconds = self.times.seconds(cells, location(self.table, chunk, roles.time))
             rows += len(chunk)
             if rows > MAX_EVENTS:

@@ -25,7 +25,6 @@ from overview_dsp.data.readers.football.match import Happening, MatchEvents, sho
 from overview_dsp.data.readers.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.data.readers.plugins import needed
 from overview_dsp.data.readers.source import LoadOptions, Source
-from overview_dsp.data.readers.xml_text import root_name, xml_text
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
@@ -86,7 +85,7 @@ class _Feed:
 
 def _xml(root: str, *words: str) -> Callable[[Source], bool]:
     def claims(source: Source) -> bool:
-        return root_name(source) == root and all(w in (source.head_text or "") for w in words)
+        return source.xml_root == root and all(w in (source.head_text or "") for w in words)
 
     return claims
 
@@ -200,7 +199,7 @@ def _bytes(source: Source) -> bytes:
         _ = source.json  # its limits and errors
         return source.text.removeprefix("\ufeff").encode()
     # what one of kloppy's readers knows XML by
-    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + xml_text(source).lstrip()).encode()
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + source.xml_text.lstrip()).encode()
 
 
 def _beside(source: Source, feed: _Feed) -> Source:

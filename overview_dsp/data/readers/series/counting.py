@@ -18,15 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.analysis import curve_maps
-from overview_dsp.data.analysis.series_events import Series, find_events
-from overview_dsp.data.analysis.series_labels import Calendar
-from overview_dsp.data.analysis.window_rules import PartRules
+from overview_dsp.data.analysis.series_events import Calendar, PartRules, Series, find_events
 from overview_dsp.data.readers.series.plan import HEAD_ROWS
 from overview_dsp.data.readers.series.rows import RowReader, settled
 from overview_dsp.data.readers.source import LoadOptions
 from overview_dsp.data.readers.tables.cells import Style
 from overview_dsp.data.readers.tables.column_roles import choose_time
-from overview_dsp.data.readers.tables.table import Table, first_rows
+from overview_dsp.data.readers.tables.table import Table, first_rows, headers_of
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.errors import InputError, shown
@@ -48,8 +46,7 @@ _ROUND = {
 
 def asked_of(table: Table, options: LoadOptions) -> bool:
     """Return whether a table's rows are to be counted: not if `count` is one of its columns."""
-    headers = {word.lower() for c in table.columns for word in (c.header, c.name)}
-    return options.counts and (options.map or "").strip().lower() not in headers
+    return options.counts and (options.map or "").strip().lower() not in headers_of(table.columns)
 
 
 @dataclass(frozen=True)
@@ -81,9 +78,9 @@ def counted(table: Table, options: LoadOptions, title: str) -> Timeline:
     store = Store(np.float64)
     low, high = np.inf, -np.inf
     for rows in reader:
-        if len(rows):
-            store.append(rows.seconds)
-            low, high = min(low, rows.seconds.min()), max(high, rows.seconds.max())
+        seconds = rows[1]
+        store.append(seconds)
+        low, high = seconds.min(initial=low), seconds.max(initial=high)
         if store.count > MAX_ROWS:
             raise InputError(f"more than {MAX_ROWS} rows; cut the file into parts")
     if not store.count:

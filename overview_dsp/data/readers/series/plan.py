@@ -1,31 +1,79 @@
-"""What is read from a table, as asked for or detected from its first rows; and what was found."""
+"""What is read from a table, as asked for or detected from its first rows.
+
+Whether a column is a price, and of a share, is told by header, symbol, currency or option.
+Per cent fit prices only, and splits are a share's. Nothing is guessed from the numbers: what isn't
+called a price is plain, and what was decided is said, with the option that decides otherwise
+(`--value COLUMN:share`, `COLUMN:price`, `COLUMN:plain`).
+
+A share's is a close beside an adjusted close, or a close in a table with volume or a ticker symbol
+(a column `symbol`, or the file's name). A symbol or name of a commodity, a currency, an index or a
+future (`CL=F`, `EURUSD=X`, `^GSPC`, `BTC-USD`, `coffee`) makes it a price with nothing to split.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from overview_dsp.data.analysis.curve_maps import Map
-from overview_dsp.data.analysis.series_events import Series
-from overview_dsp.data.readers.series.prices import Worth, split_wish, worth_of
 from overview_dsp.data.readers.series.rows import settled
 from overview_dsp.data.readers.source import LoadOptions
-from overview_dsp.data.readers.tables import column_roles
-from overview_dsp.data.readers.tables.cells import Style, detected_style
-from overview_dsp.data.readers.tables.column_roles import TimeChoice, choose_time, choose_value
-from overview_dsp.data.readers.tables.table import Column, Table, column_named, first_rows
-from overview_dsp.data.timeline.gaps import Gaps
-from overview_dsp.data.timeline.model import Intensity
-from overview_dsp.errors import InputError
+from overview_dsp.data.readers.tables.cells import Style, detected_style, parse
+from overview_dsp.data.readers.tables.column_roles import (
+    TimeChoice,
+    choose_time,
+    choose_value,
+    is_close,
+    is_price,
+    is_price_table,
+    price_columns,
+)
+from overview_dsp.data.readers.tables.table import (
+    Column,
+    Columns,
+    Head,
+    Table,
+    column_named,
+    first_rows,
+    headers_of,
+    split_wish,
+)
+from overview_dsp.errors import InputError, shown
 
 HEAD_ROWS = 500
 
-_BESIDE = (
-    column_roles.adjusted_close,
-    column_roles.close_price,
-    column_roles.opening_price,
-    column_roles.share_volume,
+KINDS = ("share", "price", "plain")
+"""What a column of values may be."""
+
+CURRENCIES = frozenset("$€£¥₹₽₩")
+"""Signs that make a number a price."""
+
+_CODES = frozenset({"usd", "eur", "gbp", "chf", "jpy", "cad", "aud", "cny", "inr", "sek", "nok"})
+_SYMBOLS = ("symbol", "ticker", "instrument", "isin", "ric")
+_TICKER = re.compile(r"[A-Za-z]{1,5}([.\-][A-Za-z]{1,3})?(_[A-Za-z]{1,5})?")
+_NO_SHARE = re.compile(
+    r"=[FX]$|^\^|[-_/](usdt?|eur|btc)$"
+    r"|\b(gold|silver|platinum|palladium|copper|alumini?um|nickel|zinc|iron|steel|oil|crude|brent"
+    r"|wti|gas|gasoline|diesel|coal|power|electricity|wheat|corn|maize|rice|soy\w*|coffee|cocoa"
+    r"|sugar|cotton|lumber|cattle|hogs|rubber|uranium|bitcoin|btc|eth|ether\w*|crypto\w*|futures?"
+    r"|commodit\w+|forex|fx|currency|exchange|index|commodity|price|prices|eur|usd|gbp|jpy|chf)\b",
+    re.IGNORECASE,
 )
+
+
+@dataclass(frozen=True)
+class Worth:
+    """One of `KINDS`, and a note on why; empty where there is nothing to say."""
+
+    kind: str
+    note: str = ""
+
+    @property
+    def relative(self) -> bool:
+        """Whether steps are per cent."""
+        return self.kind != "plain"
 
 
 @dataclass(frozen=True)
@@ -87,32 +135,27 @@ def plan_of(table: Table, options: LoadOptions, name: str = "") -> Plan:
     if options.rate is not None and time.columns:
         raise InputError("rate and time are both given; leave one out")
     time = settled(table, time)
-    wish, kind = split_wish(options.value, table.columns)
-    value = choose_value(table, head, wish, time.columns)
-    worth = worth_of(table.columns, head, value.column, name, kind)
-    headers = frozenset(
-        word for c in table.columns for word in (c.header.lower(), c.name.lower()) if word
-    )
-    wanted = Map.of(options.map, headers)
-    mapped = value.column
+    wish, kind = asked_kind(options.value, table.columns)
+    value, chosen = choose_value(table, head, wish, time.columns)
+    worth = worth_of(table.columns, head, value, name, kind)
+    wanted = Map.of(options.map, headers_of(table.columns))
+    mapped = value
     if wanted.name == "column":
         found = column_named(table.columns, wanted.argument)
         assert found is not None  # Map.of saw it
         mapped = found
-    columns = [value.column]
-    if mapped != value.column:
+    columns = [value]
+    if mapped != value:
         columns.append(mapped)
     if worth.kind == "share":
-        for find in _BESIDE:
-            beside = find(table.columns)
-            if beside is not None and beside not in (*columns, *time.columns):
-                columns.append(beside)
-    notes = tuple(note for note in (*table.notes, *time.notes, value.note, worth.note) if note)
+        beside = price_columns(table.columns).values()
+        columns += dict.fromkeys(i for i in beside if i not in (*columns, *time.columns))
+    notes = tuple(note for note in (*table.notes, *time.notes, chosen, worth.note) if note)
     style = _style(table, head, columns)
-    return Plan(table, time, value.column, mapped, wanted, tuple(columns), style, notes, worth)
+    return Plan(table, time, value, mapped, wanted, tuple(columns), style, notes, worth)
 
 
-def _style(table: Table, head: Sequence[list[object]], columns: Sequence[int]) -> Style:
+def _style(table: Table, head: Head, columns: Sequence[int]) -> Style:
     """The way numbers are written: detected from the columns that are read, else by any other."""
     style = detected_style(cell for i in columns for cell in head[i])
     if style is None:
@@ -124,45 +167,84 @@ def _style(table: Table, head: Sequence[list[object]], columns: Sequence[int]) -
     return style or Style()
 
 
-MAX_GAPS = 200_000
+def asked_kind(wish: str | None, columns: Columns) -> tuple[str | None, str | None]:
+    """Return the column and the kind of a `--value` value, None where it isn't asked for.
+
+    Raises
+    ------
+    InputError
+        The words after a column and a colon are none of `KINDS`.
+    """
+    name, kind = split_wish(wish or "", columns)
+    if kind in KINDS:
+        return name or None, kind
+    if name != wish and name.lower() in headers_of(columns):
+        raise InputError(
+            f"value {shown(wish)}: {shown(kind)} is no kind of value; known are {', '.join(KINDS)}"
+        )
+    return wish, None
 
 
-@dataclass(frozen=True, eq=False)
-class Found:
-    """What becomes a Timeline.
+def worth_of(columns: Columns, head: Head, value: int, name: str, wish: str | None) -> Worth:
+    """Decide what a column of values is.
 
     Parameters
     ----------
-    series
-        Samples in which events are found, and the calendar.
-    intensity
-        The mapped curve.
-    words
-        What it is.
-    gaps, gap_rule
-        Where there is no data, and by which rule steps between samples are gaps.
-    missing, count
-        Samples without a value, and all.
-    duration_s
-        The last sample's time.
-    notes
-        What was done on the way.
+    columns, head
+        The table's, and its first rows, a list a column.
+    value
+        The column's index.
+    name
+        The file's name without its suffix.
+    wish
+        One of `KINDS`, if it was asked for.
     """
+    if wish is not None:
+        return Worth(wish)
+    column = columns[value]
+    named = is_price(column, columns)
+    money = _is_money(column, head[value])
+    if not named and not money:
+        return Worth("plain")
+    why = "its header says so" if named else "it is in a currency"
+    symbols = [name, *_symbols(columns, head)]
+    if not named or any(_NO_SHARE.search(symbol.replace("_", " ")) for symbol in symbols):
+        return _said("price", column, why)
+    if "adjusted" in price_columns(columns):
+        return _said("share", column, "there is a close adjusted for splits")
+    if is_close(column):
+        if is_price_table(columns) and "volume" in price_columns(columns):
+            return _said("share", column, "a close in a table of prices and volume")
+        ticker = next((s for s in reversed(symbols) if _TICKER.fullmatch(s)), None)
+        if ticker is not None:
+            return _said("share", column, f"a close of {shown(ticker)}")
+    return _said("price", column, why)
 
-    series: Series
-    intensity: Intensity
-    words: str
-    gaps: Gaps
-    gap_rule: str
-    missing: int
-    count: int
-    duration_s: float
-    notes: tuple[str, ...]
+
+def _said(kind: str, column: Column, why: str) -> Worth:
+    header = shown(column.header)
+    other = "price" if kind == "share" else "share"
+    what = "the price of a share" if kind == "share" else "a price"
+    splits = "are" if kind == "share" else "aren't"
+    return Worth(
+        kind,
+        f"{header} is {what} ({why}): steps are per cent, splits {splits} looked for; "
+        f"value='{column.header}:{other}' or '{column.header}:plain' (--value) says otherwise",
+    )
 
 
-def require_few_gaps(gaps: int) -> None:
-    """Refuse a series of more gaps than `MAX_GAPS`."""
-    if gaps > MAX_GAPS:
-        raise InputError(
-            f"more than {MAX_GAPS} gaps; keep the rows that have a value, or name another column"
-        )
+def _is_money(column: Column, cells: Sequence[Any]) -> bool:
+    unit = column.unit.strip().lower()
+    if (unit[:1] in CURRENCIES and unit) or re.split(r"[^a-z]", unit)[0] in _CODES:
+        return True
+    for cell in cells:
+        found = parse(cell.strip(), Style()) if isinstance(cell, str) else None
+        if found is not None:
+            return found[1] in CURRENCIES and bool(found[1])
+    return False
+
+
+def _symbols(columns: Columns, head: Head) -> Iterable[str]:
+    for column, cells in zip(columns, head, strict=True):
+        if column.plain in _SYMBOLS and cells and isinstance(cells[0], str):
+            yield cells[0].strip()

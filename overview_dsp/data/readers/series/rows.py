@@ -4,52 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.cells import NumberColumn, Style
-from overview_dsp.data.readers.tables.column_roles import TimeChoice, joined_cells
-from overview_dsp.data.readers.tables.table import Table, location
+from overview_dsp.data.readers.tables.column_roles import TimeChoice
+from overview_dsp.data.readers.tables.table import Location, Table, location
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
 from overview_dsp.errors import InputError, shown
 
-
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Some rows that have a time.
-
-    Parameters
-    ----------
-    seconds
-        Shape (n,).
-    values
-        Shape (n,) for each column asked for, NaN = missing.
-    number
-        Of each row as a person counts, shape (n,).
-    """
-
-    seconds: NDArray[np.float64]
-    values: list[NDArray[np.float64]]
-    number: NDArray[np.int64]
-
-    def __len__(self) -> int:
-        return len(self.seconds)
-
-    def cut(self, begin: int, end: int) -> Rows:
-        """Return the rows from and to these indices."""
-        values = [value[begin:end] for value in self.values]
-        return Rows(self.seconds[begin:end], values, self.number[begin:end])
-
-
-def joined(parts: Sequence[Rows]) -> Rows:
-    """Return rows after each other, at least one part."""
-    return Rows(
-        np.concatenate([part.seconds for part in parts]),
-        [np.concatenate(column) for column in zip(*(p.values for p in parts), strict=True)],
-        np.concatenate([part.number for part in parts]),
-    )
+Rows = NDArray[np.float64]
+"""Rows that have a time, shape (2 + columns, n): the number of each as a person counts, its
+seconds, and the values of each column asked for, NaN = missing."""
 
 
 @dataclass
@@ -73,9 +40,7 @@ class RowReader:
     def __post_init__(self) -> None:
         zones = [c.offset_min for i in self.choice.columns if (c := self.table.columns[i]).zoned]
         self.time = TimeColumn(self.choice.format, offset_min=zones[0] if zones else None)
-        self.numbers = [
-            NumberColumn(self.table.columns[i].header, self.style) for i in self.columns
-        ]
+        self.numbers = [NumberColumn(self.style) for _ in self.columns]
 
     def __iter__(self) -> Iterator[Rows]:
         count = len(self.choice.columns)
@@ -89,19 +54,14 @@ class RowReader:
                 )
             ]
             if count:
-                cells = chunk.cells[0]
-                if count > 1:
-                    cells = joined_cells(chunk.cells[:count], self.choice.joint)
                 place = location(self.table, chunk, self.choice.columns[0])
-                seconds = self.time.seconds(cells, place)
+                seconds = self.time.seconds(self.choice.cells(chunk), place)
             else:
                 assert self.rate is not None
                 seconds = (seen + np.arange(len(chunk))) / self.rate
             seen += len(chunk)
-            if chunk.numbers is None:
-                rows = np.arange(chunk.first, chunk.first + len(chunk))
-            else:
-                rows = np.array(chunk.numbers, dtype=np.int64)
+            numbers = chunk.numbers or np.arange(chunk.first, chunk.first + len(chunk))
+            read = np.array([numbers, seconds, *values])
             timeless = np.isnan(seconds)
             if timeless.any():
                 valued = timeless & ~np.all([np.isnan(value) for value in values], axis=0)
@@ -109,10 +69,9 @@ class RowReader:
                     i = int(np.flatnonzero(valued)[0])
                     raise place(i).missing("give the time, or leave the row out")
                 self.skipped += int(timeless.sum())
-                seconds, rows = seconds[~timeless], rows[~timeless]
-                values = [value[~timeless] for value in values]
-            self.rows += len(seconds)
-            yield Rows(seconds, values, rows)
+                read = read[:, ~timeless]
+            self.rows += read.shape[1]
+            yield read
 
 
 def settled(table: Table, choice: TimeChoice) -> TimeChoice:
@@ -131,10 +90,7 @@ def settled(table: Table, choice: TimeChoice) -> TimeChoice:
     def texts() -> Iterator[tuple[int, str]]:
         nonlocal example
         for chunk in table.chunks(choice.columns):
-            cells: Any = chunk.cells[0]
-            if len(choice.columns) > 1:
-                cells = joined_cells(chunk.cells, choice.joint)
-            for i, cell in enumerate(cells):
+            for i, cell in enumerate(choice.cells(chunk)):
                 if isinstance(cell, str) and cell.strip():
                     example = example or cell.strip()
                     yield chunk.number(i), cell.strip()
@@ -162,11 +118,11 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     InputError
         A clock that goes back.
     """
-    seconds, values, rows = read.seconds, read.values, read.number
+    number, seconds = read[:2]
     word = reader.table.row_word
     notes: list[str] = []
     if reader.skipped:
-        notes.append(f"{reader.skipped} rows without time and value were left out")
+        notes.append(skipped_note(reader))
     step = np.diff(seconds)
     order = None
     if step.size and bool((step <= 0.0).all()) and bool((step < 0.0).any()):
@@ -177,25 +133,26 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     elif (step < 0.0).any():
         back = int(np.flatnonzero(step < 0.0)[0]) + 1
         if reader.choice.format.name in CLOCKS:
-            raise InputError(
-                f"{word} {int(rows[back])}: the clock goes back; give dates too, or cut the file "
-                "there"
+            raise Location(int(number[back]), word=word).fault(
+                "the clock goes back; give dates too, or cut the file there"
             )
         order = np.argsort(seconds, kind="stable")
         notes.append(
             f"{int((step < 0.0).sum())} rows were earlier than the row before them (first "
-            f"{word} {int(rows[back])}); rows were sorted by time"
+            f"{word} {int(number[back])}); rows were sorted by time"
         )
-    ordered = read
-    if order is not None:
-        ordered = Rows(seconds[order], [value[order] for value in values], rows[order])
+    ordered = read if order is None else read[:, order]
     single = last_of_each_time(ordered)
-    if len(single) < len(ordered):
+    if repeats := ordered.shape[1] - single.shape[1]:
         notes.append(
-            f"{len(ordered) - len(single)} rows repeat a time; of rows of one time the last with a "
-            "value counts"
+            f"{repeats} rows repeat a time; of rows of one time the last with a value counts"
         )
     return single, notes
+
+
+def skipped_note(reader: RowReader) -> str:
+    """Return a note on the rows that were left out."""
+    return f"{reader.skipped} rows without time and value were left out"
 
 
 def last_of_each_time(rows: Rows) -> Rows:
@@ -206,13 +163,13 @@ def last_of_each_time(rows: Rows) -> Rows:
     rows
         In order of their times.
     """
-    begins = np.flatnonzero(np.diff(rows.seconds, prepend=-np.inf) > 0.0)
-    if len(begins) == len(rows):
+    begins = np.flatnonzero(np.diff(rows[1], prepend=-np.inf) > 0.0)
+    count = rows.shape[1]
+    if len(begins) == count:
         return rows
-    ends = np.append(begins[1:], len(rows)) - 1
-    merged = []
-    for value in rows.values:
-        known = np.where(np.isnan(value), -1, np.arange(len(value)))
+    merged = rows[:, np.append(begins[1:], count) - 1]
+    for value, kept in zip(rows[2:], merged[2:], strict=True):
+        known = np.where(np.isnan(value), -1, np.arange(count))
         last = np.maximum.reduceat(known, begins)
-        merged.append(np.where(last >= 0, value[np.maximum(last, 0)], np.nan))
-    return Rows(rows.seconds[begins], merged, rows.number[ends])
+        kept[:] = np.where(last >= 0, value[np.maximum(last, 0)], np.nan)
+    return merged

@@ -1,4 +1,9 @@
-"""The samples of a series looked at: gaps, steps, share splits and the mapped curve.
+"""The samples of a series: gaps, steps, share splits and the mapped curve, and their Timeline.
+
+The times of samples stay exact: time 0 is the first row's, the duration reaches to the last row's,
+and no step is added for what the last sample covers. The curve is the mapped column (`curve_maps`)
+in its own unit; its percentiles say what becomes 0 and 1. Events are found by rule in the value
+column (`series_events`), gaps are missing values and holes (`series_gaps`).
 
 A series of up to `LONG_ROWS` rows is one block in memory, sorted by time, and all of its samples
 are kept. A longer one is looked at block by block, and its curve goes to disk: rows must be in
@@ -19,24 +24,31 @@ from numpy.typing import NDArray
 from overview_dsp.data.analysis import curve_maps
 from overview_dsp.data.analysis.curve_maps import PERCENTILES
 from overview_dsp.data.analysis.extrema import Thinner
-from overview_dsp.data.analysis.series_events import Series
+from overview_dsp.data.analysis.series_events import (
+    Calendar,
+    PartRules,
+    Series,
+    find_events,
+    only_dates,
+    value_text,
+)
 from overview_dsp.data.analysis.series_gaps import find_holes, gaps_of
-from overview_dsp.data.analysis.series_labels import Calendar, value_text
 from overview_dsp.data.analysis.share_splits import Split, find_splits
-from overview_dsp.data.analysis.window_rules import only_dates
-from overview_dsp.data.readers.series.plan import Found, Plan, require_few_gaps
+from overview_dsp.data.readers.series.plan import Plan
 from overview_dsp.data.readers.series.rows import (
     RowReader,
     Rows,
     in_order,
-    joined,
     last_of_each_time,
+    skipped_note,
 )
-from overview_dsp.data.readers.tables import column_roles
 from overview_dsp.data.readers.tables.cells import sentinel
+from overview_dsp.data.readers.tables.column_roles import is_adjusted, price_columns
+from overview_dsp.data.readers.tables.table import Location
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.growable_array import Store
-from overview_dsp.data.timeline.model import Intensity
+from overview_dsp.data.timeline.intensity import LONG
+from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.data.timeline.samples import Points
 from overview_dsp.errors import InputError, shown
 
@@ -49,6 +61,8 @@ BLOCK_ROWS = 1_000_000
 CONTEXT_ROWS = 65_536
 """Rows before a block that help to estimate the usual step between rows."""
 
+MAX_GAPS = 200_000
+
 _EVEN = 1e-6
 """Part of a step by which times may be off and still count as evenly spaced."""
 
@@ -56,16 +70,7 @@ _EVEN = 1e-6
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class _Block:
-    """Samples from the one before the block on: times from the series' first, values, levels."""
-
-    time_s: Floats
-    value: Floats
-    level: Floats
-
-
-def look_at(plan: Plan, reader: RowReader) -> Found:
+def look_at(plan: Plan, reader: RowReader) -> SampleScan:
     """Find gaps, steps, share splits and the mapped curve of a table's rows.
 
     Raises
@@ -78,23 +83,23 @@ def look_at(plan: Plan, reader: RowReader) -> Found:
     """
     rows = iter(reader)
     head: list[Rows] = []
-    while sum(map(len, head)) < LONG_ROWS and (part := next(rows, None)) is not None:
+    while reader.rows < LONG_ROWS and (part := next(rows, None)) is not None:
         head.append(part)
-    if not any(map(len, head)):
+    if not reader.rows:
         raise InputError("no rows with a time; a series has one row a time")
     following = next(rows, None)
-    finder = _Finder(plan, reader, every=following is None)
+    scan = SampleScan(plan, reader, every=following is None)
     if following is None:
-        whole, finder.notes = in_order(reader, joined(head))
-        finder.add(whole)
+        whole, scan.notes = in_order(reader, np.concatenate(head, axis=1))
+        scan.add(whole)
     else:
         for block in _blocks(plan, itertools.chain(head, (following,), rows)):
-            finder.add(block)
-    return finder.found()
+            scan.add(block)
+    return scan
 
 
 @dataclass
-class _Finder:
+class SampleScan:
     """Looks at blocks of samples in order; `every` if a single one holds all of them."""
 
     plan: Plan
@@ -116,17 +121,15 @@ class _Finder:
     _step_s: float = 0.0
     _even: bool = True
     _absent: list[float | None] = field(default_factory=list)
-    _before: _Block | None = None
+    _before: Floats = field(default_factory=lambda: np.empty((3, 0)))
     _change: Floats = field(default_factory=lambda: np.empty(0))
     _samples: tuple[Floats, Floats, Floats] | None = None
     _points: tuple[Floats, Floats] | None = None
 
     def _begin(self, block: Rows) -> None:
         """Decide by the first block what holds for all."""
-        self._absent = [sentinel(value) for value in block.values]
-        for index, values, absent in zip(
-            self.plan.columns, block.values, self._absent, strict=True
-        ):
+        self._absent = [sentinel(value) for value in block[2:]]
+        for index, values, absent in zip(self.plan.columns, block[2:], self._absent, strict=True):
             if absent is not None:
                 many = f"{np.count_nonzero(values == absent)} " if self.every else ""
                 header = shown(self.plan.table.columns[index].header)
@@ -134,14 +137,15 @@ class _Finder:
         value = self._known(block, 0)
         if self.every and np.isnan(value).all():
             raise self._no_value()
-        if len(block) < 2:
+        number, seconds = block[:2]
+        if len(seconds) < 2:
             raise InputError(
-                f"only one time ({self.plan.table.row_word} {int(block.number[0])}); a series has "
+                f"only one time ({self.plan.table.row_word} {int(number[0])}); a series has "
                 "two or more, name another time column if this isn't it"
             )
-        self._first_s = float(block.seconds[0])
-        self._require_span(block)
-        self._step_s = float(block.seconds[-1] - block.seconds[0]) / (len(block) - 1)
+        self._first_s = float(seconds[0])
+        self._require_span(seconds)
+        self._step_s = float(seconds[-1] - seconds[0]) / (len(seconds) - 1)
         self.start = self.reader.time.start(self._first_s)
         if self.start is None and self._first_s != 0.0:
             self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
@@ -150,8 +154,8 @@ class _Finder:
         if price and not self.relative:
             self.notes.append(curve_maps.NOT_ABOVE_0)
 
-    def _require_span(self, block: Rows) -> None:
-        if not np.isfinite(block.seconds).all() or block.seconds[-1] - self._first_s > 1e15:
+    def _require_span(self, seconds: Floats) -> None:
+        if not np.isfinite(seconds).all() or seconds[-1] - self._first_s > 1e15:
             raise InputError("the times span more than 30 million years; check their unit")
 
     def _no_value(self) -> InputError:
@@ -160,15 +164,15 @@ class _Finder:
 
     def _known(self, block: Rows, i: int) -> Floats:
         """A column of a block, NaN where it holds the number for nothing."""
-        value, absent = block.values[i], self._absent[i]
+        value, absent = block[2 + i], self._absent[i]
         return value if absent is None else np.where(value == absent, np.nan, value)
 
     def add(self, block: Rows) -> None:
         """Look at the next block, one row a time."""
         if not self.count:
             self._begin(block)
-        self._require_span(block)
-        time_s = block.seconds - self._first_s
+        self._require_span(block[1])
+        time_s = block[1] - self._first_s
         if (np.diff(time_s) <= 0.0).any():
             raise InputError("times lie too close together to be distinguished; count them from 0")
         columns = {index: self._known(block, i) for i, index in enumerate(self.plan.columns)}
@@ -177,20 +181,13 @@ class _Finder:
         self.missing += int(np.isnan(value).sum())
         self.count += len(value)
 
-        context, tail = self._before, 0
-        whole = _Block(time_s, value, level)
-        if context is not None:
-            tail = len(context.time_s)
-            whole = _Block(
-                np.concatenate((context.time_s, time_s)),
-                np.concatenate((context.value, value)),
-                np.concatenate((context.level, level)),
-            )
+        tail = self._before.shape[1]
+        whole = np.concatenate((self._before, [time_s, value, level]), axis=1)
         since = max(tail - 1, 0)  # steps from the last sample before the block on
-        holes = self._holes(whole.time_s, since)
+        holes = self._holes(whole[0], since)
         self._add_gaps(whole, since, holes)
         factors = self._find_splits(columns, time_s) if self.every else {}
-        step = curve_maps.steps(whole.value[since:], holes - since, self.relative, factors)
+        step = curve_maps.steps(whole[1, since:], holes - since, self.relative, factors)
         known = ~np.isnan(value)
         found = time_s[known], value[known], step[tail - since :][known]
         if self.every:
@@ -200,9 +197,7 @@ class _Finder:
             self.times.append(time_s)
             self.thinner.add(*found)
         self._add_curve(whole, since, tail, holes, step, factors)
-        self._before = _Block(
-            whole.time_s[-CONTEXT_ROWS:], whole.value[-CONTEXT_ROWS:], whole.level[-CONTEXT_ROWS:]
-        )
+        self._before = whole[:, -CONTEXT_ROWS:].copy()
 
     def _find_splits(self, columns: Mapping[int, Floats], time_s: Floats) -> dict[int, float]:
         """Find share splits, say so, and return the factors of the samples after them."""
@@ -230,38 +225,43 @@ class _Finder:
         self.gap_rule = self.gap_rule or holes.rule
         return holes.after[holes.after >= since]
 
-    def _add_gaps(self, whole: _Block, since: int, holes: NDArray[np.int64]) -> None:
-        value = np.where(np.isnan(whole.level), np.nan, whole.value)[since:]
-        found = list(gaps_of(whole.time_s[since:], value, holes - since))
+    def _add_gaps(self, whole: Floats, since: int, holes: NDArray[np.int64]) -> None:
+        time_s, value, level = whole[:, since:]
+        value = np.where(np.isnan(level), np.nan, value)
+        found = list(gaps_of(time_s, value, holes - since))
         if self.gaps and found and found[0][0] == self.gaps[-1][1] and np.isnan(value[0]):
             found[0] = self.gaps.pop()[0], found[0][1]  # it goes on from block to block
         self.gaps += found
-        require_few_gaps(len(self.gaps))
+        if len(self.gaps) > MAX_GAPS:
+            raise InputError(
+                f"more than {MAX_GAPS} gaps; keep the rows that have a value, or name another "
+                "column"
+            )
 
     def _add_curve(
         self,
-        whole: _Block,
+        whole: Floats,
         since: int,
         tail: int,
         holes: NDArray[np.int64],
         step: Floats,
         factors: dict[int, float],
     ) -> None:
-        wish = self.plan.map
+        wish, (time_s, _, level) = self.plan.map, whole
         if wish.in_per_cent(self.relative) != self.relative:
-            step = curve_maps.steps(whole.level[since:], holes - since, not self.relative, factors)
+            step = curve_maps.steps(level[since:], holes - since, not self.relative, factors)
         change = np.concatenate((self._change, step[tail - since :]))
         kept = len(change)
-        curve = curve_maps.curve(wish, whole.level[-kept:], change, whole.time_s[-kept:])
+        curve = curve_maps.curve(wish, level[-kept:], change, time_s[-kept:])
         if self.every:
             known = ~np.isnan(curve)
             if not known.any():
                 raise InputError("the mapped column has no value in any row; name another")
-            self._points = whole.time_s[known], curve[known]
+            self._points = time_s[known], curve[known]
             return
         self.builder.append(curve[len(self._change) :])
         if wish.name == "volatility":
-            self._change = change[-self._needed(whole.time_s) :]
+            self._change = change[-self._needed(time_s) :]
 
     def _needed(self, time_s: NDArray[np.float64]) -> int:
         """How many changes before a block its first volatility needs."""
@@ -275,43 +275,62 @@ class _Finder:
             )
         return int(size)
 
-    def found(self) -> Found:
-        """Return what was found in all blocks."""
-        plan, units = self.plan, [number.unit or "" for number in self.reader.numbers]
-        unit = plan.value_column.unit or units[0]
+    def timeline(self, title: str) -> Timeline:
+        """Return the Timeline of all blocks; `title` is put before the value column's name."""
+        plan, column = self.plan, self.plan.value_column
+        units = [number.unit or "" for number in self.reader.numbers]
         mapped_unit = plan.mapped_column.unit or units[plan.columns.index(plan.mapped)]
-        time_s, value, step = self._samples or self.thinner.finish()
-        if not len(value):
+        samples = self._samples or self.thinner.finish()
+        if not len(samples[1]):
             raise self._no_value()
         curve = self._curve(plan.map.unit(mapped_unit, plan.map.in_per_cent(self.relative)))
+        unit, calendar = column.unit or units[0], Calendar(self.start, self._dates_only)
+        series = Series(*samples, self.relative, unit, calendar, self.splits, self.every)
+        gaps, duration_s = tuple(self.gaps), max(self._last_s, curve.last_s)
+        events, event_notes = find_events(series, duration_s)
+        is_level = plan.map.name == "level" and not self.every
+        names = " and ".join(shown(plan.table.columns[i].header) for i in plan.time.columns)
+        times = f"over {names} ({plan.time.format.words})" if names else "evenly spaced"
+        return Timeline(
+            title=": ".join(filter(None, (title, column.name))),
+            duration_s=duration_s,
+            events=tuple(events),
+            intensity=curve,
+            gaps=gaps,
+            provenance=(
+                f"a {plan.table.kind} table, column {shown(column.header)} {times}; events by rule"
+            ),
+            notes=(*plan.notes, *self.notes, *self._late_notes(curve), *event_notes),
+            start=self.start,
+            # events of windows are found in all samples, also where the series has some of them
+            rules=PartRules(series, 0.0, duration_s, curve if is_level else None, gaps),
+        )
+
+    def _late_notes(self, curve: Intensity) -> Iterator[str]:
         if not self.every:
             if self.reader.skipped:
-                self.notes.append(
-                    f"{self.reader.skipped} rows without time and value were left out"
-                )
-            self.notes.append(
+                yield skipped_note(self.reader)
+            yield (
                 f"of {self.count} samples, events are found among the lowest and highest of every "
                 f"{self.thinner.run} and the largest steps; share splits aren't looked for"
             )
-        calendar = Calendar(self.start, self._dates_only)
-        return Found(
-            series=Series(
-                time_s, value, step, self.relative, unit, calendar, self.splits, self.every
-            ),
-            intensity=curve,
-            words=plan.map.words(shown(plan.mapped_column.header)),
-            gaps=tuple(self.gaps),
-            gap_rule=self.gap_rule,
-            missing=self.missing,
-            count=self.count,
-            duration_s=max(self._last_s, curve.last_s),
-            notes=tuple(self.notes),
+        if self.missing:
+            yield f"{self.missing} of {self.count} values are missing: gaps"
+        yield _gap_note(self.gaps, self.gap_rule)
+        if curve.count > LONG:
+            low, high = curve.scale_outside(tuple(self.gaps))
+        else:
+            low, high = curve.scale(np.ones(curve.count, np.bool_))
+        words = self.plan.map.words(shown(self.plan.mapped_column.header))
+        yield (
+            f"friction follows {words}: 0 at {value_text(low, curve.unit)} and 1 at "
+            f"{value_text(high, curve.unit)} (percentiles {PERCENTILES[0]:g} and "
+            f"{PERCENTILES[1]:g}); values beyond are clipped in that scale alone"
         )
 
     @property
     def _last_s(self) -> float:
-        assert self._before is not None
-        return float(self._before.time_s[-1])
+        return float(self._before[0, -1])
 
     def _curve(self, unit: str) -> Intensity:
         if self._points is not None:
@@ -338,59 +357,48 @@ def _blocks(plan: Plan, rows: Iterator[Rows]) -> Iterator[Rows]:
     count = 0
     for part in rows:
         waiting.append(part)
-        count += len(part)
+        count += part.shape[1]
         if count >= BLOCK_ROWS:
-            block = joined(waiting)
-            _require_order(plan, block)
+            block = _in_order(plan, waiting)
             # rows of the last time may go on in the next part
-            end = int(np.searchsorted(block.seconds, block.seconds[-1]))
+            end = int(np.searchsorted(block[1], block[1, -1]))
             if not end:
-                raise InputError(f"{len(block)} rows of one time; check the time column")
-            waiting, count = [block.cut(end, len(block))], len(block) - end
-            yield last_of_each_time(block.cut(0, end))
+                raise InputError(f"{count} rows of one time; check the time column")
+            waiting, count = [block[:, end:]], count - end
+            yield last_of_each_time(block[:, :end])
     if count:
-        block = joined(waiting)
-        _require_order(plan, block)
-        yield last_of_each_time(block)
+        yield last_of_each_time(_in_order(plan, waiting))
 
 
-def _require_order(plan: Plan, block: Rows) -> None:
-    back = np.flatnonzero(np.diff(block.seconds) < 0.0)
+def _in_order(plan: Plan, parts: list[Rows]) -> Rows:
+    block = np.concatenate(parts, axis=1)
+    back = np.flatnonzero(np.diff(block[1]) < 0.0)
     if back.size:
-        raise InputError(
-            f"{plan.table.row_word} {int(block.number[back[0] + 1])}: earlier than the row before "
-            f"it; a series of more than {LONG_ROWS} rows has to be in order: sort it by time"
+        raise Location(int(block[0, back[0] + 1]), word=plan.table.row_word).fault(
+            f"earlier than the row before it; a series of more than {LONG_ROWS} rows has to be in "
+            "order: sort it by time"
         )
+    return block
 
 
 def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
-    columns = plan.table.columns
-    if column_roles.is_adjusted(plan.value_column):
+    if is_adjusted(plan.value_column):
         return []
-
-    def beside(found: int | None) -> Floats | None:
-        return None if found is None or found == plan.value else by_column.get(found)
-
-    adjusted = beside(column_roles.adjusted_close(columns))
-    close = beside(column_roles.close_price(columns)) if adjusted is not None else None
-    return find_splits(
-        by_column[plan.value] if close is None else close,
-        adjusted,
-        beside(column_roles.opening_price(columns)),
-        beside(column_roles.share_volume(columns)),
-    )
+    beside = {
+        name: by_column.get(i) if i != plan.value else None
+        for name, i in price_columns(plan.table.columns).items()
+    }
+    adjusted, close = beside.get("adjusted"), beside.get("close")
+    price = by_column[plan.value] if close is None or adjusted is None else close
+    return find_splits(price, adjusted, beside.get("open"), beside.get("volume"))
 
 
 def _split_notes(
-    plan: Plan,
-    value: Floats,
-    time_s: Floats,
-    splits: list[Split],
-    calendar: Calendar,
+    plan: Plan, value: Floats, time_s: Floats, splits: list[Split], calendar: Calendar
 ) -> list[str]:
     if not splits:
         return []
-    adjusted = column_roles.adjusted_close(plan.table.columns)
+    adjusted = price_columns(plan.table.columns).get("adjusted")
     if adjusted is not None:
         header = shown(plan.table.columns[adjusted].header)
         advice = f"take {header} with value (--value), which is"
@@ -409,3 +417,13 @@ def _split_notes(
         f"column {shown(plan.value_column.header)} isn't adjusted for share splits: "
         f"{', '.join(examples)}{more}; these steps are no moves, but the level jumps: {advice}"
     ]
+
+
+def _gap_note(gaps: list[tuple[float, float]], rule: str) -> str:
+    if not gaps:
+        return f"no gaps ({rule})"
+    longest = max(end - start for start, end in gaps)
+    total = sum(end - start for start, end in gaps)
+    days = f"{longest / 86_400:.4g} days" if longest >= 2 * 86_400 else f"{longest:.6g} s"
+    share = f"{len(gaps)} gap{'s' if len(gaps) > 1 else ''}, the longest {days}"
+    return f"{share}, {total:.6g} s in all, from the last value to the next ({rule})"

@@ -12,14 +12,25 @@ import math
 import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.readers.compression import MAX_MB
+from overview_dsp.data.readers.opening import MAX_MB
 from overview_dsp.data.readers.source import Source
-from overview_dsp.data.readers.tables.table import CHUNK_ROWS, MAX_COLUMNS, Cells, Chunk, Column
+from overview_dsp.data.readers.tables.table import (
+    CHUNK_ROWS,
+    NO_ROWS,
+    Cells,
+    Chunk,
+    Column,
+    ColumnTable,
+    Table,
+    require_few_columns,
+)
 from overview_dsp.errors import InputError, shown
 
 MAGIC = b"\x93NUMPY"
@@ -27,40 +38,27 @@ _NUMBERS = "bhilqBHILQefdg?"
 _MAX_HEADER = 100_000
 
 
-class ArrayTable:
-    """Columns of one length, in memory or on disk.
+def array_table(
+    names: Sequence[str], arrays: Sequence[NDArray[Any]], notes: Sequence[str] = ()
+) -> ColumnTable:
+    """Return columns of one dimension and length, in memory or on disk, as a table.
 
     Parameters
     ----------
     names
         Of the columns.
     arrays
-        Of one dimension and length: numbers, datetimes, texts.
+        Numbers, datetimes, texts.
     notes
         What a person should know.
     """
-
-    kind = "NumPy"
-    row_word = "row"
-
-    def __init__(
-        self, names: Sequence[str], arrays: Sequence[Any], notes: Sequence[str] = ()
-    ) -> None:
-        if len(names) > MAX_COLUMNS:
-            raise InputError(f"{len(names)} columns, more than {MAX_COLUMNS}; keep fewer")
-        if not len(arrays) or not len(arrays[0]):
-            raise InputError("no rows; a series has one row a time")
-        self.columns = tuple(Column.of(name) for name in names)
-        self.notes = tuple(notes)
-        self._arrays = arrays
-
-    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns."""
-        rows = len(self._arrays[0])
-        for begin in range(0, rows, CHUNK_ROWS):
-            end = min(begin + CHUNK_ROWS, rows)
-            cells = tuple(_cells(self._arrays[i][begin:end]) for i in columns)
-            yield Chunk(cells, begin + 1, None, end / rows)
+    return ColumnTable(
+        "NumPy",
+        tuple(map(Column.of, names)),
+        len(arrays[0]) if arrays else 0,
+        lambda i, begin, end: _cells(arrays[i][begin:end]),
+        notes=tuple(notes),
+    ).checked()
 
 
 def _cells(part: Any) -> Cells:
@@ -82,7 +80,7 @@ def sniff_npz(source: Source) -> bool:
     return source.head.startswith(b"PK\x03\x04")
 
 
-def open_npy(source: Source) -> ArrayTable:
+def open_npy(source: Source) -> ColumnTable:
     """Return the file's table; InputError for objects, for a file that is cut off."""
     with open(source.path, "rb") as stream:
         shape, fortran, dtype = _header(stream)
@@ -93,12 +91,12 @@ def open_npy(source: Source) -> ArrayTable:
             f"bytes, and {source.size - offset} follow; get the file again"
         )
     if not math.prod(shape):
-        raise InputError("no rows; a series has one row a time")
+        raise InputError(NO_ROWS)
     array = np.memmap(source.path, dtype, "r", offset, shape, "F" if fortran else "C")
     return _table(array)
 
 
-def open_npz(source: Source) -> ArrayTable:
+def open_npz(source: Source) -> ColumnTable:
     """Return the table of the archive's longest arrays of one dimension."""
     limit = (source.options.max_mb if source.options.max_mb is not None else MAX_MB) * 2**20
     arrays: dict[str, Any] = {}
@@ -136,7 +134,7 @@ def open_npz(source: Source) -> ArrayTable:
     if len(same) == 1 and same[next(iter(same))].dtype.names:
         return _table(same[next(iter(same))])
     notes = [f"arrays of another length are left out: {', '.join(left)}"] if left else []
-    return ArrayTable(list(same), list(same.values()), notes)
+    return array_table(list(same), list(same.values()), notes)
 
 
 def _header(stream: IO[bytes] | zipfile.ZipExtFile) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
@@ -160,13 +158,13 @@ def _header(stream: IO[bytes] | zipfile.ZipExtFile) -> tuple[tuple[int, ...], bo
     return shape, fortran, dtype
 
 
-def _table(array: Any) -> ArrayTable:
+def _table(array: Any) -> ColumnTable:
     names = array.dtype.names
     if names and array.ndim == 1:
         plain = [name for name in names if array.dtype[name].shape == ()]
-        return ArrayTable(plain, [array[name] for name in plain])
+        return array_table(plain, [array[name] for name in plain])
     if array.ndim == 1:
-        return ArrayTable(["value"], [array])
+        return array_table(["value"], [array])
     if array.ndim != 2:
         raise InputError(
             f"an array of {array.ndim} dimensions; save one of times and values in columns, or of "
@@ -175,7 +173,7 @@ def _table(array: Any) -> ArrayTable:
     if array.shape[1] > array.shape[0] and array.shape[0] <= 2:
         array = array.T  # a row of times over one of values
     first = "time" if array.shape[1] == 2 else "column 1"
-    return ArrayTable(
+    return array_table(
         [first, *(f"column {i}" for i in range(2, array.shape[1] + 1))],
         [array[:, i] for i in range(array.shape[1])],
     )
@@ -203,12 +201,10 @@ def _library() -> Any:
     return pyarrow
 
 
-class ParquetTable:
+class ParquetTable(Table):
     """A Parquet file, streamed."""
 
     kind = "Parquet"
-    row_word = "row"
-    notes: tuple[str, ...] = ()
 
     def __init__(self, source: Source) -> None:
         arrow = _library()
@@ -222,9 +218,8 @@ class ParquetTable:
         if self._rows > MAX_ROWS:
             raise InputError(f"{self._rows} rows, more than the {MAX_ROWS} that are read; cut it")
         if self._rows == 0:
-            raise InputError("no rows; a series has one row a time")
-        if len(schema) > MAX_COLUMNS:
-            raise InputError(f"{len(schema)} columns, more than {MAX_COLUMNS}; keep fewer")
+            raise InputError(NO_ROWS)
+        require_few_columns(len(schema))
         types = arrow.types
         # nested columns (lists, structures) are none of a series
         fields = [
@@ -234,12 +229,7 @@ class ParquetTable:
         ]
         self._names = [field.name for _, field in fields]
         self.columns = tuple(
-            Column(
-                (found := Column.of(field.name)).header,
-                found.name,
-                found.unit,
-                bool(types.is_timestamp(field.type) and field.type.tz),
-            )
+            replace(Column.of(field.name), zoned=types.is_timestamp(field.type) and field.type.tz)
             for _, field in fields
         )
         if not fields:
@@ -266,7 +256,7 @@ class ParquetTable:
                 yield Chunk(cells, first, None, min(1.0, done / self._rows))
                 first = done + 1
         if first == 1:
-            raise InputError("no rows; a series has one row a time")
+            raise InputError(NO_ROWS)
 
     def _cells(self, column: Any) -> Cells:
         """A batch's column as numpy numbers or datetimes, or as Python values."""
@@ -304,8 +294,3 @@ def _one_line() -> Iterator[None]:
         raise InputError(
             f"broken or unknown Parquet ({first}); get the file again, or save the table as CSV"
         ) from error
-
-
-def open_parquet(source: Source) -> ParquetTable:
-    """Return the file's table; InputError if it can't be read, or pyarrow is missing."""
-    return ParquetTable(source)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.table import Cells, Location
-from overview_dsp.data.timeline.curve_checks import MAX_VALUE
+from overview_dsp.data.timeline.samples import MAX_VALUE
 from overview_dsp.errors import shown
 
 _CURRENCIES = "$€£¥₹₽₩"
@@ -113,7 +113,6 @@ def parse(text: str, style: Style) -> tuple[float, str] | None:
 class NumberColumn:
     """Makes numbers of a column, chunk by chunk; `unit` is what the cells themselves carry."""
 
-    what: str
     style: Style = field(default_factory=Style)
     unit: str | None = None
 
@@ -179,8 +178,7 @@ class NumberColumn:
             other = parse(cell.strip(), Style(self.style.thousands)) if isinstance(cell, str) else 0
             hint = f" with a decimal {_MARKS[self.style.decimal]}" if other else ""
             raise place(i).error(
-                cell,
-                f"isn't a number{hint}; correct it, or leave it empty if there is no value",
+                cell, f"isn't a number{hint}; correct it, or leave it empty if there is no value"
             )
         value, unit = found
         if self.unit is None or (unit and not self.unit):

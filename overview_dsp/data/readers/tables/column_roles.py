@@ -8,14 +8,29 @@ from __future__ import annotations
 import contextlib
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from overview_dsp.data.readers.source import LoadOptions
 from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
-from overview_dsp.data.readers.tables.table import Column, Table, as_list, column_named, listed
-from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, detected_format, split_wish
+from overview_dsp.data.readers.tables.table import (
+    Cells,
+    Chunk,
+    Column,
+    Columns,
+    Head,
+    Table,
+    as_list,
+    column_named,
+    listed,
+)
+from overview_dsp.data.readers.tables.time_column import (
+    CLOCKS,
+    Format,
+    asked_format,
+    detected_format,
+)
 from overview_dsp.data.timeline.times import moment
 from overview_dsp.errors import InputError, shown
 
@@ -71,6 +86,7 @@ _DATE_NAMES = (
 _DATE_WORDS = ("date", "time", "datum", "zeit", "fecha", "epoch", "unix", "seconds", "elapsed")
 _COUNTER_NAMES = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
 _OFFSET_NAMES = ("utcoffset", "offset", "gmtoffset", "tz", "timezone", "zone", "tzoffset")
+_DAYS = ("iso", "dmy", "mdy", "dmy or mdy", "month names")
 _OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
 _CLOCK_NAMES = ("time", "zeit", "hora", "heure", "uhrzeit", "clock", "timeofday")
 
@@ -103,18 +119,19 @@ class TimeChoice:
     joint: str = ""
     notes: tuple[str, ...] = ()
 
+    def cells(self, chunk: Chunk) -> Cells:
+        """Return the times of a chunk, whose first columns they are; None where any is missing."""
+        if len(self.columns) == 1:
+            return chunk.cells[0]
+        lists = map(as_list, chunk.cells[: len(self.columns)])
+        text = _whole if self.joint == "-" else _stripped
+        return [
+            None if any(map(is_missing, row)) else self.joint.join(map(text, row))
+            for row in zip(*lists, strict=True)
+        ]
 
-@dataclass(frozen=True)
-class ValueChoice:
-    """The column of values, and a note on the choice."""
 
-    column: int
-    note: str = ""
-
-
-def choose_time(
-    table: Table, head: Sequence[Sequence[Any]], wish: str | None, rated: bool
-) -> TimeChoice:
+def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> TimeChoice:
     """Choose the time column.
 
     Parameters
@@ -134,9 +151,9 @@ def choose_time(
         No such column, or none that looks like times; the line names the columns.
     """
     columns = table.columns
-    named, written = (None, None) if wish is None else split_wish(wish, columns)
-    if named is not None:
-        index = _asked(columns, named, "times")
+    asked, written = asked_format(wish, columns)
+    if asked is not None:
+        index = _asked(columns, asked, "times")
         form = _form_of(columns[index], head[index], written, True)
         return TimeChoice((index,), form, notes=_form_notes(form))
     if rated:
@@ -169,7 +186,7 @@ def choose_time(
     return TimeChoice((index,), form, "", notes)
 
 
-def _asked(columns: Sequence[Column], name: str, what: str) -> int:
+def _asked(columns: Columns, name: str, what: str) -> int:
     """Return the column that is called so; InputError names those there are."""
     index = column_named(columns, name)
     if index is None:
@@ -177,11 +194,11 @@ def _asked(columns: Sequence[Column], name: str, what: str) -> int:
     return index
 
 
-def _form_of(column: Column, cells: Sequence[Any], written: str | None, asked: bool) -> Format:
+def _form_of(column: Column, cells: Sequence[Any], written: str, asked: bool) -> Format:
     """Return how a column's times are written; numbers that were asked for are seconds."""
     if written:
         return Format(written)
-    form = detected_format(column, list(cells))
+    form = detected_format(column, cells)
     header = shown(column.header)
     if form is None and asked and looks_numeric(cells):
         form = Format("s", f"the numbers of column {header} are read as seconds")
@@ -199,11 +216,11 @@ def _form_notes(form: Format) -> tuple[str, ...]:
     return (form.note,) if form.note else ()
 
 
-def _best(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> tuple[int, Format] | None:
+def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
     """The first column of the best rank: named and dated, dated, named, first and rising."""
     ranked: list[tuple[int, int, Format]] = []
     for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
-        form = detected_format(column, list(cells))
+        form = detected_format(column, cells)
         if form is None:
             continue
         fixed = form.name != "year" and _is_constant(cells)  # a station's number, a table's date
@@ -247,39 +264,35 @@ def _float(cell: Any) -> float | None:
         return None
 
 
-def _clock_beside(
-    columns: Sequence[Column], head: Sequence[Sequence[Any]], date: int, form: Format
-) -> int | None:
+def _clock_beside(columns: Columns, head: Head, date: int, form: Format) -> int | None:
     """A column of clock times that completes one of days."""
-    if form.name not in ("iso", "dmy", "mdy", "dmy or mdy", "month names"):
+    dates = _texts(head[date]) if form.name in _DAYS else []
+    if not dates or any(":" in text for text in dates):
         return None
-    known = [cell for cell in head[date] if isinstance(cell, str) and not is_missing(cell)]
-    if not known or any(":" in cell for cell in known):
-        return None
-    for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
-        texts = [cell for cell in cells if isinstance(cell, str) and not is_missing(cell)]
-        if i == date or not texts or not any(name in column.plain for name in _CLOCK_NAMES):
-            continue
-        if all(moment(f"2000-01-01 {text.strip()}", "iso") is not None for text in texts):
-            return i
-    return None
+    named = [i for i, c in enumerate(columns) if any(word in c.plain for word in _CLOCK_NAMES)]
+    return next((i for i in named if i != date and _all(head[i], _is_day_clock)), None)
 
 
-def _offset_beside(
-    columns: Sequence[Column], head: Sequence[Sequence[Any]], date: int, form: Format
-) -> int | None:
+def _offset_beside(columns: Columns, head: Head, date: int, form: Format) -> int | None:
     """A column of offsets from UTC, which tells the hours apart that clock changes repeat."""
-    if form.name not in ("iso", "dmy", "mdy", "dmy or mdy", "month names"):
-        return None
-    for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
-        texts = [cell.strip() for cell in cells if isinstance(cell, str) and not is_missing(cell)]
-        named = column.plain in _OFFSET_NAMES
-        if i != date and named and texts and all(map(_OFFSET.fullmatch, texts)):
-            return i
-    return None
+    named = [i for i, c in enumerate(columns) if c.plain in _OFFSET_NAMES and form.name in _DAYS]
+    return next((i for i in named if i != date and _all(head[i], _OFFSET.fullmatch)), None)
 
 
-def _year_month_day(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> TimeChoice | None:
+def _all(cells: Sequence[Any], fits: Callable[[str], object]) -> bool:
+    texts = _texts(cells)
+    return bool(texts) and all(map(fits, texts))
+
+
+def _is_day_clock(text: str) -> bool:
+    return moment(f"2000-01-01 {text}", "iso") is not None
+
+
+def _texts(cells: Sequence[Any]) -> list[str]:
+    return [cell.strip() for cell in cells if isinstance(cell, str) and not is_missing(cell)]
+
+
+def _year_month_day(columns: Columns, head: Head) -> TimeChoice | None:
     """Columns `year`, `month` and maybe `day` (and `hour`) together."""
     names = [column.plain for column in columns]
     wanted = (("year", "yr", "jahr"), ("month", "mo", "mon", "monat"), ("day", "dy", "tag"))
@@ -301,24 +314,17 @@ def _year_month_day(columns: Sequence[Column], head: Sequence[Sequence[Any]]) ->
 
 def _whole(cell: Any) -> str:
     number = _float(cell)
-    return str(int(number)) if number is not None and number.is_integer() else str(cell).strip()
+    return str(int(number)) if number is not None and number.is_integer() else _stripped(cell)
 
 
-def joined_cells(columns: Sequence[Any], joint: str) -> list[Any]:
-    """Return the cells of several columns as one text a row; missing where any is."""
-    lists = [as_list(cells) for cells in columns]
-    return [
-        None
-        if any(is_missing(cell) for cell in row)
-        else joint.join(_whole(cell) if joint == "-" else str(cell).strip() for cell in row)
-        for row in zip(*lists, strict=True)
-    ]
+def _stripped(cell: Any) -> str:
+    return str(cell).strip()
 
 
 def choose_value(
-    table: Table, head: Sequence[Sequence[Any]], wish: str | None, times: tuple[int, ...]
-) -> ValueChoice:
-    """Choose the column of values.
+    table: Table, head: Head, wish: str | None, times: tuple[int, ...]
+) -> tuple[int, str]:
+    """Choose the column of values, and return a note on the choice too.
 
     The one asked for; else the only one of numbers; else, of a table of prices, the adjusted
     close or the close, with a note.
@@ -330,7 +336,7 @@ def choose_value(
     """
     columns = table.columns
     if wish is not None:
-        return ValueChoice(_asked(columns, wish, "values"))
+        return _asked(columns, wish, "values"), ""
     numeric = [
         i
         for i in range(len(columns))
@@ -346,7 +352,7 @@ def choose_value(
     if price is not None and len(numeric) > 1:
         adjusted = is_adjusted(offered[price])
         why = "the close adjusted for splits and dividends" if adjusted else "the last price"
-        return ValueChoice(
+        return (
             numeric[price],
             f"the value is column {shown(offered[price].header)}, {why} in a table of "
             f"prices; others can be named: {listed(offered)}",
@@ -359,7 +365,7 @@ def choose_value(
     if len(series) == 1:
         left = [columns[i] for i in numeric if i not in series]
         note = f"left out, as row counts or one number throughout: {listed(left)}"
-        return ValueChoice(series[0], note if left else "")
+        return series[0], note if left else ""
     offered = [columns[i] for i in series]
     raise InputError(
         f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "
@@ -377,7 +383,7 @@ def _is_constant(cells: Sequence[Any], zero: bool = True) -> bool:
 
 def _is_time_too(column: Column, cells: Sequence[Any]) -> bool:
     """A second column of times isn't a value: `date` beside `unix`."""
-    form = detected_format(column, list(cells))
+    form = detected_format(column, cells)
     name = column.plain
     named = name in _DATE_NAMES[1:8] or any(word in name for word in _DATE_WORDS)
     return form is not None and form.calendar and named and name != ""
@@ -407,7 +413,7 @@ def is_adjusted(column: Column) -> bool:
     return name in ("adj", "adjusted") or ("adj" in name and ("clos" in name or "pric" in name))
 
 
-def is_price(column: Column, columns: Sequence[Column]) -> bool:
+def is_price(column: Column, columns: Columns) -> bool:
     """Return, by its name, whether a column is a price; a high or a low is one beside a close."""
     name = _key(column)
     if is_price_table(columns) and name in (*_CLOSE, *_OPEN, *_HIGH_LOW):
@@ -426,47 +432,41 @@ def is_close(column: Column) -> bool:
     return is_adjusted(column) or (name in _CLOSE and name not in _NO_CLOSE)
 
 
-def _first(columns: Sequence[Column], names: Sequence[str]) -> int | None:
+def _first(columns: Columns, names: Sequence[str]) -> int | None:
     return next((i for name in names for i, c in enumerate(columns) if _key(c) == name), None)
 
 
-def is_price_table(columns: Sequence[Column]) -> bool:
+def is_price_table(columns: Columns) -> bool:
     """Return whether these columns are a table of prices: a close, and an open, high or low."""
     return _first(columns, _CLOSE) is not None and (
         _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
     )
 
 
-def adjusted_close(columns: Sequence[Column]) -> int | None:
-    """Return the adjusted column."""
-    return next((i for i, column in enumerate(columns) if is_adjusted(column)), None)
+def price_columns(columns: Columns) -> dict[str, int]:
+    """Return which columns are the adjusted close, the close, the opening price and the volume.
+
+    Those of `adjusted`, `close`, `open` and `volume` that are there.
+    """
+    found = {
+        "adjusted": next((i for i, column in enumerate(columns) if is_adjusted(column)), None),
+        "close": _first(columns, _CLOSE),
+        "open": _first(columns, _OPEN),
+        "volume": _first(columns, _VOLUME),
+    }
+    return {name: i for name, i in found.items() if i is not None}
 
 
-def preferred_price(columns: Sequence[Column]) -> int | None:
+def preferred_price(columns: Columns) -> int | None:
     """Return the column of a table of prices that is the value: adjusted close, else close."""
     if is_price_table(columns):
-        found = adjusted_close(columns)
-        return found if found is not None else _first(columns, _CLOSE)
+        found = price_columns(columns)
+        return found.get("adjusted", found["close"])
     # a close and its volume alone
     rest = [column for column in columns if _key(column) not in _VOLUME]
     if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
         return columns.index(rest[0])
     return None
-
-
-def close_price(columns: Sequence[Column]) -> int | None:
-    """Return the close as it was, which the adjusted one is compared with."""
-    return _first(columns, _CLOSE)
-
-
-def opening_price(columns: Sequence[Column]) -> int | None:
-    """Return the opening price."""
-    return _first(columns, _OPEN)
-
-
-def share_volume(columns: Sequence[Column]) -> int | None:
-    """Return the shares traded."""
-    return _first(columns, _VOLUME)
 
 
 # --- columns of a list of events
@@ -488,13 +488,13 @@ class Roles:
     notes: tuple[str, ...] = field(default=())
 
 
-def named(columns: Sequence[Column], names: Sequence[str]) -> int | None:
+def named(columns: Columns, names: Sequence[str]) -> int | None:
     """Return the first column with one of these names, the first name first."""
     plain = [column.plain for column in columns]
     return next((plain.index(name) for name in names if name in plain), None)
 
 
-def time_named(columns: Sequence[Column]) -> int | None:
+def time_named(columns: Columns) -> int | None:
     """Return the column that is called like times, with a unit or without."""
     found = named(columns, TIMES)
     if found is not None:
@@ -506,7 +506,7 @@ def time_named(columns: Sequence[Column]) -> int | None:
     return None
 
 
-def words_named(columns: Sequence[Column]) -> tuple[int | None, int | None]:
+def words_named(columns: Columns) -> tuple[int | None, int | None]:
     """Return the column of kinds and that of labels."""
     return named(columns, KINDS), named(columns, LABELS)
 
@@ -517,9 +517,7 @@ def is_wordy(cells: Sequence[Any]) -> bool:
     return bool(known) and not looks_numeric(known) and any(isinstance(c, str) for c in known)
 
 
-def looks_listed(
-    columns: Sequence[Column], head: Sequence[Sequence[Any]], options: LoadOptions
-) -> bool:
+def looks_listed(columns: Columns, head: Head, options: LoadOptions) -> bool:
     """Return whether a table is a list of events: times, words, and no series of numbers.
 
     A table of which a caller names the kinds or the labels is one, whatever it holds.
@@ -539,26 +537,24 @@ def looks_listed(
         if i in (time, *words) or column.plain in (*EXTRAS, *TIMES, *KINDS, *LABELS):
             continue
         numeric = [cell for cell in head[i] if not is_missing(cell)]
-        if numeric and looks_numeric(numeric) and detected_format(column, list(numeric)) is None:
+        if numeric and looks_numeric(numeric) and detected_format(column, numeric) is None:
             return False
         if numeric and looks_numeric(numeric) and not _UNIT.search(column.plain):
             return False  # a quantity: a series with words beside it
     return True
 
 
-def _asked_time(columns: Sequence[Column], wish: str | None) -> int | None:
+def _asked_time(columns: Columns, wish: str | None) -> int | None:
     """The column of times that a caller names, else the one that is called like times."""
     if wish is not None:
         with contextlib.suppress(InputError):  # said when it is read
-            asked, _ = split_wish(wish, tuple(columns))
+            asked, _ = asked_format(wish, columns)
             if asked is not None:
                 return column_named(columns, asked)
     return time_named(columns)
 
 
-def roles_of(
-    columns: Sequence[Column], head: Sequence[Sequence[Any]], options: LoadOptions
-) -> Roles:
+def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
     """Decide which columns are read.
 
     Parameters
@@ -573,8 +569,7 @@ def roles_of(
     InputError
         No such column, or cells that aren't times.
     """
-    wish = options.time
-    asked, written = (None, None) if wish is None else split_wish(wish, tuple(columns))
+    asked, written = asked_format(options.time, columns)
     if asked is not None:
         time = _asked(columns, asked, "times")
     else:
@@ -612,11 +607,11 @@ def roles_of(
     )
 
 
-def _best_time(columns: Sequence[Column], head: Sequence[Sequence[Any]]) -> int | None:
+def _best_time(columns: Columns, head: Head) -> int | None:
     """The column that is called like times; one of dates before one of clocks."""
     for i, column in enumerate(columns):
         if column.plain in TIMES:
-            form = detected_format(column, list(head[i]))
+            form = detected_format(column, head[i])
             if form is not None and form.calendar:
                 return i
     return time_named(columns)

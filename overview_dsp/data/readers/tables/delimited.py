@@ -27,6 +27,8 @@ from overview_dsp.data.readers.tables.table import (
     MAX_COLUMNS,
     Chunk,
     Column,
+    Location,
+    Table,
 )
 from overview_dsp.errors import InputError
 
@@ -90,13 +92,13 @@ def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
         raise InputError(f"the header names the column '{twice}' twice; rename one")
     for count, (line, fields) in enumerate(DelimitedTable(text, dialect).records(), start=1):
         if count > MAX_RECORDS:
-            raise InputError(
-                f"line {line}: more than {MAX_RECORDS} rows; keep those of one match or season"
+            raise Location(line).fault(
+                f"more than {MAX_RECORDS} rows; keep those of one match or season"
             )
         yield line, fields
 
 
-class DelimitedTable:
+class DelimitedTable(Table):
     """A file or a text with a table, streamed."""
 
     kind = "CSV"
@@ -197,9 +199,9 @@ class DelimitedTable:
                 continue
             if len(row) > width:
                 if any(cell.strip() for cell in row[width:]):
-                    raise InputError(
-                        f"line {line}: {len(row)} fields for {width} columns; put quotes around a "
-                        "field that holds the separator"
+                    raise Location(line).fault(
+                        f"{len(row)} fields for {width} columns; put quotes around a field that "
+                        "holds the separator"
                     )
                 row = row[:width]
             kept.append([*row, *[None] * (width - len(row))])
@@ -304,17 +306,15 @@ class Rows:
             try:
                 rows = list(itertools.islice(reader, self.block))
             except csv.Error as error:
-                raise InputError(
-                    f"line {self._broken_row()}: {error}; check the quotes from there on"
-                ) from error
+                broken = Location(self._broken_row())
+                raise broken.fault(f"{error}; check the quotes from there on") from error
             if not rows:
                 return
             numbers = None
             if reader.line_num - first + 1 != len(rows):
                 numbers = list(
                     itertools.accumulate(
-                        (1 + sum(map(_line_ends, row)) for row in rows[:-1]),
-                        initial=first,
+                        (1 + sum(map(_line_ends, row)) for row in rows[:-1]), initial=first
                     )
                 )
             yield first, numbers, rows

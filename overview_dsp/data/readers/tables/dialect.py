@@ -97,9 +97,7 @@ def split(lines: list[tuple[int, str]], separator: str | None) -> list[tuple[int
     if separator is None:
         return [(number, line.split()) for number, line in lines]
     reader = csv.reader(
-        (f"{line}\n" for _, line in lines),
-        delimiter=separator,
-        skipinitialspace=separator != "\t",
+        (f"{line}\n" for _, line in lines), delimiter=separator, skipinitialspace=separator != "\t"
     )
     rows: list[tuple[int, list[str]]] = []
     begin = 0

@@ -25,7 +25,7 @@ MAX_ROWS = 2_000_000
 """Rows that are looked at to find the column."""
 
 
-class OneGroup:
+class OneGroup(Table):
     """The rows of a table in which a column holds one text."""
 
     def __init__(self, table: Table, column: int, wanted: str) -> None:

@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from overview_dsp.data.readers.source import Source
@@ -28,40 +28,16 @@ from overview_dsp.data.readers.tables.delimited import Lines
 from overview_dsp.data.readers.tables.dialect import encoding_of
 from overview_dsp.data.readers.tables.table import (
     CHUNK_ROWS,
-    MAX_COLUMNS,
     Chunk,
     Column,
-    check_single,
+    ColumnTable,
+    Location,
+    Table,
+    require_few_columns,
+    single_cells,
 )
 from overview_dsp.data.timeline.times import FORMS, moment
-from overview_dsp.errors import InputError, shown
-
-
-class JsonTable:
-    """A table in a JSON document."""
-
-    kind = "JSON"
-    row_word = "record"
-
-    def __init__(self, shape: Shape, others: int = 0) -> None:
-        if len(shape.names) > MAX_COLUMNS:
-            raise InputError(f"{len(shape.names)} columns, more than {MAX_COLUMNS}; keep fewer")
-        self._shape = shape
-        self.columns = tuple(Column.of(name, shape.units.get(name, "")) for name in shape.names)
-        notes = [f"the table is at {shown(shape.place)}"] if shape.place else []
-        if others:
-            notes.append(f"{others} other tables in the file were left out")
-        self.notes: tuple[str, ...] = tuple(notes)
-
-    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns; InputError names a record unlike the others or a nested value."""
-        rows = self._shape.rows
-        for begin in range(0, rows, CHUNK_ROWS):
-            end = min(begin + CHUNK_ROWS, rows)
-            cells = tuple(self._shape.cut(i, begin, end) for i in columns)
-            chunk = Chunk(cells, begin + 1, None, end / rows)
-            check_single(self, chunk, columns)
-            yield chunk
+from overview_dsp.errors import shown
 
 
 def sniff(source: Source) -> bool:
@@ -69,11 +45,14 @@ def sniff(source: Source) -> bool:
     return source.looks_like_json and bool(series_in(source.json))
 
 
-def open_table(source: Source) -> JsonTable:
+def open_table(source: Source) -> Table:
     """Return the largest series of the document."""
     series = series_in(source.json)
-    largest = max(series, key=lambda shape: shape.rows)
-    return JsonTable(largest, sum(shape.rows > 1 for shape in series if shape is not largest))
+    largest = max(series, key=lambda table: table.rows)
+    if others := sum(table.rows > 1 for table in series if table is not largest):
+        note = f"{others} other tables in the file were left out"
+        largest = replace(largest, notes=(*largest.notes, note))
+    return largest.checked()
 
 
 MAX_DEPTH = 8
@@ -86,43 +65,31 @@ _MAX_KEYS, _MAX_ENTRIES = 1000, 10
 _SAMPLE = 50
 _TIME_WORDS = ("date", "time", "timestamp", "day", "month", "year", "period", "epoch", "unix")
 
-Cut = Callable[[int, int, int], list[Any]]
-"""Takes the index of a column and the rows from and to; returns its cells."""
+_LETTERS = {
+    "t": "time", "o": "open", "h": "high", "l": "low", "c": "close", "v": "volume",
+}  # fmt: skip
+_CANDLE = ("time", "open", "high", "low", "close", "volume")
+_QUOTES = ("open", "high", "low", "close", "volume")
 
 
 @dataclass(frozen=True)
-class Shape:
-    """A table in a document.
-
-    Parameters
-    ----------
-    names
-        Of its columns.
-    rows
-        How many it has.
-    cut
-        Gives part of a column; InputError names a record unlike the ones before it.
-    place
-        Where in the document it is: `hourly`, `chart.result[0]`; empty for the document itself.
-    units
-        Of columns by name.
-    """
+class _Shape:
+    """Columns by name, how many rows they have, what cuts them, and the units that are said."""
 
     names: tuple[str, ...]
     rows: int
-    cut: Cut
-    place: str = ""
+    cut: Callable[[int, int, int], list[Any]]
     units: dict[str, str] = field(default_factory=dict)
 
 
-def series_in(document: Any) -> list[Shape]:
+def series_in(document: Any) -> list[ColumnTable]:
     """Return all tables of a document that have a column of times and one of numbers."""
-    return [shape for shape in shapes_in(document) if _is_series(shape)]
+    return [table for table in tables_in(document) if _is_series(table)]
 
 
-def shapes_in(document: Any) -> Iterator[Shape]:
+def tables_in(document: Any) -> Iterator[ColumnTable]:
     """Yield all tables of a document."""
-    return _shapes(document, "", 0, {})
+    return _tables(document, "", 0, {})
 
 
 def is_single(value: Any) -> bool:
@@ -130,7 +97,7 @@ def is_single(value: Any) -> bool:
     return value is None or isinstance(value, str | int | float)
 
 
-def _shapes(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterator[Shape]:
+def _tables(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterator[ColumnTable]:
     found = None
     features = value.get("features") if isinstance(value, dict) else None
     if isinstance(features, list) and value.get("type") == "FeatureCollection":
@@ -141,19 +108,21 @@ def _shapes(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterat
     elif isinstance(value, dict):
         found = next(filter(None, (shape(value) for shape in _OBJECT_SHAPES)), None)
     if found is not None:
-        names = spelled_out(found.names)
-        yield Shape(names, found.rows, found.cut, place, found.units or units)
+        units = found.units or units
+        columns = tuple(Column.of(n, units.get(n, "")) for n in _spelled_out(found.names))
+        notes = (f"the table is at {shown(place)}",) if place else ()
+        yield ColumnTable("JSON", columns, found.rows, found.cut, "record", notes)
     if depth >= MAX_DEPTH:
         return
     if isinstance(value, dict):
         for key, item in list(value.items())[:_MAX_KEYS]:
             if isinstance(item, dict | list):
                 below = f"{place}.{key}" if place else key
-                yield from _shapes(item, below, depth + 1, _units(value, key))
+                yield from _tables(item, below, depth + 1, _units(value, key))
     elif isinstance(value, list) and found is None:
         for i, item in enumerate(value[:_MAX_ENTRIES]):
             if isinstance(item, dict | list):
-                yield from _shapes(item, f"{place}[{i}]", depth + 1, {})
+                yield from _tables(item, f"{place}[{i}]", depth + 1, {})
 
 
 def _properties(feature: object) -> object:
@@ -167,16 +136,22 @@ def _units(value: dict[str, Any], key: str) -> dict[str, str]:
     return {name: unit for name, unit in near.items() if isinstance(unit, str)}
 
 
-def _record_list(entries: list[Any]) -> Shape | None:
+def _record_list(entries: list[Any]) -> _Shape | None:
     """A list of objects."""
     sample = entries[:_SAMPLE]
     if not all(isinstance(entry, dict) for entry in sample):
         return None
-    names = tuple(dict.fromkeys(k for e in sample for k, v in e.items() if is_single(v)))
-    return _of_records(entries, names) if len(names) >= 2 else None
+    names = _names_in(sample)
+    return _of_entries(entries, names, dict) if len(names) >= 2 else None
 
 
-def _row_list(entries: list[Any]) -> Shape | None:
+def _names_in(records: Iterable[dict[str, Any]]) -> tuple[str, ...]:
+    """The names of single values, in the order in which they come."""
+    single = (name for record in records for name, v in record.items() if is_single(v))
+    return tuple(dict.fromkeys(single))
+
+
+def _row_list(entries: list[Any]) -> _Shape | None:
     """A list of equally long lists of single values, with or without a row of names."""
     sample = entries[:_SAMPLE]
     head = entries[0]
@@ -186,39 +161,44 @@ def _row_list(entries: list[Any]) -> Shape | None:
         return None
     named = all(isinstance(cell, str) for cell in head)
     if named and len(entries) > 1 and not all(isinstance(cell, str) for cell in entries[1]):
-        return _of_rows(entries[1:], tuple(head))
-    candles = candle_names(sample)
-    return _of_rows(entries, candles or ("time", *(f"column {i}" for i in range(2, len(head) + 1))))
+        return _of_entries(entries[1:], tuple(head), list)
+    names = _candle_names(sample) or ("time", *(f"column {i}" for i in range(2, len(head) + 1)))
+    return _of_entries(entries, names, list)
 
 
-def _named_rows(value: dict[str, Any]) -> Shape | None:
+def _named_rows(value: dict[str, Any]) -> _Shape | None:
     """`columns`, `data` and maybe `index`, as pandas writes with orient="split"."""
     names, rows, index = value.get("columns"), value.get("data"), value.get("index")
     if not (isinstance(names, list) and isinstance(rows, list) and rows):
         return None
     if not all(map(is_single, names)) or not _all_rows(rows[:_SAMPLE], len(names)):
         return None
-    shape = _of_rows(rows, tuple(map(str, names)))
+    shape = _of_entries(rows, tuple(map(str, names)), list)
     if not isinstance(index, list) or len(index) != len(rows):
         return shape
-
-    def cut(i: int, begin: int, end: int) -> list[Any]:
-        return index[begin:end] if i == 0 else shape.cut(i - 1, begin, end)
-
-    return Shape(("index", *shape.names), shape.rows, cut)
+    return _beside("index", index, shape)
 
 
-def _price_chart(value: dict[str, Any]) -> Shape | None:
+def _price_chart(value: dict[str, Any]) -> _Shape | None:
     """Times, and quotes further down (Yahoo)."""
-    found = yahoo(value)
-    if found is None:
+    times, indicators = value.get("timestamp"), value.get("indicators")
+    if not isinstance(times, list) or not times or not isinstance(indicators, dict):
         return None
-    columns, units = found
-    shape = _of_lists(tuple(columns), list(columns.values()))
-    return Shape(shape.names, shape.rows, shape.cut, "", units)
+    quote, adjusted = (_first(indicators.get(key)) for key in ("quote", "adjclose"))
+    given = {name: quote.get(name) for name in _QUOTES} | {"adj close": adjusted.get("adjclose")}
+    columns = {"time": times}
+    columns |= {n: c for n, c in given.items() if isinstance(c, list) and len(c) == len(times)}
+    currency = _first([value.get("meta")]).get("currency")
+    priced = [name for name in columns if name not in ("time", "volume")]
+    units = dict.fromkeys(priced, currency) if isinstance(currency, str) else {}
+    return replace(_of_lists(columns), units=units)
 
 
-def _columns(value: dict[str, Any]) -> Shape | None:
+def _first(value: Any) -> dict[str, Any]:
+    return value[0] if isinstance(value, list) and value and isinstance(value[0], dict) else {}
+
+
+def _columns(value: dict[str, Any]) -> _Shape | None:
     """Two or more lists of one length."""
     lists = {
         key: item
@@ -227,29 +207,23 @@ def _columns(value: dict[str, Any]) -> Shape | None:
     }
     longest = max(map(len, lists.values()), default=0)
     same = {key: item for key, item in lists.items() if len(item) == longest}
-    return _of_lists(tuple(same), list(same.values())) if len(same) >= 2 else None
+    return _of_lists(same) if len(same) >= 2 else None
 
 
-def _by_time(value: dict[str, Any]) -> Shape | None:
+def _by_time(value: dict[str, Any]) -> _Shape | None:
     """Dates as keys, of a value each or of an object of values each."""
-    if len(value) < 2 or not all(_is_date(key) for key in list(value)[:_SAMPLE]):
+    if len(value) < 2 or not _all_dates(value):
         return None
     times, entries = list(value), list(value.values())
     sample = entries[:_SAMPLE]
     if all(map(is_single, sample)):
-        return _of_lists(("time", "value"), [times, entries])
+        return _of_lists({"time": times, "value": entries})
     if not all(isinstance(entry, dict) for entry in sample):
         return None
-    names = tuple(dict.fromkeys(k for e in sample for k, v in e.items() if is_single(v)))
-    records = _of_records(entries, names)
-
-    def cut(i: int, begin: int, end: int) -> list[Any]:
-        return times[begin:end] if i == 0 else records.cut(i - 1, begin, end)
-
-    return Shape(("time", *names), len(entries), cut)
+    return _beside("time", times, _of_entries(entries, _names_in(sample), dict))
 
 
-def _columns_by_row(value: dict[str, Any]) -> Shape | None:
+def _columns_by_row(value: dict[str, Any]) -> _Shape | None:
     """Objects of the same keys, which name the rows, as pandas writes them."""
     columns = [item for item in value.values() if isinstance(item, dict)]
     if len(columns) != len(value) or len(columns) < 2 or not columns[0]:
@@ -257,12 +231,11 @@ def _columns_by_row(value: dict[str, Any]) -> Shape | None:
     rows = tuple(columns[0])
     if any(tuple(column) != rows for column in columns):
         return None
-    cells = [list(column.values()) for column in columns]
-    if not all(is_single(cell) for column in cells for cell in column[:_SAMPLE]):
+    cells = {name: list(column.values()) for name, column in value.items()}
+    if not all(is_single(cell) for column in cells.values() for cell in column[:_SAMPLE]):
         return None
-    if all(_is_date(row) for row in rows[:_SAMPLE]):
-        return _of_lists(("time", *value), [list(rows), *cells])
-    return _of_lists(tuple(value), cells)
+    shape = _of_lists(cells)
+    return _beside("time", list(rows), shape) if _all_dates(rows) else shape
 
 
 _OBJECT_SHAPES = (_named_rows, _price_chart, _columns, _by_time, _columns_by_row)
@@ -274,79 +247,73 @@ def _all_rows(rows: Sequence[Any], width: int) -> bool:
     )
 
 
-def _of_lists(names: tuple[str, ...], columns: list[list[Any]]) -> Shape:
-    return Shape(names, len(columns[0]), lambda i, begin, end: columns[i][begin:end])
+def _all_dates(keys: Iterable[str]) -> bool:
+    return all(map(_is_date, itertools.islice(keys, _SAMPLE)))
 
 
-def _of_records(records: list[Any], names: tuple[str, ...]) -> Shape:
-    def cut(i: int, begin: int, end: int) -> list[Any]:
-        name = names[i]
-        part = records[begin:end]
-        for number, record in enumerate(part, begin + 1):
-            if not isinstance(record, dict):
-                raise InputError(_unlike(number, record, "an object {...}"))
-        return [record.get(name) for record in part]
-
-    return Shape(names, len(records), cut)
+def _of_lists(columns: dict[str, list[Any]]) -> _Shape:
+    lists = list(columns.values())
+    return _Shape(tuple(columns), len(lists[0]), lambda i, begin, end: lists[i][begin:end])
 
 
-def _of_rows(rows: list[Any], names: tuple[str, ...]) -> Shape:
-    width = len(names)
+def _of_entries(
+    entries: list[Any], names: tuple[str, ...], kind: type[dict[Any, Any]] | type[list[Any]]
+) -> _Shape:
+    """Objects by their names, or lists by their order; one unlike those before it is an error."""
+    words = "an object {...}" if kind is dict else f"a list of {len(names)}"
 
     def cut(i: int, begin: int, end: int) -> list[Any]:
-        part = rows[begin:end]
-        for number, row in enumerate(part, begin + 1):
-            if not isinstance(row, list) or len(row) != width:
-                raise InputError(_unlike(number, row, f"a list of {width}"))
-        return [row[i] for row in part]
+        part = entries[begin:end]
+        for number, entry in enumerate(part, begin + 1):
+            if not isinstance(entry, kind) or (kind is list and len(entry) != len(names)):
+                place = Location(number, word="record")
+                raise place.error(entry, f"isn't {words}, as those before it")
+        return [entry.get(names[i]) if kind is dict else entry[i] for entry in part]
 
-    return Shape(names, len(rows), cut)
+    return _Shape(names, len(entries), cut)
 
 
-def _unlike(number: int, entry: Any, words: str) -> str:
-    return f"record {number}: {shown(entry)} isn't {words}, as those before it"
+def _beside(name: str, cells: list[Any], shape: _Shape) -> _Shape:
+    """A shape with a column more, the first."""
+
+    def cut(i: int, begin: int, end: int) -> list[Any]:
+        return cells[begin:end] if i == 0 else shape.cut(i - 1, begin, end)
+
+    return _Shape((name, *shape.names), shape.rows, cut)
 
 
 def _is_date(text: str) -> bool:
     return moment(text.strip(), *FORMS) is not None and not text.isdigit()
 
 
-def _is_series(shape: Shape) -> bool:
+def _is_series(table: ColumnTable) -> bool:
     """Return whether a table has a column of times by name or by look, and one of numbers."""
-    end = min(shape.rows, _SAMPLE)
-    cells = [shape.cut(i, 0, end) for i in range(len(shape.names))]
+    cells = [table.cut(i, 0, _SAMPLE) for i in range(len(table.columns))]
     if not any(looks_numeric(column) for column in cells):
         return False
-    for name, column in zip(shape.names, cells, strict=True):
-        if any(word in name.lower() for word in _TIME_WORDS):
+    for named, column in zip(table.columns, cells, strict=True):
+        if any(word in named.header.lower() for word in _TIME_WORDS):
             return True
-        texts = [cell for cell in column if isinstance(cell, str)]
-        if texts and len(texts) == len(column) and all(_is_date(text) for text in texts):
+        if column and all(isinstance(cell, str) and _is_date(cell) for cell in column):
             return True
     return False
 
 
-_LINES_SAMPLE = 50
-
-
-class JsonLinesTable:
-    """One JSON object a line."""
+class JsonLinesTable(Table):
+    """One JSON object a line; InputError names a broken one."""
 
     kind = "JSON lines"
     row_word = "line"
-    notes: tuple[str, ...] = ()
 
     def __init__(self, source: Source) -> None:
         self._source = source
         encoding = encoding_of(source) or "utf-8"
         self._lines = Lines(source, encoding)
-        sample = itertools.islice(self._records(), _LINES_SAMPLE)
-        keys = (key for _, record in sample for key, v in record.items() if is_single(v))
-        self._names = list(dict.fromkeys(keys))
+        sample = itertools.islice(self._records(), _SAMPLE)
+        self._names = _names_in(record for _, record in sample)
         if not self._names:
-            raise InputError("line 1: an object without values; give times and values")
-        if len(self._names) > MAX_COLUMNS:
-            raise InputError(f"{len(self._names)} columns, more than {MAX_COLUMNS}; keep fewer")
+            raise Location(1).fault("an object without values; give times and values")
+        require_few_columns(len(self._names))
         self.columns = tuple(map(Column.of, self._names))
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
@@ -356,9 +323,7 @@ class JsonLinesTable:
         while part := list(itertools.islice(records, CHUNK_ROWS)):
             numbers = [number for number, _ in part]
             cells = tuple([record.get(name) for _, record in part] for name in names)
-            chunk = Chunk(cells, numbers[0], numbers, self._lines.part)
-            check_single(self, chunk, columns)
-            yield chunk
+            yield single_cells(self, Chunk(cells, numbers[0], numbers, self._lines.part), columns)
 
     def _records(self) -> Iterator[tuple[int, dict[str, Any]]]:
         for number, line in enumerate(self._lines, 1):
@@ -367,11 +332,10 @@ class JsonLinesTable:
             try:
                 record = json.loads(line)
             except (ValueError, RecursionError) as error:
-                raise InputError(
-                    f"line {number}: broken JSON ({error}); one object a line is read"
-                ) from error
+                note = f"broken JSON ({error}); one object a line is read"
+                raise Location(number).fault(note) from error
             if not isinstance(record, dict):
-                raise InputError(f"line {number}: {shown(record)} isn't an object {{...}}")
+                raise Location(number).error(record, "isn't an object {...}")
             yield number, record
 
 
@@ -389,50 +353,14 @@ def sniff_lines(source: Source) -> bool:
         return False
 
 
-def open_lines(source: Source) -> JsonLinesTable:
-    """Return the file's table; InputError names a broken line."""
-    return JsonLinesTable(source)
-
-
-_LETTERS = {
-    "t": "time", "o": "open", "h": "high", "l": "low", "c": "close", "v": "volume",
-}  # fmt: skip
-_CANDLE = ("time", "open", "high", "low", "close", "volume")
-_QUOTES = ("open", "high", "low", "close", "volume")
-
-
-def yahoo(value: dict[str, Any]) -> tuple[dict[str, list[Any]], dict[str, str]] | None:
-    """Return the columns and units of Yahoo's chart; None for anything else."""
-    times, indicators = value.get("timestamp"), value.get("indicators")
-    if not isinstance(times, list) or not times or not isinstance(indicators, dict):
-        return None
-    quote, adjusted = (_first(indicators.get(key)) for key in ("quote", "adjclose"))
-    columns = {"time": times}
-    columns |= {name: quote[name] for name in _QUOTES if _fits(quote.get(name), times)}
-    if _fits(adjusted.get("adjclose"), times):
-        columns["adj close"] = adjusted["adjclose"]
-    about = value.get("meta")
-    currency = about.get("currency") if isinstance(about, dict) else None
-    units = dict.fromkeys(columns, currency) if isinstance(currency, str) else {}
-    return columns, {name: unit for name, unit in units.items() if name not in ("time", "volume")}
-
-
-def _first(value: Any) -> dict[str, Any]:
-    return value[0] if isinstance(value, list) and value and isinstance(value[0], dict) else {}
-
-
-def _fits(column: Any, times: list[Any]) -> bool:
-    return isinstance(column, list) and len(column) == len(times)
-
-
-def spelled_out(names: Sequence[str]) -> tuple[str, ...]:
+def _spelled_out(names: Sequence[str]) -> tuple[str, ...]:
     """Return the names of columns, single letters of a price chart written out."""
     if not {"t", "o", "h", "l", "c"} <= set(names):
         return tuple(names)
     return tuple(_LETTERS.get(name, name) for name in names)
 
 
-def candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
+def _candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
     """Return names of the columns of candles; None where the rows are none.
 
     In a candle the third number is the highest and the fourth the lowest of four.

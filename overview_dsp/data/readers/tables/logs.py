@@ -24,7 +24,7 @@ from itertools import islice
 from overview_dsp.data.readers.source import Source
 from overview_dsp.data.readers.tables.delimited import Lines
 from overview_dsp.data.readers.tables.dialect import encoding_of
-from overview_dsp.data.readers.tables.table import CHUNK_ROWS, Chunk, Column
+from overview_dsp.data.readers.tables.table import CHUNK_ROWS, Chunk, Column, Table
 from overview_dsp.data.timeline.times import LINE_FORMS, in_line
 
 _REACH = 100
@@ -70,7 +70,7 @@ def _form_of(source: Source) -> str | None:
     return None
 
 
-class LogTable:
+class LogTable(Table):
     """The times of a log's lines, streamed."""
 
     kind = "log"

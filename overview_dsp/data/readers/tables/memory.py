@@ -1,88 +1,75 @@
-"""Frames, arrays, lists and dicts as one table of named columns."""
+"""Frames, arrays, lists and dicts as one table of named columns.
+
+Frames and columns of pandas, polars, Arrow and their relatives are read through narwhals.
+"""
 
 from __future__ import annotations
 
 import csv
+import datetime as dt
 import io
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import IO, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from overview_dsp.data.readers.tables import frames
-from overview_dsp.data.readers.tables.frames import Given, of_array, of_list
 from overview_dsp.data.readers.tables.table import (
-    CHUNK_ROWS,
-    MAX_COLUMNS,
     Cells,
-    Chunk,
     Column,
+    ColumnTable,
+    Location,
     as_list,
-    check_single,
 )
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.errors import InputError, shown
 
+
+class SupportsNumpy(Protocol):
+    """A Series or a DataFrame of pandas, polars and their relatives; a column of Arrow."""
+
+    def to_numpy(self, *args: Any, **kwargs: Any) -> Any:
+        """Give the values as an array."""
+        ...
+
+
+class SupportsArrow(Protocol):
+    """A table of Arrow, and whatever gives its columns as one does."""
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
+        """Give the columns."""
+        ...
+
+
+TableData = SupportsNumpy | SupportsArrow | NDArray[Any] | Sequence[Any] | Mapping[Any, Any]
+"""Columns, rows or samples in memory."""
+
+MemoryFile = bytes | bytearray | memoryview | IO[bytes] | IO[str]
+"""A file's content, or where it can be read."""
+
+TimelineData = str | os.PathLike[str] | MemoryFile | TableData
+"""Whatever `load_timeline` takes besides a Timeline."""
+
 EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
 """What the parts of an event given as a tuple are called."""
 
 _SAMPLE = 50
+_OF_DAY = "hh:mm"
+"""The unit of clocks of the day."""
+
+_SECOND = np.timedelta64(1, "s")
+_INSTALL = (
+    'needs narwhals: pip install "overview-dsp[dataframes]", or give its columns as a dict of lists'
+)
 
 
-class MemoryTable:
-    """Columns in memory as a table.
-
-    Parameters
-    ----------
-    kind
-        What holds them: `pandas`, `NumPy`, `Python`.
-    given
-        Headers and cells.
-
-    Raises
-    ------
-    InputError
-        No row, columns of different lengths, or too many columns.
-    """
-
-    row_word = "row"
-    notes: tuple[str, ...] = ()
-
-    def __init__(self, kind: str, given: Sequence[tuple[str, Given]]) -> None:
-        lengths = {header: len(column.cells) for header, column in given}
-        if len(set(lengths.values())) > 1:
-            uneven = ", ".join(f"{shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
-            raise InputError(f"columns of different lengths ({uneven}); give one value a row")
-        self.rows = max(lengths.values(), default=0)
-        if not self.rows:
-            raise InputError("no rows; a series has one row a time, an event list one an event")
-        if len(given) > MAX_COLUMNS:
-            raise InputError(f"{len(given)} columns, more than {MAX_COLUMNS}; keep fewer")
-        self.kind = kind
-        self.columns: tuple[Column, ...] = tuple(column.column(header) for header, column in given)
-        self._cells = [column.cells for _, column in given]
-
-    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns; InputError names a row with a nested value."""
-        for begin in range(0, self.rows, CHUNK_ROWS):
-            end = min(begin + CHUNK_ROWS, self.rows)
-            cells = tuple(self._cells[i][begin:end] for i in columns)
-            chunk = Chunk(cells, begin + 1, None, end / self.rows)
-            check_single(self, chunk, columns)
-            yield chunk
-
-    def csv(self, rows: int) -> str:
-        """Write the header and the first rows as a file would have them."""
-        lines = [",".join(_field(column.header) for column in self.columns)]
-        both = zip(self._cells, self.columns, strict=True)
-        texts = [_texts(cells[:rows], column) for cells, column in both]
-        lines += map(",".join, zip(*texts, strict=True))
-        return "\n".join(lines) + "\n"
-
-
-def table_of(data: Any, times: Any = None) -> MemoryTable:
+def table_of(data: Any, times: Any = None) -> ColumnTable:
     """Take data in memory as a table; `is_table` knows which can be.
 
     Parameters
@@ -96,7 +83,8 @@ def table_of(data: Any, times: Any = None) -> MemoryTable:
     Raises
     ------
     InputError
-        Rows unlike each other, columns of different lengths, a frame that can't be read.
+        Rows unlike each other, none or of too many columns, columns of different lengths, a frame
+        that can't be read.
     """
     kind, columns = _columns(data)
     if times is not None:
@@ -104,19 +92,61 @@ def table_of(data: Any, times: Any = None) -> MemoryTable:
         if len(given) != 1:
             raise InputError(f"time has {len(given)} columns; give one time a row")
         columns = [("time", given[0][1]), *((h, c) for h, c in columns if h != "time")]
-    return MemoryTable(kind, columns)
+    lengths = {header: len(column.cells) for header, column in columns}
+    if len(set(lengths.values())) > 1:
+        uneven = ", ".join(f"{shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
+        raise InputError(f"columns of different lengths ({uneven}); give one value a row")
+    return ColumnTable(
+        kind,
+        tuple(column.column(header) for header, column in columns),
+        max(lengths.values(), default=0),
+        lambda i, begin, end: columns[i][1].cells[begin:end],
+    ).checked()
+
+
+def csv_text(table: ColumnTable, rows: int) -> str:
+    """Write the header and the first rows as a file would have them."""
+    lines = [",".join(_field(column.header) for column in table.columns)]
+    texts = [_texts(table.cut(i, 0, rows), column) for i, column in enumerate(table.columns)]
+    lines += map(",".join, zip(*texts, strict=True))
+    return "\n".join(lines) + "\n"
 
 
 def is_table(data: object) -> bool:
     """Return whether `table_of` knows what to do with data."""
     if isinstance(data, Sequence):
         return not isinstance(data, str | bytes)
-    return isinstance(data, Mapping) or hasattr(data, "__array__") or frames.is_frame(data)
+    return isinstance(data, Mapping) or hasattr(data, "__array__") or is_frame(data)
 
 
-def _columns(data: Any) -> tuple[str, list[tuple[str, Given]]]:
-    if frames.is_frame(data):
-        return frames.columns_of(data)
+def is_document(data: Any) -> bool:
+    """Return whether data are what a JSON file of objects within objects holds."""
+    if isinstance(data, Mapping):
+        values = list(data.values())
+        return any(isinstance(value, Mapping) or _holds_more(value) for value in values)
+    return _holds_more(data) and any(
+        isinstance(value, Mapping | list)
+        for entry in data[:_SAMPLE]
+        if isinstance(entry, Mapping)
+        for value in entry.values()
+    )
+
+
+def _holds_more(data: Any) -> bool:
+    return isinstance(data, list) and bool(data) and isinstance(data[0], Mapping)
+
+
+def document_bytes(data: Any) -> bytes:
+    """Write a document as the file that it came from; InputError where JSON can't hold it."""
+    try:
+        return json.dumps(data).encode()
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InputError(f"a {type(data).__name__} that JSON can't hold ({error})") from error
+
+
+def _columns(data: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
+    if is_frame(data):
+        return columns_of(data)
     if isinstance(data, Mapping):
         return "Python", _of_mapping(data)
     if isinstance(data, np.ndarray):
@@ -126,7 +156,7 @@ def _columns(data: Any) -> tuple[str, list[tuple[str, Given]]]:
     return type(data).__module__.partition(".")[0], _of_array(np.asarray(data))
 
 
-def _of_array(data: np.ndarray[Any, Any]) -> list[tuple[str, Given]]:
+def _of_array(data: np.ndarray[Any, Any]) -> list[tuple[str, InputColumn]]:
     if data.dtype.names is not None:
         return [(name, of_array(data[name])) for name in data.dtype.names]
     if data.ndim == 1:
@@ -137,7 +167,7 @@ def _of_array(data: np.ndarray[Any, Any]) -> list[tuple[str, Given]]:
     raise InputError(f"an array of {data.ndim} dimensions; give one value a row, or a row a time")
 
 
-def _of_mapping(data: Mapping[Any, Any]) -> list[tuple[str, Given]]:
+def _of_mapping(data: Mapping[Any, Any]) -> list[tuple[str, InputColumn]]:
     if all(_is_column(value) for value in data.values()):
         return [(str(header), _columns(value)[1][0][1]) for header, value in data.items()]
     return [("time", of_list(list(data))), ("value", of_list(list(data.values())))]
@@ -146,32 +176,32 @@ def _of_mapping(data: Mapping[Any, Any]) -> list[tuple[str, Given]]:
 def _is_column(value: Any) -> bool:
     if isinstance(value, np.ndarray):
         return value.ndim == 1
-    if frames.is_frame(value):
+    if is_frame(value):
         return True
     return isinstance(value, Sequence) and not isinstance(value, str | bytes)
 
 
-def _of_sequence(data: list[Any]) -> list[tuple[str, Given]]:
+def _of_sequence(data: list[Any]) -> list[tuple[str, InputColumn]]:
     sample = data[:_SAMPLE]
     for kind, taken in ((Event, _of_events), (Mapping, _of_records), (list | tuple, _of_rows)):
         if sample and isinstance(sample[0], kind):
             for number, entry in enumerate(data, 1):
                 if not isinstance(entry, kind):
-                    raise InputError(f"row {number}: {shown(entry)} isn't as those before it")
+                    raise Location(number, word="row").error(entry, "isn't as those before it")
             return taken(data)
     return [("value", of_list(data))]
 
 
-def _of_events(events: Sequence[Event]) -> list[tuple[str, Given]]:
+def _of_events(events: Sequence[Event]) -> list[tuple[str, InputColumn]]:
     return [(name, of_list([getattr(e, name) for e in events])) for name in EVENT_COLUMNS]
 
 
-def _of_records(records: Sequence[Mapping[Any, Any]]) -> list[tuple[str, Given]]:
+def _of_records(records: Sequence[Mapping[Any, Any]]) -> list[tuple[str, InputColumn]]:
     names = dict.fromkeys(name for record in records for name in record)
     return [(str(name), of_list([record.get(name) for record in records])) for name in names]
 
 
-def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, Given]]:
+def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, InputColumn]]:
     """Rows of a time and values, of a time and a kind; or with a row of names first."""
     head, *below = rows
     width = max(map(len, rows))
@@ -186,9 +216,8 @@ def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, Given]]:
         names = ["value"] if width == 1 else ["time", *_numbered(width)[1:]]
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
-            raise InputError(
-                f"row {number}: {shown(row)} has {len(row)} values, not {len(names)} as the others"
-            )
+            note = f"has {len(row)} values, not {len(names)} as the others"
+            raise Location(number, word="row").error(row, note)
     return [(name, of_list([row[i] for row in rows])) for i, name in enumerate(names)]
 
 
@@ -224,7 +253,7 @@ def _numbered(count: int) -> list[str]:
 def _texts(cells: Cells, column: Column) -> list[str]:
     """Cells as the fields of a file."""
     if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
-        return _moments(cells, column)
+        return _dated_texts(cells, column)
     return [_text(cell) for cell in as_list(cells)]
 
 
@@ -237,7 +266,7 @@ def _text(cell: Any) -> str:
     return _field(str(cell))
 
 
-def _moments(cells: np.ndarray[Any, Any], column: Column) -> list[str]:
+def _dated_texts(cells: np.ndarray[Any, Any], column: Column) -> list[str]:
     missing = np.isnat(cells)
     if column.zoned:
         cells = cells + np.timedelta64(column.offset_min, "m")
@@ -258,3 +287,221 @@ def _field(text: str) -> str:
     line = io.StringIO()
     csv.writer(line, lineterminator="").writerow([text])
     return "" if text == "" else line.getvalue()
+
+
+# --- columns, and frames of them
+
+
+@dataclass(frozen=True, eq=False)
+class InputColumn:
+    """A column as it was given.
+
+    Parameters
+    ----------
+    cells
+        As a table's chunks have them.
+    offset_min
+        For datetimes with a zone, which are UTC in `cells`: its offset at the first of them, min.
+    unit
+        What the type says of the unit: `s` of time spans, `hh:mm` of clocks of the day.
+    """
+
+    cells: Cells
+    offset_min: int | None = None
+    unit: str = ""
+
+    def column(self, header: object) -> Column:
+        """Return the column's description under this header."""
+        if self.unit == _OF_DAY:  # the header says it too, as that of a file would
+            return Column.of(f"{header} ({_OF_DAY})")
+        found = Column.of(str(header), self.unit)
+        if self.offset_min is None:
+            return found
+        return Column(found.header, found.name, found.unit, True, self.offset_min)
+
+
+def of_array(values: NDArray[Any]) -> InputColumn:
+    """Take a column of one dimension."""
+    if isinstance(values, np.ma.MaskedArray):
+        return of_list(values.tolist())
+    kind = values.dtype.kind
+    if kind == "f":
+        return InputColumn(values.astype(np.float64))
+    if kind == "i" or (kind == "u" and (not values.size or int(values.max()) < 2**63)):
+        return InputColumn(values.astype(np.int64))
+    if kind == "M" and np.datetime_data(values.dtype)[0] != "generic":
+        return InputColumn(values)
+    if kind == "m":
+        return InputColumn(np.asarray(values / _SECOND, dtype=np.float64), unit="s")
+    if kind == "S":
+        return of_list([cell.decode("utf-8", "replace") for cell in values.tolist()])
+    return of_list(values.tolist())
+
+
+def of_list(values: list[Any]) -> InputColumn:
+    """Take a column of Python's values; None = missing."""
+    kinds = set(map(type, values)) - {type(None)}
+    if not kinds or kinds <= {str, bool}:
+        return InputColumn(values)
+    if all(issubclass(kind, np.generic) for kind in kinds):
+        if None in values:
+            return of_list([None if value is None else value.item() for value in values])
+        return of_array(np.array(values))
+    if kinds <= {int, float}:
+        return _numbers(values, kinds)
+    if all(issubclass(kind, dt.datetime) for kind in kinds):
+        return _moments(values)
+    if kinds == {dt.date}:
+        return InputColumn(np.array(values, dtype="datetime64[D]"))
+    if all(issubclass(kind, dt.timedelta) for kind in kinds):
+        seconds = [np.nan if v is None else v.total_seconds() for v in values]
+        return InputColumn(np.array(seconds), unit="s")
+    of_day = all(issubclass(kind, dt.time) for kind in kinds)
+    return InputColumn([_single(value) for value in values], unit=_OF_DAY if of_day else "")
+
+
+def _numbers(values: list[Any], kinds: set[type]) -> InputColumn:
+    try:
+        if kinds == {int}:
+            # a whole number beside a missing one stays whole
+            return InputColumn(values if None in values else np.array(values, dtype=np.int64))
+        return InputColumn(np.array(values, dtype=np.float64))
+    except OverflowError:
+        return InputColumn(values)
+
+
+def _moments(values: list[Any]) -> InputColumn:
+    """Datetimes, with a zone or without; a mixture stays text, for the reader to refuse."""
+    offsets = [None if v is None or v != v else v.utcoffset() for v in values]
+    known = [v is not None and v == v for v in values]  # NaT isn't itself
+    zoned = [offset is not None for offset in offsets]
+    if any(zoned) and zoned != known:
+        both = zip(values, known, strict=True)
+        return InputColumn([value.isoformat(" ") if there else None for value, there in both])
+    moments = []
+    for value, there in zip(values, known, strict=True):
+        if not there:
+            moments.append(np.datetime64("NaT"))
+            continue
+        if value.tzinfo is not None:
+            value = value.astimezone(dt.UTC).replace(tzinfo=None)
+        # a Timestamp holds nanoseconds
+        fine = getattr(value, "to_datetime64", None)
+        moments.append(np.datetime64(value) if fine is None else fine())
+    first = next((offset for offset in offsets if offset is not None), None)
+    minutes = None if first is None else round(first.total_seconds() / 60.0)
+    return InputColumn(np.array(moments), minutes)
+
+
+def _single(value: Any) -> Any:
+    """A cell as a table's: text for what a file would hold as text."""
+    if value is None or isinstance(value, str | bool | int | float | list | dict):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Decimal):
+        return float(value)
+    if isinstance(value, dt.datetime):
+        return None if value != value else value.isoformat(" ")
+    # a date, a clock, a period; what a library has for "missing" is found by its name (<NA>, NaT)
+    return str(value)
+
+
+def is_frame(data: object) -> bool:
+    """Return whether data are a frame or a column of some library for them."""
+    if isinstance(data, np.ndarray | list | tuple | dict | type):
+        return False
+    faces = ("to_numpy", "__arrow_c_stream__", "__dataframe__", "__narwhals_dataframe__", "collect")
+    return any(hasattr(data, face) for face in faces)
+
+
+def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
+    """Return the library's name and the columns (header, cells) of a frame or a column.
+
+    An index is the first column, but for one of plain row numbers.
+
+    Raises
+    ------
+    InputError
+        narwhals isn't installed, or doesn't know the frame; a lazy one; a header given twice.
+    """
+    library = type(frame).__module__.partition(".")[0]
+    what = f"a {library} {type(frame).__name__}"
+    try:
+        import narwhals.stable.v2 as nw
+    except ImportError as error:
+        raise InputError(f"{what} {_INSTALL}") from error
+    if hasattr(frame, "collect") and not hasattr(frame, "to_numpy"):
+        raise InputError(f"{what} isn't computed yet; give what its collect() returns")
+    if hasattr(frame, "get_level_values"):  # an index by itself
+        return library, _index(frame) or [("value", _of_index(frame))]
+    frame = _one_header_a_column(frame)
+    try:
+        known: Any = nw.from_native(frame, eager_only=True, allow_series=True)
+        if isinstance(known, nw.Series):
+            header = known.name if known.name not in (None, "") else "value"
+            series = [(str(header), known)]
+        else:
+            series = [(str(header), known[header]) for header in known.columns]
+        columns = [(header, _input_column(nw, column)) for header, column in series]
+    except (TypeError, ValueError, AttributeError) as error:
+        reason = " ".join(str(error).split())[:160]
+        raise InputError(f"{what} can't be read as a table ({reason})") from error
+    index = nw.maybe_get_index(known)
+    return library, [*_index(index), *columns]
+
+
+def _one_header_a_column(frame: Any) -> Any:
+    """Join headers of several levels (`Close`, `AAPL`), but for levels that are the same in all."""
+    headers: Any = getattr(frame, "columns", None)
+    if getattr(headers, "nlevels", 1) == 1:
+        return frame
+    rows = [tuple(map(str, header)) for header in headers]
+    told = [level for level in range(headers.nlevels) if len({row[level] for row in rows}) > 1]
+    joined = [" ".join(filter(None, (row[level] for level in told or [0]))) for row in rows]
+    return frame.set_axis(joined, axis="columns")
+
+
+def _index(index: Any) -> list[tuple[str, InputColumn]]:
+    """The columns of an index that says something: names, or anything but whole numbers."""
+    if index is None:
+        return []
+    names = list(index.names)
+    if names == [None] and index.dtype.kind in "iu":
+        return []  # row numbers, or what is left of them, are no times
+    if hasattr(index, "to_timestamp"):
+        index = index.to_timestamp()  # periods begin
+    levels = [index] if len(names) == 1 else [index.get_level_values(i) for i in range(len(names))]
+    return [
+        (str(name) if name is not None else "index", _of_index(level))
+        for name, level in zip(names, levels, strict=True)
+    ]
+
+
+def _of_index(level: Any) -> InputColumn:
+    values = level.to_numpy()
+    # one with a zone gives Timestamps
+    return of_list(list(values)) if values.dtype.kind == "O" else of_array(values)
+
+
+def _input_column(nw: Any, column: Any) -> InputColumn:
+    kind = column.dtype
+    if kind == nw.Datetime:
+        offset_min = None
+        if kind.time_zone is not None:
+            offset_min = _offset_min(column)
+            column = column.dt.convert_time_zone("UTC").dt.replace_time_zone(None)
+        return InputColumn(np.asarray(column.to_numpy()), offset_min)
+    if kind == nw.Date:
+        return InputColumn(
+            np.asarray(column.cast(nw.Datetime("ms")).to_numpy()).astype("datetime64[D]")
+        )
+    if kind.is_float() or kind == nw.Duration or (kind.is_integer() and not column.null_count()):
+        return of_array(np.asarray(column.to_numpy()))
+    return of_list(column.to_list())
+
+
+def _offset_min(column: Any) -> int:
+    """The offset of a column's first moment from UTC, min."""
+    first = column.drop_nulls().head(1).to_list()
+    return round(first[0].utcoffset().total_seconds() / 60.0) if first else 0

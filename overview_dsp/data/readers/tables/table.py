@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ _HEAD_CELLS = 150_000
 
 MAX_COLUMNS = 10_000
 """Most columns a table may have: each is looked at before one is chosen."""
+
+NO_ROWS = "no rows; a series has one row a time, an event list one an event"
 
 Cells = list[Any] | NDArray[Any]
 """One column of a chunk: text and other single values (None = missing), or an array of float64
@@ -76,6 +78,13 @@ class Column:
     def plain(self) -> str:
         """The name in small letters and digits alone: `adjclose` of `Adj Close**`."""
         return re.sub(r"[^0-9a-zäöüßéèáíóú]+", "", self.name.lower())
+
+
+Columns = Sequence[Column]
+"""The columns of a table."""
+
+Head = Sequence[Sequence[Any]]
+"""The first rows of a table, a list a column."""
 
 
 @dataclass(frozen=True)
@@ -139,36 +148,93 @@ class Location:
         words = f"{self}: is missing; {note}"
         return InputError(words, line=self.line, column=self.column, value="", note=note)
 
+    def fault(self, note: str) -> InputError:
+        """Return the error of a whole row that `note` says what is wrong with."""
+        return InputError(f"{self}: {note}", line=self.line, column=self.column, note=note)
 
-class Table(Protocol):
-    """A table that can be read as often as needed, some rows at a time."""
 
-    @property
-    def kind(self) -> str:
-        """What it is: `CSV`, `Parquet`, `JSON`."""
-        ...
+class Table:
+    """A table that can be read as often as needed, some rows at a time.
 
-    @property
-    def row_word(self) -> str:
-        """What a row is called in an error line: `line`, `row`, `record`."""
-        ...
+    Attributes
+    ----------
+    kind
+        What it is: `CSV`, `Parquet`, `JSON`.
+    columns
+        All columns, in order.
+    row_word
+        What a row is called in an error line: `line`, `row`, `record`.
+    notes
+        What a person should know about how it was read.
+    """
 
-    @property
-    def columns(self) -> tuple[Column, ...]:
-        """All columns, in order."""
-        ...
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What a person should know about how it was read."""
-        ...
+    kind: str
+    columns: tuple[Column, ...]
+    row_word: str = "row"
+    notes: tuple[str, ...] = ()
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns from the beginning; InputError names line and column."""
-        ...
+        """Read these columns from the beginning; InputError names row and column."""
+        raise NotImplementedError
 
 
-def column_named(columns: Sequence[Column], wanted: str) -> int | None:
+@dataclass(eq=False)
+class ColumnTable(Table):
+    """A table of which any part can be cut: in memory, or mapped from a file.
+
+    Parameters
+    ----------
+    rows
+        How many it has.
+    cut
+        Takes the index of a column and the rows from and to; returns its cells.
+    """
+
+    kind: str
+    columns: tuple[Column, ...]
+    rows: int
+    cut: Callable[[int, int, int], Cells]
+    row_word: str = "row"
+    notes: tuple[str, ...] = ()
+
+    def checked(self) -> ColumnTable:
+        """Return the table; InputError for one without rows or of too many columns."""
+        require_few_columns(len(self.columns))
+        if not self.rows:
+            raise InputError(NO_ROWS)
+        return self
+
+    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
+        """Read these columns; InputError names a row with a nested value."""
+        for begin in range(0, self.rows, CHUNK_ROWS):
+            end = min(begin + CHUNK_ROWS, self.rows)
+            cells = tuple(self.cut(i, begin, end) for i in columns)
+            yield single_cells(self, Chunk(cells, begin + 1, None, end / self.rows), columns)
+
+
+def require_few_columns(count: int) -> None:
+    """Refuse a table of more than `MAX_COLUMNS`."""
+    if count > MAX_COLUMNS:
+        raise InputError(f"{count} columns, more than {MAX_COLUMNS}; keep fewer")
+
+
+def headers_of(columns: Columns) -> frozenset[str]:
+    """Return what columns may be called: headers, and names without a unit, in small letters."""
+    return frozenset(word.lower() for c in columns for word in (c.header, c.name) if word)
+
+
+def split_wish(wish: str, columns: Columns) -> tuple[str, str]:
+    """Return the column and the word of `COLUMN:WORD`, "" for none; a header with a colon outranks.
+
+    The word is in small letters, and either may be left out.
+    """
+    name, colon, word = wish.rpartition(":")
+    if not colon or " ".join(wish.split()).lower() in headers_of(columns):
+        return wish, ""
+    return name.strip(), word.strip().lower()
+
+
+def column_named(columns: Columns, wanted: str) -> int | None:
     """Return the column a person means: the header itself, then its name, in any case.
 
     Raises
@@ -196,7 +262,7 @@ def column_named(columns: Sequence[Column], wanted: str) -> int | None:
     return None
 
 
-def listed(columns: Sequence[Column], limit: int = 12) -> str:
+def listed(columns: Columns, limit: int = 12) -> str:
     """Return the columns' headers for a line to a person."""
     names = [shown(column.header) for column in columns[:limit]]
     more = len(columns) - limit
@@ -230,11 +296,10 @@ def location(table: Table, chunk: Chunk, column: int) -> Callable[[int], Locatio
     return lambda i: Location(chunk.number(i), header, word)
 
 
-def check_single(table: Table, chunk: Chunk, columns: Sequence[int]) -> None:
-    """Refuse a cell that holds a list or an object; InputError names row and column."""
+def single_cells(table: Table, chunk: Chunk, columns: Sequence[int]) -> Chunk:
+    """Return a chunk of single values; InputError names row and column of a list or an object."""
     for index, cells in zip(columns, chunk.cells, strict=True):
-        if isinstance(cells, np.ndarray):
-            continue
-        for i, cell in enumerate(cells):
+        for i, cell in enumerate(cells if isinstance(cells, list) else ()):
             if isinstance(cell, list | dict):
                 raise location(table, chunk, index)(i).error(cell, "isn't a single value")
+    return chunk

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
@@ -17,7 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.cells import are_written_in, is_missing
-from overview_dsp.data.readers.tables.table import Cells, Column, Location, as_list
+from overview_dsp.data.readers.tables.table import (
+    Cells,
+    Column,
+    Columns,
+    Location,
+    as_list,
+    split_wish,
+)
 from overview_dsp.data.timeline.times import DAY_NS, FORMS, NS, Moment, clock_s, day_clock_s, moment
 from overview_dsp.errors import InputError, shown
 
@@ -111,30 +118,26 @@ class Format:
         return names.get(self.name, f"plain time in {self.name}")
 
 
-def split_wish(wish: str, columns: tuple[Column, ...]) -> tuple[str | None, str | None]:
-    """Return the column and the format of a `--time` value; a header with a colon outranks.
+def asked_format(wish: str | None, columns: Columns) -> tuple[str | None, str]:
+    """Return the column and the format of a `--time` value: None and "" where it says neither.
 
     Raises
     ------
     InputError
         The words after the last colon are no format.
     """
-    asked = " ".join(wish.split())
-    if any(asked.lower() in (column.header.lower(), column.name.lower()) for column in columns):
-        return wish, None
-    name, colon, written = wish.rpartition(":")
-    if not colon:
-        return wish, None
-    written = written.strip().lower()
-    if written not in FORMATS:
+    if wish is None:
+        return None, ""
+    name, written = split_wish(wish, columns)
+    if name != wish and written not in FORMATS:
         raise InputError(
             f"time {shown(wish)}: {shown(written)} is no way of writing times; "
             f"known are {', '.join(FORMATS)}"
         )
-    return name.strip() or None, written
+    return name if name or not wish else None, written
 
 
-def detected_format(column: Column, cells: list[Any]) -> Format | None:
+def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
     """Detect how times are written from a column's first cells; None if they are no times.
 
     Day or month first is left as `dmy or mdy` where both fit all cells.
@@ -397,9 +400,9 @@ class TimeColumn:
             if seconds is None:
                 raise self._wrong(cell, place(i))
             return seconds
-        return self._oneas_number(cell, i, place)
+        return self._of_number(cell, i, place)
 
-    def _oneas_number(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+    def _of_number(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
         name = self.format.name
         number = as_number(cell)
         if number is None or not math.isfinite(number) or abs(number) > 1e25:

@@ -3,7 +3,7 @@
 Columns, where any point has them: `speed` (km/h, from the positions of this point and the one
 before it, or from the distance a TCX gives), `elevation` (m), `heart_rate` (bpm), `cadence`
 (1/min), `distance` (m). Points without a time are left out; all tracks and laps are one table.
-Tags are read as they come, without a tree, and XML with a document type is refused (`xml_text`).
+Tags are read as they come, without a tree; XML with a document type is refused.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.source import Source
-from overview_dsp.data.readers.tables.arrays import ArrayTable
-from overview_dsp.data.readers.xml_text import root_name, xml_text
+from overview_dsp.data.readers.tables.arrays import array_table
+from overview_dsp.data.readers.tables.table import ColumnTable
 from overview_dsp.data.timeline.times import NS, moment
 from overview_dsp.errors import InputError
 
@@ -54,15 +54,15 @@ Floats = NDArray[np.float64]
 
 def sniff(source: Source) -> bool:
     """Return whether the file is XML whose outermost element is a GPX's or a TCX's."""
-    return root_name(source) in ("gpx", "TrainingCenterDatabase")
+    return source.xml_root in ("gpx", "TrainingCenterDatabase")
 
 
-def open_table(source: Source) -> ArrayTable:
+def open_table(source: Source) -> ColumnTable:
     """Return the points of all tracks; InputError for broken XML, no point with a time."""
     times = array("d")
     columns = {name: array("d") for name in ("lat", "lon", *_COLUMNS)}
     timeless = 0
-    for point in _points(xml_text(source), source.options.report_progress):
+    for point in _points(source.xml_text, source.options.report_progress):
         moment = point.pop("time", None)
         if moment is None or not math.isfinite(moment):
             timeless += 1
@@ -87,11 +87,10 @@ def open_table(source: Source) -> ArrayTable:
     given = [name for name, values in table.items() if not _is_empty(values)]
     if len(given) < 2:
         raise InputError("its points have neither positions nor anything else but times")
-    result = ArrayTable(given, [table[name] for name in given], notes)
-    result.columns = (replace(result.columns[0], zoned=True), *result.columns[1:])
-    result.kind = "GPX" if root_name(source) == "gpx" else "TCX"
-    result.row_word = "point"
-    return result
+    points = array_table(given, [table[name] for name in given], notes)
+    zoned = (replace(points.columns[0], zoned=True), *points.columns[1:])
+    kind = "GPX" if source.xml_root == "gpx" else "TCX"
+    return replace(points, kind=kind, columns=zoned, row_word="point")
 
 
 def _is_empty(values: NDArray[Any]) -> bool:

@@ -18,7 +18,7 @@ from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.series import samples as streamed
 from overview_dsp.data.readers.tables import delimited
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.data.timeline.even_times import EvenTimes
+from overview_dsp.data.timeline.samples import EvenTimes
 from tests.data.readers.tables.made import load, noted, refusal
 
 COUNT = 5000

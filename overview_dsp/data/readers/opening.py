@@ -1,0 +1,318 @@
+"""What a caller gives, opened as a file: paths, addresses, bytes, open files, compressed ones.
+
+Bytes, open files and addresses are spooled, and compressed files (gzip, bzip2, xz, ZIP) unpacked,
+into a temporary file for as long as they are read, within a limit. A megabyte of a bomb unpacks to
+a gigabyte, so unpacking stops at the limit whatever the file says of its size; xz and ZIP may not
+take memory of their choice either.
+"""
+
+from __future__ import annotations
+
+import bz2
+import contextlib
+import gzip
+import lzma
+import os
+import re
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from overview_dsp.data.readers.source import UNNAMED, LoadOptions, Source
+from overview_dsp.errors import InputError
+
+MAX_MB = 256.0
+"""What a compressed file may unpack to, MB (2**20 bytes), without `max_mb`."""
+
+MAX_SPOOLED_MB = 1024.0
+"""What an open file or an address may hold, MB, without `max_mb`."""
+
+MAX_DIRECTORY_BYTES = 1 << 20
+"""Largest table of contents of a ZIP archive that is read: some ten thousand files."""
+
+_XZ_MEMORY = 128 * 2**20
+_CHUNK = 1 << 20
+_ZIP_END = b"PK\x05\x06"
+
+_GZIP, _BZIP2, _XZ, _ZIP = "gzip", "bzip2", "xz", "ZIP"
+_MARKS = (
+    (b"\x1f\x8b\x08", _GZIP),
+    (b"\xfd7zXZ\x00", _XZ),
+    (b"PK\x03\x04", _ZIP),
+    (b"PK\x05\x06", _ZIP),
+    (b"\x28\xb5\x2f\xfd", "Zstandard"),
+    (b"7z\xbc\xaf\x27\x1c", "7z"),
+    (b"Rar!\x1a\x07", "RAR"),
+)
+_URL = re.compile(r"([a-z][a-z0-9+.\-]*::)*[a-z][a-z0-9+.\-]+://", re.IGNORECASE)
+_SECRETS = re.compile(r"(?<=://)[^/@]*@|[?#].*")
+_INSTALL = 'an address needs fsspec: pip install "overview-dsp[urls]", or save the data to a file'
+
+
+def is_url(data: object) -> bool:
+    """Return whether data are given by an address: `https://...`, `s3://...`, `memory://...`."""
+    return isinstance(data, str) and _URL.match(data) is not None
+
+
+def is_content(data: object) -> bool:
+    """Return whether data are a file's content or an open file."""
+    return isinstance(data, bytes | bytearray | memoryview) or callable(getattr(data, "read", None))
+
+
+@contextlib.contextmanager
+def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[Source]:
+    """Give data as a `Source`, in a temporary file where they are no plain file.
+
+    Parameters
+    ----------
+    data
+        A path, or what `is_url` or `is_content` says yes to; an open file is read from where it
+        stands.
+    options
+        `max_mb`.
+    missing
+        What the error line of a path that isn't there ends with.
+
+    Raises
+    ------
+    InputError
+        As `Source.open`; an address that can't be opened, a file that can't be read; a damaged
+        archive, one of several files, one packed twice; more than the limit (the line has it and
+        the option that raises it).
+    """
+    with contextlib.ExitStack() as stack:
+        path, label = data, ""
+        if is_url(data) or is_content(data):
+            path, label = stack.enter_context(_spooled(data, options))
+        try:
+            source = Source.open(path, options, label)
+        except InputError as error:
+            hint = missing if isinstance(error.__cause__, FileNotFoundError) else ""
+            raise InputError(f"{error}{hint}") from error
+        packed = packing(source.head)
+        if packed is not None and not (packed == _ZIP and _is_arrays(source)):
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="overview-"))
+            source = _unpacked(source, packed, Path(folder))
+        yield source
+
+
+@contextlib.contextmanager
+def _spooled(data: Any, options: LoadOptions) -> Iterator[tuple[Path, str]]:
+    """Give a temporary file with the data, and what error lines call them."""
+    with contextlib.ExitStack() as stack:
+        name, label = UNNAMED, "the data given"
+        if is_url(data):
+            label = _SECRETS.sub("", data)
+            name = label.rstrip("/").rpartition("/")[2]
+            data = stack.enter_context(_opened_address(data, label))
+        elif not isinstance(data, bytes | bytearray | memoryview):
+            given = getattr(data, "name", None)
+            label = "the open file"
+            if isinstance(given, str) and given:
+                name, label = os.path.basename(given), given
+        if name in ("", ".", "..") or "\0" in name:
+            name = UNNAMED
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="overview-")))
+        path = folder / name[-100:]
+        limit_mb = options.max_mb if options.max_mb is not None else MAX_SPOOLED_MB
+        beyond = f"{label}: more than the {limit_mb:g} MB that are read"
+        _write(path, _parts(data, label), limit_mb, beyond)
+        yield path, label
+
+
+def _write(path: Path, parts: Iterable[bytes], limit_mb: float, beyond: str) -> int:
+    """Write a temporary file and return its size; `beyond` is what is wrong with a larger one."""
+    size = 0
+    with open(path, "wb") as target:
+        for part in parts:
+            size += len(part)
+            if size > limit_mb * 2**20:
+                raise InputError(
+                    f"{beyond}; raise the limit with max_mb (--max-mb) if that is what it should "
+                    "hold"
+                )
+            target.write(part)
+    return size
+
+
+def _parts(data: Any, label: str) -> Iterator[bytes]:
+    if isinstance(data, bytes | bytearray | memoryview):
+        yield bytes(data)
+        return
+    while True:
+        try:
+            part = data.read(_CHUNK)
+            if isinstance(part, str):
+                part = part.encode("utf-8", "surrogateescape")
+        # whatever lies behind a `read` may fail in its own way: a socket, a closed file, an archive
+        except Exception as error:
+            raise InputError(f"{label}: can't be read ({_reason(error)})") from error
+        if not isinstance(part, bytes | bytearray):
+            raise InputError(f"{label}: read() gives a {type(part).__name__}, not bytes or text")
+        if not part:
+            return
+        yield bytes(part)
+
+
+@contextlib.contextmanager
+def _opened_address(url: str, label: str) -> Iterator[Any]:
+    try:
+        import fsspec
+    except ImportError as error:
+        raise InputError(_INSTALL) from error
+    with contextlib.ExitStack() as stack:
+        try:
+            stream = stack.enter_context(fsspec.open(url, "rb"))
+        # each kind of storage has errors of its own; a missing library says what to install
+        except Exception as error:
+            raise InputError(
+                f"{label}: can't be opened ({_reason(error)}); check the address"
+            ) from error
+        yield stream
+
+
+def _reason(error: Exception) -> str:
+    return _SECRETS.sub("", " ".join(str(error).split()))[:160] or type(error).__name__
+
+
+def packing(head: bytes) -> str | None:
+    """Return how a file is compressed, by its first bytes; None if it isn't."""
+    if head[:3] == b"BZh" and head[3:4].isdigit() and head[4:10] in (b"1AY&SY", b"\x17rE8P\x90"):
+        return _BZIP2
+    return next((name for mark, name in _MARKS if head.startswith(mark)), None)
+
+
+def _unpacked(source: Source, packed: str, folder: Path) -> Source:
+    where, options = source.where, source.options
+    limit_mb = options.max_mb if options.max_mb is not None else MAX_MB
+    if packed not in _READERS:
+        raise InputError(f"{where}: a {packed} archive can't be read; unpack it first")
+    # the name a reader takes as the title, "match.json" of "match.json.gz"
+    name = Path(source.path.name).stem
+    target = folder / ("data" if name in ("", ".", "..") else name)
+    try:
+        size = _write(
+            target,
+            _READERS[packed](source),
+            limit_mb,
+            f"{where}: unpacks to more than the {limit_mb:g} MB that are read",
+        )
+    except InputError:  # a ValueError too
+        raise
+    except EOFError as error:
+        raise InputError(f"{where}: the {packed} file is cut off; get it again") from error
+    except (zlib.error, lzma.LZMAError, zipfile.BadZipFile, OSError, ValueError) as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"{where}: can't be unpacked ({packed}: {reason}); get it again"
+        ) from error
+    if size == 0:
+        raise InputError(f"{where}: holds an empty file; check how it was made")
+    inner = Source.open(target, options)
+    if packing(inner.head) is not None:
+        raise InputError(f"{where}: holds another compressed file; unpack it first")
+    return replace(inner, origin=source.path, label=source.label)
+
+
+def _streamed(open_file: Callable[..., Any], source: Source) -> Iterator[bytes]:
+    with open_file(source.path, "rb") as stream:
+        yield from iter(lambda: stream.read(_CHUNK), b"")
+
+
+def _xz(source: Source) -> Iterator[bytes]:
+    # by hand: lzma.open takes as much memory as the file asks for
+    with open(source.path, "rb") as stream:
+        rest = b""
+        decompressor = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_XZ_MEMORY)
+        while True:
+            if decompressor.eof:
+                rest = decompressor.unused_data.lstrip(b"\0") or stream.read(_CHUNK).lstrip(b"\0")
+                if not rest:
+                    return
+                decompressor = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_XZ_MEMORY)
+            elif decompressor.needs_input:
+                rest = stream.read(_CHUNK)
+                if not rest:
+                    raise EOFError
+            data = decompressor.decompress(rest, _CHUNK)
+            rest = b""
+            if data:
+                yield data
+
+
+def _zip(source: Source) -> Iterator[bytes]:
+    _check_directory(source)
+    with zipfile.ZipFile(source.path) as archive:
+        members = [
+            member
+            for member in archive.infolist()
+            if not member.is_dir()
+            and not member.filename.startswith("__MACOSX/")
+            and not member.filename.rsplit("/", 1)[-1].startswith(".")
+        ]
+        names = {member.filename for member in members}
+        if sheets := names & _SHEETS.keys():
+            raise InputError(f"{source.where}: {_SHEETS[sheets.pop()]}: save the sheet as CSV")
+        if len(members) != 1:
+            raise InputError(
+                f"{source.where}: a ZIP archive (or a document made of one) of {len(members)} "
+                "files; unpack it and name one of them"
+            )
+        if members[0].flag_bits & 1:
+            raise InputError(f"{source.where}: the ZIP archive is encrypted; unpack it first")
+        try:
+            with archive.open(members[0]) as stream:
+                yield from iter(lambda: stream.read(_CHUNK), b"")
+        except NotImplementedError as error:
+            raise InputError(
+                f"{source.where}: a ZIP archive of a kind that isn't read ({error}); unpack it "
+                "first"
+            ) from error
+
+
+_SHEETS = {
+    "xl/workbook.xml": "an Excel workbook",
+    "xl/workbook.bin": "an Excel workbook",
+    "content.xml": "an OpenDocument file",
+    "Index/Document.iwa": "a Numbers or Pages file",
+    "word/document.xml": "a Word document",
+}
+"""What is packed like an archive and is a document, by a file that each one has."""
+
+
+def _is_arrays(source: Source) -> bool:
+    """Return whether a ZIP archive is NumPy's of several arrays, which is read packed."""
+    _check_directory(source)
+    try:
+        with zipfile.ZipFile(source.path) as archive:
+            names = archive.namelist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
+        return False  # said when it is unpacked
+    return len(names) > 1 and all(name.endswith(".npy") for name in names)
+
+
+def _check_directory(source: Source) -> None:
+    """Refuse an archive whose table of contents alone would take much memory."""
+    with open(source.path, "rb") as stream:
+        stream.seek(max(0, source.size - 65_536 - 22))
+        tail = stream.read(65_536 + 22)
+    at = tail.rfind(_ZIP_END)
+    size = int.from_bytes(tail[at + 12 : at + 16], "little") if at >= 0 else 0
+    if size > MAX_DIRECTORY_BYTES:
+        raise InputError(
+            f"{source.where}: a ZIP archive of too many files (their list has {size} bytes); "
+            "unpack it and name one of them"
+        )
+
+
+_READERS: dict[str, Callable[[Source], Iterator[bytes]]] = {
+    _GZIP: partial(_streamed, gzip.open),
+    _BZIP2: partial(_streamed, bz2.open),
+    _XZ: _xz,
+    _ZIP: _zip,
+}
