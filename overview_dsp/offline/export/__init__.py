@@ -20,7 +20,7 @@ from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.offline.export.browser_memory import encode_engine
-    from overview_dsp.offline.export.c_folder import export_c
+    from overview_dsp.offline.export.c_code import export_c
     from overview_dsp.offline.export.clip import FeltError, Transient
     from overview_dsp.offline.export.plugins import build_plugin
     from overview_dsp.offline.export.reading import PlayedClip, check_clip, read_clip
@@ -52,7 +52,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "check_clip": "reading",
             "encode_engine": "browser_memory",
             "export": "writing",
-            "export_c": "c_folder",
+            "export_c": "c_code",
             "formats": "writing",
             "read_clip": "reading",
         },
