@@ -47,7 +47,7 @@ from overview_dsp.live.output.stream import connect
 from overview_dsp.signal.engine.coefficients import changes, check_carrier
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.queues import stamp_of
-from overview_dsp.signal.engine.surface_slots import struck_event, write_surface
+from overview_dsp.signal.engine.surface_slots import struck_events, write_surface
 from overview_dsp.signal.surface.model import Surface
 
 LEAST_FILL = 4
@@ -162,8 +162,7 @@ def event_numbers(surface: Surface) -> list[int]:
 
     -1 is the bare surface, which is struck as number -1 too.
     """
-    count = len(surface.position) + len(surface.texture_strikes.position)
-    return [int(event) for event in struck_event(surface, np.arange(count))]
+    return [int(event) for event in struck_events(surface)[:-1]]
 
 
 def _head(

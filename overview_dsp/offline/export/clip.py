@@ -30,7 +30,7 @@ from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.errors import InputError
 from overview_dsp.offline.rendering.offline import Result
 from overview_dsp.offline.rendering.trace import Trace
-from overview_dsp.signal.surface.bristles import BARE
+from overview_dsp.signal.surface.fields import BARE
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import FELT_WINDOW_S, JUST_NOTICEABLE_DB
 

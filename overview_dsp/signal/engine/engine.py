@@ -33,11 +33,9 @@ from overview_dsp.signal.engine.coefficients import (
     check_carrier,
     write_parameters,
 )
-from overview_dsp.signal.engine.meters import EngineParameter, Meters, Strikes
 from overview_dsp.signal.engine.queues import ControlQueues, stamp_of
-from overview_dsp.signal.engine.reports import tail_seconds
-from overview_dsp.signal.engine.struck import StruckSurfaces
-from overview_dsp.signal.engine.surface_slots import write_surface
+from overview_dsp.signal.engine.reports import EngineParameter, Meters, Strikes, tail_seconds
+from overview_dsp.signal.engine.surface_slots import StruckSurfaces, write_surface
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 
