@@ -59,6 +59,7 @@ _CONTROL_IDS = (
     *("AudioPanControl", "AudioBrightnessControl", "AudioPitchControl"),
     *("AudioAttackTimeControl", "AudioDecayTimeControl", "AudioReleaseTimeControl"),
 )
+_WAVEFORM_KEYS = ("EventWaveformPath", "EventWaveformLoopEnabled", "EventWaveformUseVolumeEnvelope")
 _FROM_ZERO = (INTENSITY, SHARPNESS, CONTROL, "Sustained", "AudioVolume")
 
 
@@ -103,6 +104,7 @@ class PatternEvent(Part):
     """A vibration, a strike or a sound."""
 
     defaults = {"EventType": "", "EventParameters": []}  # noqa: RUF012
+    ignored = _WAVEFORM_KEYS
 
     EventType: Annotated[str, _known(TRANSIENT, CONTINUOUS, WAVEFORM, "AudioContinuous")]
     Time: Seconds
@@ -114,10 +116,10 @@ class PatternEvent(Part):
 
     @pydantic.model_validator(mode="after")
     def _keys_of_type(self, info: ValidationInfo) -> PatternEvent:
-        needed = {CONTINUOUS: "EventDuration", "AudioContinuous": "EventDuration"}
+        needed = {CONTINUOUS: "EventDuration"}
         if info.context == CHECKING:
-            needed[WAVEFORM] = "EventWaveformPath"
-            waveform = [key for key in self.model_fields_set if key.startswith("EventWaveform")]
+            needed |= {"AudioContinuous": "EventDuration", WAVEFORM: "EventWaveformPath"}
+            waveform = [key for key in _WAVEFORM_KEYS if getattr(self, key) is not None]
             if waveform and self.EventType != WAVEFORM:
                 raise ValueError(f"{waveform[0]} is a key of {WAVEFORM} only")
         key = needed.get(self.EventType)

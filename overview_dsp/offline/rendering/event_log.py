@@ -213,7 +213,7 @@ def transcript(
     if engaged is not None and len(engaged):
         frames = [min(int(one.time_s * sample_rate), len(engaged) - 1) for one in passed]
         touched = [bool(engaged[frame] > 0.5) for frame in frames]
-    strongest = sorted(range(len(passed)), key=lambda i: passed[i].below_db)
+    strongest = np.argsort(-strikes.of_events().level, kind="stable").tolist()
     kept = [i for way in (True, False) for i in [i for i in strongest if touched[i] == way][:most]]
     lines = []
     for i in sorted(kept):
