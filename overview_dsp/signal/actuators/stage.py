@@ -195,17 +195,7 @@ class ActuatorStage:
         >>> stage.silent_samples
         256
         """
-        if (
-            not isinstance(samples, np.ndarray)
-            or samples.dtype != np.float32
-            or samples.ndim != 2
-            or not samples.flags.c_contiguous
-            or not samples.flags.writeable
-        ):
-            raise InputError(
-                "samples must be a writable, C-ordered float32 array (frames, channels)"
-            )
-        frames, channels = samples.shape
+        frames, channels = validation.block(samples, "samples")
         if not 0 <= channel < channels:
             raise InputError(f"channel {channel} is not one of {channels}, counted from 0")
         memory = self._memory

@@ -803,15 +803,7 @@ class Engine:
         256
         """
         self._require_prepared()
-        if (
-            not isinstance(out, np.ndarray)
-            or out.dtype != np.float32
-            or out.ndim != 2
-            or not out.flags.c_contiguous
-            or not out.flags.writeable
-        ):
-            raise InputError("out must be a writable, C-ordered float32 array (frames, channels)")
-        frames, channels = out.shape
+        frames, channels = validation.block(out, "out")
         if frames > self._max_block_size:
             raise NotPreparedError(
                 f"a block of {frames} frames; the engine is prepared for up to "

@@ -9,7 +9,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -137,14 +137,10 @@ def _write_bristles(
     w[base + layout.SLOT_OWNER :][: layout.CELLS + 1] = rank[field.owner]
     stuck = max(kind.static_ratio for kind in (*field.of_kind, field.bare))
     m[base + layout.SLOT_HOLD] += float(field.grip.max()) * stuck
-    of_bank = [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]
-    for bank, bristles in of_bank:
+    for bank, bristles in [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]:
         row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
-        m[row + layout.P_STIFFNESS] = bristles.stiffness
-        m[row + layout.P_DAMPING] = bristles.damping
-        m[row + layout.P_STATIC] = bristles.static_ratio
-        m[row + layout.P_STRIBECK] = bristles.stribeck_speed
-        m[row + layout.P_BREAK_AWAY] = bristles.break_away
+        # the columns are in the order of the fields
+        m[row + layout.P_STIFFNESS : row + layout.P_BREAK_AWAY + 1] = astuple(bristles)
 
 
 def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> None:
