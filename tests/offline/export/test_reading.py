@@ -163,6 +163,45 @@ def test_a_broken_clip_is_one_line(tmp_path, document, words):
     assert "\n" not in str(caught.value)
 
 
+def test_a_reader_takes_what_a_player_does_without_and_a_check_names_it(tmp_path):
+    lenient = continuous((0.0, 1.0, 0.8))
+    event = lenient["Pattern"][0]["Event"]
+    event["EventParameters"].append({"ParameterID": "Warmth", "ParameterValue": 9.0})
+    event["Comment"] = "soft"
+    sound = {"EventType": "AudioCustom", "Time": 0.2, "EventWaveformPath": 3}
+    lenient["Pattern"] += [{"Event": sound}, {"Event": {"EventType": "Smell", "Time": 0.0}}]
+    lenient["Pattern"] += [{"Parameter": {"ParameterID": "x", "Time": 0.0, "ParameterValue": 7.0}}]
+    lenient["Pattern"] += [{"Comment": "nothing"}]
+    lenient |= {"Version": 7, "Metadata": 3}
+    path = write(tmp_path, lenient)
+    assert read_clip(path).level == pytest.approx(np.full(1001, 0.64))
+    faults = "\n".join(ov.export.check_clip(path))
+    for words in ("Warmth", "Comment", "Version", "Metadata", "Smell", "EventWaveformPath"):
+        assert words in faults
+    haptic = json.loads(json.dumps(HAPTIC))
+    del haptic["version"], haptic["signals"]["continuous"]["envelopes"]["frequency"]
+    haptic["signals"]["continuous"]["envelopes"]["amplitude"][1]["note"] = "strong"
+    path = write(tmp_path, haptic)
+    assert read_clip(path).transients[0].amplitude == 0.9
+    assert {"version is missing", "metadata is missing"} <= set(ov.export.check_clip(path))
+
+
+@pytest.mark.parametrize(
+    ("damage", "fault"),
+    [
+        ({"ParameterID": "Warmth"}, "EventParameters[0].ParameterID = 'Warmth' is not allowed"),
+        ({"ParameterValue": 1.5}, "EventParameters[0].ParameterValue = 1.5 is out of range"),
+        ({"ParameterValue": None}, "EventParameters[0]: ParameterValue is null"),
+        ({"Value": 1.0}, "unknown key Pattern[0].Event.EventParameters[0].Value"),
+    ],
+)
+def test_a_check_says_where_the_fault_is(tmp_path, damage, fault):
+    document = continuous((0.0, 1.0, 1.0))
+    document["Pattern"][0]["Event"]["EventParameters"][0] |= damage
+    (line,) = ov.export.check_clip(write(tmp_path, document))
+    assert fault in line
+
+
 def test_garbage_is_refused_in_one_line(tmp_path):
     path = tmp_path / "x.ahap"
     for seed in range(3):
