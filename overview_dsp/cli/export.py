@@ -236,7 +236,7 @@ def _require_alone(
 
 def _source(data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) -> None:
     """Write the C folder and say how to try it."""
-    from overview_dsp.offline.export.c_folder import export_c
+    from overview_dsp.offline.export.c_code import export_c
 
     files = [str(path) for path in export_c(data, preset, out, seed=seed)]
     if as_json:

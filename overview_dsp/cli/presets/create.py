@@ -176,7 +176,7 @@ def import_(
 def _check(clip: str, as_json: bool) -> None:
     """Say what is wrong with a clip; InputError, with the first fault, if there is any."""
     from overview_dsp.errors import InputError
-    from overview_dsp.offline.export.checking import check_clip
+    from overview_dsp.offline.export.reading import check_clip
 
     faults = check_clip(clip)
     show(as_json, {"clip": clip, "faults": faults}, *([] if faults else [f"{clip}: valid"]))
