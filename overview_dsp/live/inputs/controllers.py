@@ -22,25 +22,12 @@ from overview_dsp.devices.controllers.source import ControllerSource
 from overview_dsp.devices.sensors.touching import Event, TouchRules
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.threaded import ThreadedInput
+from overview_dsp.live.ports.port import WAIT_S, Port
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
-WAIT_S = 0.05
 TICK_S = 0.005
 """How often what holds on is looked after, while nothing comes."""
-
-
-class Port(Protocol):
-    """Where messages come from: UDP, a MIDI port, or a test's."""
-
-    name: str
-    dropped: int
-
-    def receive(self, wait_s: float) -> list[bytes]:
-        """What has come, waiting so long (s) for the first; PortLostError if nothing more will."""
-
-    def close(self) -> None:
-        """Give it back."""
 
 
 class Reader(Protocol):
@@ -58,7 +45,7 @@ class Reader(Protocol):
         """What a person should know, new since the last call."""
 
 
-class ControllerInput(ThreadedInput[Port]):
+class ControllerInput(ThreadedInput):
     """Plays a controller into a running engine, as one source.
 
     Thread: as `ThreadedInput`.

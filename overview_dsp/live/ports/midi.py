@@ -8,19 +8,15 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Protocol
 
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
 HINT = "MIDI needs python-rtmidi or rtmidi2: pip install 'overview-dsp[midi]'"
-MOST = 4096
-"""Messages that wait; of more, the latest."""
-
+MAX_WAITING = 4096
 QUEUED = 1024
 SYSTEMS_OF_RTMIDI2 = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
 
@@ -154,16 +150,8 @@ def _matching(names: list[str], wanted: str) -> list[int]:
     return whole or [i for i, name in enumerate(plain) if wanted.casefold() in name.casefold()]
 
 
-class MidiPort:
-    """An open port.
-
-    Attributes
-    ----------
-    name : str
-        As `--input` names it.
-    dropped : int
-        Messages given up because more came than was read.
-    """
+class MidiPort(QueuedPort):
+    """Open MIDI port, whose messages arrive on a thread of rtmidi's."""
 
     def __init__(self, wanted: str) -> None:
         """Open the port of that name, or the one whose name has that in it.
@@ -175,10 +163,7 @@ class MidiPort:
         OverviewError
             Neither python-rtmidi nor rtmidi2 is installed.
         """
-        self.name = f"midi:{wanted}"
-        self.dropped = 0
-        self._messages: deque[bytes] = deque()
-        self._came = threading.Event()
+        super().__init__(f"midi:{wanted}", MAX_WAITING)
         self._input, self._port = self._open(wanted)
         self._looked_at = time.monotonic()
         self._sensed_at: float | None = None
@@ -195,7 +180,7 @@ class MidiPort:
                     raise InputError(f"{self.name}: several are called so: {several}")
                 if found:
                     chosen = one
-                    one.open(found[0], self._take)
+                    one.open(found[0], self.put)
                     return one, names[found[0]]
             known = ", ".join(_plain(name) for one in systems for name in one.ports())
             raise InputError(f"{self.name}: no such port; there are: {known or 'none'}")
@@ -207,27 +192,15 @@ class MidiPort:
                 if one is not chosen:
                     one.close()
 
-    def _take(self, message: bytes) -> None:
-        """Called by a thread of rtmidi's."""
-        if len(self._messages) >= MOST:
-            self._messages.popleft()
-            self.dropped += 1
-        self._messages.append(message)
-        self._came.set()
-
     def receive(self, wait_s: float) -> list[bytes]:
-        """The messages that have come, waiting so long (s) for the first.
+        """Return the messages that have come, as `Port.receive`.
 
         Raises
         ------
         PortLostError
-            The port is gone, or no longer senses that it is there.
+            The port is gone, or no longer sends the active sensing that it sent before.
         """
-        self._came.wait(wait_s)
-        self._came.clear()
-        found = []
-        while self._messages:
-            found.append(self._messages.popleft())
+        found = super().receive(wait_s)
         now = time.monotonic()
         sensing = self._sensed_at is not None or bytes([ACTIVE_SENSING]) in found
         if found and sensing:
@@ -241,5 +214,5 @@ class MidiPort:
         return [one for one in found if one[0] < 0xF0]
 
     def close(self) -> None:
-        """Give it back."""
+        """Close the port."""
         self._input.close()
