@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
-from overview_dsp.live.output.device_names import PAD
 from overview_dsp.live.output.devices import find_device, first_line, no_stream
-from overview_dsp.live.output.portaudio_library import import_sounddevice
+from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import (
     StreamMeters,

@@ -18,7 +18,7 @@ from overview_dsp.live.output.portaudio_stream import FADE_WITHIN_S
 FADE_S = 0.02
 
 
-class Playback(Protocol):
+class SamplePlayback(Protocol):
     """Samples on their way to a person."""
 
     def start(self) -> None:
@@ -36,7 +36,7 @@ class Playback(Protocol):
         """Whether all of them have been heard."""
 
 
-class SampleOutput:
+class SamplePlayer:
     """Plays float32 (frames, channels) on an output device.
 
     Thread: main.
@@ -109,7 +109,7 @@ class SampleOutput:
         return self.heard_s * self._rate >= len(self._samples)
 
 
-class SilentOutput:
+class SilentSamplePlayer:
     """Plays samples to nobody, in time.
 
     Thread: main.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,9 @@ from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures.growing_take import free_name
 from overview_dsp.errors import OverviewError
+from overview_dsp.live.session.session import Session
 from overview_dsp.live.takes.recorder import Recorder
 from overview_dsp.live.takes.recovery import other_places
-from overview_dsp.signal.engine.engine import Engine
 
 
 def timeline_beside(path: Path) -> Path:
@@ -35,13 +35,10 @@ class Takes:
         A line for the person on each of them.
     """
 
-    def __init__(
-        self, engine: Engine, path: str | os.PathLike[str] | None, say: Callable[[str], None]
-    ) -> None:
-        """`path` is where they go (None: a name by the clock); `say` tells the person."""
-        self._engine = engine
+    def __init__(self, session: Session, path: str | os.PathLike[str] | None) -> None:
+        """`path` is where they go (None: a name by the clock)."""
+        self._engine, self._say = session.engine, session.say
         self._path = Path(time.strftime("take-%Y%m%d-%H%M%S.csv") if path is None else path)
-        self._say = say
         self._recorder: Recorder | None = None
         self.ended: list[str] = []
         self.words: list[str] = []
