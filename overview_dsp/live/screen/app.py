@@ -283,14 +283,6 @@ class PlayApp(App[None]):
         """The person has had enough."""
         self._end()
 
-    def on_timeline_view_touched(self, message: TimelineView.Touched) -> None:
-        """Hold or drag by the mouse."""
-        self._player.touch(message.position)
-
-    def on_timeline_view_released(self, message: TimelineView.Released) -> None:
-        """Release the mouse; a click is a tap, as the disk goes all the way."""
-        self._player.release()
-
     def action_press(self, key: str) -> None:
         """Do what a key is for."""
         self._key_actions.press(key)

@@ -16,7 +16,6 @@ from rich.segment import Segment
 from rich.style import Style
 from textual import events
 from textual.geometry import Region
-from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -44,16 +43,6 @@ class TimelineView(Widget):
 
     DEFAULT_CSS = "TimelineView { height: 1fr; min-height: 5; }"
 
-    class Touched(Message):
-        """The finger is down at `position` (0 to 1), or has moved there."""
-
-        def __init__(self, position: float) -> None:
-            super().__init__()
-            self.position = position
-
-    class Released(Message):
-        """The finger has released."""
-
     def __init__(self, player: Player) -> None:
         super().__init__()
         self._player = player
@@ -76,13 +65,13 @@ class TimelineView(Widget):
             return
         self.capture_mouse()
         self._pressed = self._position(event.x)
-        self.post_message(self.Touched(self._pressed))
+        self._player.touch(self._pressed)
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """The finger moves."""
         if self._pressed is not None and self._position(event.x) != self._pressed:
             self._pressed = self._position(event.x)
-            self.post_message(self.Touched(self._pressed))
+            self._player.touch(self._pressed)
 
     def on_mouse_up(self, event: events.MouseUp) -> None:
         """The finger releases."""
@@ -90,7 +79,7 @@ class TimelineView(Widget):
             return
         self.release_mouse()
         self._pressed = None
-        self.post_message(self.Released())
+        self._player.release()
 
     # --- the picture ----------------------------------------------------------------------------
 

@@ -247,7 +247,6 @@ class Player:
             self.loop.poll(self.at_rest)
         elif playing:
             self.release()
-        self.takes.poll()
         return self._status()
 
     def _status(self) -> Status:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ class Recorder:
     From the engine's first sample on, the take renders to the very samples that were heard. Later,
     it begins with the hands as they hold the disk, but the disk itself, rendered, is at rest first.
 
-    Thread: any for `take_messages`; the rest is one thread's, `start` gives it one.
+    Thread: one, which `start` makes; `close` from any.
 
     Attributes
     ----------
@@ -46,8 +45,11 @@ class Recorder:
         path: str | os.PathLike[str],
         about: Mapping[str, Any],
         changes: list[Mapping[str, Any]] | None = None,
+        say: Callable[[str], None] = lambda line: None,
     ) -> None:
         """Begin a take; `changes` were made before and hold at its first sample.
+
+        `say` shows the user a message, from the take's thread.
 
         Raises
         ------
@@ -61,7 +63,7 @@ class Recorder:
         self._events: list[Event] = [(0, source, theta2, True) for source, theta2 in hands]
         self._changes: list[tuple[int, Mapping[str, Any]]] = [(0, one) for one in changes or ()]
         self._pending = list(changes or ())
-        self._messages: deque[str] = deque()
+        self._say = say
         self._over = threading.Event()
         self._thread: threading.Thread | None = None
         self._said: set[str] = set()
@@ -76,10 +78,6 @@ class Recorder:
         """Write from now on in a thread of its own, until `close`."""
         self._thread = threading.Thread(target=self._run, name="take", daemon=True)
         self._thread.start()
-
-    def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call."""
-        return tuple(self._messages.popleft() for _ in range(len(self._messages)))
 
     def _run(self) -> None:
         while not self._over.wait(EVERY_S):
@@ -173,9 +171,7 @@ class Recorder:
                 continue
             self.path = place
             self._note.moved(place)
-            self._messages.append(
-                f"{take.path}: {error.strerror}; the whole take goes on in {place}"
-            )
+            self._say(f"{take.path}: {error.strerror}; the whole take goes on in {place}")
             return self._take
         return None
 
@@ -198,4 +194,4 @@ class Recorder:
     def _say_once(self, line: str) -> None:
         if line not in self._said:
             self._said.add(line)
-            self._messages.append(line)
+            self._say(line)

@@ -53,7 +53,7 @@ class Takes:
 
         `timeline` is what it begins on where no file holds that: it is written beside the take.
         """
-        self._recorder = Recorder(self._engine, self._path, about)
+        self._recorder = Recorder(self._engine, self._path, about, None, self._say)
         self._recorder.start()
         if timeline is not None:
             save_timeline(timeline, timeline_beside(self._path))
@@ -70,7 +70,7 @@ class Takes:
         """
         for path in (self._path, *other_places(self._path)):
             try:
-                recorder = Recorder(self._engine, free_name(path), about, before)
+                recorder = Recorder(self._engine, free_name(path), about, before, self._say)
                 if timeline is not None:
                     save_timeline(timeline, timeline_beside(recorder.path))
             except OverviewError as error:
@@ -80,11 +80,6 @@ class Takes:
             self._recorder = recorder
             self._say(f"{recorder.path}: recording; R ends it")
             return
-
-    def poll(self) -> None:
-        """Tell what the one that grows has to say."""
-        if self._recorder is not None:
-            self._tell(self._recorder)
 
     def end(self) -> None:
         """Save the one that grows; may be called twice.
@@ -99,13 +94,8 @@ class Takes:
             try:
                 recorder.close()
             finally:
-                self._tell(recorder)
                 self.ended.append(str(recorder.path))
                 what = f"its hands; {recorder.differs}" if recorder.differs else "to the bit"
                 beside = timeline_beside(recorder.path)
                 on = f", on {beside}" if beside.exists() else ""
                 self.words.append(f"{recorder.path}: the take, {what}{on}")
-
-    def _tell(self, recorder: Recorder) -> None:
-        for line in recorder.take_messages():
-            self._say(line)
