@@ -6,17 +6,18 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 from overview_dsp.devices.controllers.control_messages import (
     Asked,
     Command,
     Counters,
     Dialled,
-    Move,
     Nudged,
     Turned,
 )
+from overview_dsp.devices.controllers.midi_messages import MidiReader
+from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.devices.controllers.parameters import PickUp, as_asked, find_parameter, nudged
 from overview_dsp.devices.controllers.source import ControllerSource
 from overview_dsp.devices.sensors.touching import Event, TouchRules
@@ -30,19 +31,8 @@ TICK_S = 0.005
 """How often what holds on is looked after, while nothing comes."""
 
 
-class Reader(Protocol):
-    """Messages in, moves out."""
-
-    counters: Counters
-
-    def read(self, data: bytes, time_s: float) -> list[Move]:
-        """The moves of a message."""
-
-    def tick(self, time_s: float) -> list[Move]:
-        """The moves that time alone makes."""
-
-    def take_messages(self) -> list[str]:
-        """What a person should know, new since the last call."""
+Reader = MidiReader | OscReader
+"""Messages in, moves out."""
 
 
 class ControllerInput(ThreadedInput):

@@ -91,7 +91,7 @@ class Recorder:
         with self._busy:
             if self._take is not None:
                 self._collect()
-                self._write(self._take)
+                self._write()
 
     def close(self) -> None:
         """Write what is left and end the take; may be called twice, from anywhere.
@@ -105,14 +105,14 @@ class Recorder:
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(STUCK_S)
         with self._busy:
-            take = self._take
-            if take is None:
+            if self._take is None:
                 return
             self._collect()
-            error = self._write(take) or self._finish()
-            self._take = None
+            error = self._write() or self._do(GrowingTake.finish)
+            take, self._take = self._take, None
             self._note.close()
         if error is not None:
+            take.close()
             raise OutputError(
                 f"{self.path}: {error.strerror}; the take is whole up to {take.played_s:.1f} s"
             )
@@ -143,28 +143,36 @@ class Recorder:
             elif sample >= self._begin:
                 self._changes.append((sample - self._begin, what))
 
-    def _write(self, take: GrowingTake) -> OSError | None:
-        """All that was collected, here or in another place; the error if there is none."""
+    def _write(self) -> OSError | None:
+        """Write all that was collected; return the error if it can be written nowhere."""
         played = max([self._now] + [last[-1][0] for last in (self._events, self._changes) if last])
-        try:
-            take.append(self._events, self._changes, played)
-        except OSError as error:
-            moved = self._moved(take, error)
-            if moved is None:
-                self._say_once(
-                    f"{self.path}: {error.strerror}, and there is no other place; the take is kept "
-                    "in memory until there is one"
-                )
-                return error
-            return self._write(moved)
-        self._events, self._changes = [], []
-        return None
+        error = self._do(lambda take: take.append(self._events, self._changes, played))
+        if error is None:
+            self._events, self._changes = [], []
+        else:
+            self._say_once(
+                f"{self.path}: {error.strerror}, and there is no other place; the take is kept "
+                "in memory until there is one"
+            )
+        return error
 
-    def _moved(self, take: GrowingTake, error: OSError) -> GrowingTake | None:
-        """The take in another place, whole up to now; None if there is none."""
+    def _do(self, action: Callable[[GrowingTake], None]) -> OSError | None:
+        """Do something with the take, here or in another place; return the error if both fail."""
+        assert self._take is not None
+        while True:
+            try:
+                action(self._take)
+            except OSError as error:
+                if not self._move(self._take, error):
+                    return error
+            else:
+                return None
+
+    def _move(self, take: GrowingTake, error: OSError) -> bool:
+        """Continue the take in another place, whole up to now; return whether there is one."""
         for place in other_places(take.path):
             if place.parent == take.path.parent:
-                return None
+                return False
             try:
                 self._take = take.continued(place)
             except (InputError, OutputError):
@@ -172,20 +180,8 @@ class Recorder:
             self.path = place
             self._note.moved(place)
             self._say(f"{take.path}: {error.strerror}; the whole take goes on in {place}")
-            return self._take
-        return None
-
-    def _finish(self) -> OSError | None:
-        assert self._take is not None
-        try:
-            self._take.finish()
-        except OSError as error:
-            moved = self._moved(self._take, error)
-            if moved is None:
-                self._take.close()
-                return error
-            return self._finish()
-        return None
+            return True
+        return False
 
     def _miss(self, line: str) -> None:
         self.differs = line
