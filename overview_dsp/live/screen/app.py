@@ -225,9 +225,7 @@ class PlayApp(App[None]):
         if writer is not None and writer.take_left_out():
             self.refresh(layout=True)
         try:
-            if self._source is not None:
-                self._source.poll(self._player.engine)
-            status = poll(self._player)
+            status = poll(self._player, self._source)
         except Exception as error:  # shown by the command line once the screen is given back
             self._end(error)
             return
@@ -246,8 +244,7 @@ class PlayApp(App[None]):
             shown = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
             self._meters.show(shown, place_words(self._player, status.cursor), words)
             peaks[:] = 0.0, 0.0
-        messages = (*status.messages, *(() if source is None else source.take_messages()))
-        self._say(messages)
+        self._say(status.messages)
 
     def _show_marks(self) -> None:
         """Which mark is which kind of event, in the view's colours."""

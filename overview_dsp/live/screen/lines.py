@@ -58,10 +58,8 @@ def run(
     since = time.monotonic()
     with _raw_keys() as read:
         while not stopped():
-            if source is not None:
-                source.poll(player.engine)
-            status = poll(player)
-            for line in (*status.messages, *(() if source is None else source.take_messages())):
+            status = poll(player, source)
+            for line in status.messages:
                 say(line)
             for key in keys_of(read()):
                 if key == "q":

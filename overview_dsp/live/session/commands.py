@@ -11,6 +11,7 @@ from dataclasses import replace
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.inputs.feeds import expected_s, map_named
+from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.output.settings import channels_in
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.player import Player
@@ -19,11 +20,19 @@ from overview_dsp.signal.actuators.calibration import calibrated_actuator
 from overview_dsp.signal.actuators.stage import warn_of_carrier
 
 
-def poll(player: Player) -> Status:
-    """Do the commands that were asked for, and poll the player; return its status."""
+def poll(player: Player, source: Input | None = None) -> Status:
+    """Poll the input, do the commands that were asked for, and poll the player.
+
+    Return the player's status, with the messages of the input after its own.
+    """
+    if source is not None:
+        source.poll(player.engine)
     while player.asked:
         do(player, *player.asked.popleft())
-    return player.poll()
+    status = player.poll()
+    if source is None:
+        return status
+    return replace(status, messages=(*status.messages, *source.take_messages()))
 
 
 def do(player: Player, name: str, *words: str) -> None:

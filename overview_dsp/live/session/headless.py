@@ -42,10 +42,8 @@ def run(
     click = tactor = 0.0
     passed: list[Passed] = []
     while True:
-        if source is not None:
-            source.poll(player.engine)
-        status = poll(player)
-        for message in (*status.messages, *(() if source is None else source.take_messages())):
+        status = poll(player, source)
+        for message in status.messages:
             note(message)
         if describe is not None:
             struck = player.engine.take_struck_events()
