@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from overview_dsp.cli.common import announce_compile, progress_bar, show
-from overview_dsp.live.output.device_names import device_named
+from overview_dsp.live.output.portaudio_library import device_named
 
 SPEED_ROUNDS = 7
 LIVE_ROUNDS = 5

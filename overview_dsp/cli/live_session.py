@@ -15,11 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, note, say
-from overview_dsp.cli.options.output import actuator_option, output_options, output_settings
+from overview_dsp.cli.common import note, say
+from overview_dsp.cli.options.output import actuator_option, output_options
 from overview_dsp.cli.stopping import signals_that_end
 from overview_dsp.files.atomic import remove_temporaries
-from overview_dsp.live.output.device_names import SILENT, device_named
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
@@ -95,77 +94,24 @@ def opened_player(
     OverviewError
         A device, file or value that can't be used.
     """
-    from overview_dsp.files.atomic import require_writable
-    from overview_dsp.live.output.saved_settings import save_settings
-    from overview_dsp.live.output.settings import is_pad
-    from overview_dsp.live.output.stream_opener import MAX_BLOCK, Outputs
-    from overview_dsp.live.session.player import Player
-    from overview_dsp.live.session.presets import PresetWatch
-    from overview_dsp.live.takes.recovery import take_cut_short
-    from overview_dsp.signal.actuators.stage import warn_of_carrier
+    from overview_dsp.live.session.opened import OpenedPlayer, PlayerSettings
 
-    live = dict(live)
-    device, block_size, sample_rate, callback, record, seed, actuator = (
-        live.pop(name)
-        for name in (
-            "device", "block_size", "sample_rate", "callback", "record", "seed", "actuator"
-        )
-    )  # fmt: skip
-    outputs = Outputs(device, block_size, callback)
-    if record is not None:
-        require_writable(record)
-        require_writable(os.path.splitext(record)[0] + ".json")
-    for take in take_cut_short():
-        note(f"a take was cut short; it is in {take} (overview render ... --gesture {take})")
-    watch = PresetWatch(preset, linear)
-    name, rate, channels = _device(device, sample_rate)
-    chosen = output_settings(None if device == SILENT else name, live, actuator, channels)
-    settings = chosen.settings
-    if is_pad(name, channels):
-        driven = "none" if settings.actuator is None else settings.actuator.name
-        note(f"{name} is a pad: {settings.placed}, actuator {driven}")
-    if settings.actuator is not None:
-        warn_of_carrier(settings.actuator, watch.preset.number("tactor.frequency_hz"))
-    native = callback == "native" and device != SILENT
-    announce_compile("callback" if native else "finish_block")
-    player = Player(
-        data,
-        watch,
-        outputs,
-        settings,
-        sample_rate=rate,
-        max_block_size=MAX_BLOCK,
-        callback="native" if native else "python",
-        record=record,
-        seed=seed,
-        other=None if ab is None else PresetWatch(ab, linear),
-        growth=growth,
-    )
-    with ended_by_signals(player.end_take) as received:
-        try:
-            if part is not None:
-                player.show(*part)
-            yield player, received
-        finally:
-            player.close()
-            for message in player.take_messages():
-                note(message)
-            for line in player.ended_takes:
-                say(line)
-            # what belongs to another device, chosen meanwhile, isn't this one's
-            same = player.outputs is outputs
-            if same and device != SILENT and chosen.differ(player.settings):
-                save_settings(name, player.settings)
-
-
-def _device(device: str | None, sample_rate: float | None) -> tuple[str, float, int]:
-    """The device's full name, the rate to play at, and how many channels it has."""
-    if device == SILENT:
-        return SILENT, sample_rate or 48_000.0, 0
-    from overview_dsp.live.output.devices import find_device
-
-    found = find_device(device_named(device))
-    return found.full_name, sample_rate or found.sample_rate, found.channels
+    keys = {"channel": "channel", "gain": "gain_db", "mute": "mute", "delay": "delay_ms",
+            "ceiling": "ceiling_db"}  # fmt: skip
+    changed: dict[str, Any] = {
+        signal: {
+            key: live[f"{signal}_{option}"]
+            for option, key in keys.items()
+            if live[f"{signal}_{option}"] is not None
+        }
+        for signal in ("click", "tactor")
+    }
+    names = ("device", "block_size", "sample_rate", "callback", "record", "seed", "actuator")
+    given = {name: live[name] for name in names}
+    settings = PlayerSettings(preset, ab, linear, part, growth, **given, **changed)
+    opened = OpenedPlayer(data, settings, note, say)
+    with ended_by_signals(opened.player.takes.end) as received, opened as player:
+        yield player, received
 
 
 @contextmanager

@@ -119,7 +119,7 @@ def command(
         )
         if hand is not None:
             assert replay is not None
-            player.replay(hand, os.path.basename(replay), loop)
+            player.loop.begin(hand, os.path.basename(replay), loop)
         source = named.opened(player, stack.callback)
         invitation = ""
         if osc_out is not None:

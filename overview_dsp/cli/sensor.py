@@ -34,6 +34,7 @@ def setup(port: str, path: str, baud: int, seconds: float, as_json: bool) -> Non
     from overview_dsp.devices.sensors.setup import Setup
     from overview_dsp.errors import InputError
     from overview_dsp.files.atomic import require_writable, whole_file
+    from overview_dsp.live.ports.port import WAIT_S
     from overview_dsp.live.ports.serial import SerialPort
 
     require_writable(path)
@@ -46,23 +47,22 @@ def setup(port: str, path: str, baud: int, seconds: float, as_json: bool) -> Non
             now = time.monotonic()
             if now > until:
                 raise InputError(
-                    f"serial:{opened.device}: in {seconds:g} s {watched.twists} of 2 twists were "
+                    f"{opened.name}: in {seconds:g} s {watched.twists} of 2 twists were "
                     f"seen ({watched.problem or watched.ask})"
                 )
-            data = opened.read()
-            if data:
+            for data in opened.receive(WAIT_S):
                 watched.feed(data, now)
             if watched.problem:
-                raise InputError(f"serial:{opened.device}: {watched.problem}")
+                raise InputError(f"{opened.name}: {watched.problem}")
             if watched.ask != asked:
                 asked = watched.ask
-                click.echo(f"serial:{opened.device}: {asked}", err=True)
+                click.echo(f"{opened.name}: {asked}", err=True)
     finally:
         opened.close()
     text = watched.toml()
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    report = {"port": opened.device, "file": path}
+    report = {"port": port.removeprefix("serial:"), "file": path}
     show(as_json, report, f"{Path(path)}: play it with --input serial:{port} --sensor {path}")
 
 

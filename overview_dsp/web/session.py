@@ -48,10 +48,10 @@ class HostSession(Input):
             "touching": meters.touching,
             "torque_nm": meters.torque,
             "envelope": round(meters.envelope, 4),
-            "full_torque_nm": player.preset.number("tactor.full_torque_mnm") * 1e-3,
+            "full_torque_nm": player.engine.preset.number("tactor.full_torque_mnm") * 1e-3,
             "window": list(player.window),
-            "preset": player.preset.name,
-            "output_ms": round(player.latency_s * 1e3, 2),
+            "preset": player.engine.preset.name,
+            "output_ms": round(player.output.meters.latency_s * 1e3, 2),
         }
 
     def poll(self, engine: Engine) -> None:
@@ -61,7 +61,7 @@ class HostSession(Input):
         while self._wanted:
             self._player.show(*self._wanted.popleft())
         if self._presets:
-            self._player.under_hand.use(self._presets.popleft())
+            self._player.active_window.use(self._presets.popleft())
 
     def is_over(self, engine: Engine) -> bool:
         """Whether the other input is over; without one it never is."""

@@ -37,7 +37,7 @@ class SteppedPort:
             self._changed.notify_all()
             assert self._changed.wait_for(lambda: self._reads, 30.0)
 
-    def read(self):
+    def receive(self, wait_s):
         with self._changed:
             self._reads = True
             self._changed.notify_all()
@@ -47,7 +47,7 @@ class SteppedPort:
             if self.lost:
                 raise PortLostError("gone")
             data, self._given = self._given, b""
-            return data
+            return [data] if data else []
 
     def close(self):
         self.closed = True

@@ -10,7 +10,7 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import read_meters
-from overview_dsp.live.session import growing
+from overview_dsp.live.session import commands, growing
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 
@@ -89,7 +89,7 @@ class Session:
         """Let time go on; `each` is called at every poll."""
         for _ in range(round(seconds / 0.02)):
             each()
-            self.messages += self.player.poll().messages
+            self.messages += commands.poll(self.player).messages
             for _ in range(round(0.02 * RATE / BLOCK)):
                 self.output.step()
                 self.now += BLOCK / RATE

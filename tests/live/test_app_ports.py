@@ -97,11 +97,11 @@ def test_a_pads_reports_come_with_its_units_and_its_loss_is_one():
     reports = [dualsense(s) for s in STATES[:3]]
     hid = MadeHid(DUALSENSE, reports=reports)
     port = PadPort("", hid)
-    assert port.read() == b"".join(map(framed, (UNITS, *reports)))
-    assert port.read() == b""
+    assert port.receive(0.05) == list(map(framed, (UNITS, *reports)))
+    assert port.receive(0.05) == []
     hid.gone = True
     with pytest.raises(PortLostError, match="pad:"):
-        port.read()
+        port.receive(0.05)
     port.close()
     assert hid.closed == 1
 
@@ -218,11 +218,11 @@ def posted():
 def test_an_apps_batches_are_lines_whatever_stands_in_them(posted):
     assert post(posted, b'{"a":\r\n 1}') == 200
     assert post(posted, b"{}") == 200
-    until(lambda: posted._came.qsize() == 2)
-    assert posted.read() == b'{"a":   1}\n{}\n'
-    assert posted.read() == b""
+    until(lambda: len(posted._messages) == 2)
+    assert posted.receive(0.05) == [b'{"a":   1}\n', b"{}\n"]
+    assert posted.receive(0.05) == []
     assert post(posted, b"x" * 20_000) == 413
-    assert posted.read() == b""
+    assert posted.receive(0.05) == []
 
 
 def test_sensor_logger_posts_and_holds_the_disk(running, posted):
@@ -276,8 +276,9 @@ def test_witmotion_by_radio_becomes_the_checked_packets_of_its_wire():
     sent = [wit_radio(s) for s in STATES[300:310]]
     bleak, left = made_bleak(WITMOTION, notifications=sent)
     port = BlePort("wt901", bleak)
-    data = port.read()
-    assert data == b"".join(map(as_wit_packets, sent))
+    received = port.receive(0.05)
+    assert received == list(map(as_wit_packets, sent))
+    data = b"".join(received)
     counters = Counters()
     readings = WitDecoder(counters, wit_columns(data)).feed(data)
     assert len(readings) == 10
@@ -285,16 +286,15 @@ def test_witmotion_by_radio_becomes_the_checked_packets_of_its_wire():
     assert counters.damaged == 0
     left["now"]()
     until(lambda: left.get("closed"))
-    until(port._came.empty)
     with pytest.raises(PortLostError, match="out of reach"):
-        port.read()
+        port.receive(0.05)
     port.close()
 
 
 def test_a_uart_by_radio_says_what_it_would_over_a_wire():
     bleak, _ = made_bleak(UART, "board", [b"0.01,0.", b"02,0.99\n"])
     port = BlePort("AA:BB", bleak)
-    assert port.read() == b"0.01,0.02,0.99\n"
+    assert port.receive(0.05) == [b"0.01,0.", b"02,0.99\n"]
     port.close()
 
 

@@ -396,7 +396,7 @@ def test_a_report_that_fails_is_told_once_and_goes_on(running, monkeypatch):
         return take()
 
     monkeypatch.setattr(running, "take_struck_events", fail)
-    monkeypatch.setattr(osc_out, "AGAIN_S", 0.01)
+    monkeypatch.setattr(osc_out, "RETRY_AFTER_S", 0.01)
     failing.set()
     with listener:
         out = OscOut(running, str(listener.getsockname()[1]), said.append)

@@ -177,5 +177,5 @@ def test_a_session_reports_what_the_protection_did(match, football):
             status = player.poll()
     finally:
         player.close()
-    assert status.actuator is hot
+    assert status.settings.actuator is hot
     assert status.protected.taken_db > 0.0

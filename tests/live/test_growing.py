@@ -45,7 +45,7 @@ def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touch
     live.map = map
     one = session()
     snapshot = one.shown
-    alone = ov.Engine(one.player.preset, snapshot)
+    alone = ov.Engine(one.player.engine.preset, snapshot)
     alone.prepare(RATE, 160)
     one.player.touch(0.12)
     one.run(0.1)
@@ -76,7 +76,7 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
     """The map is the whole: no place moves; the hand goes on and meets what is new."""
     take = tmp_path / "take.csv"
     one = session(record=take)
-    alone = ov.Engine(one.player.preset, one.shown)
+    alone = ov.Engine(one.player.engine.preset, one.shown)
     alone.prepare(RATE, 160)
     one.player.touch(0.04)
     alone.control(0.04 * math.pi, True, 0)
@@ -99,11 +99,11 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
     struck = [found.kind for found, _ in one.player.engine.take_struck_events()]
     assert "goal" in struck
     assert one.player.growing.told == []
-    joined = one.player.surface.friction
+    joined = one.player.engine.surface.friction
     one.player.release()
     one.run(2.5)
     assert one.shown is live.felt()
-    assert not np.array_equal(one.player.surface.friction, joined)  # all of it now
+    assert not np.array_equal(one.player.engine.surface.friction, joined)  # all of it now
     heard = one.samples
     one.player.close()
     changes = ov.load_gesture(take).changes
@@ -197,10 +197,10 @@ def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_pa
     live.end(live.felt().duration_s)
     one.run(0.5)
     assert one.shown.until_s is None
-    assert one.player.surface.angle_map.is_linear
+    assert one.player.engine.surface.angle_map.is_linear
     one.player.release()
     one.run(0.5)
-    assert not one.player.surface.angle_map.is_linear
+    assert not one.player.engine.surface.angle_map.is_linear
     heard = one.samples
     one.player.close()
     again = ov.render(str(timeline_beside(take)), "football", str(take), RATE, tail="none").samples
@@ -225,7 +225,7 @@ def test_no_click_comes_with_an_update(monkeypatch, preset):
             # new while it moves, under the hand: the harshest moment there is
             def change(one=one):
                 live.append(intensity=[(float(n), 0.9) for n in range(0, 1000, 10)])
-                one.player.under_hand.grow(live.felt())
+                one.player.active_window.grow(live.felt())
 
         else:
             change = None
@@ -399,10 +399,10 @@ def test_a_take_of_a_live_session_is_replayed_as_it_grew_to_the_bit(
     assert {"timeline", "pattern", "window"} <= {key for c in gesture.changes for key in c.what}
     rendered = ov.render(beside, "football", gesture, RATE, tail="none").samples
     again = Session(ov.LiveTimeline(), monkeypatch, timeline=beside)
-    again.player.replay(gesture, "take")
+    again.player.loop.begin(gesture, "take")
     for passes in (1, 2):
         again.run(0.02)
-        while again.player._replaying.now.passes == passes:
+        while again.player.loop.passes == passes:
             heard = again.samples
             again.run(0.02)
         assert len(heard) > 6.0 * RATE
@@ -438,8 +438,8 @@ def test_a_take_of_a_live_session_is_rendered_again_to_the_bit(session, live, tm
     one.run(0.5)
     heard = one.samples
     one.player.close()
-    assert "to the bit" in one.player.ended_takes[0]
-    assert str(timeline_beside(take)) in one.player.ended_takes[0]
+    assert "to the bit" in one.player.takes.words[0]
+    assert str(timeline_beside(take)) in one.player.takes.words[0]
     again = ov.render(
         str(timeline_beside(take)), "football", str(take), sample_rate=RATE, tail="none"
     ).samples

@@ -130,14 +130,14 @@ def disk(tmp_path):
     subprocess.run(["umount", "-l", str(place)], check=True)
 
 
-def until_it_moves(engine, take):
-    """Play until the take has to go elsewhere; what sounded."""
+def until_it_moves(engine, take, said):
+    """Play until the take has to go elsewhere, which it says; what sounded."""
     heard = []
     for round_ in range(100):
         heard.append(play(engine, *((0.001 * (i + round_), True, "touch") for i in range(20))))
         take.poll()
-        if said := take.take_messages():
-            return heard, said
+        if said:
+            return heard
     raise AssertionError("it never had to")
 
 
@@ -145,13 +145,13 @@ def test_a_full_disk_sends_the_whole_take_elsewhere_and_says_so_once(
     disk, state, engine, match, football
 ):
     path = disk / "take.csv"
-    take = Recorder(engine, path, {})
-    heard, said = until_it_moves(engine, take)
+    said = []
+    take = Recorder(engine, path, {}, say=said.append)
+    heard = until_it_moves(engine, take, said)
     heard.append(play(engine, *SLOW))
     take.close()
     assert len(said) == 1
     assert "No space left" in said[0]
-    assert take.take_messages() == ()
     assert take.path.parent == state
     assert str(take.path) in said[0]
     samples = np.concatenate(heard)
@@ -169,7 +169,8 @@ def test_a_folder_that_can_no_longer_be_written_sends_it_elsewhere(
 ):
     folder = disk / "takes"
     folder.mkdir()
-    take = Recorder(engine, folder / "take.csv", {})
+    told = []
+    take = Recorder(engine, folder / "take.csv", {}, say=told.append)
     heard = [play(engine, *SLOW[:20])]
     take.poll()
     if gone == "deleted":
@@ -185,7 +186,7 @@ def test_a_folder_that_can_no_longer_be_written_sends_it_elsewhere(
         monkeypatch.setattr(os, "write", refuse)
     heard.append(play(engine, *SLOW[20:]))
     take.close()
-    (said,) = take.take_messages()
+    (said,) = told
     assert "deleted" in said or "Read-only" in said
     assert take.path.parent == state
     rendered = ov.render(match, football, ov.load_gesture(take.path), RATE, tail="none").samples
@@ -204,15 +205,16 @@ def test_with_no_place_at_all_it_is_kept_until_there_is_one(
 ):
     monkeypatch.setattr(recorder, "other_places", lambda path: iter(()))
     (disk / "filler").write_bytes(b"x" * 12_000)
-    take = Recorder(engine, disk / "take.csv", {})
-    heard, said = until_it_moves(engine, take)
+    said = []
+    take = Recorder(engine, disk / "take.csv", {}, say=said.append)
+    heard = until_it_moves(engine, take, said)
     assert "kept in memory" in said[0]
     heard.append(play(engine, *SLOW))
     take.poll()
     assert ov.load_gesture(disk / "take.csv").duration_s > 0.0
     (disk / "filler").unlink()
     take.close()
-    assert take.take_messages() == ()
+    assert len(said) == 1
     rendered = ov.render(match, football, ov.load_gesture(take.path), RATE, tail="none").samples
     samples = np.concatenate(heard)
     assert np.array_equal(rendered[: len(samples)], samples)
@@ -220,8 +222,9 @@ def test_with_no_place_at_all_it_is_kept_until_there_is_one(
 
 def test_what_never_finds_a_place_is_said_in_the_end(disk, engine, monkeypatch):
     monkeypatch.setattr(recorder, "other_places", lambda path: iter(()))
-    take = Recorder(engine, disk / "take.csv", {})
-    until_it_moves(engine, take)
+    said = []
+    take = Recorder(engine, disk / "take.csv", {}, say=said.append)
+    until_it_moves(engine, take, said)
     with pytest.raises(ov.OutputError, match=r"No space left.*whole up to \d"):
         take.close()
     assert ov.load_gesture(disk / "take.csv").duration_s > 1.0

@@ -96,19 +96,19 @@ def test_a_saved_preset_is_felt_and_a_broken_one_reported_while_the_last_good_pl
     height = ov.load_preset("football").kinds["goal"].height
     player = make(str(path))
     wait(player, lambda status: status.time_s > 0.1)
-    highest = player.surface.friction.max()
+    highest = player.engine.surface.friction.max()
     path.write_text(good.replace(f"height = {height:g}", f"height = {2.0 * height:g}"))
-    said = wait(player, lambda status: player.preset.kinds["goal"].height == 2.0 * height)
-    assert player.surface.friction.max() == pytest.approx(2.0 * highest, rel=0.05)
+    said = wait(player, lambda status: player.engine.preset.kinds["goal"].height == 2.0 * height)
+    assert player.engine.surface.friction.max() == pytest.approx(2.0 * highest, rel=0.05)
     path.write_text("this is no preset [")
     said = []
     for _ in range(30):
         said += player.poll().messages
         time.sleep(0.02)
     assert any("mine.toml" in line and "the last good one plays on" in line for line in said)
-    assert player.preset.kinds["goal"].height == 2.0 * height
+    assert player.engine.preset.kinds["goal"].height == 2.0 * height
     path.write_text(good)
-    said = wait(player, lambda status: player.preset.kinds["goal"].height == height)
+    said = wait(player, lambda status: player.engine.preset.kinds["goal"].height == height)
 
 
 def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):
@@ -136,11 +136,11 @@ def test_a_zoom_keeps_the_moment_under_a_finger_whatever_events_the_window_has(m
     player.touch(about)
     moment = player.moment_s(about)
     for n in range(1, 9):
-        player.zoom(1.5, player.finger)
+        player.zoom(1.5, player.finger.position)
         width = pytest.approx(player.timeline.duration_s / 1.5**n)
         wait(player, lambda status, width=width: player.window[1] - player.window[0] == width)
-        assert abs(player.finger - about) < 0.06 * n
-        assert player.moment_s(player.finger) == pytest.approx(moment, abs=0.05)
+        assert abs(player.finger.position - about) < 0.06 * n
+        assert player.moment_s(player.finger.position) == pytest.approx(moment, abs=0.05)
     wait(player, lambda status: abs(player.moment_s(status.cursor) - moment) < 5.0)
 
 
@@ -164,37 +164,37 @@ def test_no_window_of_its_length_has_the_moment_of_a_zoom_nearer(make, match, fo
 
 def test_another_preset_moves_no_place_under_a_hand(make):
     player = make()
-    places = player.surface.angle_map.events
+    places = player.engine.surface.angle_map.events
     player.touch(0.5)
     wait(player, lambda status: status.touching)
     player.use_preset("plain")
-    wait(player, lambda status: player.preset.name == "plain")
-    assert np.array_equal(player.surface.angle_map.events, places)
+    wait(player, lambda status: player.engine.preset.name == "plain")
+    assert np.array_equal(player.engine.surface.angle_map.events, places)
     moment = player.moment_s(0.5)
     assert moment != 0.5 * player.timeline.duration_s
     player.release()
-    wait(player, lambda status: player.surface.angle_map.is_linear)
-    assert player.preset == ov.load_preset("plain")
+    wait(player, lambda status: player.engine.surface.angle_map.is_linear)
+    assert player.engine.preset == ov.load_preset("plain")
     assert player.moment_s(0.5) == 0.5 * player.timeline.duration_s
 
 
 def test_two_presets_are_compared_on_one_map(make):
     player = make(other=PresetWatch("plain"))
-    places = player.surface.angle_map.events
-    assert not player.surface.angle_map.is_linear
+    places = player.engine.surface.angle_map.events
+    assert not player.engine.surface.angle_map.is_linear
     player.choose_preset(1)
-    wait(player, lambda status: player.preset.name == "plain")
-    assert np.array_equal(player.surface.angle_map.events, places)
+    wait(player, lambda status: player.engine.preset.name == "plain")
+    assert np.array_equal(player.engine.surface.angle_map.events, places)
 
 
 def test_without_the_map_no_preset_has_one(match, outputs):
     player = Player(
         match, PresetWatch("football", linear=True), outputs, OutputSettings(), callback="python"
     )
-    assert player.surface.angle_map.is_linear
+    assert player.engine.surface.angle_map.is_linear
     player.use_preset("football-stadium")
-    wait(player, lambda status: player.preset.name == "football-stadium")
-    assert player.surface.angle_map.is_linear
+    wait(player, lambda status: player.engine.preset.name == "football-stadium")
+    assert player.engine.surface.angle_map.is_linear
     player.close()
 
 
@@ -293,16 +293,16 @@ def test_going_from_event_to_event_takes_the_window_along(make):
         start, end = player.window
         if start <= goals[1] <= end:
             break
-    assert player.moment_s(player.finger) == pytest.approx(goals[1])
-    player.go_to_event(-1, player.finger)
-    assert player.moment_s(player.finger) < goals[1]
+    assert player.moment_s(player.finger.position) == pytest.approx(goals[1])
+    player.go_to_event(-1, player.finger.position)
+    assert player.moment_s(player.finger.position) < goals[1]
 
 
 def test_what_a_person_should_know_of_a_zoom_is_reported(make):
     from dataclasses import replace
 
     player = make()
-    player.under_hand.timeline = replace(player.timeline, gaps=((1000.0, 1001.0),))
+    player.active_window.timeline = replace(player.timeline, gaps=((1000.0, 1001.0),))
     player.show(0.0, 3000.0)
     said = wait(player, lambda status: player.window == (0.0, 3000.0))
     assert any("too narrow" in line for line in said + list(player.poll().messages))

@@ -343,13 +343,13 @@ with client:
     for channel, port in enumerate(ports):
         client.connect(f"PortAudio:out_{channel}", port)
     time.sleep(0.2)
-    player.replay(ov.load_gesture(sys.argv[3]), "take")
+    player.loop.begin(ov.load_gesture(sys.argv[3]), "take")
     for number in range(2, 5):
         for channel, port in enumerate(ports):
             if not client.get_all_connections(port):  # a new activation may have lost it
                 client.connect(f"PortAudio:out_{channel}", port)
         player.choose_preset(number % 2 == 0)
-        while player._replaying.now.passes < number:
+        while player.loop.passes < number:
             player.poll()
             time.sleep(0.02)
     time.sleep(0.3)

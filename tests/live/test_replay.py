@@ -13,9 +13,9 @@ import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.live.inputs.lines import parse_command
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream_opener import Outputs
+from overview_dsp.live.output.stream_opener import StreamOpener
 from overview_dsp.live.session import presets
-from overview_dsp.live.session.commands import COMMANDS
+from overview_dsp.live.session.commands import COMMANDS, poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from tests.live.kept_sound import KeptSound
@@ -63,7 +63,7 @@ def wait(player, condition, sound=None, seconds=60.0):
     """
     said, until = [], time.monotonic() + seconds
     while time.monotonic() < until:
-        said += player.poll().messages
+        said += poll(player).messages
         if condition():
             return said
         if sound is None:
@@ -74,7 +74,7 @@ def wait(player, condition, sound=None, seconds=60.0):
 
 
 def passes_begun(player, count):
-    return lambda: player.poll().replay is not None and player._replaying.now.passes >= count
+    return lambda: poll(player).replay is not None and player.loop.passes >= count
 
 
 def play_a_take(player, sound):
@@ -82,9 +82,9 @@ def play_a_take(player, sound):
     for i in range(30):
         player.touch(0.1 + 0.02 * i)
         sound.play(LOOK_S)
-        player.poll()
+        poll(player)
     player.release()
-    player.poll()
+    poll(player)
 
 
 def equals_render(heard, match, preset, gesture):
@@ -136,10 +136,10 @@ def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
     ov.presets.save(after, mine)
     wait(
         player,
-        lambda: player.preset.number("tactor.gain_db") == after.number("tactor.gain_db"),
+        lambda: player.engine.preset.number("tactor.gain_db") == after.number("tactor.gain_db"),
         sound,
     )
-    assert player._replaying.now.passes == 1
+    assert player.loop.passes == 1
     wait(player, passes_begun(player, 2), sound)
     # A is the file as it was, B as it is
     player.choose_preset(0)
@@ -158,10 +158,10 @@ def test_chosen_twice_it_changes_at_once(session, tmp_path):
     player.toggle_replay()
     wait(player, passes_begun(player, 1), sound)
     player.choose_preset(1)
-    assert player.preset.name == "football"
+    assert player.engine.preset.name == "football"
     player.choose_preset(1)
-    wait(player, lambda: player.preset.name == "plain", sound)
-    assert player._replaying.now.passes == 1
+    wait(player, lambda: player.engine.preset.name == "plain", sound)
+    assert player.loop.passes == 1
 
 
 def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, match, football):
@@ -176,7 +176,7 @@ def test_a_take_that_was_zoomed_replays_and_renders_with_its_windows(session, ma
     player.toggle_replay()
     wait(player, passes_begun(player, 2), sound)
     player.close()
-    gesture = ov.load_gesture(player.takes[0])
+    gesture = ov.load_gesture(player.takes.ended[0])
     assert gesture.changes[0].what == {"window": [600.0, 3000.0]}
     assert len(gesture.changes) == 2
     assert equals_render(sound.passes[1], match, football, gesture)
@@ -188,17 +188,17 @@ def test_a_take_begun_while_the_disk_rests_is_what_was_heard_to_the_bit(session,
     play_a_take(player, sound)
     player.choose_preset(1)
     player.use_preset("heart")
-    wait(player, lambda: player.preset.name == "heart", sound)
+    wait(player, lambda: player.engine.preset.name == "heart", sound)
     player.choose_preset(0)
-    wait(player, lambda: player.preset.name == "football" and player.at_rest, sound)
+    wait(player, lambda: player.engine.preset.name == "football" and player.at_rest, sound)
     player.toggle_take()
     assert player.window == (600.0, 3000.0)
     player.touch(0.6)  # in the crossfade to that window
     play_a_take(player, sound)
     play_a_take(player, sound)
     player.close()
-    (take,) = player.takes
-    assert player.ended_takes == [f"{take}: the take, to the bit"]
+    (take,) = player.takes.ended
+    assert player.takes.words == [f"{take}: the take, to the bit"]
     assert equals_render(sound.passes[-1], match, football, ov.load_gesture(take))
 
 
@@ -209,7 +209,7 @@ def test_a_take_begun_while_the_disk_moves_says_that_it_is_not(session):
     player.toggle_take()
     wait(player, lambda: player.at_rest, sound)
     player.toggle_take()
-    (line,) = player.ended_takes
+    (line,) = player.takes.words
     assert "to the bit" not in line
     assert "the disk held or moving" in line
 
@@ -217,27 +217,27 @@ def test_a_take_begun_while_the_disk_moves_says_that_it_is_not(session):
 def test_takes_and_replays_alternate_and_replace_none(session):
     player, sound = session()
     player.toggle_replay()
-    assert any("nothing to replay yet" in line for line in player.poll().messages)
+    assert any("nothing to replay yet" in line for line in poll(player).messages)
     for number in range(3):
         player.toggle_take()
-        assert player.poll().recording is not None
+        assert poll(player).recording is not None
         play_a_take(player, sound)
         player.toggle_replay()  # ends the take
         wait(player, passes_begun(player, 1), sound)
-        assert player.poll().recording is None
-        assert len(player.takes) == number + 1
+        assert poll(player).recording is None
+        assert len(player.takes.ended) == number + 1
         player.touch(0.5)  # a hand of one's own ends it
-        assert not player.replaying
+        assert not player.loop.playing
         wait(player, lambda: player.engine.meters.touching, sound)
         player.release()
-    assert len(set(player.takes)) == 3
-    assert all(len(ov.load_gesture(take).time_s) >= 30 for take in player.takes)
+    assert len(set(player.takes.ended)) == 3
+    assert all(len(ov.load_gesture(take).time_s) >= 30 for take in player.takes.ended)
 
 
 def test_a_gesture_that_is_not_looped_is_played_once(session):
     player, sound = session()
-    player.replay(ov.tap(0.5, 0.2), "tap", loop=False)
-    wait(player, lambda: not player.replaying, sound)
+    player.loop.begin(ov.tap(0.5, 0.2), "tap", repeats=False)
+    wait(player, lambda: not player.loop.playing, sound)
     assert player.engine.meters.strikes > 0
 
 
@@ -245,19 +245,19 @@ def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
     player, sound = session(other="plain")
     player.ask("record")
     player.ask("record", "1")  # it is on already
-    wait(player, lambda: player.recording, sound)
+    wait(player, lambda: player.takes.growing is not None, sound)
     player.ask("window", "600", "1200")
     wait(player, lambda: player.window == (600.0, 1200.0), sound)
     player.ask("preset", "2")
-    wait(player, lambda: player.preset.name == "plain", sound)
+    wait(player, lambda: player.engine.preset.name == "plain", sound)
     player.ask("record", "0")
-    wait(player, lambda: not player.recording, sound)
+    wait(player, lambda: player.takes.growing is None, sound)
     player.ask("replay", "1")
-    wait(player, lambda: player.replaying, sound)
+    wait(player, lambda: player.loop.playing, sound)
     player.ask("replay", "0")
-    wait(player, lambda: not player.replaying, sound)
+    wait(player, lambda: not player.loop.playing, sound)
     player.ask("preset", "heart")
-    wait(player, lambda: player.preset.name == "heart", sound)
+    wait(player, lambda: player.engine.preset.name == "heart", sound)
     for words, why in (
         (("window", "5"), "window 5: it is window START END"),
         (("window", "x", "y"), "a window is two numbers"),
@@ -266,7 +266,7 @@ def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
         (("preset", "nothing"), "no preset is called 'nothing'"),
     ):
         player.ask(*words)
-        assert any(why in line for line in player.poll().messages), words
+        assert any(why in line for line in poll(player).messages), words
 
 
 @pytest.mark.parametrize(
@@ -316,12 +316,12 @@ def test_a_switch_within_a_pass_adds_no_click(match, moment):
 def test_a_pass_that_is_cut_off_while_it_sounds_adds_no_click(session, seconds):
     """By the next one, or by its end."""
     player, sound = session()
-    player.replay(ov.sweep(1.0), "sweep")
+    player.loop.begin(ov.sweep(1.0), "sweep")
     sound.play(seconds)
-    player.poll()
-    player.replay(ov.sweep(1.0), "again")
+    poll(player)
+    player.loop.begin(ov.sweep(1.0), "again")
     sound.play(seconds)
-    player.stop_replay()
+    player.loop.stop()
     sound.play(0.2)
     player.close()
     passes = [one[:, 1].astype(float) for one in sound.passes[1:]]
@@ -340,34 +340,34 @@ def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_noth
     player = Player(
         match,
         PresetWatch("football"),
-        Outputs("none", 256, "native"),
+        StreamOpener("none", 256, "native"),
         OutputSettings(),
         record=tmp_path / "take.csv",
         callback="python",
     )
     try:
         player.touch(0.5)
-        wait(player, lambda: player.poll().cursor > 0.45)
+        wait(player, lambda: poll(player).cursor > 0.45)
         player.ask("block-size", "64")
-        wait(player, lambda: player.poll().block_size == 64)
-        assert player.recording  # the same engine goes on
-        before = player.poll().time_s
+        wait(player, lambda: poll(player).block_size == 64)
+        assert player.takes.growing is not None  # the same engine goes on
+        before = poll(player).time_s
         player.ask("channels", "2", "1")
-        wait(player, lambda: player.settings.click.channel == 2)
+        wait(player, lambda: player.output.settings.click.channel == 2)
         player.ask("channels", "1+2", "3+4")
-        wait(player, lambda: player.settings.channels == 4)
-        assert player.settings.placed == "clicks on 1+2, tactor on 3+4"
+        wait(player, lambda: player.output.settings.channels == 4)
+        assert player.output.settings.placed == "clicks on 1+2, tactor on 3+4"
         player.ask("actuator", "c2")
-        wait(player, lambda: player.settings.actuator is not None)
+        wait(player, lambda: player.output.settings.actuator is not None)
         player.ask("gain", "click", "-3")
         player.ask("mute", "tactor")
-        wait(player, lambda: player.settings.tactor.mute)
-        assert player.settings.click.gain_db == -3.0
+        wait(player, lambda: player.output.settings.tactor.mute)
+        assert player.output.settings.click.gain_db == -3.0
         player.ask("rate", "44100")
-        wait(player, lambda: player.poll().sample_rate == 44_100)
-        assert not player.recording
+        wait(player, lambda: poll(player).sample_rate == 44_100)
+        assert player.takes.growing is None
         assert ov.load_gesture(tmp_path / "take.csv").duration_s >= before - 0.1
-        wait(player, lambda: player.poll().time_s > before)
+        wait(player, lambda: poll(player).time_s > before)
         for words, why in (
             (("rate", "5"), "out of range"),
             (("block-size", "-1"), "it is 1 to 8192"),
@@ -378,10 +378,10 @@ def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_noth
             (("dance",), "no such command"),
         ):
             player.ask(*words)
-            said = player.poll().messages
+            said = poll(player).messages
             assert any(why in line and words[0] in line for line in said), (words, said)
-            now = player.poll().time_s
-            wait(player, lambda now=now: player.poll().time_s > now)
-            assert player.poll().sample_rate == 44_100
+            now = poll(player).time_s
+            wait(player, lambda now=now: poll(player).time_s > now)
+            assert poll(player).sample_rate == 44_100
     finally:
         player.close()

@@ -278,10 +278,10 @@ def test_who_does_not_keep_up_gives_up_what_waits(bench):
 
         waiting = 4096
 
-        def read(self):
+        def receive(self, wait_s):
             bench.clock.now += 0.01
             bench.now_ms += 1
-            return f"{bench.now_ms},512\n".encode() * 20
+            return [f"{bench.now_ms},512\n".encode() * 20]
 
         def close(self):
             pass
@@ -304,11 +304,11 @@ def test_one_long_wait_of_the_machine_gives_nothing_up(bench):
         def waiting(self):
             return 7 if self.reads < 4 else 0
 
-        def read(self):
+        def receive(self, wait_s):
             self.reads += 1
             bench.clock.now += 0.2 if self.reads == 1 else 0.001
             bench.now_ms += 1
-            return f"{bench.now_ms},512\n".encode()
+            return [f"{bench.now_ms},512\n".encode()]
 
         def close(self):
             pass
@@ -461,10 +461,11 @@ def test_devices_says_what_a_port_speaks(device):
 
 @needs_pty
 def test_a_port_is_held_by_one_program(device):
-    port = SerialPort(str(device()))
+    path = str(device())
+    port = SerialPort(path)
     try:
         with pytest.raises(ov.InputError, match="held by another program"):
-            SerialPort(port.device)
+            SerialPort(path)
     finally:
         port.close()
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output.sample_player import SilentOutput
+from overview_dsp.live.output.sample_player import SilentSamplePlayer
 from overview_dsp.live.output.settings import SignalSettings
 from overview_dsp.live.output.threshold import Rise, felt_at
 from tests.live import jack_server
@@ -104,7 +104,7 @@ def test_an_output_is_given_back_when_asking_fails():
 
 
 def test_an_output_that_nobody_hears_takes_its_time():
-    output = SilentOutput(np.zeros((2400, 2), dtype=np.float32), RATE)
+    output = SilentSamplePlayer(np.zeros((2400, 2), dtype=np.float32), RATE)
     output.start()
     assert not output.over
     time.sleep(0.06)
@@ -143,12 +143,12 @@ HEAR = """
 import sys, time
 import jack
 import numpy as np
-from overview_dsp.live.output.sample_player import SampleOutput
+from overview_dsp.live.output.sample_player import SamplePlayer
 
 path, seconds = sys.argv[1], float(sys.argv[2])
 samples = np.zeros((48_000, 2), dtype=np.float32)
 samples[:, 1] = np.linspace(0.25, 0.5, 48_000)
-output = SampleOutput(samples, 48_000, "system")
+output = SamplePlayer(samples, 48_000, "system")
 client = jack.Client("recorder")
 ports = [client.inports.register(name) for name in ("one", "two")]
 heard = np.zeros((120_000, 2), dtype=np.float32)

@@ -218,10 +218,10 @@ def test_a_page_tries_a_preset_on_the_host(disk):
             tried["kinds"]["goal"]["height"] = 20.0 - gain
             assert client.post("/host/preset", json={"preset": tried}).status_code == 204
         end = time.monotonic() + 5.0
-        while disk.player.preset.values["tactor.gain_db"] != -5.0:
+        while disk.player.engine.preset.values["tactor.gain_db"] != -5.0:
             assert time.monotonic() < end
             time.sleep(0.02)
-        assert disk.player.preset.kinds["goal"].height == 25.0
+        assert disk.player.engine.preset.kinds["goal"].height == 25.0
         tried["values"]["tactor.gain_db"] = 999.0
         for body in ({"preset": tried}, {"preset": "../x"}, {}, {"preset": "crowd", "x": 1}):
             answer = client.post("/host/preset", json=body)

@@ -15,13 +15,13 @@ import click
 
 from overview_dsp.cli.common import announce_compile, print_json
 from overview_dsp.cli.options.output import channels_given
-from overview_dsp.live.output.device_names import SILENT, device_named
+from overview_dsp.live.output.portaudio_library import SILENT, device_named
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from overview_dsp.live.output.sample_player import Playback
+    from overview_dsp.live.output.sample_player import SamplePlayback
     from overview_dsp.live.output.settings import OutputSettings
     from overview_dsp.signal.actuators.model import Actuator
 
@@ -180,12 +180,12 @@ def _output(
 
 def _playback(
     device: str | None, index: int | None, samples: NDArray[np.float32], rate: float
-) -> Playback:
-    from overview_dsp.live.output.sample_player import SampleOutput, SilentOutput
+) -> SamplePlayback:
+    from overview_dsp.live.output.sample_player import SamplePlayer, SilentSamplePlayer
 
     if device == SILENT:
-        return SilentOutput(samples, rate)
-    return SampleOutput(samples, rate, index)
+        return SilentSamplePlayer(samples, rate)
+    return SamplePlayer(samples, rate, index)
 
 
 class _Keys:

@@ -182,7 +182,8 @@ def _serial(
 def _named(kind: str, where: str, sensor: str | None) -> Callable[[Player], Input]:
     """A pad, a phone's app or a radio."""
     from overview_dsp.devices.sensors.profile import load_sensor
-    from overview_dsp.live.inputs.sensors import SILENT_S, NamedInput, Port
+    from overview_dsp.live.inputs.sensors import SILENT_S, NamedInput
+    from overview_dsp.live.ports.port import Port
 
     silent_s, usual = SILENT_S, "phone"
     open_port: Callable[[str], Port]
@@ -239,7 +240,7 @@ def _midi(where: str, midi_map: str | None) -> Callable[[Player], Input]:
         return MidiReader(controls, counters)
 
     def opened(player: Player) -> Input:
-        require_parameters(controls, player.preset)
+        require_parameters(controls, player.engine.preset)
         return ControllerInput(player.engine, "midi", lambda: MidiPort(where), reader)
 
     return opened

@@ -6,59 +6,36 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 from overview_dsp.devices.controllers.control_messages import (
     Asked,
     Command,
     Counters,
     Dialled,
-    Move,
     Nudged,
     Turned,
 )
+from overview_dsp.devices.controllers.midi_messages import MidiReader
+from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.devices.controllers.parameters import PickUp, as_asked, find_parameter, nudged
 from overview_dsp.devices.controllers.source import ControllerSource
 from overview_dsp.devices.sensors.touching import Event, TouchRules
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.threaded import ThreadedInput
+from overview_dsp.live.ports.port import WAIT_S, Port
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
-WAIT_S = 0.05
 TICK_S = 0.005
 """How often what holds on is looked after, while nothing comes."""
 
 
-class Port(Protocol):
-    """Where messages come from: UDP, a MIDI port, or a test's."""
-
-    name: str
-    dropped: int
-
-    def receive(self, wait_s: float) -> list[bytes]:
-        """What has come, waiting so long (s) for the first; PortLostError if nothing more will."""
-
-    def close(self) -> None:
-        """Give it back."""
+Reader = MidiReader | OscReader
+"""Messages in, moves out."""
 
 
-class Reader(Protocol):
-    """Messages in, moves out."""
-
-    counters: Counters
-
-    def read(self, data: bytes, time_s: float) -> list[Move]:
-        """The moves of a message."""
-
-    def tick(self, time_s: float) -> list[Move]:
-        """The moves that time alone makes."""
-
-    def take_messages(self) -> list[str]:
-        """What a person should know, new since the last call."""
-
-
-class ControllerInput(ThreadedInput[Port]):
+class ControllerInput(ThreadedInput):
     """Plays a controller into a running engine, as one source.
 
     Thread: as `ThreadedInput`.

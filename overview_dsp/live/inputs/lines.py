@@ -14,7 +14,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import SOURCES, Gesture
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.input import Input
-from overview_dsp.live.session.commands import COMMANDS
+from overview_dsp.live.session.command_forms import parse_command
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.replay import apply_change
 
@@ -100,7 +100,7 @@ class TakeInput(Input):
 class LineInput(Input):
     """Control events as lines of text, `theta2 touching` (rad, 0 or 1), from a thread of its own.
 
-    `R`, `P`, `1` and `2` on a line of their own are those keys of the screen, and `COMMANDS` are
+    `R`, `P`, `1` and `2` on a line of their own are those keys of the screen, and commands are
     understood. Lines of another form are counted and the first one is reported; the end of the text
     lets go.
     """
@@ -156,17 +156,6 @@ class LineInput(Input):
     def is_over(self, engine: Engine) -> bool:
         """Whether the text has ended."""
         return self._over.is_set()
-
-
-KEYS = {"R": ("record",), "P": ("replay",), "1": ("preset", "1"), "2": ("preset", "2")}
-
-
-def parse_command(line: str) -> tuple[str, ...] | None:
-    """The command that a line asks for, or None: R, P, 1, 2, or a command's own words."""
-    words = line.split()
-    if line.strip().upper() in KEYS:
-        return KEYS[line.strip().upper()]
-    return tuple(words) if words and words[0] in COMMANDS else None
 
 
 def parse_line(line: str) -> tuple[float, bool] | None:

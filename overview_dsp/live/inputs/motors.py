@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from overview_dsp.devices.force_feedback.board_loop import BoardLoop
 from overview_dsp.devices.force_feedback.loop import MotorLoop
@@ -13,32 +13,16 @@ from overview_dsp.devices.force_feedback.motion import MeanTorque
 from overview_dsp.devices.force_feedback.watchdog import SILENT_S
 from overview_dsp.devices.sensors.frames import KNOB_MOTION
 from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor
-from overview_dsp.live.inputs.sensors import Port, SensorInput
-from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.inputs.sensors import SensorInput
+from overview_dsp.live.ports.port import Port, PortLostError
 from overview_dsp.live.ports.serial import SerialPort
 from overview_dsp.signal.engine.engine import Engine
-
-WAIT_S = 0.002
-"""How long a read waits: the loop's longest step."""
-
 
 RENDER_S = 0.1
 """How often a board is asked to render what the engine plays, if that has changed."""
 
 SLOWEST_HZ = 200
 """Reports a second."""
-
-
-class MotorPort(Port, Protocol):
-    """A port that is written too."""
-
-    def write(self, data: bytes) -> bool:
-        """Send; whether all of it was accepted. PortLostError if the device is gone."""
-
-
-def open_motor_port(device: str, baud: int) -> MotorPort:
-    """A serial port that is read every 2 ms; InputError as `SerialPort`."""
-    return SerialPort(device, baud, WAIT_S)
 
 
 class MotorInput(SensorInput):
@@ -50,13 +34,15 @@ class MotorInput(SensorInput):
     Thread: as `SensorInput`; the port's thread reads the disk's torque and writes to the motor.
     """
 
+    WAIT_S = 0.002  # the loop's longest step
+
     def __init__(
         self,
         engine: Engine,
         device: str,
         sensor: Sensor,
         baud: int | None = None,
-        open_port: Callable[[str, int], MotorPort] = open_motor_port,
+        open_port: Callable[[str, int], Port] = SerialPort,
     ) -> None:
         """Open the port and begin, as `SensorInput`.
 
@@ -71,13 +57,7 @@ class MotorInput(SensorInput):
         self._was_alive = False
         self._began_at = time.monotonic()
         self._rendered_at = -1e300
-        self._motor: MotorPort | None = None
-
-        def opened(device: str, baud: int) -> Port:
-            self._motor = open_port(device, baud)
-            return _EndedPort(self._motor, lambda: self._loop.end())
-
-        super().__init__(engine, device, sensor, baud, opened)
+        super().__init__(engine, device, sensor, baud, open_port)
 
     @property
     def words(self) -> str:
@@ -113,10 +93,9 @@ class MotorInput(SensorInput):
                 f"the motor reports less than {SLOWEST_HZ} times a second, which makes its force "
                 "weak (motor.downsample, --baud)"
             )
-        if not sent or self._motor is None:
-            return
-        self._sent += 1
-        self._blocked += not self._motor.write(sent)
+        if sent and self._port is not None:
+            self._sent += 1
+            self._blocked += not self._port.write(sent)
 
     def _choose_loop(self) -> None:
         for _, reading in self._source.heard:
@@ -147,26 +126,12 @@ class MotorInput(SensorInput):
                 "does at 1 rad/s"
             )
 
+    def _close_port(self) -> None:
+        if self._port is not None:
+            with contextlib.suppress(PortLostError):
+                self._port.write(self._loop.end())
+        super()._close_port()
+
     def _lose(self) -> None:
         super()._lose()
         self._loop.lost()
-        self._motor = None
-
-
-class _EndedPort:
-    """A port that ends the motor's torque before it is given back."""
-
-    def __init__(self, port: MotorPort, end: Callable[[], bytes]) -> None:
-        self._port, self._end = port, end
-
-    @property
-    def waiting(self) -> int:
-        return self._port.waiting
-
-    def read(self) -> bytes:
-        return self._port.read()
-
-    def close(self) -> None:
-        with contextlib.suppress(PortLostError):
-            self._port.write(self._end())
-        self._port.close()

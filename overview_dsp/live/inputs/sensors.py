@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.source import Diagnostics, SensorSource
 from overview_dsp.devices.sensors.touching import Event, TouchRules
 from overview_dsp.errors import InputError
 from overview_dsp.live.inputs.threaded import ThreadedInput
+from overview_dsp.live.ports.port import WAIT_S, Port
 from overview_dsp.live.ports.serial import SerialPort, find_again, identity_of
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
@@ -26,21 +27,7 @@ SILENT_S = 0.3
 """A sensor of which nothing is understood for so long lets go."""
 
 
-class Port(Protocol):
-    """Where bytes come from: a serial port, or a test's."""
-
-    @property
-    def waiting(self) -> int:
-        """Bytes that have come and haven't been read."""
-
-    def read(self) -> bytes:
-        """What has come; PortLostError if nothing more will."""
-
-    def close(self) -> None:
-        """Give it back."""
-
-
-class SensorInput(ThreadedInput[Port]):
+class SensorInput(ThreadedInput):
     """Plays a sensor into a running engine, as source `serial`.
 
     Thread: as `ThreadedInput`.
@@ -49,6 +36,7 @@ class SensorInput(ThreadedInput[Port]):
     SOURCE = "serial"
     KIND = "serial:"
     GONE = "unplugged"
+    WAIT_S = WAIT_S  # for bytes to come, before what time alone changes is looked after
 
     _source: SensorSource
 
@@ -109,7 +97,7 @@ class SensorInput(ThreadedInput[Port]):
     # --- the port's thread ----------------------------------------------------------------------
 
     def _read(self, port: Port) -> None:
-        self._take(port.read())
+        self._take(b"".join(port.receive(self.WAIT_S)))
         self._keep_up(port)
 
     def _take(self, data: bytes) -> None:
@@ -142,7 +130,7 @@ class SensorInput(ThreadedInput[Port]):
         elif now - self._kept_up_at > BEHIND_S and self._behind >= BEHIND_READS:
             self._kept_up_at, self._behind = now, 0
             while port.waiting and time.monotonic() - now < BEHIND_S:
-                self._source.counters.overrun_bytes += len(port.read())
+                self._source.counters.overrun_bytes += sum(map(len, port.receive(0.0)))
 
     def _fall_silent(self, silent: bool) -> None:
         if self._let_go():

@@ -1,8 +1,7 @@
-"""A hand whose port is read in a thread of its own: begun, lost, found again, ended.
+"""Inputs whose port is read on a thread of its own: begun, lost, found again, ended.
 
-One source among several on a running engine: what the others do, and its own events, stamped.
-
-From a sensor's clock to the engine's samples.
+`SourceWriter` writes the events of one source among several, and `EventClock` maps the times of
+its device to samples of the engine.
 """
 
 from __future__ import annotations
@@ -13,11 +12,11 @@ import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from overview_dsp.devices.sensors.touching import Event, TouchRules
 from overview_dsp.live.inputs.input import Input
-from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.ports.port import Port, PortLostError
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
@@ -165,10 +164,8 @@ class SourceWriter:
 
 RETRY_S = 1.0
 
-Port = TypeVar("Port")
 
-
-class ThreadedInput(Input, ABC, Generic[Port]):
+class ThreadedInput(Input, ABC):
     """Plays what a port brings into a running engine, as one source.
 
     Thread: control; the port is read in a thread of its own, the only writer of that source.
@@ -178,14 +175,13 @@ class ThreadedInput(Input, ABC, Generic[Port]):
     GONE = "gone"  # what a port is that was lost
 
     _source: Any  # what makes events of what is read, by `rules`
-    _port: Any  # None while it is lost
 
     def __init__(self, engine: Engine, source: str, port: Port, where: str) -> None:
         """Before `_begin`. `source`: one of `gestures.SOURCES`; `where`: the open port's name."""
         self._engine = engine
         self._preset = engine.preset
         self._where = where
-        self._port = port
+        self._port: Port | None = port  # None while it is lost
         self._writer = SourceWriter(engine, source)
         self._messages: deque[str] = deque()
         self._said: set[str] = set()
@@ -283,6 +279,9 @@ class ThreadedInput(Input, ABC, Generic[Port]):
         except Exception as error:  # shown by the session, which polls
             self._failure = error
         self._let_go()
+        self._close_port()
+
+    def _close_port(self) -> None:
         if self._port is not None:
             self._port.close()
 
@@ -291,7 +290,7 @@ class ThreadedInput(Input, ABC, Generic[Port]):
 
     def _lose(self) -> None:
         self._let_go()
-        self._port.close()
+        self._close_port()
         self._port = None
         self._lost += 1
         self._messages.append(f"{self.GONE}; the disk is let go, waiting for it to come back")

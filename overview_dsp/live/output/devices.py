@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.live.output.device_names import PAD
-from overview_dsp.live.output.portaudio_library import import_sounddevice
+from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
 from overview_dsp.live.output.saved_settings import asked_by
 from overview_dsp.live.output.settings import is_pad
 

@@ -1,4 +1,4 @@
-"""The PortAudio library and its Python face, sounddevice: imported here alone, and late.
+"""PortAudio and its Python binding, sounddevice, which is imported here alone, and late.
 
 It lists the devices of its start only, and can't be ended once its JACK server has died.
 """
@@ -27,6 +27,12 @@ _INTERNALS = (
     "_terminate",
 )
 
+SILENT = "none"
+"""Device name of no sound."""
+
+PAD = "pad"
+"""Device name of whichever output is a game pad with voice coils."""
+
 _ABANDONED: list[Any] = []
 
 _LIBRARY_HINTS = {
@@ -35,6 +41,11 @@ _LIBRARY_HINTS = {
     "darwin": "pip install --force-reinstall sounddevice brings it (or brew install portaudio)",
     "win32": "pip install --force-reinstall sounddevice brings it",
 }
+
+
+def device_named(device: str | None) -> int | str | None:
+    """Return a device as PortAudio takes it: a number, a name, None for the default."""
+    return int(device) if device is not None and device.isdecimal() else device
 
 
 def import_sounddevice() -> Any:

@@ -6,8 +6,9 @@ callback is the fallback for platforms where that can't run, chosen by name and 
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
@@ -16,18 +17,10 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
-from overview_dsp.live.output.device_names import PAD
 from overview_dsp.live.output.devices import find_device, first_line, no_stream
-from overview_dsp.live.output.portaudio_library import import_sounddevice
+from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream import (
-    StreamMeters,
-    compile_python_path,
-    connect,
-    play_again,
-    read_meters,
-    run_block,
-)
+from overview_dsp.live.output.stream import Stream, compile_python_path, connect, run_block
 from overview_dsp.public import short
 from overview_dsp.signal.engine.engine import Engine
 
@@ -39,7 +32,7 @@ FADE_WITHIN_S = 0.5
 _RUNNING: set[OutputStream] = set()
 
 
-class OutputStream:
+class OutputStream(Stream):
     """A stream that plays an engine through PortAudio, at the engine's sample rate.
 
     While it is open its audio thread owns the engine's `process`; the control thread may go on
@@ -155,70 +148,23 @@ class OutputStream:
         if run_block(self._engine, out, bool(status.output_underflow)):
             raise self._sounddevice.CallbackStop
 
-    def set(self, settings: OutputSettings) -> None:
-        """Change gains, mutes, delays and ceilings while it plays; channels and actuator stay.
-
-        Parameters
-        ----------
-        settings : OutputSettings
-            It glides to these.
-
-        Examples
-        --------
-        This needs an output:
-
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
-        >>> stream.set(ov.live.OutputSettings().changed(click={"mute": True}))  # doctest: +SKIP
-        """
-        settings.write(self._memory, self._engine.sample_rate)
-
-    def start(self) -> None:
-        """Begin to play.
-
-        Examples
-        --------
-        This needs an output:
-
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
-        >>> stream.start()  # doctest: +SKIP
-        """
-        self._stream.start()
+    def _start(self) -> None:
+        with self._told():
+            self._stream.start()
         self._started = True
 
-    def restart(self, begin: Callable[[], None]) -> None:
-        """Fade out, call `begin` while nothing runs the engine, and play on.
-
-        Parameters
-        ----------
-        begin : callable
-            May call what needs the engine to itself: `reset`, `restart`.
-
-        Raises
-        ------
-        OverviewError
-            The device doesn't answer any more; `begin` wasn't called.
-
-        Examples
-        --------
-        This needs an output:
-
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
-        >>> stream.restart(engine.reset)  # doctest: +SKIP
-        """
+    def _stop(self) -> None:
         self._fade_out()
         if self._stream.active:
             raise OverviewError(f"output {self.name} doesn't answer")
-        try:
+        with self._told():
             self._stream.stop()
-            begin()
-            play_again(self._memory)
-            self._stream.start()
+
+    @contextlib.contextmanager
+    def _told(self) -> Iterator[None]:
+        """Make an error of PortAudio's an OverviewError that names the output."""
+        try:
+            yield
         except self._sounddevice.PortAudioError as error:
             raise OverviewError(f"output {self.name}: {first_line(error)}") from None
 
@@ -228,18 +174,7 @@ class OutputStream:
         while self._stream.active and time.monotonic() < until:
             time.sleep(0.002)
 
-    def close(self) -> None:
-        """Fade out, end playing and give the device back; may be called twice.
-
-        Examples
-        --------
-        This needs an output:
-
-        >>> engine = ov.Engine(football, match)
-        >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> stream = ov.live.OutputStream(engine)  # doctest: +SKIP
-        >>> stream.close()  # doctest: +SKIP
-        """
+    def _close(self) -> None:
         if self not in _RUNNING:
             return
         self._fade_out()
@@ -258,16 +193,9 @@ class OutputStream:
         return bool(self._stream.active)
 
     @property
-    def meters(self) -> StreamMeters:
-        """Counters and callback times (s) so far."""
-        return read_meters(self._memory, float(self._stream.latency))
-
-    def __enter__(self) -> OutputStream:
-        self.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
+    def _latency_s(self) -> float:
+        """From a sample to the output, as PortAudio reports it, s."""
+        return float(self._stream.latency)
 
     def __repr__(self) -> str:
         return f"<OutputStream: {short(self.name)}, {self.callback} callback>"

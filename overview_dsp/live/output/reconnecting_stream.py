@@ -1,7 +1,4 @@
-"""The output of a session: opened, watched, lost and found again, changed for another.
-
-How many frames an output should have delivered, by the clock, and did not.
-"""
+"""Output of a session that is opened again when it is lost, and the frames that it lost."""
 
 from __future__ import annotations
 
@@ -11,8 +8,9 @@ from dataclasses import replace
 
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream import OpenStream, Stream, StreamMeters
-from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.live.output.stream import Stream, StreamMeters
+from overview_dsp.live.output.stream_opener import StreamOpener
+from overview_dsp.live.session.session import Session
 
 SLOT_S = 0.5
 SLACK_S = 0.002
@@ -59,14 +57,14 @@ LOST_AFTER_S = 1.0
 RETRY_EVERY_S = 1.0
 
 
-class SessionOutput:
-    """Keeps an engine playing.
+class ReconnectingStream:
+    """The output of a session: opened, lost and found again, exchanged for another.
 
     Thread: control.
 
     Attributes
     ----------
-    opened_by : OpenStream
+    opener : StreamOpener
         Opens the output, and opens it again.
     settings : OutputSettings
         Its channels, gains and actuator.
@@ -76,26 +74,17 @@ class SessionOutput:
         Frames.
     """
 
-    def __init__(
-        self,
-        engine: Engine,
-        opened_by: OpenStream,
-        settings: OutputSettings,
-        say: Callable[[str], None],
-        lost: Callable[[], None],
-    ) -> None:
-        """Nothing is opened yet. `say` tells the person; `lost` is called when it is lost."""
-        self.opened_by = opened_by
+    def __init__(self, session: Session, opener: StreamOpener, settings: OutputSettings) -> None:
+        """Nothing is opened yet."""
+        self.opener = opener
         self.settings = settings
         self.name, self.block_size = "", 0
-        self._engine = engine
-        self._say = say
-        self._was_lost = lost
+        self._session, self._engine = session, session.engine
         self._stream: Stream | None = None
         self._last = self._earlier = StreamMeters(0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._frames_lost = FramesLost()
-        self._polled = time.monotonic()
-        self._moved = (self._polled, -1)
+        self._polled_at = time.monotonic()
+        self._called = (self._polled_at, -1)  # when the device called last, how often until then
         self._retry_at = 0.0
 
     @property
@@ -105,8 +94,12 @@ class SessionOutput:
 
     @property
     def meters(self) -> StreamMeters:
-        """Of the present one or the last, as it was looked at; counts are of all so far."""
-        return self._with_earlier(self._last)
+        """Meters of the present or last stream, as of the last poll; counts are of all so far."""
+        names = ("callbacks", "late", "underflows", "frames")
+        return replace(
+            self._last,
+            **{one: getattr(self._earlier, one) + getattr(self._last, one) for one in names},
+        )
 
     @property
     def frames_lost(self) -> int:
@@ -121,7 +114,7 @@ class SessionOutput:
         OverviewError
             It can't be opened, or what `before` raised.
         """
-        stream = self.opened_by(self._engine, self.settings)
+        stream = self.opener(self._engine, self.settings)
         try:
             before()
             stream.start()
@@ -134,24 +127,23 @@ class SessionOutput:
         self._begin_watch()
 
     def poll(self) -> None:
-        """See whether it still plays; if not, try to open it again now and then."""
+        """Close an output that is lost; try to open it again now and then."""
         now = time.monotonic()
         if self._stream is None:
             self._retry(now)
             return
         meters = self._stream.meters
-        # a process that was suspended hasn't looked for long, and says nothing of the device
-        asleep, self._polled = now - self._polled > LOST_AFTER_S / 2.0, now
-        if meters.callbacks != self._moved[1] or asleep:
-            self._moved = (now, meters.callbacks)
+        # a process that was suspended hasn't looked for long, which says nothing of the device
+        asleep, self._polled_at = now - self._polled_at > LOST_AFTER_S / 2.0, now
+        if meters.callbacks != self._called[1] or asleep:
+            self._called = (now, meters.callbacks)
         self._last = meters
         if meters.frames:
             self._frames_lost.look(now, meters.frames, self._engine.sample_rate, self.block_size)
-        if not self._stream.active or now - self._moved[0] > LOST_AFTER_S:
-            self._say(
+        if not self._stream.active or now - self._called[0] > LOST_AFTER_S:
+            self._session.say(
                 f"output {self.name} is lost: the disk is let go; waiting for it to come back"
             )
-            self._was_lost()
             self.give_back()
 
     def _retry(self, now: float) -> None:
@@ -162,12 +154,16 @@ class SessionOutput:
             self.open()
         except OverviewError:
             return
-        self._say(f"output {self.name} is back")
+        self._session.say(f"output {self.name} is back")
 
     def set(self, settings: OutputSettings) -> None:
-        """Change gains, mutes, delays and ceilings, gliding."""
+        """Change gains, mutes, delays and ceilings, which glide there."""
         self.settings = settings
         settings.write(self._engine.memory, self._engine.sample_rate)
+
+    def mute(self, signal: str, muted: bool) -> None:
+        """Mute a signal (click or tactor) at the device, or let it sound again."""
+        self.set(self.settings.changed(**{signal: {"mute": muted}}))
 
     def restart(self, begin: Callable[[], None]) -> None:
         """Fade out, call `begin` while nothing runs the engine, and play on."""
@@ -175,20 +171,19 @@ class SessionOutput:
         try:
             self._stream.restart(begin)
         except OverviewError as error:
-            self._say(str(error))
+            self._session.say(str(error))
         self._begin_watch()
 
     def give_back(self) -> None:
-        """Close it, for `open` or `poll` to open another; what it says then is told."""
+        """Close it, for `open` or `poll` to open another; an error is shown."""
         if self._stream is None:
             return
-        counted = self._with_earlier(self._last)
+        self._earlier = self.meters
         self._last = replace(self._last, callbacks=0, late=0, underflows=0, frames=0)
-        self._earlier = counted
         try:
             self._stream.close()
         except Exception as error:  # PortAudio's own, of a device that is gone
-            self._say(f"closing it: {error}")
+            self._session.say(f"closing it: {error}")
         self._stream = None
         self._retry_at = time.monotonic()
 
@@ -199,15 +194,5 @@ class SessionOutput:
             stream.close()
 
     def _begin_watch(self) -> None:
-        self._moved = (time.monotonic(), -1)
+        self._called = (time.monotonic(), -1)
         self._frames_lost.restart()
-
-    def _with_earlier(self, last: StreamMeters) -> StreamMeters:
-        earlier = self._earlier
-        return replace(
-            last,
-            callbacks=earlier.callbacks + last.callbacks,
-            late=earlier.late + last.late,
-            underflows=earlier.underflows + last.underflows,
-            frames=earlier.frames + last.frames,
-        )

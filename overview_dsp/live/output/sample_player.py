@@ -1,12 +1,9 @@
-"""An audio output that plays samples made before, and says how much of them has been heard.
-
-For test tones: the engine has outputs of its own.
-"""
+"""Players of samples made before, such as test tones; they report how much has been heard."""
 
 from __future__ import annotations
 
 import time
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,25 +15,7 @@ from overview_dsp.live.output.portaudio_stream import FADE_WITHIN_S
 FADE_S = 0.02
 
 
-class Playback(Protocol):
-    """Samples on their way to a person."""
-
-    def start(self) -> None:
-        """Begin to play."""
-
-    def close(self) -> None:
-        """Fade out and end; may be called twice."""
-
-    @property
-    def heard_s(self) -> float:
-        """How much of them has been heard, s."""
-
-    @property
-    def over(self) -> bool:
-        """Whether all of them have been heard."""
-
-
-class SampleOutput:
+class SamplePlayer:
     """Plays float32 (frames, channels) on an output device.
 
     Thread: main.
@@ -109,7 +88,7 @@ class SampleOutput:
         return self.heard_s * self._rate >= len(self._samples)
 
 
-class SilentOutput:
+class SilentSamplePlayer:
     """Plays samples to nobody, in time.
 
     Thread: main.
@@ -136,3 +115,7 @@ class SilentOutput:
     def over(self) -> bool:
         """Whether all would have been heard."""
         return self.heard_s >= self._seconds
+
+
+SamplePlayback = SamplePlayer | SilentSamplePlayer
+"""Samples on their way to a person."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, fields
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.live.output import settings as pad_output
 from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+from overview_dsp.signal.actuators.calibration import calibrated_actuator
 from overview_dsp.signal.actuators.library import reference
 
 
@@ -75,6 +77,55 @@ def save_settings(device: str, settings: OutputSettings) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(path) as temporary:
         temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
+
+
+@dataclass(frozen=True)
+class ResolvedOutput:
+    """Settings to play with; `remembered` are the device's, `other_actuator` if not its own."""
+
+    settings: OutputSettings
+    remembered: OutputSettings
+    other_actuator: bool
+
+    def differ(self, played: OutputSettings) -> bool:
+        """Return whether the settings at the end are to be remembered."""
+        before = replace(self.remembered, actuator=played.actuator)
+        return self.other_actuator or played != before
+
+
+def resolve_output(
+    device: str | None,
+    click: Mapping[str, Any],
+    tactor: Mapping[str, Any],
+    actuator: str | None,
+    channels: int = 2,
+) -> ResolvedOutput:
+    """Return a device's settings (None: one that isn't remembered), with those of now applied.
+
+    `click` and `tactor` are fields of `SignalSettings` that are changed; `actuator` is the name or
+    file of one, "none", or None for the device's own; `channels` is how many the device has.
+
+    Raises
+    ------
+    InputError
+        A setting out of range, or an actuator that can't be loaded.
+    """
+    remembered, own = OutputSettings(), None
+    if device is not None:
+        remembered, own = load_settings(device, channels), remembered_actuator(device, channels)
+    wanted = own if actuator is None else actuator
+    try:
+        driven = None if wanted in (None, "none") else calibrated_actuator(wanted)
+    except InputError as error:
+        if actuator is not None:
+            raise
+        raise InputError(
+            f"{settings_file()}: the actuator of {device!r}: {error}; --actuator names another, or "
+            "none"
+        ) from None
+    name = None if driven is None else reference(driven)
+    settings = replace(remembered.changed(click, tactor), actuator=driven)
+    return ResolvedOutput(settings, remembered, actuator is not None and name != own)
 
 
 def _read() -> dict[str, Any]:

@@ -1,16 +1,12 @@
-"""What a session's output is to it, whichever it is.
-
-What a stream does in Python: connect an engine, and run its blocks where C doesn't.
-
-The device side's own counters in the memory block: cleared, counted, read.
-"""
+"""Streams that run an engine: what they share, their meters, and a block that is run in Python."""
 
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,32 +140,126 @@ def _quantile(w: NDArray[np.int64], part: float) -> float:
     return float(layout.SHORTEST_S * 2.0 ** ((where + 1) / layout.BINS_AN_OCTAVE))
 
 
-class Stream(Protocol):
-    """What runs the engine: a PortAudio output, or a silent one."""
+class Stream(ABC):
+    """Runs an engine in time: an `OutputStream`, or a `SilentStream` where there is no device.
+
+    Thread: main; while it plays, its audio thread owns the engine's `process`.
+    """
 
     name: str
     block_size: int
+    _engine: Engine
+
+    @abstractmethod
+    def _start(self) -> None:
+        """Begin to call `process`; OverviewError if the device can't."""
+
+    @abstractmethod
+    def _stop(self) -> None:
+        """Fade out and stop calling `process`; OverviewError if the device doesn't answer."""
+
+    @abstractmethod
+    def _close(self) -> None:
+        """Fade out and end; may be called twice."""
 
     def start(self) -> None:
-        """Begin to play."""
+        """Begin to play.
+
+        Raises
+        ------
+        OverviewError
+            The device can't.
+
+        Examples
+        --------
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.SilentStream(engine)
+        >>> stream.start()
+        >>> stream.active
+        True
+        >>> stream.close()
+        """
+        self._start()
 
     def restart(self, begin: Callable[[], None]) -> None:
-        """Fade out, call `begin` while nothing runs the engine, and play on; OverviewError."""
+        """Fade out, call `begin` while nothing runs the engine, and play on.
+
+        Parameters
+        ----------
+        begin : callable
+            May call what needs the engine to itself: `reset`, `restart`.
+
+        Raises
+        ------
+        OverviewError
+            The device doesn't answer any more; `begin` wasn't called.
+
+        Examples
+        --------
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> with ov.live.SilentStream(engine) as stream:
+        ...     stream.restart(engine.reset)
+        """
+        self._stop()
+        begin()
+        play_again(self._engine.memory)
+        self._start()
+
+    def set(self, settings: OutputSettings) -> None:
+        """Change gains, mutes, delays and ceilings while it plays; channels and actuator stay.
+
+        Parameters
+        ----------
+        settings : OutputSettings
+            It glides to these.
+
+        Examples
+        --------
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> with ov.live.SilentStream(engine) as stream:
+        ...     stream.set(ov.live.OutputSettings().changed(click={"mute": True}))
+        """
+        settings.write(self._engine.memory, self._engine.sample_rate)
 
     def close(self) -> None:
-        """Fade out and end."""
+        """Fade out, end playing and close the device; may be called twice.
+
+        Examples
+        --------
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> stream = ov.live.SilentStream(engine)
+        >>> stream.start()
+        >>> stream.close()
+        >>> stream.active
+        False
+        """
+        self._close()
 
     @property
+    @abstractmethod
     def active(self) -> bool:
-        """Whether it plays."""
+        """Whether the engine is run."""
+
+    @property
+    @abstractmethod
+    def _latency_s(self) -> float:
+        """From a sample to the output, as the device reports it, s."""
 
     @property
     def meters(self) -> StreamMeters:
-        """Counters so far."""
+        """Counters and callback times (s) so far."""
+        return read_meters(self._engine.memory, self._latency_s)
 
+    def __enter__(self) -> Self:
+        self.start()
+        return self
 
-OpenStream = Callable[[Engine, OutputSettings], Stream]
-"""Opens an output for an engine; OverviewError if it can't be."""
+    def __exit__(self, *error: object) -> None:
+        self.close()
 
 
 def connect(engine: Engine, settings: OutputSettings | None) -> int:

@@ -1,53 +1,51 @@
-"""Which output a session opens, and opens again."""
+"""Opener of a session's output, which also opens it again."""
 
 from __future__ import annotations
 
-from typing import Literal
+from dataclasses import dataclass
 
 from overview_dsp.errors import InputError
-from overview_dsp.live.output.device_names import SILENT, device_named
-from overview_dsp.live.output.portaudio_library import rescan
-from overview_dsp.live.output.portaudio_stream import OutputStream
+from overview_dsp.live.output.portaudio_library import SILENT, device_named, rescan
+from overview_dsp.live.output.portaudio_stream import CallbackKind, OutputStream
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.silent_stream import SilentStream
+from overview_dsp.live.output.stream import Stream
 from overview_dsp.signal.engine.engine import Engine
 
 MAX_BLOCK = 8192
 
 
-class Outputs:
-    """Opens an output: `device` by its name or number, None the default, `SILENT` no sound."""
+@dataclass
+class StreamOpener:
+    """Opens a stream on one device.
 
-    def __init__(
-        self,
-        device: str | None,
-        block_size: int,
-        callback: Literal["native", "python"],
-        again: bool = False,
-    ) -> None:
-        """`again`: devices are looked for anew. InputError for a block size out of range."""
-        if not 0 <= block_size <= MAX_BLOCK:
-            raise InputError(f"block size {block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
-        self.device = device
-        self.block_size = block_size
-        self._callback: Literal["native", "python"] = callback
-        self._again = again
+    Attributes
+    ----------
+    device : str or None
+        Name or number; None is the default, `SILENT` no sound.
+    block_size : int
+        Frames; 0 is the device's own.
+    callback : str
+        As `OutputStream` takes it.
+    rescans : bool
+        Whether PortAudio looks for devices again first; from the second opening on it does.
+    """
 
-    def with_device(self, device: str | None) -> Outputs:
-        """Another device."""
-        return Outputs(device, self.block_size, self._callback, again=True)
+    device: str | None
+    block_size: int
+    callback: CallbackKind
+    rescans: bool = False
 
-    def with_block_size(self, block_size: int) -> Outputs:
-        """Other blocks."""
-        return Outputs(self.device, block_size, self._callback, again=True)
+    def __post_init__(self) -> None:
+        if not 0 <= self.block_size <= MAX_BLOCK:
+            raise InputError(f"block size {self.block_size}; it is 1 to {MAX_BLOCK} frames, or 0")
 
-    def __call__(self, engine: Engine, settings: OutputSettings) -> SilentStream | OutputStream:
+    def __call__(self, engine: Engine, settings: OutputSettings) -> Stream:
         """Open it for an engine; errors as `OutputStream`."""
         if self.device == SILENT:
             return SilentStream(engine, self.block_size or 256, settings)
-        if self._again:
+        if self.rescans:
             rescan()
-        self._again = True
-        return OutputStream(
-            engine, device_named(self.device), self.block_size, settings, self._callback
-        )
+        self.rescans = True
+        device = device_named(self.device)
+        return OutputStream(engine, device, self.block_size, settings, self.callback)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import TACTOR
-from overview_dsp.live.output.sample_player import Playback
+from overview_dsp.live.output.sample_player import SamplePlayback
 from overview_dsp.live.output.settings import SignalSettings
 from overview_dsp.signal.actuators.calibration import HIGHEST_DB, LOWEST_DB
 from overview_dsp.signal.actuators.model import Actuator
@@ -77,7 +77,7 @@ class Rise:
         return placed
 
 
-def felt_at(rise: Rise, playback: Playback, pressed: Callable[[], bool]) -> float:
+def felt_at(rise: Rise, playback: SamplePlayback, pressed: Callable[[], bool]) -> float:
     """Play a tone until `pressed`; the level at which it was felt, dB of the nominal drive.
 
     Minus infinity: pressed before there was a tone. Infinity: never. `pressed` waits a little.

@@ -7,19 +7,17 @@ WitMotion's, whose notifications are made the checked packets that its wire has.
 from __future__ import annotations
 
 import asyncio
-import queue
 import threading
 from typing import Any
 
 from overview_dsp.devices.sensors.packets import as_wit_packets
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
 HINT = "Bluetooth sensors need bleak: pip install 'overview-dsp[ble]'"
 FIND_WITHIN_S = 10.0
-WAIT_S = 0.05
-WAITING = 1000
-"""Notifications that wait; of more, the latest."""
+MAX_WAITING = 1000
+"""Notifications."""
 
 UART = "6e400003-b5a3-f393-e0a9-e50e24dcca9e"
 WITMOTION = "0000ffe4-0000-1000-8000-00805f9a34fb"
@@ -33,11 +31,8 @@ def _import_bleak() -> Any:
     return bleak
 
 
-class BlePort:
-    """An open sensor, heard in a thread of its own."""
-
-    waiting = 0
-    """All that came is read at once."""
+class BlePort(QueuedPort):
+    """Open Bluetooth sensor, whose notifications arrive on a thread of their own."""
 
     def __init__(self, wanted: str, bleak: Any = None) -> None:
         """Open the sensor of that address, or whose name has that in it.
@@ -49,20 +44,20 @@ class BlePort:
         OverviewError
             bleak isn't installed.
         """
-        self.device = wanted
+        super().__init__(f"ble:{wanted}", MAX_WAITING)
+        self._wanted = wanted.casefold()
         self._bleak = _import_bleak() if bleak is None else bleak
-        self._came: queue.Queue[bytes] = queue.Queue(WAITING)
         self._lost = threading.Event()
         self._opened = threading.Event()
         self._fault = ""
         self._loop = asyncio.new_event_loop()
         self._over = asyncio.Event()
-        self._thread = threading.Thread(target=self._run, name=f"ble:{wanted}", daemon=True)
+        self._thread = threading.Thread(target=self._run, name=self.name, daemon=True)
         self._thread.start()
         self._opened.wait(2.0 * FIND_WITHIN_S)
         if self._fault or not self._opened.is_set():
             self.close()
-            raise InputError(f"ble:{wanted}: {self._fault or 'no answer'}")
+            raise InputError(f"{self.name}: {self._fault or 'no answer'}")
 
     def _run(self) -> None:
         try:
@@ -75,11 +70,11 @@ class BlePort:
             self._loop.close()
 
     async def _listen(self) -> None:
-        word = self.device.casefold()
-
         def is_meant(device: Any, advertised: Any) -> bool:
-            name = str(advertised.local_name or device.name or "")
-            return word == device.address.casefold() or (name != "" and word in name.casefold())
+            name = str(advertised.local_name or device.name or "").casefold()
+            return self._wanted == device.address.casefold() or (
+                bool(name) and self._wanted in name
+            )
 
         found = await self._bleak.BleakScanner.find_device_by_filter(
             is_meant, timeout=FIND_WITHIN_S
@@ -94,7 +89,7 @@ class BlePort:
             if which is None:
                 self._fault = "it has no service that is known (a UART's, WitMotion's)"
                 return
-            await client.start_notify(which, self._take)
+            await client.start_notify(which, self._notified)
             self._opened.set()
             await self._over.wait()
 
@@ -102,25 +97,18 @@ class BlePort:
         self._lost.set()
         self._loop.call_soon_threadsafe(self._over.set)
 
-    def _take(self, sender: Any, data: bytearray) -> None:
-        if self._came.full():
-            self._came.get_nowait()
-        self._came.put(as_wit_packets(bytes(data)) or bytes(data))
+    def _notified(self, sender: Any, data: bytearray) -> None:
+        self.put(as_wit_packets(bytes(data)) or bytes(data))
 
-    def read(self) -> bytes:
-        """What has come, waiting a moment for the first; PortLostError if it is gone."""
-        try:
-            parts = [self._came.get(timeout=WAIT_S)]
-        except queue.Empty:
-            if self._lost.is_set():
-                raise PortLostError(f"ble:{self.device}: out of reach") from None
-            return b""
-        while not self._came.empty():
-            parts.append(self._came.get_nowait())
-        return b"".join(parts)
+    def receive(self, wait_s: float) -> list[bytes]:
+        """Return the notifications that have come, as `Port.receive`."""
+        found = super().receive(wait_s)
+        if not found and self._lost.is_set():
+            raise PortLostError(f"{self.name}: out of reach")
+        return found
 
     def close(self) -> None:
-        """Give it back."""
+        """Disconnect from the sensor."""
         if not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._over.set)
         self._thread.join(2.0)

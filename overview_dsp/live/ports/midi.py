@@ -8,19 +8,15 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, Protocol
+from typing import Any
 
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
 HINT = "MIDI needs python-rtmidi or rtmidi2: pip install 'overview-dsp[midi]'"
-MOST = 4096
-"""Messages that wait; of more, the latest."""
-
+MAX_WAITING = 4096
 QUEUED = 1024
 SYSTEMS_OF_RTMIDI2 = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
 
@@ -32,64 +28,45 @@ SENSED_WITHIN_S = 0.5
 _NUMBERS = re.compile(r" \d+:\d+$")
 
 
-class _System(Protocol):
-    """An input of one of the machine's MIDI systems (ALSA, JACK, ...)."""
+class _System:
+    """Input of one of the machine's MIDI systems (ALSA, JACK, ...), by either library."""
 
-    def ports(self) -> list[str]:
-        """The names of those that messages can come from."""
-
-    def open(self, index: int, take: Callable[[bytes], None]) -> None:
-        """Hear one of them; `take` is called by a thread of its own."""
-
-    def close(self) -> None:
-        """Give it back; what was opened is heard no more."""
-
-
-class _PythonRtmidi:
-    """An input of python-rtmidi."""
-
-    def __init__(self, rtmidi: Any, api: int) -> None:
-        self._input = rtmidi.MidiIn(api, name="overview")
+    def __init__(self, library: Any, api: int) -> None:
+        self._is_python_rtmidi = hasattr(library, "get_compiled_api")  # python-rtmidi
+        if self._is_python_rtmidi:
+            self._input = library.MidiIn(api, name="overview")
+        else:
+            self._input = library.MidiIn("overview", QUEUED, api)
+            if self._input.get_current_api() != api:  # it takes another in place of a missing one
+                raise RuntimeError("not this system")
         self._opened = False
 
     def ports(self) -> list[str]:
-        return list(self._input.get_ports())
+        """Names of the ports that messages can come from."""
+        names = self._input.get_ports() if self._is_python_rtmidi else self._input.ports
+        return [str(name) for name in names]
 
     def open(self, index: int, take: Callable[[bytes], None]) -> None:
-        self._input.ignore_types(sysex=True, timing=True, active_sense=False)
-        self._input.set_callback(lambda event, _: take(bytes(event[0])))
-        self._input.open_port(index, name="in")
-        self._opened = True
-
-    def close(self) -> None:
-        if self._opened:
-            self._input.cancel_callback()
-            self._input.close_port()
-        self._input.delete()
-
-
-class _Rtmidi2:
-    """An input of rtmidi2."""
-
-    def __init__(self, rtmidi2: Any, api: int) -> None:
-        self._input = rtmidi2.MidiIn("overview", QUEUED, api)
-        if self._input.get_current_api() != api:  # it takes another in place of one it hasn't got
-            raise RuntimeError("not this system")
-        self._opened = False
-
-    def ports(self) -> list[str]:
-        return [str(name) for name in self._input.ports]
-
-    def open(self, index: int, take: Callable[[bytes], None]) -> None:
+        """Open a port; `take` is called on a thread of its own."""
         self._input.ignore_types(True, True, False)  # sysex, time; not active sensing
-        self._input.callback = lambda message, _: take(bytes(message))
-        self._input.open_port(index)
+        if self._is_python_rtmidi:
+            self._input.set_callback(lambda event, _: take(bytes(event[0])))
+            self._input.open_port(index, name="in")
+        else:
+            self._input.callback = lambda message, _: take(bytes(message))
+            self._input.open_port(index)
         self._opened = True
 
     def close(self) -> None:
-        if self._opened:
+        """Close what was opened."""
+        if self._opened and self._is_python_rtmidi:
+            self._input.cancel_callback()
+        elif self._opened:
             self._input.callback = None
+        if self._opened:
             self._input.close_port()
+        if self._is_python_rtmidi:
+            self._input.delete()
 
 
 @contextlib.contextmanager
@@ -107,8 +84,8 @@ def _quiet() -> Iterator[None]:
         os.close(nothing)
 
 
-def _library() -> tuple[Callable[[Any, int], _System], Any, Iterable[int]]:
-    """What makes an input of a library and one of its systems, the library, and its systems."""
+def _library() -> tuple[Any, Iterable[int]]:
+    """Return the library and the systems that it may have; OverviewError without one."""
     try:
         import rtmidi
     except ImportError:
@@ -116,20 +93,18 @@ def _library() -> tuple[Callable[[Any, int], _System], Any, Iterable[int]]:
             import rtmidi2
         except ImportError:
             raise OverviewError(HINT) from None
-        return _Rtmidi2, rtmidi2, [getattr(rtmidi2, name) for name in SYSTEMS_OF_RTMIDI2]
-    return _PythonRtmidi, rtmidi, rtmidi.get_compiled_api()
+        return rtmidi2, [getattr(rtmidi2, name) for name in SYSTEMS_OF_RTMIDI2]
+    return rtmidi, rtmidi.get_compiled_api()
 
 
 def _systems() -> list[_System]:
-    """An unopened input of each of the machine's MIDI systems that answers; OverviewError."""
-    make, library, systems = _library()
+    """Return an unopened input of each MIDI system that answers; OverviewError as `_library`."""
+    library, systems = _library()
     found: list[_System] = []
     with _quiet():
         for api in systems:
-            try:
-                found.append(make(library, api))
-            except Exception:  # one that isn't there; rtmidi has a class of its own for it
-                continue
+            with contextlib.suppress(Exception):  # rtmidi has a class of its own for a missing one
+                found.append(_System(library, api))
     return found
 
 
@@ -154,16 +129,8 @@ def _matching(names: list[str], wanted: str) -> list[int]:
     return whole or [i for i, name in enumerate(plain) if wanted.casefold() in name.casefold()]
 
 
-class MidiPort:
-    """An open port.
-
-    Attributes
-    ----------
-    name : str
-        As `--input` names it.
-    dropped : int
-        Messages given up because more came than was read.
-    """
+class MidiPort(QueuedPort):
+    """Open MIDI port, whose messages arrive on a thread of rtmidi's."""
 
     def __init__(self, wanted: str) -> None:
         """Open the port of that name, or the one whose name has that in it.
@@ -175,10 +142,7 @@ class MidiPort:
         OverviewError
             Neither python-rtmidi nor rtmidi2 is installed.
         """
-        self.name = f"midi:{wanted}"
-        self.dropped = 0
-        self._messages: deque[bytes] = deque()
-        self._came = threading.Event()
+        super().__init__(f"midi:{wanted}", MAX_WAITING)
         self._input, self._port = self._open(wanted)
         self._looked_at = time.monotonic()
         self._sensed_at: float | None = None
@@ -195,7 +159,7 @@ class MidiPort:
                     raise InputError(f"{self.name}: several are called so: {several}")
                 if found:
                     chosen = one
-                    one.open(found[0], self._take)
+                    one.open(found[0], self.put)
                     return one, names[found[0]]
             known = ", ".join(_plain(name) for one in systems for name in one.ports())
             raise InputError(f"{self.name}: no such port; there are: {known or 'none'}")
@@ -207,27 +171,15 @@ class MidiPort:
                 if one is not chosen:
                     one.close()
 
-    def _take(self, message: bytes) -> None:
-        """Called by a thread of rtmidi's."""
-        if len(self._messages) >= MOST:
-            self._messages.popleft()
-            self.dropped += 1
-        self._messages.append(message)
-        self._came.set()
-
     def receive(self, wait_s: float) -> list[bytes]:
-        """The messages that have come, waiting so long (s) for the first.
+        """Return the messages that have come, as `Port.receive`.
 
         Raises
         ------
         PortLostError
-            The port is gone, or no longer senses that it is there.
+            The port is gone, or no longer sends the active sensing that it sent before.
         """
-        self._came.wait(wait_s)
-        self._came.clear()
-        found = []
-        while self._messages:
-            found.append(self._messages.popleft())
+        found = super().receive(wait_s)
         now = time.monotonic()
         sensing = self._sensed_at is not None or bytes([ACTIVE_SENSING]) in found
         if found and sensing:
@@ -241,5 +193,5 @@ class MidiPort:
         return [one for one in found if one[0] < 0xF0]
 
     def close(self) -> None:
-        """Give it back."""
+        """Close the port."""
         self._input.close()

@@ -1,20 +1,19 @@
-"""UDP ports: OSC comes in and goes out by them.
-
-The disk's state to another program, by OSC, from a thread of its own.
-"""
+"""OSC over UDP: a port that receives, and a thread that sends the disk's state."""
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import select
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 from overview_dsp.devices.controllers.osc_messages import require_osc
 from overview_dsp.devices.controllers.osc_report import OscReport
 from overview_dsp.errors import InputError
+from overview_dsp.live.ports.port import Port
 from overview_dsp.signal.engine.engine import Engine
 
 HOST = "127.0.0.1"
@@ -34,18 +33,8 @@ def parse_address(text: str, host: str = HOST) -> tuple[str, int]:
     return host, int(number)
 
 
-class OscPort:
-    """A port that is listened to.
-
-    Attributes
-    ----------
-    name : str
-        As `--input` names it.
-    dropped : int
-        Always 0: what the system drops it doesn't say.
-    """
-
-    dropped = 0
+class OscPort(Port):
+    """UDP port that receives datagrams; those that the system drops aren't counted."""
 
     def __init__(self, text: str) -> None:
         """Listen at `PORT` of this machine, or `HOST:PORT`.
@@ -73,7 +62,7 @@ class OscPort:
         self._socket.setblocking(False)
 
     def receive(self, wait_s: float) -> list[bytes]:
-        """The datagrams that have come, waiting so long (s) for the first."""
+        """Return the datagrams that have come, waiting up to `wait_s` (s) for the first."""
         select.select([self._socket], [], [], wait_s)
         found: list[bytes] = []
         while len(found) < MOST:
@@ -86,7 +75,7 @@ class OscPort:
         return found
 
     def close(self) -> None:
-        """Give it back."""
+        """Close the port."""
         self._socket.close()
 
 
@@ -100,11 +89,23 @@ def _why(error: OSError, host: str) -> str:
     return f"can't be opened ({error.strerror or error})"
 
 
-class OscSender:
-    """A place datagrams are sent to; what can't be delivered is lost, as by UDP."""
+SEND_EVERY_S = 0.01
+RETRY_AFTER_S = 1.0
+"""Pause after an error."""
 
-    def __init__(self, text: str) -> None:
-        """Send to `HOST:PORT`, or to `PORT` of this machine.
+
+class OscOut:
+    """Sends what `OscReport` reports, a hundred times a second; lost datagrams stay lost (UDP).
+
+    Thread: its own, the only one that takes the engine's strikes.
+    """
+
+    def __init__(
+        self, engine: Engine, address: str, say: Callable[[str], None] = lambda line: None
+    ) -> None:
+        """Send to `HOST:PORT`, or to `PORT` of this machine, from now on.
+
+        `say` receives messages for the user, from this thread.
 
         Raises
         ------
@@ -114,83 +115,45 @@ class OscSender:
             python-osc isn't installed.
         """
         require_osc()
-        host, port = parse_address(text)
+        host, port = parse_address(address)
         try:
             found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
         except OSError as error:
-            raise InputError(f"{text}: no such host ({error.strerror or error})") from None
+            raise InputError(f"{address}: no such host ({error.strerror or error})") from None
+        self._engine = engine
+        self._name = f"osc out {address}"
+        self._say = say
         self._address = found[4]
         self._socket = socket.socket(found[0], socket.SOCK_DGRAM)
         self._socket.setblocking(False)
-        self.refused = 0
-
-    def send(self, datagrams: Iterable[bytes]) -> None:
-        """Send them all; what the system refuses is counted."""
-        for one in datagrams:
-            try:
-                self._socket.sendto(one, self._address)
-            except OSError:
-                self.refused += 1
-
-    def close(self) -> None:
-        """Send no more."""
-        self._socket.close()
-
-
-EVERY_S = 0.01
-AGAIN_S = 1.0
-"""How long it waits after an error."""
-
-
-class OscOut:
-    """Sends what `OscReport` says, a hundred times a second.
-
-    Thread: its own, the only one that takes the engine's strikes.
-    """
-
-    def __init__(
-        self, engine: Engine, address: str, say: Callable[[str], None] = lambda line: None
-    ) -> None:
-        """Send to `HOST:PORT`, or to `PORT` of this machine, from now on; errors as `OscSender`.
-
-        `say` is told of what a person should know, from this thread.
-        """
-        self._engine = engine
-        self._address = address
-        self._say = say
-        self._sender = OscSender(address)
         self._report = OscReport()
         engine.take_strikes()  # only those from now on
         self._over = threading.Event()
-        self._thread = threading.Thread(target=self._run, name=f"osc out {address}", daemon=True)
+        self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
         self._thread.start()
 
     def _run(self) -> None:
         said = set()
-        while not self._over.wait(EVERY_S):
+        while not self._over.wait(SEND_EVERY_S):
             try:
                 self._send()
             except Exception as error:  # what it is can't be known: the next report may go
-                line = f"osc out {self._address}: {type(error).__name__}: {error}; it goes on"
+                line = f"{self._name}: {type(error).__name__}: {error}; it goes on"
                 if line not in said:
                     said.add(line)
                     self._say(line)
-                self._over.wait(AGAIN_S)
+                self._over.wait(RETRY_AFTER_S)
 
     def _send(self) -> None:
-        meters = self._engine.meters
-        self._sender.send(
-            self._report.due(
-                time.monotonic(),
-                meters.cursor,
-                meters.torque,
-                meters.touching,
-                self._engine.take_struck_events(),
-            )
-        )
+        meters, struck = self._engine.meters, self._engine.take_struck_events()
+        for datagram in self._report.due(
+            time.monotonic(), meters.cursor, meters.torque, meters.touching, struck
+        ):
+            with contextlib.suppress(OSError):  # refused by the system
+                self._socket.sendto(datagram, self._address)
 
     def close(self) -> None:
         """Send no more."""
         self._over.set()
         self._thread.join(2.0)
-        self._sender.close()
+        self._socket.close()

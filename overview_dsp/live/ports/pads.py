@@ -7,10 +7,9 @@ from typing import Any
 
 from overview_dsp.devices.sensors.pads import LENGTHS, TRUE_UNITS, framed
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.ports.port import Port, PortLostError
 
 HINT = "game pads need hidapi: pip install 'overview-dsp[pads]'"
-WAIT_MS = 50
 LONGEST = 512
 AT_MOST = 64
 """Reports of a read."""
@@ -79,11 +78,8 @@ def find_pad(wanted: str, hid: Any = None) -> Pad:
     raise InputError(f"pad:{wanted}: {what}: {known or 'none'}")
 
 
-class PadPort:
-    """An open pad."""
-
-    waiting = 0
-    """All that came is read at once."""
+class PadPort(Port):
+    """Open game pad."""
 
     def __init__(self, wanted: str, hid: Any = None) -> None:
         """Open the pad of that name, as `find_pad`, and have it send how it moves.
@@ -97,8 +93,8 @@ class PadPort:
         """
         hid = _import_hid() if hid is None else hid
         pad = find_pad(wanted, hid)
-        self.device = wanted
-        self._first = b""
+        self.name = f"pad:{wanted}"
+        self._first: list[bytes] = []
         self._pad = hid.device()
         try:
             self._pad.open_path(pad.path)
@@ -106,30 +102,29 @@ class PadPort:
             if pad.kind == "dualsense":
                 # that it is asked for makes it send all by Bluetooth too
                 units = self._pad.get_feature_report(TRUE_UNITS, LENGTHS[TRUE_UNITS])
-                self._first = framed(bytes(units))
+                self._first = [framed(bytes(units))]
             else:
                 for number, order in enumerate((_MOTION_ON, _FULL_REPORTS)):
                     self._pad.write(bytes([1, number]) + _STILL + order)
         except (OSError, ValueError) as error:
             self._pad.close()
             raise InputError(
-                f"pad:{wanted}: can't be opened ({error}); is it held by another program? On Linux "
+                f"{self.name}: can't be opened ({error}); is it held by another program? On Linux "
                 "a udev rule may have to allow it (docs/guide/sensors.md)"
             ) from None
 
-    def read(self) -> bytes:
-        """The reports that have come, each behind its length; PortLostError if it is gone."""
-        first, self._first = self._first, b""
-        parts = [first]
+    def receive(self, wait_s: float) -> list[bytes]:
+        """Return the reports that have come, each behind its length, as `Port.receive`."""
+        found, self._first = self._first, []
+        wait_ms = round(1e3 * wait_s)
         try:
-            report = self._pad.read(LONGEST, WAIT_MS)
-            while report and len(parts) < AT_MOST:
-                parts.append(framed(bytes(report)))
-                report = self._pad.read(LONGEST, 0) if len(parts) < AT_MOST else b""
+            while len(found) < AT_MOST and (report := self._pad.read(LONGEST, wait_ms)):
+                found.append(framed(bytes(report)))
+                wait_ms = 0
         except (OSError, ValueError) as error:
-            raise PortLostError(f"pad:{self.device}: {error}") from None
-        return b"".join(parts)
+            raise PortLostError(f"{self.name}: {error}") from None
+        return found
 
     def close(self) -> None:
-        """Give it back."""
+        """Close the pad."""
         self._pad.close()

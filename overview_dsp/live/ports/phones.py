@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import http.client
 import json
-import queue
 import re
 import threading
 import time
@@ -14,25 +13,21 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from overview_dsp.devices.sensors.app_json import LONGEST
 from overview_dsp.errors import InputError
 from overview_dsp.live.ports.osc import parse_address
-from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.ports.port import Port, PortLostError, QueuedPort
 
 ANSWER_WITHIN_S = 2.0
 ASK_EVERY_S = 0.01
 """How often phyphox is asked, if it answers so fast."""
 
 MAX_ANSWER = 1 << 20
-WAIT_S = 0.05
-WAITING = 64
-"""Batches that wait; of more, the latest."""
+MAX_WAITING = 64
+"""Batches."""
 
 _MEASURED = re.compile(r"(acc|gyr)[a-z]*?_?([xyzt]|time)$", re.IGNORECASE)
 
 
-class PhyphoxPort:
+class PhyphoxPort(Port):
     """phyphox's remote access: started, then asked for what is newest."""
-
-    waiting = 0
-    """What wasn't asked for doesn't come."""
 
     def __init__(self, address: str) -> None:
         """Ask at `http://HOST:PORT`.
@@ -42,7 +37,7 @@ class PhyphoxPort:
         InputError
             Nothing answers there, or no experiment with an accelerometer.
         """
-        self.device = address
+        self.name = address
         parts = urllib.parse.urlsplit(address)
         try:
             host, port = parts.hostname, parts.port or 80
@@ -75,19 +70,16 @@ class PhyphoxPort:
             body = answer.read(MAX_ANSWER)
         except (OSError, http.client.HTTPException) as error:
             self._connection.close()
-            raise PortLostError(f"{self.device}: {error or type(error).__name__}") from None
+            raise PortLostError(f"{self.name}: {error or type(error).__name__}") from None
         if answer.status != 200:
-            raise PortLostError(f"{self.device}: {path}: HTTP {answer.status} {answer.reason}")
+            raise PortLostError(f"{self.name}: {path}: HTTP {answer.status} {answer.reason}")
         return body
 
-    def read(self) -> bytes:
-        """What it measured last, a line; PortLostError if it doesn't answer."""
-        now = time.monotonic()
-        if now < self._next:
-            time.sleep(self._next - now)
+    def receive(self, wait_s: float) -> list[bytes]:
+        """Return what it measured last, as one line; PortLostError if it doesn't answer."""
+        time.sleep(max(0.0, self._next - time.monotonic()))
         self._next = time.monotonic() + ASK_EVERY_S
-        # a line: what an app puts between is blanks
-        return self._ask(self._path).replace(b"\r", b" ").replace(b"\n", b" ") + b"\n"
+        return [_line(self._ask(self._path))]
 
     def close(self) -> None:
         """Ask no more."""
@@ -103,17 +95,18 @@ def _buffers(config: bytes) -> list[str]:
     return [name for name in names if _MEASURED.fullmatch(name)]
 
 
-class PostPort:
-    """A server for what an app posts: Sensor Logger's HTTP push."""
+def _line(body: bytes) -> bytes:
+    """Make one line of a body: line ends within JSON are blanks."""
+    return body.replace(b"\r", b" ").replace(b"\n", b" ") + b"\n"
 
-    waiting = 0
-    """All that came is read at once."""
+
+class PostPort(QueuedPort):
+    """Server for what an app posts (Sensor Logger's HTTP push), one line per batch."""
 
     def __init__(self, text: str) -> None:
         """Listen at `PORT` of this machine, or `HOST:PORT`; InputError if that can't be."""
-        self.device = text
-        self._came: queue.Queue[bytes] = queue.Queue(WAITING)
-        came = self._came
+        super().__init__(f"post:{text}", MAX_WAITING)
+        put = self.put
 
         class Handler(BaseHTTPRequestHandler):
             timeout = 10.0
@@ -129,10 +122,7 @@ class PostPort:
                     self.close_connection = True
                     self._answer(413, f"a batch holds up to {LONGEST} bytes: send more often\n")
                     return
-                body = self.rfile.read(int(length))
-                if came.full():
-                    came.get_nowait()
-                came.put(body.replace(b"\r", b" ").replace(b"\n", b" ") + b"\n")
+                put(_line(self.rfile.read(int(length))))
                 self._answer(200, "")
 
             def _answer(self, status: int, text: str) -> None:
@@ -144,7 +134,7 @@ class PostPort:
         try:
             self._server = ThreadingHTTPServer(parse_address(text), Handler)
         except OSError as error:
-            raise InputError(f"post:{text}: can't be opened ({error.strerror or error})") from None
+            raise InputError(f"{self.name}: can't be opened ({error.strerror or error})") from None
         self._server.daemon_threads = True
         threading.Thread(target=self._server.serve_forever, args=(0.05,), daemon=True).start()
 
@@ -153,16 +143,6 @@ class PostPort:
         """Host and port that are listened to."""
         host, port = self._server.server_address[:2]
         return str(host), int(port)
-
-    def read(self) -> bytes:
-        """The batches that came, a line each, waiting a moment for the first."""
-        try:
-            parts = [self._came.get(timeout=WAIT_S)]
-        except queue.Empty:
-            return b""
-        while not self._came.empty():
-            parts.append(self._came.get_nowait())
-        return b"".join(parts)
 
     def close(self) -> None:
         """Listen no more."""

@@ -5,19 +5,16 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.devices.sensors.decoders import DetectedFormat, detect
 from overview_dsp.errors import InputError
-from overview_dsp.live.ports.port import PortLostError
+from overview_dsp.live.ports.port import WAIT_S, Port, PortLostError
 
 BAUD = 115_200
-WAIT_S = 0.05
-"""How long a read waits for the first byte."""
-
 WRITE_S = 0.01
 """How long a write waits for buffer space."""
 
@@ -31,11 +28,11 @@ class PortInfo:
     identity: str
 
 
-class SerialPort:
-    """An open port."""
+class SerialPort(Port):
+    """Open serial port."""
 
-    def __init__(self, device: str, baud: int = BAUD, wait_s: float = WAIT_S) -> None:
-        """Open it for this program alone; a read waits `wait_s` for the first byte.
+    def __init__(self, device: str, baud: int = BAUD) -> None:
+        """Open it for this program alone.
 
         Raises
         ------
@@ -46,56 +43,46 @@ class SerialPort:
 
         try:
             self._port: Any = serial.Serial(
-                device, baud, timeout=wait_s, write_timeout=WRITE_S, exclusive=_exclusive()
+                device, baud, timeout=WAIT_S, write_timeout=WRITE_S, exclusive=_exclusive()
             )
         except (serial.SerialException, OSError, ValueError) as error:
             raise InputError(f"serial:{device}: {_why(error, baud)}") from None
-        self.device = device
+        self.name = f"serial:{device}"
         self._lost = (serial.SerialException, OSError, TypeError)
         self._full = serial.SerialTimeoutException
 
-    def read(self) -> bytes:
-        """What has come, waiting for the first byte.
-
-        Raises
-        ------
-        PortLostError
-            The device is gone.
-        """
+    def receive(self, wait_s: float) -> list[bytes]:
+        """Return the bytes that have come, as `Port.receive`."""
         try:
+            if self._port.timeout != wait_s:  # it is set in the driver
+                self._port.timeout = wait_s
             data: bytes = self._port.read(max(1, self._port.in_waiting))
             if self._port.in_waiting:  # what came with the byte that was waited for
                 data += self._port.read(self._port.in_waiting)
         except self._lost as error:
-            raise PortLostError(f"serial:{self.device}: {error}") from None
-        return data
+            raise PortLostError(f"{self.name}: {error}") from None
+        return [data] if data else []
 
     @property
     def waiting(self) -> int:
-        """Bytes that have come and haven't been read; 0 if the device is gone."""
+        """Bytes received and not yet read; 0 if the device is gone."""
         try:
             return int(self._port.in_waiting)
         except self._lost:  # the next read says so
             return 0
 
     def write(self, data: bytes) -> bool:
-        """Send; whether all of it was accepted within 10 ms.
-
-        Raises
-        ------
-        PortLostError
-            The device is gone.
-        """
+        """Send bytes; return whether all of them were accepted within 10 ms."""
         try:
             self._port.write(data)
         except self._full:
             return False
         except self._lost as error:
-            raise PortLostError(f"serial:{self.device}: {error}") from None
+            raise PortLostError(f"{self.name}: {error}") from None
         return True
 
     def close(self) -> None:
-        """Give it back; may be called twice."""
+        """Close the port; may be called twice."""
         with contextlib.suppress(*self._lost):
             self._port.close()
 
@@ -160,39 +147,27 @@ def identity_of(device: str) -> str:
 
 
 def listen(devices: list[str], seconds: float, baud: int = BAUD) -> dict[str, str]:
-    """What each port seems to speak, listened to all at once; opening one may restart its device.
+    """Return what each port seems to send, listening to all at once; that may restart a device.
 
-    The words are for a person: a format, why it isn't known, or why the port can't be opened.
+    The words are for the user: a format, why it isn't known, or why the port can't be opened.
     """
-    heard: dict[str, str] = {}
-    threads = [
-        threading.Thread(target=_listen, args=(one, seconds, baud, heard)) for one in devices
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    return heard
+    with ThreadPoolExecutor(max(1, len(devices))) as pool:
+        heard = pool.map(lambda device: _listen(device, seconds, baud), devices)
+        return dict(zip(devices, heard, strict=True))
 
 
-def _listen(device: str, seconds: float, baud: int, heard: dict[str, str]) -> None:
-    try:
-        port = SerialPort(device, baud)
-    except InputError as error:
-        heard[device] = str(error)
-        return
+def _listen(device: str, seconds: float, baud: int) -> str:
     data = bytearray()
     until = time.monotonic() + seconds
     found: DetectedFormat | str | None = None
     try:
-        while time.monotonic() < until and not isinstance(found, DetectedFormat):
-            data += port.read()
-            found = detect(bytes(data[-8192:]))
+        with contextlib.closing(SerialPort(device, baud)) as port:
+            while time.monotonic() < until and not isinstance(found, DetectedFormat):
+                data += b"".join(port.receive(WAIT_S))
+                found = detect(bytes(data[-8192:]))
         if found is None:
             found = detect(bytes(data[-8192:]), over=True)
-    except PortLostError as error:
-        found = str(error)
-    finally:
-        port.close()
+    except (InputError, PortLostError) as error:
+        return str(error)
     silent = f"nothing in {seconds:g} s" if not data else f"{len(data)} bytes, too few to detect"
-    heard[device] = str(found) if found is not None else silent
+    return silent if found is None else str(found)

@@ -9,27 +9,25 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.command import DiscoveryHit, Hit, Hits, Provider
+from textual.screen import ModalScreen
 from textual.widgets import Footer, Static
 
 from overview_dsp.live.inputs.input import Input
-from overview_dsp.live.screen.help_screen import TextScreen
-from overview_dsp.live.screen.moves import Moves, help_text
+from overview_dsp.live.screen.key_actions import KeyActions, help_text
 from overview_dsp.live.screen.terminal import has_hung_up, patient
 from overview_dsp.live.screen.timeline_view import TimelineView, marks, place_words
 from overview_dsp.live.screen.trace_view import MetersView, TraceView
-from overview_dsp.live.session.commands import FORMS
+from overview_dsp.live.session.command_forms import FORMS
+from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.status import Status
 from overview_dsp.signal.surface.model import Surface
-
-if TYPE_CHECKING:
-    from overview_dsp.live.session.player import Player
 
 
 def choices(player: Player) -> Iterator[tuple[str, ...]]:
@@ -99,6 +97,33 @@ class Changes(Provider):
         return partial(self._player.ask, *words)
 
 
+class TextScreen(ModalScreen[None]):
+    """Text over the screen, closed by any key or click."""
+
+    CSS = """
+    TextScreen { align: center middle; }
+    TextScreen Static { width: auto; height: auto; border: round $accent; padding: 0 1;
+        background: black; color: white; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = []
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self._text = text
+
+    def compose(self) -> ComposeResult:
+        """Show the text."""
+        yield Static(self._text, markup=False)
+
+    def on_key(self) -> None:
+        """Close."""
+        self.dismiss()
+
+    def on_click(self) -> None:
+        """Close."""
+        self.dismiss()
+
+
 POLLS_A_SECOND = 30
 VIEW_EVERY, METERS_EVERY = 3, 6
 """Polls: what is drawn costs a terminal that is far away its line."""
@@ -120,26 +145,26 @@ class PlayApp(App[None]):
     COMMANDS: ClassVar = {Changes}
     COMMAND_PALETTE_BINDING = "c"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left", "move(-1)", "back", show=False),
-        Binding("right", "move(1)", "move"),
-        Binding("shift+left", "move(-10)", show=False),
-        Binding("shift+right", "move(10)", show=False),
-        Binding("home", "to(0)", show=False),
-        Binding("end", "to(1)", show=False),
-        Binding("space", "hold", "let go / tap"),
-        Binding("enter", "tap", show=False),
-        Binding("escape", "release", show=False),
-        Binding("plus,equals_sign", "zoom(1)", "zoom", key_display="+ -"),
-        Binding("minus", "zoom(-1)", show=False),
-        Binding("0", "whole", "whole", show=False),
-        Binding("left_square_bracket", "event(-1)", "event", key_display="[ ]"),
-        Binding("right_square_bracket", "event(1)", show=False),
-        Binding("R", "take", "take"),
-        Binding("p,P", "replay", "replay"),
-        Binding("1", "preset(0)", "presets", key_display="1 2"),
-        Binding("2", "preset(1)", show=False),
-        Binding("m", "mute_click", "mute clicks", show=False),
-        Binding("t", "mute_tactor", "mute tactor", show=False),
+        Binding("left", "press('left')", "back", show=False),
+        Binding("right", "press('right')", "move"),
+        Binding("shift+left", "press('shift+left')", show=False),
+        Binding("shift+right", "press('shift+right')", show=False),
+        Binding("home", "press('home')", show=False),
+        Binding("end", "press('end')", show=False),
+        Binding("space", "press('space')", "let go / tap"),
+        Binding("enter", "press('enter')", show=False),
+        Binding("escape", "press('escape')", show=False),
+        Binding("plus,equals_sign", "press('+')", "zoom", key_display="+ -"),
+        Binding("minus", "press('-')", show=False),
+        Binding("0", "press('0')", "whole", show=False),
+        Binding("left_square_bracket", "press('[')", "event", key_display="[ ]"),
+        Binding("right_square_bracket", "press(']')", show=False),
+        Binding("R", "press('R')", "take"),
+        Binding("p,P", "press('p')", "replay"),
+        Binding("1", "press('1')", "presets", key_display="1 2"),
+        Binding("2", "press('2')", show=False),
+        Binding("m", "press('m')", "mute clicks", show=False),
+        Binding("t", "press('t')", "mute tactor", show=False),
         Binding("r", "remote", show=False),
         Binding("question_mark", "help", "help"),
         Binding("q,ctrl+c", "quit", "quit"),
@@ -166,7 +191,7 @@ class PlayApp(App[None]):
         self._view = TimelineView(player)
         self._meters = MetersView()
         self._trace = TraceView()
-        self._moves = Moves(player, lambda line: None)
+        self._key_actions = KeyActions(player)
         self._marked: Surface | None = None
         self._legend = Static("", id="legend")
         self._words = Static("", id="messages", markup=False)
@@ -200,14 +225,11 @@ class PlayApp(App[None]):
         if writer is not None and writer.take_left_out():
             self.refresh(layout=True)
         try:
-            if self._source is not None:
-                self._source.poll(self._player.engine)
-            status = self._player.poll()
+            status = poll(self._player, self._source)
         except Exception as error:  # shown by the command line once the screen is given back
             self._end(error)
             return
         self._status = status
-        self._moves.look(status)
         self._trace.show(status)
         self._polls += 1
         if self._polls % VIEW_EVERY == 0:
@@ -222,13 +244,13 @@ class PlayApp(App[None]):
             shown = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
             self._meters.show(shown, place_words(self._player, status.cursor), words)
             peaks[:] = 0.0, 0.0
-        messages = (*status.messages, *(() if source is None else source.take_messages()))
-        self._say(messages)
+        self._say(status.messages)
 
     def _show_marks(self) -> None:
         """Which mark is which kind of event, in the view's colours."""
-        if self._player.surface is not self._marked:
-            self._marked = self._player.surface
+        surface = self._player.engine.surface
+        if surface is not self._marked:
+            self._marked = surface
             shown = marks(self._player)
             text = Text(no_wrap=True, overflow="ellipsis")
             for mark, colour, kind in shown:
@@ -258,77 +280,17 @@ class PlayApp(App[None]):
         """The person has had enough."""
         self._end()
 
-    # --- the hand -------------------------------------------------------------------------------
-
-    def on_timeline_view_touched(self, message: TimelineView.Touched) -> None:
-        """The mouse holds or drags."""
-        self._player.touch(message.position)
-
-    def on_timeline_view_released(self, message: TimelineView.Released) -> None:
-        """The mouse releases; a click is a tap, as the disk goes all the way."""
-        self._player.release()
-
-    def action_move(self, steps: int) -> None:
-        """Move the finger by hundredths of the timeline, touching down if it isn't."""
-        self._moves.move(steps)
-
-    def action_to(self, position: float) -> None:
-        """Touch the start or the end."""
-        self._player.touch(float(position))
-
-    def action_hold(self) -> None:
-        """Let go if the finger holds, else tap where it was last."""
-        self._moves.hold()
-
-    def action_tap(self) -> None:
-        """A step to where the finger is or was last."""
-        self._player.tap(self._player.finger)
-
-    def action_release(self) -> None:
-        """Let go."""
-        self._player.release()
-
-    def action_event(self, direction: int) -> None:
-        """Touch the next or the previous event."""
-        self._player.go_to_event(direction, self._moves.finger())
-
-    # --- the view and the output ------------------------------------------------------------------
-
-    def action_zoom(self, direction: int) -> None:
-        """More or less detail about the finger, or the disk if no hand holds it."""
-        self._moves.zoom(direction)
-
-    def action_whole(self) -> None:
-        """The whole timeline."""
-        self._player.show(0.0, self._player.timeline.duration_s)
-
-    def action_mute_click(self) -> None:
-        """Clicks off or on."""
-        self._player.mute_click(not self._player.settings.click.mute)
-
-    def action_mute_tactor(self) -> None:
-        """Tactor off or on."""
-        self._player.mute_tactor(not self._player.settings.tactor.mute)
-
-    def action_take(self) -> None:
-        """Begin a take, or end it."""
-        self._player.toggle_take()
-
-    def action_replay(self) -> None:
-        """The last take again and again, or no more."""
-        self._player.toggle_replay()
-
-    def action_preset(self, which: int) -> None:
-        """One of the two presets."""
-        self._player.choose_preset(which)
+    def action_press(self, key: str) -> None:
+        """Do what a key is for."""
+        self._key_actions.press(key)
 
     def action_remote(self) -> None:
-        """How a phone takes hold of the disk."""
+        """Show how a phone holds the disk."""
         if self._invitation:
             self.push_screen(TextScreen(self._invitation))
 
     def action_help(self) -> None:
-        """The keys, explained."""
+        """Show the keys, explained."""
         self.push_screen(TextScreen(help_text(self._player)))
 
 

@@ -14,8 +14,9 @@ import time
 from collections.abc import Callable, Iterator
 
 from overview_dsp.live.inputs.input import Input
-from overview_dsp.live.screen.moves import Moves
+from overview_dsp.live.screen.key_actions import KeyActions
 from overview_dsp.live.screen.timeline_view import place_words
+from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.status import Status
 
@@ -51,22 +52,20 @@ def run(
     say: Callable[[str], None] = lambda line: print(line, flush=True),
 ) -> None:
     """Play until `q` or `stopped()`; errors of the player are raised."""
-    moves = Moves(player, say)
+    actions = KeyActions(player, say)
     say(f"{player.timeline.title}. ? for the keys, q to quit.")
     said = seen = ""
     since = time.monotonic()
     with _raw_keys() as read:
         while not stopped():
-            if source is not None:
-                source.poll(player.engine)
-            status = player.poll()
-            for line in (*status.messages, *(() if source is None else source.take_messages())):
+            status = poll(player, source)
+            for line in status.messages:
                 say(line)
             for key in keys_of(read()):
                 if key == "q":
                     player.close()
                     return
-                moves.press(key, status)
+                actions.press(key)
             words = _words(player, status)
             if words != seen:
                 seen, since = words, time.monotonic()

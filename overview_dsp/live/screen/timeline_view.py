@@ -16,7 +16,6 @@ from rich.segment import Segment
 from rich.style import Style
 from textual import events
 from textual.geometry import Region
-from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -44,16 +43,6 @@ class TimelineView(Widget):
 
     DEFAULT_CSS = "TimelineView { height: 1fr; min-height: 5; }"
 
-    class Touched(Message):
-        """The finger is down at `position` (0 to 1), or has moved there."""
-
-        def __init__(self, position: float) -> None:
-            super().__init__()
-            self.position = position
-
-    class Released(Message):
-        """The finger has released."""
-
     def __init__(self, player: Player) -> None:
         super().__init__()
         self._player = player
@@ -76,13 +65,13 @@ class TimelineView(Widget):
             return
         self.capture_mouse()
         self._pressed = self._position(event.x)
-        self.post_message(self.Touched(self._pressed))
+        self._player.touch(self._pressed)
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """The finger moves."""
         if self._pressed is not None and self._position(event.x) != self._pressed:
             self._pressed = self._position(event.x)
-            self.post_message(self.Touched(self._pressed))
+            self._player.touch(self._pressed)
 
     def on_mouse_up(self, event: events.MouseUp) -> None:
         """The finger releases."""
@@ -90,7 +79,7 @@ class TimelineView(Widget):
             return
         self.release_mouse()
         self._pressed = None
-        self.post_message(self.Released())
+        self._player.release()
 
     # --- the picture ----------------------------------------------------------------------------
 
@@ -98,7 +87,7 @@ class TimelineView(Widget):
         """Draw again what has changed."""
         width = self.size.width
         seen = (column(status.cursor, width), column(status.finger, width), status.touching)
-        surface = (self._player.surface, self.size.width, self.size.height)
+        surface = (self._player.engine.surface, self.size.width, self.size.height)
         before = (column(self._cursor, width), column(self._finger, width), self._touching)
         self._cursor, self._finger = status.cursor, status.finger
         self._touching = status.touching
@@ -124,7 +113,7 @@ class TimelineView(Widget):
     def _measure(self) -> None:
         """How high each column of the surface is, and which event marks it."""
         width = max(1, self.size.width)
-        surface = self._player.surface
+        surface = self._player.engine.surface
         # a column stands for the positions that the mouse in it rounds to
         positions = np.clip((np.arange(width + 1) - 0.5) / max(1, width - 1), 0.0, 1.0)
         friction = surface.resistance
@@ -141,7 +130,7 @@ class TimelineView(Widget):
             self._marks[column(float(where), width)] = mark
         shown = self._player.shown
         until = shown.until_s
-        angle_map = self._player.under_hand.angle_map
+        angle_map = self._player.active_window.angle_map
         self._now = None if until is None else column(float(angle_map.position_of(until)), width)
         self._stretched = [
             (column(first, width), column(last, width)) for first, last in angle_map.stretched()
@@ -197,7 +186,7 @@ class TimelineView(Widget):
 
     def _axis(self, width: int) -> str:
         start, end = self._player.window
-        angle_map = self._player.under_hand.angle_map
+        angle_map = self._player.active_window.angle_map
         cells = [" "] * width
         if self._now is not None:
             first = max(0, min(self._now, width - len("now")))
@@ -237,7 +226,7 @@ def axis_text(player: Player, time_s: float) -> str:
 def place_words(player: Player, cursor: float) -> str:
     """The moment under the cursor (0 to 1), and the event whose surface it is on."""
     words = axis_text(player, player.moment_s(cursor))
-    surface = player.surface
+    surface = player.engine.surface
     for span, event in zip(surface.span, surface.event, strict=True):
         if span[0] <= cursor <= span[1]:
             there = player.shown.events[event]
@@ -247,7 +236,7 @@ def place_words(player: Player, cursor: float) -> str:
 
 def marks(player: Player) -> list[tuple[str, str, str]]:
     """Mark, colour and kind of the events that are shown, in the order of the marks."""
-    surface = player.surface
+    surface = player.engine.surface
     kinds = {
         int(kind): player.shown.events[event].kind
         for kind, event in zip(surface.kind, surface.event, strict=True)

@@ -101,11 +101,12 @@ class MetersView(Static):
 
     def show(self, status: Status, here: str, source: str = "") -> None:
         """Write the meters; `here` names what is under the cursor, `source` is the input's line."""
-        text = Text()
+        text, stream = Text(), status.stream
         part = min(abs(status.torque) / status.full_torque, 1.0)
         text.append("torque ").append(bar(part), "yellow")
         text.append(f" {status.torque * 1e3:+7.3f} mN·m   ").append(here, "bold")
-        peaks = ((status.peak_click, status.click_muted), (status.peak_tactor, status.tactor_muted))
+        click, tactor = status.settings.signals
+        peaks = ((status.peak_click, click.mute), (status.peak_tactor, tactor.mute))
         for index, (name, (peak, muted)) in enumerate(
             zip(("click ", "tactor"), peaks, strict=True)
         ):
@@ -115,14 +116,14 @@ class MetersView(Static):
             text.append(f" {level_text(held)}" + ("   muted" if muted else ""))
         text.append(
             f"\n{status.output}, {status.callback} callback, {status.sample_rate:g} Hz, "
-            f"{status.block_size} frames, latency {status.latency_s * 1e3:.1f} ms"
+            f"{status.block_size} frames, latency {stream.latency_s * 1e3:.1f} ms"
         )
-        if status.actuator is not None and status.protected is not None:
-            text.append(f", {status.actuator.name} {-status.protected.taken_db:.1f} dB")
-        faults = status.late + status.underflows + status.dropped
+        if status.settings.actuator is not None and status.protected is not None:
+            text.append(f", {status.settings.actuator.name} {-status.protected.taken_db:.1f} dB")
+        faults = stream.late + stream.underflows + status.dropped
         text.append(
-            f"\nDSP load {100.0 * status.load:.1f} %, p99 {1e6 * status.p99_s:.0f} µs, "
-            f"max {1e6 * status.longest_s:.0f} µs; {status.late} late, {status.underflows} "
+            f"\nDSP load {100.0 * stream.load:.1f} %, p99 {1e6 * stream.p99_s:.0f} µs, "
+            f"max {1e6 * stream.longest_s:.0f} µs; {stream.late} late, {stream.underflows} "
             f"underflows, {status.frames_lost} lost, {status.dropped} dropped",
             "red" if faults else "dim",
         )

@@ -1,7 +1,4 @@
-"""What a hand, a line of standard input or an OSC message may ask of a session, besides moving.
-
-`FORMS` lists them.
-"""
+"""Commands of a session besides moving, asked for by keys, lines of text, OSC or the palette."""
 
 from __future__ import annotations
 
@@ -10,22 +7,36 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.inputs.feeds import expected_s, map_named
+from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.output.settings import channels_in
-from overview_dsp.live.output.stream_opener import Outputs
+from overview_dsp.live.session.command_forms import FORMS
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.status import Status
 from overview_dsp.signal.actuators.calibration import calibrated_actuator
 from overview_dsp.signal.actuators.stage import warn_of_carrier
 
-if TYPE_CHECKING:
-    from overview_dsp.live.session.player import Player
+
+def poll(player: Player, source: Input | None = None) -> Status:
+    """Poll the input, do the commands that were asked for, and poll the player.
+
+    Return the player's status, with the messages of the input after its own.
+    """
+    if source is not None:
+        source.poll(player.engine)
+    while player.asked:
+        do(player, *player.asked.popleft())
+    status = player.poll()
+    if source is None:
+        return status
+    return replace(status, messages=(*status.messages, *source.take_messages()))
 
 
 def do(player: Player, name: str, *words: str) -> None:
-    """Do one of `COMMANDS`; what is wrong with it is told to the person."""
+    """Do one of `COMMANDS`; the user is shown what is wrong with it."""
     asked = " ".join((name, *words))
     if name not in COMMANDS:
         player.say(f"{asked}: no such command; there are {', '.join(FORMS.values())}")
@@ -54,12 +65,12 @@ def _switched(word: str, now: bool) -> bool:
 
 
 def _record(player: Player, on: str = "") -> None:
-    if _switched(on, player.recording):
+    if _switched(on, player.takes.growing is not None):
         player.toggle_take()
 
 
 def _replay(player: Player, on: str = "") -> None:
-    if _switched(on, player.replaying):
+    if _switched(on, player.loop.playing):
         player.toggle_replay()
 
 
@@ -88,18 +99,14 @@ def _number(word: str, what: str) -> float:
     return value
 
 
-def _outputs(player: Player) -> Outputs:
-    if not isinstance(player.outputs, Outputs):
-        raise OverviewError("this session's output can't be changed")
-    return player.outputs
-
-
 def _device(player: Player, *name: str) -> None:
-    player.reopen(_outputs(player).with_device(" ".join(name) or None))
+    device = " ".join(name) or None
+    player.reopen(replace(player.output.opener, device=device, rescans=True))
 
 
 def _block_size(player: Player, frames: str) -> None:
-    player.reopen(_outputs(player).with_block_size(int(_number(frames, "a block size"))))
+    size = int(_number(frames, "a block size"))
+    player.reopen(replace(player.output.opener, block_size=size, rescans=True))
 
 
 def _rate(player: Player, rate: str) -> None:
@@ -108,25 +115,25 @@ def _rate(player: Player, rate: str) -> None:
 
 def _channels(player: Player, click: str, tactor: str) -> None:
     wanted = [{"channel": channels_in(one)} for one in (click, tactor)]
-    player.reopen(settings=player.settings.changed(*wanted))
+    player.reopen(settings=player.output.settings.changed(*wanted))
 
 
 def _actuator(player: Player, name: str) -> None:
     driven = None if name == "none" else calibrated_actuator(name)
     if driven is not None:
-        warn_of_carrier(driven, player.preset.number("tactor.frequency_hz"))
-    player.reopen(settings=replace(player.settings, actuator=driven))
+        warn_of_carrier(driven, player.engine.preset.number("tactor.frequency_hz"))
+    player.reopen(settings=replace(player.output.settings, actuator=driven))
 
 
 def _gain(player: Player, signal: str, gain_db: str) -> None:
     change = {"gain_db": _number(gain_db, "a gain")}
-    player.set_output(player.settings.changed(**{_signal(signal): change}))
+    player.output.set(player.output.settings.changed(**{_signal(signal): change}))
 
 
 def _mute(player: Player, signal: str, on: str = "") -> None:
-    muted = getattr(player.settings, _signal(signal)).mute
+    muted = getattr(player.output.settings, _signal(signal)).mute
     if _switched(on, muted):
-        player.set_output(player.settings.changed(**{signal: {"mute": not muted}}))
+        player.output.mute(signal, not muted)
 
 
 def _signal(word: str) -> str:
@@ -163,19 +170,4 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "mute": _mute,
     "map": _map,
     "expect": _expect,
-}
-FORMS = {
-    "record": "record [0|1]",
-    "replay": "replay [0|1]",
-    "preset": "preset 1|2|NAME",
-    "window": "window START END",
-    "device": "device NAME|NUMBER|none",
-    "block-size": "block-size FRAMES",
-    "rate": "rate HZ",
-    "channels": "channels CLICK TACTOR",
-    "actuator": "actuator NAME|none",
-    "gain": "gain click|tactor DB",
-    "mute": "mute click|tactor [0|1]",
-    "map": "map whole|so-far",
-    "expect": "expect LENGTH",
 }

@@ -1,10 +1,9 @@
-"""The hand of mouse and keys: a finger that holds, moves, taps and lets go."""
+"""The finger of mouse and keys: it holds, moves, taps and releases."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
+from overview_dsp.live.session.session import Session
 from overview_dsp.units import HALF_TURN
 
 
@@ -18,19 +17,20 @@ class Finger:
     position : float
         Where it holds or held last, 0 to 1.
     holding : bool
-        Whether it is down.
+        Whether it is down; False again once the engine begins again.
     """
 
-    def __init__(self, engine: Engine, heard: Callable[[], bool]) -> None:
-        """`heard`: whether an output runs the engine now."""
-        self._engine = engine
-        self._heard = heard
+    def __init__(self, session: Session, output: ReconnectingStream) -> None:
+        self._engine, self._output = session.engine, output
         self.position = 0.0
         self.holding = False
 
     def touch(self, position: float) -> None:
         """Hold at `position` (0 to 1): a tap if it wasn't down, else it moves there."""
-        self._hold(position)
+        self.position = min(max(position, 0.0), 1.0)
+        self.holding = True
+        if self._output.playing:  # else nobody would take it, and it would be stale
+            self._engine.control(self.position * HALF_TURN, True)
 
     def release(self) -> None:
         """Release: the disk goes on to `position`, then recoils."""
@@ -39,18 +39,7 @@ class Finger:
             self._engine.control(self.position * HALF_TURN, False)
 
     def tap(self, position: float) -> None:
-        """A step to `position` that is released at once (paper, figure 6)."""
-        if self.holding:
-            self.release()
-        self._hold(position)
+        """Step to `position` and release at once (paper, figure 6)."""
         self.release()
-
-    def forget(self) -> None:
-        """It isn't down: the engine has begun anew."""
-        self.holding = False
-
-    def _hold(self, position: float) -> None:
-        self.position = min(max(position, 0.0), 1.0)
-        self.holding = True
-        if self._heard():  # else nobody would take it, and it would be stale
-            self._engine.control(self.position * HALF_TURN, True)
+        self.touch(position)
+        self.release()

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from overview_dsp.data.feeds.difference import HOLDS_S, LASTS_S, TAP, pattern_change
@@ -20,8 +19,8 @@ from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.feeds import map_named
-from overview_dsp.live.session.view import UnderHand
-from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.live.session.active_window import ActiveWindow
+from overview_dsp.live.session.session import Session
 from overview_dsp.signal.engine.replay import set_pattern
 from overview_dsp.units import HALF_TURN, clock_text
 
@@ -86,11 +85,8 @@ class Growing:
         What was told by a pattern, the latest last (up to 100).
     """
 
-    def __init__(
-        self, engine: Engine, growth: Growth, under_hand: UnderHand, say: Callable[[str], None]
-    ) -> None:
-        """`say` tells the person."""
-        self._engine, self._under_hand, self._say = engine, under_hand, say
+    def __init__(self, session: Session, growth: Growth, window: ActiveWindow) -> None:
+        self._engine, self._say, self._window = session.engine, session.say, window
         self._growth = growth
         self._seen = growth.live.revision
         self._held_since: float | None = None
@@ -99,7 +95,7 @@ class Growing:
         self._pattern: tuple[float, bool] | None = None  # since when, and whether it still holds
         self._put_back = False
         self._refused: tuple[Timeline, float] | None = None
-        self._map = engine.preset.values[MAP]
+        self._map = self._engine.preset.values[MAP]
         self.told: list[Event] = []
 
     @property
@@ -138,8 +134,8 @@ class Growing:
         if keeps:
             self._bring_ahead(snapshot, now)
             return
-        if snapshot is not self._under_hand.timeline or self._put_back:
-            if not self._under_hand.grow(snapshot):
+        if snapshot is not self._window.timeline or self._put_back:
+            if not self._window.grow(snapshot):
                 return  # two surfaces fade already
             self._put_back = hands  # whom the map under them is kept for
             self._next = now + EVERY_S
@@ -149,7 +145,7 @@ class Growing:
 
     def _bring_ahead(self, snapshot: Timeline, now: float) -> None:
         """Hand over what lies ahead of the disk and of who holds it, and nothing else."""
-        under, holder = self._under_hand, self._engine.holder
+        under, holder = self._window, self._engine.holder
         grows = self.live.map == "whole" and snapshot is not under.timeline
         if not grows or holder is None or under.timeline.until_s is None:
             return
@@ -247,7 +243,7 @@ class Growing:
             self._pattern = (since, False)
         if hands or now >= since + LASTS_S:
             self._pattern = None
-            self._put_back = not self._under_hand.grow(self.live.felt())
+            self._put_back = not self._window.grow(self.live.felt())
 
 
 def _strength(preset: Preset, event: Event) -> float:

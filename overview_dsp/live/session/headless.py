@@ -8,6 +8,7 @@ from typing import Any
 
 from overview_dsp.data.timeline import Event
 from overview_dsp.live.inputs.input import Input
+from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.status import Status
 from overview_dsp.signal.actuators.stage import protected_report
@@ -37,14 +38,12 @@ def run(
     messages as they come.
     """
     started = last = time.monotonic()
-    replayed = player.replaying
+    replayed = player.loop.playing
     click = tactor = 0.0
     passed: list[Passed] = []
     while True:
-        if source is not None:
-            source.poll(player.engine)
-        status = player.poll()
-        for message in (*status.messages, *(() if source is None else source.take_messages())):
+        status = poll(player, source)
+        for message in status.messages:
             note(message)
         if describe is not None:
             struck = player.engine.take_struck_events()
@@ -57,12 +56,12 @@ def run(
             yield {**_line(status, click, tactor), **_input(source)}
             click = tactor = 0.0
         over = source is not None and source.is_over(player.engine) and player.at_rest
-        over |= source is None and replayed and not player.replaying
+        over |= source is None and replayed and not player.loop.playing
         if over or stopped() or (seconds is not None and now - started >= seconds):
             break
         time.sleep(LOOK_EVERY_S)
     told = describe(passed) if describe is not None else {}
-    yield {"summary": {**_summary(player.poll()), **_input(source), **told}}
+    yield {"summary": {**_summary(poll(player)), **_input(source), **told}}
 
 
 def _input(source: Input | None) -> dict[str, Any]:
@@ -78,9 +77,9 @@ def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
         "torque_nm": status.torque,
         "peak_click_dbfs": _db(click),
         "peak_tactor_dbfs": _db(tactor),
-        "blocks": status.callbacks,
-        "late_callbacks": status.late,
-        "underflows": status.underflows,
+        "blocks": status.stream.callbacks,
+        "late_callbacks": status.stream.late,
+        "underflows": status.stream.underflows,
         "frames_lost": status.frames_lost,
         "dropped_events": status.dropped,
         **({} if status.following is None else {"following": status.following}),
@@ -93,19 +92,19 @@ def _summary(status: Status) -> dict[str, Any]:
         "callback": status.callback,
         "sample_rate": status.sample_rate,
         "block_size": status.block_size,
-        "latency_ms": round(status.latency_s * 1e3, 3),
+        "latency_ms": round(status.stream.latency_s * 1e3, 3),
         "time_s": round(status.time_s, 3),
-        "blocks": status.callbacks,
-        "late_callbacks": status.late,
-        "underflows": status.underflows,
-        "frames": status.frames,
+        "blocks": status.stream.callbacks,
+        "late_callbacks": status.stream.late,
+        "underflows": status.stream.underflows,
+        "frames": status.stream.frames,
         "frames_lost": status.frames_lost,
         "dropped_events": status.dropped,
-        "dsp_load_percent": round(100.0 * status.load, 2),
-        "callback_p50_us": round(status.median_s * 1e6, 2),
-        "callback_p99_us": round(status.p99_s * 1e6, 2),
-        "callback_max_us": round(status.longest_s * 1e6, 2),
-        "actuator": protected_report(status.actuator, status.protected),
+        "dsp_load_percent": round(100.0 * status.stream.load, 2),
+        "callback_p50_us": round(status.stream.median_s * 1e6, 2),
+        "callback_p99_us": round(status.stream.p99_s * 1e6, 2),
+        "callback_max_us": round(status.stream.longest_s * 1e6, 2),
+        "actuator": protected_report(status.settings.actuator, status.protected),
         "recording": status.recording,
     }
 

@@ -1,10 +1,8 @@
-"""A preset's file, watched: saved in an editor, felt at once.
-
-The two presets of a session: the one whose file is edited, and what it is compared with.
-"""
+"""Presets of a session: watched files, and the pair of which one is chosen."""
 
 from __future__ import annotations
 
+import copy
 import os
 import time
 from pathlib import Path
@@ -18,9 +16,14 @@ LOOK_EVERY_S = 0.2
 
 
 class PresetWatch:
-    """Reports when a preset's file has changed and is whole.
+    """A preset whose file is watched.
 
     Thread: control.
+
+    Attributes
+    ----------
+    preset : Preset
+        As its file was when it was last read whole.
     """
 
     def __init__(self, name: str, linear: bool = False) -> None:
@@ -30,10 +33,22 @@ class PresetWatch:
         """
         self.path: Path = preset_path(name)
         self.linear = linear
+        self.fixed = False
         self._signature = self._look()
         self._name = name
         self.preset: Preset = self._load()
         self._next = 0.0
+
+    def as_it_is(self) -> PresetWatch:
+        """Return the preset as it is now, whose file isn't watched."""
+        fixed = copy.copy(self)
+        fixed.fixed = True
+        return fixed
+
+    @property
+    def name(self) -> str:
+        """Name for the user."""
+        return f"{self.preset.name} as it was" if self.fixed else self.path.name
 
     def _load(self) -> Preset:
         preset = load_preset(self._name)
@@ -55,7 +70,7 @@ class PresetWatch:
             It has changed, and isn't valid now: the last good one goes on.
         """
         now = time.monotonic()
-        if now < self._next:
+        if self.fixed or now < self._next:
             return None
         self._next = now + LOOK_EVERY_S
         signature = self._look()
@@ -86,81 +101,65 @@ class PresetPair:
 
     def __init__(self, watch: PresetWatch, other: PresetWatch | None = None) -> None:
         """`watch` is chosen first. Without `other`, A is its file as it is now."""
-        self._before = watch.preset
-        self.linear, self._compares = watch.linear, other is not None
-        self._watches = (None, watch) if other is None else (watch, other)
+        self.linear = watch.linear
+        self.waiting: int | None = None
+        self._compares = other is not None
+        self._watches = [watch.as_it_is(), watch] if other is None else [watch, other]
         self._chosen = 1 if other is None else 0
         self._changed: Preset | None = None
-        self.waiting: int | None = None
-
-    def _preset(self, which: int) -> Preset:
-        watch = self._watches[which]
-        return self._before if watch is None else self.fitted(watch.preset)
 
     def fitted(self, preset: Preset) -> Preset:
-        """A preset with the map of this session, where that is one for all presets."""
+        """Return a preset with the map of this session, where that is one for all presets."""
         if self.linear:
             return without_map(preset)
-        first = self._watches[0]
-        if not self._compares or first is None:
+        if not self._compares:
             return preset
-        return preset.with_value(SHARE, first.preset.number(SHARE))
+        return preset.with_value(SHARE, self._watches[0].preset.number(SHARE))
 
     @property
     def preset(self) -> Preset:
         """The chosen one, as its file is."""
-        return self._preset(self._chosen)
+        return self.fitted(self._watches[self._chosen].preset)
 
     @property
     def name(self) -> str:
-        """The chosen one's file."""
-        watch = self._watches[self._chosen]
-        return self._before.name if watch is None else watch.path.name
-
-    @property
-    def letter(self) -> str:
-        """The chosen one: A or B."""
-        return "AB"[self._chosen]
+        """Name of the chosen one for the user."""
+        return self._watches[self._chosen].name
 
     def words(self, which: int) -> str:
-        """One of them, for a person."""
-        watch = self._watches[which]
-        what = f"{self._before.name} as it was" if watch is None else watch.path.name
-        return f"{'AB'[which]}, {what}"
+        """Return letter and name of one of them for the user."""
+        return f"{'AB'[which]}, {self._watches[which].name}"
 
     def choose(self, which: int) -> Preset:
-        """Choose one; it."""
+        """Choose one; return it."""
         self._chosen, self.waiting = which, None
         return self.preset
 
     def replace(self, watch: PresetWatch) -> Preset:
-        """Put another preset in the chosen one's place; it."""
-        self._before = self.preset
-        if self._watches[0] is None:
-            self._watches, self._chosen = (None, watch), 1
+        """Put another preset in the chosen one's place; return it."""
+        if self._watches[0].fixed:  # A stays what B is compared with: the one until now
+            self._watches = [self._watches[self._chosen].as_it_is(), watch]
+            self._chosen = 1
         else:
-            first, second = self._watches
-            self._watches = (watch, second) if self._chosen == 0 else (first, watch)
+            self._watches[self._chosen] = watch
         return watch.preset
 
     def look(self) -> list[str]:
-        """See whether a file was saved; what a person should know."""
+        """Read files that were saved; return messages for the user."""
         said = []
         for which, watch in enumerate(self._watches):
-            if watch is None:
-                continue
             try:
                 changed = watch.changed()
             except OverviewError as error:
                 said.append(f"{error}; the last good one plays on")
                 continue
             if changed is not None:
-                said.append(f"{watch.path.name}: read again")
+                said.append(f"{watch.name}: read again")
                 if which == self._chosen:
                     self._changed = changed
         return said
 
     def take_changed(self) -> Preset | None:
-        """The chosen preset, if its file was saved since the last call."""
+        """Return the chosen preset, if its file was saved since the last call."""
         changed, self._changed = self._changed, None
         return None if changed is None else self.fitted(changed)

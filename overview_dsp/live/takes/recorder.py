@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ class Recorder:
     From the engine's first sample on, the take renders to the very samples that were heard. Later,
     it begins with the hands as they hold the disk, but the disk itself, rendered, is at rest first.
 
-    Thread: any for `take_messages`; the rest is one thread's, `start` gives it one.
+    Thread: one, which `start` makes; `close` from any.
 
     Attributes
     ----------
@@ -46,8 +45,11 @@ class Recorder:
         path: str | os.PathLike[str],
         about: Mapping[str, Any],
         changes: list[Mapping[str, Any]] | None = None,
+        say: Callable[[str], None] = lambda line: None,
     ) -> None:
         """Begin a take; `changes` were made before and hold at its first sample.
+
+        `say` shows the user a message, from the take's thread.
 
         Raises
         ------
@@ -61,7 +63,7 @@ class Recorder:
         self._events: list[Event] = [(0, source, theta2, True) for source, theta2 in hands]
         self._changes: list[tuple[int, Mapping[str, Any]]] = [(0, one) for one in changes or ()]
         self._pending = list(changes or ())
-        self._messages: deque[str] = deque()
+        self._say = say
         self._over = threading.Event()
         self._thread: threading.Thread | None = None
         self._said: set[str] = set()
@@ -77,10 +79,6 @@ class Recorder:
         self._thread = threading.Thread(target=self._run, name="take", daemon=True)
         self._thread.start()
 
-    def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call."""
-        return tuple(self._messages.popleft() for _ in range(len(self._messages)))
-
     def _run(self) -> None:
         while not self._over.wait(EVERY_S):
             try:
@@ -93,7 +91,7 @@ class Recorder:
         with self._busy:
             if self._take is not None:
                 self._collect()
-                self._write(self._take)
+                self._write()
 
     def close(self) -> None:
         """Write what is left and end the take; may be called twice, from anywhere.
@@ -107,14 +105,14 @@ class Recorder:
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(STUCK_S)
         with self._busy:
-            take = self._take
-            if take is None:
+            if self._take is None:
                 return
             self._collect()
-            error = self._write(take) or self._finish()
-            self._take = None
+            error = self._write() or self._do(GrowingTake.finish)
+            take, self._take = self._take, None
             self._note.close()
         if error is not None:
+            take.close()
             raise OutputError(
                 f"{self.path}: {error.strerror}; the take is whole up to {take.played_s:.1f} s"
             )
@@ -145,51 +143,45 @@ class Recorder:
             elif sample >= self._begin:
                 self._changes.append((sample - self._begin, what))
 
-    def _write(self, take: GrowingTake) -> OSError | None:
-        """All that was collected, here or in another place; the error if there is none."""
+    def _write(self) -> OSError | None:
+        """Write all that was collected; return the error if it can be written nowhere."""
         played = max([self._now] + [last[-1][0] for last in (self._events, self._changes) if last])
-        try:
-            take.append(self._events, self._changes, played)
-        except OSError as error:
-            moved = self._moved(take, error)
-            if moved is None:
-                self._say_once(
-                    f"{self.path}: {error.strerror}, and there is no other place; the take is kept "
-                    "in memory until there is one"
-                )
-                return error
-            return self._write(moved)
-        self._events, self._changes = [], []
-        return None
+        error = self._do(lambda take: take.append(self._events, self._changes, played))
+        if error is None:
+            self._events, self._changes = [], []
+        else:
+            self._say_once(
+                f"{self.path}: {error.strerror}, and there is no other place; the take is kept "
+                "in memory until there is one"
+            )
+        return error
 
-    def _moved(self, take: GrowingTake, error: OSError) -> GrowingTake | None:
-        """The take in another place, whole up to now; None if there is none."""
+    def _do(self, action: Callable[[GrowingTake], None]) -> OSError | None:
+        """Do something with the take, here or in another place; return the error if both fail."""
+        assert self._take is not None
+        while True:
+            try:
+                action(self._take)
+            except OSError as error:
+                if not self._move(self._take, error):
+                    return error
+            else:
+                return None
+
+    def _move(self, take: GrowingTake, error: OSError) -> bool:
+        """Continue the take in another place, whole up to now; return whether there is one."""
         for place in other_places(take.path):
             if place.parent == take.path.parent:
-                return None
+                return False
             try:
                 self._take = take.continued(place)
             except (InputError, OutputError):
                 continue
             self.path = place
             self._note.moved(place)
-            self._messages.append(
-                f"{take.path}: {error.strerror}; the whole take goes on in {place}"
-            )
-            return self._take
-        return None
-
-    def _finish(self) -> OSError | None:
-        assert self._take is not None
-        try:
-            self._take.finish()
-        except OSError as error:
-            moved = self._moved(self._take, error)
-            if moved is None:
-                self._take.close()
-                return error
-            return self._finish()
-        return None
+            self._say(f"{take.path}: {error.strerror}; the whole take goes on in {place}")
+            return True
+        return False
 
     def _miss(self, line: str) -> None:
         self.differs = line
@@ -198,4 +190,4 @@ class Recorder:
     def _say_once(self, line: str) -> None:
         if line not in self._said:
             self._said.add(line)
-            self._messages.append(line)
+            self._say(line)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,9 @@ from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures.growing_take import free_name
 from overview_dsp.errors import OverviewError
+from overview_dsp.live.session.session import Session
 from overview_dsp.live.takes.recorder import Recorder
 from overview_dsp.live.takes.recovery import other_places
-from overview_dsp.signal.engine.engine import Engine
 
 
 def timeline_beside(path: Path) -> Path:
@@ -35,13 +35,10 @@ class Takes:
         A line for the person on each of them.
     """
 
-    def __init__(
-        self, engine: Engine, path: str | os.PathLike[str] | None, say: Callable[[str], None]
-    ) -> None:
-        """`path` is where they go (None: a name by the clock); `say` tells the person."""
-        self._engine = engine
+    def __init__(self, session: Session, path: str | os.PathLike[str] | None) -> None:
+        """`path` is where they go (None: a name by the clock)."""
+        self._engine, self._say = session.engine, session.say
         self._path = Path(time.strftime("take-%Y%m%d-%H%M%S.csv") if path is None else path)
-        self._say = say
         self._recorder: Recorder | None = None
         self.ended: list[str] = []
         self.words: list[str] = []
@@ -56,7 +53,7 @@ class Takes:
 
         `timeline` is what it begins on where no file holds that: it is written beside the take.
         """
-        self._recorder = Recorder(self._engine, self._path, about)
+        self._recorder = Recorder(self._engine, self._path, about, None, self._say)
         self._recorder.start()
         if timeline is not None:
             save_timeline(timeline, timeline_beside(self._path))
@@ -73,7 +70,7 @@ class Takes:
         """
         for path in (self._path, *other_places(self._path)):
             try:
-                recorder = Recorder(self._engine, free_name(path), about, before)
+                recorder = Recorder(self._engine, free_name(path), about, before, self._say)
                 if timeline is not None:
                     save_timeline(timeline, timeline_beside(recorder.path))
             except OverviewError as error:
@@ -83,11 +80,6 @@ class Takes:
             self._recorder = recorder
             self._say(f"{recorder.path}: recording; R ends it")
             return
-
-    def poll(self) -> None:
-        """Tell what the one that grows has to say."""
-        if self._recorder is not None:
-            self._tell(self._recorder)
 
     def end(self) -> None:
         """Save the one that grows; may be called twice.
@@ -102,13 +94,8 @@ class Takes:
             try:
                 recorder.close()
             finally:
-                self._tell(recorder)
                 self.ended.append(str(recorder.path))
                 what = f"its hands; {recorder.differs}" if recorder.differs else "to the bit"
                 beside = timeline_beside(recorder.path)
                 on = f", on {beside}" if beside.exists() else ""
                 self.words.append(f"{recorder.path}: the take, {what}{on}")
-
-    def _tell(self, recorder: Recorder) -> None:
-        for line in recorder.take_messages():
-            self._say(line)

@@ -125,9 +125,9 @@ def test_the_keys_move_tap_and_let_go(player):
 
 def test_keys_that_come_faster_than_the_screen_all_count(player):
     async def script(app, pilot):
-        app.action_to(0.5)
+        player.touch(0.5)
         for _ in range(10):
-            app.action_move(1)
+            app.action_press("right")
         assert await until(pilot, lambda: abs(cursor(player) - 0.6) < 0.002)
 
     drive(player, script)
@@ -136,11 +136,11 @@ def test_keys_that_come_faster_than_the_screen_all_count(player):
 def test_brackets_go_from_event_to_event(player):
     async def script(app, pilot):
         await pilot.press("right_square_bracket")
-        first = player.surface.position[0]
+        first = player.engine.surface.position[0]
         assert await until(pilot, lambda: abs(cursor(player) - first) < 0.002)
         await pilot.press("right_square_bracket", "right_square_bracket")
         await pilot.press("left_square_bracket")
-        second = player.surface.position[1]
+        second = player.engine.surface.position[1]
         assert await until(pilot, lambda: abs(cursor(player) - second) < 0.002)
 
     drive(player, script)
@@ -157,9 +157,9 @@ def test_zooming_keeps_the_moment_under_the_disk(player):
         # a window waits while two surfaces fade
         width = pytest.approx(player.timeline.duration_s / 1.5**4)
         assert await until(pilot, lambda: player.window[1] - player.window[0] == width)
-        assert player.moment_s(player.finger) == pytest.approx(moment, abs=5.0)
+        assert player.moment_s(player.finger.position) == pytest.approx(moment, abs=5.0)
         assert await until(pilot, lambda: abs(player.moment_s(cursor(player)) - moment) < 5.0)
-        assert len(player.surface.position) == len(player.shown.events)
+        assert len(player.engine.surface.position) == len(player.shown.events)
         goals = [event.label for event in player.shown.events if "goal" in event.kind]
         assert 0 < len(goals) < 6
         await pilot.press("0")
@@ -172,7 +172,10 @@ def test_mutes_silence_what_they_name(player):
     async def script(app, pilot):
         await pilot.press("m", "t")
         await pilot.pause(0.2)
-        assert (player.settings.click.mute, player.settings.tactor.mute) == (True, True)
+        assert (player.output.settings.click.mute, player.output.settings.tactor.mute) == (
+            True,
+            True,
+        )
         player.poll()
         player.touch(0.9)
         await until(pilot, lambda: cursor(player) > 0.8)
@@ -182,7 +185,7 @@ def test_mutes_silence_what_they_name(player):
         await pilot.press("t")
 
         def felt():
-            player.touch(0.1 if player.finger > 0.5 else 0.9)
+            player.touch(0.1 if player.finger.position > 0.5 else 0.9)
             return app._status.peak_tactor > 0.1
 
         assert await until(pilot, felt)
@@ -310,11 +313,11 @@ def test_the_load_of_the_callbacks_is_on_the_screen(player):
 
         def same():  # drawn a moment after it is asked for
             status = app._status
-            return status and f"max {1e6 * status.longest_s:.0f} µs" in shown._shown
+            return status and f"max {1e6 * status.stream.longest_s:.0f} µs" in shown._shown
 
         assert await until(pilot, same)
         assert "DSP load" in shown._shown
-        assert 0.0 < app._status.load < 5.0
+        assert 0.0 < app._status.stream.load < 5.0
 
     drive(player, script)
 
@@ -328,7 +331,7 @@ def test_what_is_felt_goes_by_beside_the_timeline_and_the_marks_are_explained(pl
             return ["".join(s.text for s in trace.render_line(y)) for y in range(3)]
 
         def felt():
-            player.touch(0.1 if player.finger > 0.5 else 0.9)
+            player.touch(0.1 if player.finger.position > 0.5 else 0.9)
             return all(row[8:].strip() for row in rows())
 
         assert await until(pilot, felt)
@@ -350,17 +353,17 @@ def test_the_keys_of_takes_replays_and_presets(player, tmp_path, monkeypatch):
 
     async def script(app, pilot):
         await pilot.press("R")
-        assert await until(pilot, lambda: player.recording)
+        assert await until(pilot, lambda: player.takes.growing is not None)
         await pilot.press("end")
         assert await until(pilot, lambda: cursor(player) > 0.9)
         await pilot.press("R")
-        assert await until(pilot, lambda: not player.recording)
+        assert await until(pilot, lambda: player.takes.growing is None)
         await pilot.press("p")
-        assert await until(pilot, lambda: player.replaying)
+        assert await until(pilot, lambda: player.loop.playing)
         await pilot.press("1")
         assert await until(pilot, lambda: "from the loop's start" in str(app._words.render()))
         await pilot.press("p")
-        assert await until(pilot, lambda: not player.replaying)
+        assert await until(pilot, lambda: not player.loop.playing)
         assert len(list(tmp_path.glob("take-*.csv"))) == 1
 
     drive(player, script)
@@ -373,15 +376,16 @@ def test_a_command_may_be_typed_and_chosen(player):
         await pilot.press(*"gain", "space", *"tactor", "space", "minus", "7")
         await pilot.pause(0.5)
         await pilot.press("down", "enter")
-        assert await until(pilot, lambda: player.settings.tactor.gain_db == -7.0)
+        assert await until(pilot, lambda: player.output.settings.tactor.gain_db == -7.0)
 
     drive(player, script)
 
 
 def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, monkeypatch):
+    surface = player.engine.surface
     goal = next(
         place
-        for place, event in zip(player.surface.position, player.surface.event, strict=True)
+        for place, event in zip(surface.position, surface.event, strict=True)
         if player.shown.events[event].kind == "goal"
     )
     keys = ["?", "m"]
@@ -405,7 +409,7 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     assert "drag" in said[1]
     assert "clicks muted" in said
     assert any("goal" in line for line in said[2:])
-    assert player.settings.click.mute
+    assert player.output.settings.click.mute
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What lies under the hand: which part of the timeline, by which preset.
+"""Active timeline window and preset.
 
 Both are wished for, and handed to the engine as soon as it has a surface free.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from overview_dsp.data.feeds.difference import difference
@@ -17,7 +17,7 @@ from overview_dsp.data.timeline.moments import Zoom
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.session.presets import PresetPair
-from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.live.session.session import Session
 from overview_dsp.signal.engine.replay import apply_change
 from overview_dsp.signal.surface.ahead import joined
 from overview_dsp.signal.surface.angle_map import SHARE, AngleMap
@@ -32,8 +32,8 @@ NEAR = 1e-6
 """Of the window: an event so near is the one that the hand is on."""
 
 
-class UnderHand:
-    """The window and the preset of an engine.
+class ActiveWindow:
+    """The window and the preset of an engine, and those that are wished for.
 
     Thread: control.
 
@@ -49,12 +49,9 @@ class UnderHand:
         Those to choose from.
     """
 
-    def __init__(
-        self, engine: Engine, timeline: Timeline, presets: PresetPair, say: Callable[[str], None]
-    ) -> None:
-        """The whole timeline, which `engine` has; `say` tells the person."""
-        self._engine = engine
-        self._say = say
+    def __init__(self, session: Session, timeline: Timeline, presets: PresetPair) -> None:
+        """Begin with the whole timeline, which the engine has."""
+        self._engine, self._say = session.engine, session.say
         self.timeline = self.shown = timeline
         self.window = (0.0, timeline.duration_s)
         self.presets = presets

@@ -1,0 +1,29 @@
+"""Names and forms of the commands of a session, which `commands` does; this imports nothing."""
+
+from __future__ import annotations
+
+FORMS = {
+    "record": "record [0|1]",
+    "replay": "replay [0|1]",
+    "preset": "preset 1|2|NAME",
+    "window": "window START END",
+    "device": "device NAME|NUMBER|none",
+    "block-size": "block-size FRAMES",
+    "rate": "rate HZ",
+    "channels": "channels CLICK TACTOR",
+    "actuator": "actuator NAME|none",
+    "gain": "gain click|tactor DB",
+    "mute": "mute click|tactor [0|1]",
+    "map": "map whole|so-far",
+    "expect": "expect LENGTH",
+}
+KEYS = {"R": ("record",), "P": ("replay",), "1": ("preset", "1"), "2": ("preset", "2")}
+"""Commands of single keys."""
+
+
+def parse_command(line: str) -> tuple[str, ...] | None:
+    """Return the command that a line asks for: R, P, 1, 2 or the words of a form; else None."""
+    words = line.split()
+    if line.strip().upper() in KEYS:
+        return KEYS[line.strip().upper()]
+    return tuple(words) if words and words[0] in FORMS else None
