@@ -66,7 +66,7 @@ def is_content(data: object) -> bool:
 
 @contextlib.contextmanager
 def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[Source]:
-    """Give data as a `Source`, in a temporary file where they are no plain file.
+    """Yield data as a `Source`, from a temporary file where they are no plain file.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[Sourc
 
 @contextlib.contextmanager
 def _spooled(data: Any, options: LoadOptions) -> Iterator[tuple[Path, str]]:
-    """Give a temporary file with the data, and what error lines call them."""
+    """Yield a temporary file with the data, and what error lines call them."""
     with contextlib.ExitStack() as stack:
         name, label = UNNAMED, "the data given"
         if is_url(data):
