@@ -363,6 +363,14 @@ def knocks(level: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.asarray(found, dtype=np.int64)
 
 
+def near_peak(level: NDArray[np.float64], peak: int, fall_db: float) -> int:
+    """Return how many levels around a peak stay within `fall_db` of it, the peak included."""
+    below = np.flatnonzero(level < level[peak] - fall_db)
+    after = int(np.searchsorted(below, peak))
+    first = below[after - 1] + 1 if after else 0
+    return int((below[after] if after < len(below) else len(level)) - first)
+
+
 def events_felt_apart(
     stroke: Stroke,
     surface: Surface,
