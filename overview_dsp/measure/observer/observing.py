@@ -9,7 +9,7 @@ the own hand 15 %. Standard deviations. Pulses less than 30 ms apart are one alr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,7 +148,7 @@ def observe(
         if progress is not None:
             progress(done / work)
 
-    def strokes_of(made: Sequence[Timeline], first: int) -> list[list[StrokeMet]]:
+    def strokes_of(made: Sequence[Timeline], first: int) -> dict[str, list[StrokeMet]]:
         return rendered_strokes(preset, made, hands, modalities, first, step)
 
     lessons = strokes_of(random_timelines(preset, learned, seed), seed)
@@ -163,9 +163,9 @@ def observe(
     for number, stroke in enumerate(stroke_names(hands)):
         for modality in modalities:
             rng = np.random.default_rng([seed, number, MODALITIES.index(modality)])
-            forest, names = taught(list(_named(lessons, stroke)), modality, kinds, rng)
+            forest, names = taught(lessons[stroke], modality, kinds, rng)
             for name, every in asked.items():
-                told = asked_of(list(_named(every, stroke)), modality, kinds, forest, names, rng)
+                told = asked_of(every[stroke], modality, kinds, forest, names, rng)
                 scores[name].setdefault(stroke, {})[modality] = told
             step(_LESSON)
     counts = {"random timelines": held_out, "timelines given": len(timelines)}
@@ -191,10 +191,6 @@ def _check(
         raise InputError(f"learned = {learned}; an observer learns from 1 timeline or more")
     if held_out < 0 or seed < 0:
         raise InputError(f"held_out = {held_out}, seed = {seed}; neither is below 0")
-
-
-def _named(every: Sequence[Sequence[StrokeMet]], name: str) -> Iterator[StrokeMet]:
-    return (stroke for strokes in every for stroke in strokes if stroke.name == name)
 
 
 def _classes(stroke: StrokeMet, modality: Modality, nothing: int) -> NDArray[np.int64]:
